@@ -1,16 +1,16 @@
-"""Who makes a sweep in parts in which time and memory, and does it survive? The ways to do so, side by side.
+"""Who makes a sweep in shards in which time and memory, and does it survive? The ways to do so, side by side.
 
 Usage: python benchmarks/sweeps.py [--cells 1e7] [--repeats 3] [--flight] [--in FOLDER]
        python benchmarks/sweeps.py --faults | --encodings
 
 The grid is that of examples/wide_sweep.toml, with as many amplitudes as make the cells; bodies are followed
-through flight with --flight alone. Each way to make the parts runs in a process of its own, in turn with
+through flight with --flight alone. Each way to make the shards runs in a process of its own, in turn with
 ``vibro.solve`` of the same cells on as many cores: ratios are of times within one run. Workers are started,
 and have imported what they need, before the time begins. Times are the least of the repeats. "Of core time"
 is the ratio of what processes had of the cores, which others on the machine disturb less.
 
 With --faults a worker is killed in the middle of a run, then the process that started the workers, and the
-run is resumed. With --encodings ways to write a part, and to solve its cells, are compared. Linux alone.
+run is resumed. With --encodings ways to write a shard, and to solve its cells, are compared. Linux alone.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ import sys
 import tempfile
 import time
 from concurrent.futures import wait
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -36,17 +36,17 @@ from unittest.mock import patch
 
 from vibro.axes import parse_axis
 from vibro.memory import retain_freed_memory
+from vibro.output.plan import ROW_GROUP, Plan
+from vibro.output.workers import Cluster, Processes, Threads, Workers
 from vibro.parallel import cores
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
-from vibro.sweeps.executors import Cluster, Processes, Threads, Workers
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, versions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from vibro.sweeps.parted import Summary
+    from vibro.output.shards import Summary
 
 EXAMPLE: Final = Path(__file__).parent.parent / "examples" / "wide_sweep.toml"
 LENGTH: Final = 600.0  # [mm] of the trough
@@ -66,9 +66,10 @@ WAYS: Final = {
 }  # cores that each has
 # Of Dask's workers, as docs/scale.md advises; vibro's own processes have these settings anyway.
 RETAINING: Final = {"MALLOC_MMAP_THRESHOLD_": f"{32 << 20}", "MALLOC_TRIM_THRESHOLD_": f"{64 << 20}"}
+SHARD_CELLS: Final = 1_000_000
 TASKS: Final = 300  # that do nothing, to see what one costs
 MEGA: Final = 1e6
-FAULT_PARTS: Final = 3  # after which a fault happens
+FAULT_SHARDS: Final = 3  # after which a fault happens
 
 
 def grid_of(cells: float, flight: bool = False, axes: dict[str, str] = AXES) -> Grid:
@@ -80,10 +81,9 @@ def grid_of(cells: float, flight: bool = False, axes: dict[str, str] = AXES) -> 
     return Grid(known, fixed, LENGTH, flight=flight)
 
 
-def plan_of(grid: Grid, part_cells: int = PART_CELLS) -> Plan:
-    return Plan(
-        grid, Table(columns_of(grid.axes, made_with=grid.made_with)), part_cells, "wide_sweep", {}, versions()
-    )
+def plan_of(grid: Grid, shard_cells: int = SHARD_CELLS) -> Plan:
+    table = Table(columns_of(grid.axes, made_with=grid.made_with))
+    return Plan.of(grid, table, shard_cells, "wide_sweep", {})
 
 
 # Times and memory of a process and those that it starts.
@@ -124,7 +124,7 @@ def timed(run: Callable[[], Any]) -> tuple[float, float, Any]:
 
 @contextmanager
 def workers_of(way: str) -> Iterator[Workers]:
-    """Give those who make parts, at work."""
+    """Give those who make shards, at work."""
     with ExitStack() as stack:
         workers: Workers
         if way == "2 processes":
@@ -142,12 +142,13 @@ def workers_of(way: str) -> Iterator[Workers]:
 
 
 def make(plan: Plan, folder: Path, workers: Workers) -> Summary:
-    from vibro.files.part_sets import PartSet
-    from vibro.sweeps.parted import make_parts
+    from vibro.output.shard_folder import MANIFEST, ShardFolder
+    from vibro.output.shards import make_shards
 
-    with PartSet(folder, "") as files:
-        summary = make_parts(plan, files, workers, [], resume=False)
-        files.finish(summary.text())
+    with ShardFolder(folder, "") as files:
+        files.write(MANIFEST, plan.manifest([]))
+        summary = make_shards(plan, files, workers, range(plan.shards))
+        summary.finish(files, plan.manifest([]))
     return summary
 
 
@@ -158,7 +159,7 @@ def solve_alone(grid: Grid, threads: int) -> None:
 
 
 def run_way(way: str, cells: float, repeats: int, flight: bool, place: Path) -> dict[str, Any]:
-    """Measure one way to make the parts."""
+    """Measure one way to make the shards."""
     grid = grid_of(cells, flight)
     plan = plan_of(grid)
     folder = place / "sweep"
@@ -244,9 +245,9 @@ def command(folder: Path, *more: str) -> list[str]:
 
 @contextmanager
 def started(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Start a run, and wait until some parts are there."""
+    """Start a run, and wait until some shards are there."""
     with subprocess.Popen(command(folder), stderr=subprocess.DEVNULL) as process:
-        while len(list(folder.glob("part-*"))) < FAULT_PARTS and process.poll() is None:
+        while len(list(folder.glob("part-*"))) < FAULT_SHARDS and process.poll() is None:
             time.sleep(0.02)
         yield process
 
@@ -261,7 +262,7 @@ def told(folder: Path) -> dict[str, Any]:
 
 
 def faults(place: Path) -> None:
-    print("a run with 2 processes, killed (kill -9) after 3 of its 10 parts")
+    print("a run with 2 processes, killed (kill -9) after 3 of its 10 shards")
     calm = place / "calm"
     subprocess.run(command(calm), check=True, stderr=subprocess.DEVNULL)
     expected = told(calm)["digest"]
@@ -278,19 +279,19 @@ def faults(place: Path) -> None:
         process.kill()
     time.sleep(3.0)  # until its workers have noticed
     there = len(list(folder.glob("part-*")))
-    print(f"  who started it: {there} parts are there, _SUCCESS: {(folder / '_SUCCESS').exists()}")
+    print(f"  who started it: {there} shards are there, _SUCCESS: {(folder / '_SUCCESS').exists()}")
     subprocess.run(command(folder, "--resume"), check=True, stderr=subprocess.DEVNULL)
     print(f"  resumed: digest equal: {told(folder)['digest'] == expected}")
 
 
-# How a part is written, and its cells are solved.
+# How a shard is written, and its cells are solved.
 
 
 def encodings(repeats: int) -> None:
     from pyarrow import parquet
 
+    from vibro.output import parquet as room
     from vibro.results.sweep import Block
-    from vibro.sweeps import parquet_sink
 
     retain_freed_memory()
     grid = grid_of(1e7)
@@ -301,7 +302,7 @@ def encodings(repeats: int) -> None:
         for start in starts
     ]
     writer = parquet.ParquetWriter
-    inputs = [column.name for column in table.columns if column.name in parquet_sink._GIVEN]
+    inputs = [column.name for column in table.columns if column.name in room._GIVEN]
     numbers = [column.name for column in table.columns if column.is_number]
     results = [name for name in numbers if name not in inputs]
     texts = [column.name for column in table.columns if not column.is_number]
@@ -327,17 +328,16 @@ def encodings(repeats: int) -> None:
         with ExitStack() as stack:
             stack.enter_context(patch.object(parquet, "ParquetWriter", changed))
             if like_results:
-                stack.enter_context(patch.object(parquet_sink, "_GIVEN", frozenset()))
-            whole = stack.enter_context(
-                parquet_sink.open_writer(parquet_sink.HashedFile(file), table.columns)
-            )
+                stack.enter_context(patch.object(room, "_GIVEN", frozenset()))
+            form = stack.enter_context(closing(room.Parquet()))
+            form.open(room.HashedFile(file), grid, table)
             for block in blocks:
-                whole.write_table(parquet_sink.row_group(table, block, whole.schema), ROW_GROUP)
+                form.write(block)
         return file.tell()
 
     cells = ROW_GROUP * len(blocks)
     spent = best_of(repeats, {name: partial(write, **change) for name, change in changes.items()})
-    print(f"{'how a part is written':28}  {'ns/cell':>7}  {'bytes/cell':>10}")
+    print(f"{'how a shard is written':28}  {'ns/cell':>7}  {'bytes/cell':>10}")
     for name, change in changes.items():
         print(f"{name:28}  {1e9 * spent[name] / cells:7.1f}  {write(**change) / cells:10.2f}")
 

@@ -44,9 +44,10 @@ _FAST: Final = (
     "cli/test_friction.py", "core/test_contact.py", "core/test_cycle_slides.py", "core/test_drives.py",
     "core/test_elementary.py", "core/test_flight.py", "core/test_legs.py", "core/test_loop.py",
     "core/test_motions.py", "core/test_samples.py", "core/test_scenes.py", "core/test_steps.py",
-    "core/test_windows.py", "output/test_hidden.py", "files/test_descriptions.py", "files/test_scene_files.py",
+    "core/test_windows.py", "files/test_descriptions.py", "files/test_scene_files.py",
+    "output/test_hidden.py", "output/test_plan.py", "output/test_selection.py", "output/test_shard_folder.py",
     "plots/test_labels.py", "records/test_minimisation.py",
-    "records/test_missing_values.py", "sweeps/test_plan.py", "test_axes.py", "test_errors.py",
+    "records/test_missing_values.py", "test_axes.py", "test_errors.py",
     "test_quantities.py", "test_reals.py", "test_reference.py", "test_scene.py", "test_translate.py",
     "test_walks.py",
 )  # fmt: skip

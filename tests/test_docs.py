@@ -18,6 +18,7 @@ from helpers.nomenclature import HEADER, PLAIN_HEADER, page_with, tables
 from PIL import Image
 
 import vibro
+from vibro.output.stored import StoredSweep
 from vibro.quantities import QUANTITIES
 from vibro.results import RESULTS
 from vibro.sweeps.columns import columns_of
@@ -31,6 +32,7 @@ from vibro.sweeps.derived import (
     standing,
     throughput,
 )
+from vibro.sweeps.whole import Sweep
 
 ROOT = Path(__file__).parent.parent
 THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
@@ -101,10 +103,14 @@ def test_the_core_cites_its_equations() -> None:
     assert len(cited(text)) >= 15
 
 
-@pytest.mark.parametrize("name", ["Scene", *(n for n in vibro.__all__ if n[0].islower())])
-def test_the_examples_of_public_names_run(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+METHODS = (Sweep.to_xarray, StoredSweep.to_xarray, vibro.History.to_frame)
+FUNCTIONS = [vibro.Scene, *(getattr(vibro, name) for name in vibro.__all__ if name[0].islower()), *METHODS]
+
+
+@pytest.mark.parametrize("example", FUNCTIONS, ids=lambda example: example.__qualname__)
+def test_the_examples_of_public_names_run(example: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    (test,) = doctest.DocTestFinder(recurse=False).find(getattr(vibro, name), name)
+    (test,) = doctest.DocTestFinder(recurse=False).find(example, example.__qualname__)
     assert test.examples
     assert doctest.DocTestRunner().run(test).failed == 0
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from vibro.errors import MOST_TOLD, InputError, Problems, cut, shown
+from vibro.errors import MOST_TOLD, InputError, Problems, cut, did_you_mean, shown
 
 
 @pytest.mark.parametrize(
@@ -104,3 +104,22 @@ def test_problems_are_raised_together_each_hint_once() -> None:
     assert told[:4] == ["first", "[scene] second", "[scene] third", "0"]
     assert caught.value.fields[:4] == ("", "a", "b", "")
     assert caught.value.hint == "sort them"
+
+
+@pytest.mark.parametrize(
+    ("word", "more", "meant"),
+    [
+        ("amplitud_mm", {}, "did you mean 'amplitude_mm'?"),
+        ("AMPLITUDE", {}, "did you mean 'amplitude_mm'?"),
+        ("nut.TML", {}, "did you mean 'Nut.toml'?"),
+        ("nut.tml", {"before": "in/"}, "did you mean 'in/Nut.toml'?"),
+        ("a_mm", {"most": 2, "cutoff": 0.3}, "did you mean 'amplitude_mm' or 'odd\\x1b name'?"),
+        ("odd name", {}, "did you mean 'odd\\x1b name'?"),
+        ("qqq", {}, ""),
+        ("", {}, ""),
+        pytest.param(10**5000, {}, "", id="long number"),
+        ("9" * 100_000, {}, ""),
+    ],
+)
+def test_what_was_meant_is_asked_in_one_way(word: Any, more: dict[str, Any], meant: str) -> None:
+    assert did_you_mean(word, ["amplitude_mm", "Nut.toml", "odd\x1b name"], **more) == meant

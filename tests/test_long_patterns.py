@@ -17,8 +17,8 @@ from vibro import Status
 from vibro.core.codes import MOST_LETTERS, spelt_code
 from vibro.core.flight import BOUNCE
 from vibro.long_patterns import turned
+from vibro.output.workers import Processes, Threads
 from vibro.slopes import scale_slope
-from vibro.sweeps.executors import Processes, Threads
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -163,16 +163,15 @@ kinetic_friction = 0.25
 """
 
 
-@pytest.mark.parametrize("how", ["threads", "pieces", "processes"])
-def test_parts_have_whole_patterns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str) -> None:
-    monkeypatch.setattr("vibro.sweeps.parts._SAMPLES", (1,))
+@pytest.mark.parametrize("how", ["threads", "processes"])
+def test_shards_have_whole_patterns(tmp_path: Path, how: str) -> None:
     path = tmp_path / "eighth.toml"
     path.write_text(FILE, encoding="utf-8")
     swept = vibro.sweep(path, frequency_hz="2:20:6", kinetic_friction="0.2:0.3:3")
     plan = plan_of(swept, 9)
-    workers = Processes(2) if how == "processes" else Threads(plan.parts)
-    written(tmp_path / "out", plan, workers, patience=0.0 if how == "pieces" else 1e9)
-    parts = sorted((tmp_path / "out").glob("part-*.parquet"))
-    found = [text for part in parts for text in parquet.read_table(part)["pattern"].to_pylist()]
+    workers = Processes(2) if how == "processes" else Threads(plan.shards)
+    written(tmp_path / "out", plan, workers)
+    shards = sorted((tmp_path / "out").glob("part-*.parquet"))
+    found = [text for shard in shards for text in parquet.read_table(shard)["pattern"].to_pylist()]
     assert found == swept.cycle.pattern.ravel().tolist()
     assert "F_B_" * 8 in found

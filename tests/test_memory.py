@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from helpers.buffers import is_glibc, keeps_large_buffers
 
-from vibro.sweeps.executors import Processes
+from vibro.output.workers import Processes
 
 pytestmark = pytest.mark.skipif(not is_glibc(), reason="a setting of glibc's malloc")
 
@@ -26,14 +26,14 @@ vibro.solve(scene, threads=2)
 WRITE = """
 import vibro
 nut = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
-vibro.write_sweep("wide", amplitude_mm="0.1:1.2:300", frequency_hz="15:20:300", part_cells=40_000, **nut)
+vibro.write_sweep("wide", amplitude_mm="0.1:1.2:300", frequency_hz="15:20:300", shard_cells=40_000, **nut)
 """
 ON_A_CLUSTER = """
 import vibro
 from distributed import LocalCluster
 nut = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
 with LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=":0") as cluster:
-    vibro.write_sweep("wide", amplitude_mm="0.1:1.2:30", frequency_hz="15:20:30", part_cells=400,
+    vibro.write_sweep("wide", amplitude_mm="0.1:1.2:30", frequency_hz="15:20:30", shard_cells=400,
                       scheduler=cluster.scheduler_address, **nut)
 """
 COMMAND = """

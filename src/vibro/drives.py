@@ -102,7 +102,7 @@ class Drive:
 
     def _refusal(self, ability: Ability, hint: str = "") -> InputError:
         able = " or ".join(kind.kind for kind in KINDS if ability in kind.abilities)
-        hint = hint or "vibro.solve, vibro.simulate and vibro.arrival_time take it, as do vibro solve and map"
+        hint = hint or "vibro.solve, vibro.simulate, vibro.arrival_time and vibro.sweep take it"
         return InputError(f"a drive {self.kind}: {ability.value} are known of drives {able} alone", hint=hint)
 
     @property

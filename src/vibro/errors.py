@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
 #: Largest number of problems of one input that a message lists; the others are counted.
 MOST_TOLD: Final = 20
@@ -47,6 +47,40 @@ def cut(text: str, most: int = _LONGEST) -> str:
     if len(text) > most:
         text = f"{text[: most - _RIGHT]}...{text[-_RIGHT:]} ({len(text)} characters)"
     return printable(text)
+
+
+def did_you_mean(
+    word: object, known: Iterable[str], *, most: int = 1, cutoff: float = 0.5, before: str = ""
+) -> str:
+    """Ask whether a known name was meant, for the hint of an error.
+
+    Parameters
+    ----------
+    word : object
+        What was given; case does not matter. Nothing is near to what is no text.
+    known : iterable of str
+        The names that there are.
+    most : int
+        How many of them are suggested.
+    cutoff : float
+        Least similarity, as of ``difflib``.
+    before : str
+        What stands before each name: the folder of a file.
+
+    Returns
+    -------
+    str
+        ``did you mean 'amplitude_mm'?``; empty if no name is near.
+    """
+    import difflib  # which messages alone need
+
+    text = word.casefold() if isinstance(word, str) else ""
+    names: dict[str, str] = {}
+    for name in known:
+        names.setdefault(name.casefold(), name)
+    close = difflib.get_close_matches(text, names, n=most, cutoff=cutoff)
+    meant = " or ".join(f"'{before}{printable(names[key])}'" for key in close)
+    return f"did you mean {meant}?" if meant else ""
 
 
 def printable(text: str) -> str:

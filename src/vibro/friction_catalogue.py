@@ -8,14 +8,13 @@ Therefore all rows are kept, and none are averaged.
 from __future__ import annotations
 
 import csv
-import difflib
 import re
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -203,8 +202,8 @@ def _unknown_pair(text: str) -> InputError:
 def _nearest(text: str) -> str:
     """Suggest the pairs nearest to a text; empty if none is near."""
     pairs = dict.fromkeys(row.pair for row in rows())
-    close = difflib.get_close_matches(_folded(text)[:60], pairs, n=3, cutoff=0.3)
-    return f"did you mean {' or '.join(map(repr, close))}? vibro friction lists all pairs" if close else ""
+    meant = did_you_mean(_folded(text)[:60], pairs, most=3, cutoff=0.3)
+    return f"{meant} vibro friction lists all pairs" if meant else ""
 
 
 def _listed(several: Sequence[Row]) -> str:

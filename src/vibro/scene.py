@@ -12,7 +12,7 @@ from vibro.drives import KINDS, Ellipse, Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError, shown
 from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY, of_part
 from vibro.reals import NotRealError, real_array
-from vibro.waveforms import HarmonicMotion, Motion, harmonic_motion
+from vibro.waveforms import HarmonicMotion, Motion, PiecewiseMotion, harmonic_motion
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -198,6 +198,27 @@ class Scene:
         self._set(locals())
         if problems := self._field_problems() + self._combination_problems():
             raise SceneError(tuple(problems))
+
+    def _repr_html_(self) -> str:
+        """Return the fields as a table for notebooks, in the units of scene files."""
+        from vibro.html_tables import html_table, span
+
+        rows: list[tuple[str, str]] = []
+        seen: dict[str, int] = {}
+        for field, name, x in self.arrays().members():
+            quantity = QUANTITIES[name]
+            label = quantity.label
+            if field != name:  # one of several harmonics, along the trough or normal to it
+                size = "amplitude" if "amplitude" in name else "phase"
+                seen[field + size] = seen.get(field + size, 0) + 1
+                label = f"{field.partition('_')[0]} {size} {seen[field + size]}"
+            rows.append((label, span(quantity.from_si(x), quantity.unit)))
+        if isinstance(self.motion, PiecewiseMotion):
+            pieces = len(self.motion.breaks) - 1
+            largest = span(self.motion.largest_acceleration, QUANTITIES["gravity"].unit)
+            rows.insert(0, ("motion", f"{pieces} pieces, at most {largest}"))
+        caption = " x ".join(map(str, self.shape)) + " scenes" if self.shape else "scene"
+        return html_table(caption, rows)
 
     @classmethod
     def allowing_infeasible(cls, **values: ArrayLike) -> Scene:

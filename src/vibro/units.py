@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
-    "ACCELERATION", "ANGLE", "FORCE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS", "MASS_FLOW", "PERCENT",
-    "PER_MINUTE", "PURE", "SPEED", "TIME", "Kind",
+    "ACCELERATION", "ANGLE", "CF_UNITS", "FORCE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS", "MASS_FLOW",
+    "PERCENT", "PER_MINUTE", "PURE", "SPEED", "TIME", "Kind",
 ]  # fmt: skip
 
 
@@ -92,3 +92,19 @@ TIME: Final = Kind("s", "s", "_s",
 PER_MINUTE: Final = Kind("1/min", "1/s", "_per_min", {}, per_si=60.0)
 MASS_FLOW: Final = Kind("kg/h", "kg/s", "_kg_h", {}, per_si=3600.0)
 # fmt: on
+#: Units outside as the CF conventions of netCDF spell them, in the units of UDUNITS, where g is a gram.
+CF_UNITS: Final[Mapping[str, str]] = {
+    PURE.unit: "1",
+    PERCENT.unit: "percent",
+    IN_GRAVITIES.unit: "1",  # over the gravity of the scene, which need not be that of the Earth
+    LENGTH.unit: "mm",
+    SPEED.unit: "mm s-1",
+    FREQUENCY.unit: "Hz",
+    ANGLE.unit: "degree",
+    ACCELERATION.unit: "m s-2",
+    MASS.unit: "kg",
+    FORCE.unit: "N",
+    TIME.unit: "s",
+    PER_MINUTE.unit: "min-1",
+    MASS_FLOW.unit: "kg h-1",
+}

@@ -13,6 +13,8 @@ import pytest
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run
 
 import vibro
+from vibro.cli.exit_codes import ExitCode
+from vibro.interrupts import EXIT_CODE
 
 COMMANDS = ("map", "solve", "traverse-time")
 
@@ -83,7 +85,36 @@ def test_a_missing_scene_file_is_exit_code_1(run: Run) -> None:
     result = run("map", "nutt.toml")
     assert result.exit_code == 1
     assert result.stderr.startswith("error: cannot read nutt.toml: ")
-    assert result.stderr.endswith("hint: did you mean nut.toml?\n")
+    assert result.stderr.endswith("hint: did you mean 'nut.toml'?\n")
+
+
+@pytest.mark.parametrize("name", ["wid", "wid/", "wide.parquet"])
+def test_a_map_of_what_is_not_there_is_told_what_is(run: Run, name: str) -> None:
+    Path("wide").mkdir()
+    Path("other.csv").touch()
+    result = run("map", name)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == (
+        f"error: cannot read {Path(name)}: there is no such file or folder\nhint: did you mean 'wide'?\n"
+    )
+
+
+@pytest.mark.parametrize("command", ["solve", "simulate", "traverse-time", "accuracy", "compare", "design"])
+def test_every_command_says_that_its_file_is_missing(run: Run, command: str) -> None:
+    record = ["record.csv"] if command == "compare" else []
+    Path("record.csv").write_text("t [s],x [mm]\n" + "".join(f"{i / 600},1\n" for i in range(99)))
+    result = run(command, "nut.parquet" if command == "design" else "nut.toml", *record)
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1].startswith("error: cannot read nut.")
+
+
+def test_help_tells_every_exit_code(run: Run) -> None:
+    told = run("--help").stdout
+    for code in ExitCode:
+        assert f"{code:d} " in told
+        assert code.meaning in told
+    assert ExitCode.INTERRUPTED == EXIT_CODE == 130
+    assert [*ExitCode] == [0, 1, 2, 3, 4, 130]
 
 
 def test_a_wrong_scene_file_is_exit_code_2(run: Run) -> None:

@@ -102,7 +102,7 @@ def test_every_file_is_written(run: Run) -> None:
     assert set(content["files"]) == written
     assert content["argv"][:2] == ["vibro", "compare"]
     assert content["scene"]["amplitude_mm"] == 1
-    assert content["columns"]["force"] == "F [N]"
+    assert content["columns"]["friction"] == "F [N]"
     assert content["figures"]["stroke_advance"]["computed"] == pytest.approx(1.0842304, rel=1e-7)
     assert content["trough_time_at_zero_s"] == pytest.approx(STUDY["TRIGGER_TIME"], abs=2e-4)
 
@@ -147,21 +147,21 @@ def test_headers_that_a_spreadsheet_would_run_are_quoted(run: Run, tmp_path: Pat
         assert {row["data_columns"][:2] for row in rows} == {f"'{sign}"}
 
 
-def test_force_is_a_flag_or_the_header_of_a_column(run: Run, tmp_path: Path) -> None:
+def test_force_replaces_and_names_no_column(run: Run, tmp_path: Path) -> None:
     path = short_study(tmp_path)
-    force = ("--force", "F [N]", "--mass", "0.02kg")
-    assert run("compare", SCENE, path, *force, "-o", "out").exit_code == 0
-    again = run("compare", SCENE, path, *force, "-o", "out")
+    friction = ("--friction", "F [N]", "--mass", "0.02kg")
+    assert run("compare", SCENE, path, *friction, "-o", "out").exit_code == 0
+    again = run("compare", SCENE, path, *friction, "-o", "out")
     assert again.exit_code == 1
     assert "--force" in again.stderr
     for replacing in (
-        ("compare", SCENE, path, *force, "-o", "out", "--force"),
-        ("compare", "--force", SCENE, path, *force, "-o", "out"),
-        ("compare", SCENE, path, "--force", "--force=F [N]", "--mass", "20g", "-o", "out"),
+        ("compare", SCENE, path, *friction, "-o", "out", "--force"),
+        ("compare", SCENE, path, "--force", *friction, "-o", "out"),
+        ("compare", "--force", SCENE, path, *friction, "-o", "out"),
     ):
         result = run(*replacing)
         assert result.exit_code == 0, result.stderr
-        assert json.loads(Path("out.json").read_text(encoding="utf-8"))["columns"]["force"] == "F [N]"
+        assert json.loads(Path("out.json").read_text(encoding="utf-8"))["columns"]["friction"] == "F [N]"
 
 
 def test_the_scene_may_come_from_options_alone(run: Run, tmp_path: Path) -> None:
@@ -208,7 +208,8 @@ def test_data_that_run_the_other_way(run: Run, tmp_path: Path) -> None:
     [
         (("--fit", "mu_k"), "--fit mu_k: 'mu_k' cannot be estimated"),
         (("--fit", "A,A"), "--fit A,A: 'A' is given twice"),
-        (("--force", "F [N]"), "a force needs the mass of the body"),
+        (("--friction", "F [N]"), "a force needs the mass of the body"),
+        (("--force", "F [N]", "--mass", "20g"), "Got unexpected extra argument"),
         (("--mass", "0"), "mass = 0: must be finite and > 0 kg"),
         (("--mass", "20mm"), "'mm' is no unit of mass"),
         (("--displacement", "Y [mm]"), "no column 'Y [mm]' for --displacement"),

@@ -110,17 +110,47 @@ def test_the_program_serves_until_it_is_interrupted(tmp_path: Path) -> None:
         ends = [(run.communicate(timeout=60)[1].splitlines(), run.returncode) for run in (first, second)]
         for thread in asked:
             thread.join()
-    for page, (echo, code) in zip(pages, ends, strict=True):
-        assert code == 130
+    how = ((0, "goodbye: the page gets no more answers"), (130, "error: interrupted"))
+    for page, (echo, code), (wanted, last) in zip(pages, ends, how, strict=True):
+        assert code == wanted
         assert echo[-3:] == [
             "only this machine reaches it, and one browser; Ctrl-C ends it",
             f"from elsewhere: ssh -L {page.port}:127.0.0.1:{page.port} host",
-            "error: interrupted",
+            last,
         ]
     taken = [echo for echo, _ in ends if len(echo) == 4]
     assert taken != []
     for echo in taken:
         assert re.fullmatch(r"port 8765 is taken: \d+ it is", echo[0])
+
+
+@pytest.mark.parametrize(("quiet", "said"), [((), "goodbye: the page gets no more answers\n"), (("-q",), "")])
+def test_ctrl_c_is_its_end(
+    run: Run,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    quiet: tuple[str, ...],
+    said: str,
+) -> None:
+    ended: list[int] = []
+    monkeypatch.setattr("os._exit", ended.append)
+    monkeypatch.setattr(server, "serve", lambda *_, **__: signal.raise_signal(signal.SIGINT))
+    before = signal.getsignal(signal.SIGINT)
+    run("explore", "--no-open", *quiet)
+    assert ended == [0]
+    assert capfd.readouterr().err == said
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_ignored_ctrl_c_stays_ignored(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As for a job in the background of a script."""
+    monkeypatch.setattr("os._exit", None)
+    monkeypatch.setattr(server, "serve", lambda *_, **__: signal.raise_signal(signal.SIGINT))
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert run("explore", "--no-open").exit_code == 0
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_states_come_from_the_scene_and_options(run: Run, served: list[Any]) -> None:

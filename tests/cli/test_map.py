@@ -120,7 +120,7 @@ def test_the_fastest_cells_are_told_last(run: Run) -> None:
         for name, row in (("fastest", rows[-1]), ("fastest backwards", rows[0]))
     ]
     assert result.stderr.splitlines()[-2:] == told
-    assert run(*CLIMB, "-o", "wide", "--table", "parquet", "--part-cells", "4").exit_code == 0
+    assert run(*CLIMB, "-o", "wide", "--table", "parquet", "--shard-cells", "4").exit_code == 0
     assert run("map", "wide", "-o", "again").stderr.splitlines()[-2:] == told
     for sidecar in ("wide/_SUCCESS", "again.json"):
         peaks = json.loads(Path(sidecar).read_text(encoding="utf-8"))["peaks"]

@@ -7,9 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 import pytest
 from helpers.commands import NUT, Run, rows_of
 from helpers.made_records import EXAMPLES
+
+import vibro
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,6 +58,8 @@ def test_the_files(run: Run) -> None:
     assert len(rows) == 3 * 200 + 1 + 6
     phases = table_of("nut-phases.csv")
     assert [row["phase"] for row in phases] == ["rest", "forward slide"] * 3 + ["rest"]
+    frame = vibro.simulate(vibro.read_scene(SCENE), cycles=3).to_frame()
+    pd.testing.assert_frame_equal(pd.read_csv("nut-phases.csv"), frame, rtol=1e-14, check_dtype=False)
     times = [row["time_s"] for row in rows]
     assert {row["start_s"] for row in phases} <= set(times)
     content = json.loads(Path("nut.json").read_text(encoding="utf-8"))

@@ -98,7 +98,7 @@ def test_shared_options_work(run: Run, wide: Path) -> None:
     assert json.loads(result.stdout) == json.loads(Path("wide.json").read_text(encoding="utf-8"))
     assert run("map", "wide", *line).exit_code == 1
     assert run("map", "wide", *line, "--force").exit_code == 0
-    protected = run("map", "wide", *line, "-o", "wide/manifest", "--force")
+    protected = run("map", "wide", *line, "-o", "wide/_manifest", "--force")
     assert protected.exit_code == 1
     assert "it is what this run reads" in protected.stderr
 
@@ -145,7 +145,7 @@ def test_a_folder_that_holds_no_sweep_is_refused(run: Run, wide: Path) -> None:
     (wide / "_SUCCESS").unlink()
     result = run("map", "wide")
     assert result.exit_code == 1
-    assert "error: wide is not finished: 8 of 8 parts are there\n" in result.stderr
+    assert "error: wide is not finished: 8 of 8 shards are there\n" in result.stderr
     Path("empty").mkdir()
     assert "empty holds no sweep" in run("map", "empty").stderr
 
@@ -155,7 +155,7 @@ def test_pictures_without_their_columns_leave_nothing(
 ) -> None:
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
-    store(held, tmp_path / "few", columns=["amplitude_mm", "regime"], part_cells=1000)
+    store(held, tmp_path / "few", columns=["amplitude_mm", "regime"], shard_cells=1000)
     result = run("map", "few")
     assert result.exit_code == 2
     assert "error: there is no picture without the columns mean_velocity_mm_s, displace" in result.stderr

@@ -206,7 +206,7 @@ def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:
     ("args", "problem", "hint"),
     [
         ((*MAP, "--columns", "speed"), "there is no column 'speed'", "those of inputs are amplitude_mm, "),
-        ((*MAP, "--columns", "regime,amplitude"), "there is no column 'amplitude'", "did you mean amp"),
+        ((*MAP, "--columns", "regime,amplitude"), "there is no column 'amplitude'", "did you mean 'amp"),
         ((*MAP, "--columns", "regime, regime"), "column regime is named twice", "name it once"),
         ((*MAP, "--columns", ""), "there is no column ''", "those of inputs"),
         (

@@ -1,19 +1,13 @@
-"""A browser, and the explorer's page in it.
-
-Without a browser the tests that need one are skipped by name; where VIBRO_BROWSER is "required" they fail.
-VIBRO_AXE is the path of axe.min.js, from the npm package axe-core.
-"""
+"""The explorer's page in a browser."""
 
 from __future__ import annotations
 
-import os
-import shutil
 import threading
-from pathlib import Path
 from queue import Queue
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from helpers.browsers import PATIENCE, axe, browser
 
 from vibro.explore.server import serve
 from vibro.explore.state import initial_state
@@ -23,34 +17,7 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import Browser, BrowserContext, Page
 
-_OPTIONS = (
-    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync",
-)  # fmt: skip
-_PATIENCE = 30_000  # [ms] of a busy machine
-
-
-def _give_up(reason: str) -> NoReturn:
-    if os.environ.get("VIBRO_BROWSER") == "required":
-        pytest.fail(reason)
-    pytest.skip(reason)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    """Start the system's Chromium."""
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if program is None:
-        _give_up("no Chromium is installed")
-    try:
-        from playwright.sync_api import expect, sync_playwright
-    except ImportError:
-        _give_up("playwright is not installed")
-    expect.set_options(timeout=_PATIENCE)
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=program, args=list(_OPTIONS))
-        yield started
-        started.close()
+__all__ = ["axe", "browser"]
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +42,7 @@ def contexts(browser: Browser, session: tuple[str, Any]) -> Iterator[Callable[..
         chosen = {"viewport": {"width": 1200, "height": 800}, **options}
         if repr(chosen) not in made:
             made[repr(chosen)] = browser.new_context(storage_state=session[1], **chosen)
-            made[repr(chosen)].set_default_timeout(_PATIENCE)
+            made[repr(chosen)].set_default_timeout(PATIENCE)
         return made[repr(chosen)]
 
     yield context
@@ -104,12 +71,3 @@ def open_page(
     for page in pages:
         page.close()
     assert not errors
-
-
-@pytest.fixture(scope="module")
-def axe() -> str:
-    """Return the script of axe-core, which finds what keeps people from using a page."""
-    path = os.environ.get("VIBRO_AXE")
-    if not path:
-        _give_up("VIBRO_AXE does not say where axe.min.js is")
-    return Path(path).read_text(encoding="utf-8")

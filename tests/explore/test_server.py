@@ -324,7 +324,7 @@ def test_no_free_port_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
         port = taken.getsockname()[1]
         with pytest.raises(FileError, match=f"cannot listen on any port of {port}...{port}: ") as error:
             bind(port)
-        assert error.value.hint == "choose another with --port"
+        assert error.value.hint == "choose another with port="
 
 
 def test_the_last_port_is_the_last() -> None:

@@ -152,7 +152,7 @@ def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
     written(tmp_path, SCENE, "safety_nut.toml")
     with pytest.raises(FileError, match="cannot read") as caught:
         read_scene_file(tmp_path / "safty_nut.toml")
-    assert caught.value.hint == f"did you mean {tmp_path / 'safety_nut.toml'}?"
+    assert caught.value.hint == f"did you mean '{tmp_path / 'safety_nut.toml'}'?"
     with pytest.raises(FileError, match="cannot read"):
         read_scene_file(tmp_path)
     with pytest.raises(FileError, match="cannot read"):
@@ -251,6 +251,6 @@ def test_a_question_of_vibro_design_is_told_from_a_scene(
     path = written(tmp_path, text)
     with pytest.raises(InputError) as caught:
         read_scene_file(path)
-    told = f"{path}: this is a question of vibro design: parts, drives and a goal"
+    told = f"{path}: this is a design question: parts, drives and a goal"
     assert (caught.value.problems == (told,)) is is_question
-    assert (caught.value.hint == f"run vibro design {path}") is is_question
+    assert (caught.value.hint == f'run vibro.design("{path}")') is is_question

@@ -23,13 +23,17 @@ Records and questions:
     questions         a question of inverse design, and changes to it
     wild              wild input for every reader
 Sweeps and files:
-    plans, parted     sweeps in parts, and programs that make them
-    parted_maps       ``vibro map --table parquet`` and its folder
-    outputs, writers  sets of output files; writers that are killed
+    plans, sharded    sweeps in shards, and programs that make them
+    shard_writers     runs that write one folder, are killed, or meet (a program)
+    sharded_maps      ``vibro map --table parquet`` and its folder
+    outputs           sets of output files
+    workbooks         workbooks of sweeps, written and read back
     buffers           where malloc places large buffers
 Pictures, pages, commands:
     drawn, pixels     artists of pictures; their colours
     explorers         clients of the explorer that compute nothing
+    browsers          a browser, and what looks at pages in it
+    reports           reports read as their readers do
     packed, pages     answers as the explorer's page reads them; the page in a browser
     commands          commands run as programs
     key_tables        tables of keys in docs/files.md and docs/design.md (a program)

@@ -1,4 +1,4 @@
-"""Plans of small sweeps in parts."""
+"""Small sweeps in shards: their plans, and folders that are written as the command and the library do it."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Any, Literal
 from unittest import mock
 
 import vibro
-from vibro.files.part_sets import PartSet
+from vibro.output.plan import Plan
+from vibro.output.workers import Threads, Workers
+from vibro.output.writing import Sharding
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.derived import throughput
-from vibro.sweeps.executors import Threads, Workers
-from vibro.sweeps.parted import Summary, agree, make_parts
-from vibro.sweeps.plan import PART_CELLS, Plan, versions
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
+    from vibro.output.shards import Progress, Summary
     from vibro.sweeps.whole import Sweep
 
 NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
@@ -31,34 +31,45 @@ def swept(
     usual: dict[str, Any] = {"amplitude_mm": 1, "frequency_hz": 15, **NUT}
     if {"along_amplitude_mm", "normal_amplitude_mm"} & quantities.keys():
         usual = {key: usual[key] for key in usual if key not in ("amplitude_mm", "drive_angle_deg")}
-    if "friction_ratio" in quantities:
-        del usual["kinetic_friction"]
+    for name, other in (("friction_ratio", "kinetic_friction"), ("stroke_mm", "amplitude_mm")):
+        if name in quantities:
+            del usual[other]
     return vibro.sweep(accuracy=accuracy, flight=flight, coexistence=coexistence, **{**usual, **quantities})
 
 
 def plan_of(
     solved: Sweep,
-    part_cells: int = PART_CELLS,
+    shard_cells: int | None = None,
     *,
     columns: Sequence[str] | None = None,
     digits: int | None = None,
     part: Mapping[str, float] | None = None,
 ) -> Plan:
-    """Plan the same sweep in parts."""
+    """Plan the same sweep in shards."""
     grid = solved._grid
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if part else ()
     usual = columns_of(grid.axes, *extra, drive=grid.drive, made_with=grid.made_with)
     table = Table(usual if columns is None else chosen(columns, usual), digits, part or {})
-    return Plan(grid, table, part_cells, solved._title, solved._own, versions())
+    return Plan.of(grid, table, shard_cells, solved._title, solved._own)
 
 
-def written(folder: Path, plan: Plan, workers: Workers | None = None, patience: float = 20.0) -> Summary:
-    """Write a plan's parts into a new folder, as the command does."""
-    with PartSet(folder, "go on") as files:
-        plan = agree(files, plan, resume=False, force=False, own_size=True)
-        with workers or Threads(plan.parts) as who:
-            summary = make_parts(plan, files, who, ["vibro"], resume=False, patience=patience)
-        files.finish(summary.text())
+def written(
+    folder: Path,
+    plan: Plan,
+    workers: Workers | None = None,
+    report: Callable[[Progress], None] = lambda progress: None,
+    **how: Any,
+) -> Summary:
+    """Write a plan's shards into a folder; ``how`` is that of ``Sharding``."""
+    sharding = Sharding(**how)
+    with (
+        mock.patch("vibro.output.writing.workers_of", lambda shards, *_: workers or Threads(shards)),
+        sharding.folder(folder, "go on") as files,
+    ):
+        plan, wanted = sharding.agree(files, plan)
+        summary, manifest = sharding.carry_out(plan, wanted, files, ["test"], report)
+        if sharding.shards is None:
+            summary.finish(files, manifest)
     return summary
 
 
@@ -67,10 +78,10 @@ def store(
     folder: Path,
     *,
     columns: Sequence[str] | None = None,
-    part_cells: int = 100,
+    shard_cells: int = 100,
     row_group_cells: int = 40,
 ) -> Path:
-    """Store the cells of a sweep in short parts, each of several row groups."""
-    with mock.patch("vibro.sweeps.parts.ROW_GROUP", row_group_cells):
-        written(folder, plan_of(solved, part_cells, columns=columns))
+    """Store the cells of a sweep in short shards, each of several row groups."""
+    with mock.patch("vibro.output.shards.ROW_GROUP", row_group_cells):
+        written(folder, plan_of(solved, shard_cells, columns=columns))
     return folder

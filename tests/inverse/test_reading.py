@@ -322,7 +322,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     (tmp_path / "feeder.toml").write_text(FEEDER, encoding="utf-8")
     with pytest.raises(FileError, match="cannot read") as caught:
         read_spec(tmp_path / "feder.toml")
-    assert caught.value.hint == f"did you mean {tmp_path / 'feeder.toml'}?"
+    assert caught.value.hint == f"did you mean '{tmp_path / 'feeder.toml'}'?"
     (tmp_path / "comma.toml").write_text("[goal]\nspeed_mm_s = 0,5\n")
     wrong = refusal(str(tmp_path / "comma.toml"))
     assert "not valid TOML" in str(wrong)
@@ -344,7 +344,7 @@ def test_a_scene_is_told_from_a_question(tmp_path: Path, text: str, is_scene: bo
     wrong = refusal(path)
     told = f"{path}: this is a scene of vibro: a drive, a trough and a part"
     assert (wrong.problems == (told,)) is is_scene
-    assert (wrong.hint == f"run vibro solve {path}") is is_scene
+    assert (wrong.hint == f'run vibro.read_scene("{path}")') is is_scene
 
 
 @pytest.mark.parametrize("source", [None, 3, ["a"], b"feeder.toml"])

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.outputs import POSIX
@@ -197,10 +198,10 @@ def test_a_folder_that_another_run_removes_meanwhile_is_made_again(
 ) -> None:
     place, mkdir, removals = tmp_path / "new", Path.mkdir, iter(range(2))
 
-    def mkdir_late(path: Path, *args: int, **more: bool) -> None:
+    def mkdir_late(path: Path, **more: Any) -> None:
         if path.name.startswith(".vibro") and next(removals, None) is not None:
             place.rmdir()
-        mkdir(path, *args, **more)
+        mkdir(path, **more)
 
     monkeypatch.setattr(Path, "mkdir", mkdir_late)
     with Hidden(hidden_folder(place / "nut"), "nut.*") as hidden:

@@ -266,4 +266,4 @@ def test_axes_that_no_picture_can_have(text: str, drawn: bool) -> None:
         return
     with pytest.raises(InputError, match="no picture has such an axis") as caught:
         check_drawable(view)
-    assert caught.value.hint == "-o - writes the table alone"
+    assert caught.value.hint == 'output="-" writes the table alone'

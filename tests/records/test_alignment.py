@@ -23,13 +23,13 @@ TIME = np.arange(801) / 600.0
 
 
 def force_record(**sensitivities: str) -> Record:
-    return Record(np.arange(81) / 600.0, {"force": np.arange(81.0)}, {}, {}, sensitivities)
+    return Record(np.arange(81) / 600.0, {"friction": np.arange(81.0)}, {}, {}, sensitivities)
 
 
 @pytest.mark.parametrize("reverse", [False, True])
 def test_friction_is_the_force_over_the_mass_in_the_conveying_direction(reverse: bool) -> None:
     clock = Estimate(0.01, 1e-4)
-    taken = Observation.of(force_record(force="50mV/N"), 15.0, mass=0.25, reverse=reverse, clock=clock)
+    taken = Observation.of(force_record(friction="50mV/N"), 15.0, mass=0.25, reverse=reverse, clock=clock)
     np.testing.assert_allclose(taken.signals["friction"], np.arange(81.0) * (-4.0 if reverse else 4.0))
     assert (list(taken.signals), taken.frequency, taken.clock) == (["friction"], 15.0, clock)
     assert taken.sensitivities == {"friction": "50mV/N"}

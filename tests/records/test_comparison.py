@@ -447,7 +447,7 @@ def test_data_of_another_frequency_are_noticed() -> None:
 def test_data_that_run_the_other_way_are_noticed_and_turned() -> None:
     record = read_record(STUDY_FILE)
     reversed_ = Observation.of(record, FREQUENCY, mass=MASS, reverse=True)
-    assert any("--reverse" in text for text in compare(nut(), reversed_).warnings)
+    assert any("reverse=True" in text for text in compare(nut(), reversed_).warnings)
     for name, values in reversed_.signals.items():
         np.testing.assert_array_equal(values, -study().signals[name])
 
@@ -460,12 +460,12 @@ def test_friction_on_the_trough_instead_of_the_body_is_noticed() -> None:
 
 
 def test_a_force_needs_a_mass() -> None:
-    record = read_record(STUDY_FILE, {"force": "F [N]"})
+    record = read_record(STUDY_FILE, {"friction": "F [N]"})
     with pytest.raises(InputError, match="mass is unknown") as caught:
         Observation.of(record, FREQUENCY)
-    assert "--mass" in caught.value.hint
+    assert "mass=0.02" in caught.value.hint
     np.testing.assert_allclose(
-        Observation.of(record, FREQUENCY, mass=0.5).signals["friction"], 2.0 * record.signals["force"]
+        Observation.of(record, FREQUENCY, mass=0.5).signals["friction"], 2.0 * record.signals["friction"]
     )
 
 
@@ -567,7 +567,11 @@ def test_rivals_are_told_in_ms_after_the_troughs_middle(zero: float) -> None:
 
 @pytest.mark.parametrize(
     ("true", "cycles", "noise", "remedy"),
-    [(20.013, 30.0, 0.001, "-f 20.01"), (20.0131, 400.0, 1e-4, "-f 20.013"), (20.4, 30.0, 1.0, "-f 20.4")],
+    [
+        (20.013, 30.0, 0.001, "frequency=20.01"),
+        (20.0131, 400.0, 1e-4, "frequency=20.013"),
+        (20.4, 30.0, 1.0, "frequency=20.4"),
+    ],
 )
 def test_a_frequency_is_proposed_with_the_digits_that_the_record_tells(
     true: float, cycles: float, noise: float, remedy: str
@@ -578,6 +582,6 @@ def test_a_frequency_is_proposed_with_the_digits_that_the_record_tells(
     values += 0.05 * noise * np.random.default_rng(1).standard_normal(time.size)
     warnings = compare(nut(), Observation(time, {"velocity": values}, FREQUENCY)).warnings
     (said,) = (text for text in warnings if "the data repeat at" in text)
-    proposed = float(said.rsplit(" ", 1)[1])
+    proposed = float(said.rsplit("=", 1)[1])
     assert abs(proposed - true) * time[-1] < max(0.01, 0.2 * noise)
     assert said.endswith(remedy)

@@ -335,7 +335,12 @@ def test_a_phase_without_a_normal_motion_cannot_be_identified() -> None:
     [
         (bowl(), "drive_angle", "moves along an ellipse, which has no drive angle", "mu_s, mu_d, X, Y, phi"),
         (nut(), "normal_phase", "moves along a line, which has no normal phase", "mu_s, mu_d, A, alpha"),
-        (bowl(normal_amplitude=0.0), "normal_amplitude", "begins at the scene's, which is 0", "--normal 0.3"),
+        (
+            bowl(normal_amplitude=0.0),
+            "normal_amplitude",
+            "begins at the scene's, which is 0",
+            'normal_amplitude="0.3mm"',
+        ),
     ],
 )
 def test_what_a_drive_does_not_have_is_not_fitted(one: vibro.Scene, name: str, said: str, hint: str) -> None:

@@ -35,7 +35,7 @@ def test_a_row_of_units_may_leave_some_out(tmp_path: Path, units: str) -> None:
     assert record.headers == {"time": "Time [s]", "displacement": "X [mm]"}
     np.testing.assert_allclose(record.signals["displacement"], 1e-3)
     error = told(tmp_path, f"Time;X;Y\n{units}", "1;5", velocity="Y")
-    assert "column 'Y' for --velocity: it has no unit" in str(error)
+    assert "column 'Y' for velocity=: it has no unit" in str(error)
 
 
 def test_a_row_of_units_of_another_width_is_none(tmp_path: Path) -> None:
@@ -54,7 +54,7 @@ def test_a_row_of_units_of_another_width_is_none(tmp_path: Path) -> None:
         ("speed_um_s", "velocity", 1e-6),
         ("pull_in_s2", "acceleration", 0.0254),
         ("position_in", "displacement", 0.0254),
-        ("pull_kN", "force", 1e3),
+        ("pull_kN", "friction", 1e3),
     ],
 )
 def test_names_that_end_in_a_unit(tmp_path: Path, header: str, signal: str, expected: float) -> None:
@@ -85,7 +85,7 @@ def test_a_signal_over_a_unit_of_voltages(
         (("Position", "Weg_2", "Relative x", "xi", "s", "X2"), "displacement", "mm"),
         (("Speed", "Velocity", "Geschwindigkeit", "relative_", "v", "vx_1"), "velocity", "m/s"),
         (("Acceleration", "Beschleunigung", "relative a", "ax", "A"), "acceleration", "g"),
-        (("Friction", "Friction force", "Reibkraft", "F"), "force", "N"),
+        (("Friction", "Friction force", "Reibkraft", "F"), "friction", "N"),
     ],
 )
 def test_of_several_columns_of_a_unit_that_with_the_word_is_taken(
@@ -106,7 +106,7 @@ def test_of_several_clocks_that_with_the_word_is_taken(tmp_path: Path, word: str
 def test_a_word_that_only_begins_like_one_does_not_decide(tmp_path: Path) -> None:
     error = told(tmp_path, "t [s];xylem [mm];weggang [mm]", "1;2")
     assert str(error).endswith(": 'xylem [mm]', 'weggang [mm]' could each be the displacement")
-    assert error.hint == 'choose: --displacement "xylem [mm]"'
+    assert error.hint == 'choose: displacement="xylem [mm]"'
 
 
 def test_a_header_as_it_is_written_goes_before_one_in_other_letters(tmp_path: Path) -> None:
@@ -129,7 +129,7 @@ def test_letters_of_either_case_name_a_column(tmp_path: Path) -> None:
 
 def test_the_unit_of_the_header_is_not_changed_by_the_option(tmp_path: Path) -> None:
     error = told(tmp_path, "t [s];X [mm]", "1", displacement="X [m]")
-    assert str(error).endswith("no column 'X [m]' for --displacement; its columns are 't [s]', 'X [mm]'")
+    assert str(error).endswith("no column 'X [m]' for displacement=; its columns are 't [s]', 'X [mm]'")
     assert error.hint == "did you mean 'X [mm]'?"
     error = told(tmp_path, "t [s];X [mm]", "1", displacement="Auslenkung")
     assert error.hint == "write it as the header row does"
@@ -144,26 +144,26 @@ def test_a_wrong_unit_is_told_with_those_that_would_do(tmp_path: Path) -> None:
         ("X", "X", "it has no unit"),
     ):
         error = told(tmp_path, f"t [s];{header}", "1", velocity=given)
-        assert str(error).endswith(f"data.csv: column {header!r} for --velocity: {problem}")
+        assert str(error).endswith(f"data.csv: column {header!r} for velocity=: {problem}")
         begin, end = error.hint.split("; units of velocity are ")
-        assert begin == 'write the unit in brackets: --velocity "X [mm/s]"'
+        assert begin == 'write the unit in brackets: velocity="X [mm/s]"'
         listed, voltage = end.split(", or ")
         assert set(listed.split(", ")) >= set(units.split(", ")) - {"µm/s"}
-        assert voltage == "mV and V with --sensitivity 20mV/mm/s"
+        assert voltage == 'mV and V with sensitivity="20mV/mm/s"'
     error = told(tmp_path, "t [mm];X [mm]", "1", time="t")
-    assert error.hint == 'write the unit in brackets: --time "t [s]"; units of time are s, ms, us, µs, min'
+    assert error.hint == 'write the unit in brackets: time="t [s]"; units of time are s, ms, us, µs, min'
 
 
 def test_everything_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
-    error = told(tmp_path, "t [s];X [mm];F [N]", "1;2", velocity="V", force="X", acceleration="A")
+    error = told(tmp_path, "t [s];X [mm];F [N]", "1;2", velocity="V", friction="X", acceleration="A")
     path = tmp_path / "data.csv"
     assert [text.removeprefix(f"{path}: ").split(";")[0] for text in error.problems] == [
-        "no column 'V' for --velocity",
-        "no column 'A' for --acceleration",
-        "column 'X [mm]' for --force: 'mm' is no unit of force",
+        "no column 'V' for velocity=",
+        "no column 'A' for acceleration=",
+        "column 'X [mm]' for friction=: 'mm' is no unit of force",
     ]
     assert error.hint.count("\n") == 1
-    assert error.hint.startswith("write it as the header row does\nwrite the unit in brackets: --force")
+    assert error.hint.startswith("write it as the header row does\nwrite the unit in brackets: friction=")
 
 
 def test_two_columns_of_one_name_are_two_columns(tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ def test_two_columns_of_one_name_are_two_columns(tmp_path: Path) -> None:
 def test_time_and_no_signal_beside_the_troughs(tmp_path: Path) -> None:
     error = told(tmp_path, "t [s];n", "1")
     assert str(error).endswith("data.csv: no signal found among 't [s]', 'n'")
-    assert error.hint == 'name one, with its unit: --displacement "X [mm]"'
+    assert error.hint == 'name one, with its unit: displacement="X [mm]"'
     error = told(tmp_path, "t [s];a [g]", "1", trough_normal="a")
     assert str(error).endswith("data.csv: no signal of the body found among 't [s]', 'a [g]'")
 
@@ -192,22 +192,22 @@ def test_twelve_headers_are_named_and_more_of_them_counted(tmp_path: Path, count
 
 
 @pytest.mark.parametrize(
-    ("header", "option", "example"),
+    ("header", "role", "example"),
     [
         ("Weg [V]", "displacement", "2V/mm"),
         ("v [mV]", "velocity", "20mV/mm/s"),
-        ("Friction [V]", "force", "50mV/N"),
+        ("Friction [V]", "friction", "50mV/N"),
         ("a [V]", "acceleration", "100mV/g"),
         ("channel [V]", "acceleration", "100mV/g"),
     ],
 )
 def test_a_voltage_without_a_signal_is_pointed_at_by_its_word(
-    tmp_path: Path, header: str, option: str, example: str
+    tmp_path: Path, header: str, role: str, example: str
 ) -> None:
     error = told(tmp_path, f"t [s];{header}", "1")
-    named = f'--{option} "{header}"'
+    named = f'{role}="{header}"'
     what = "name one, and the sensitivity of its sensor"
-    assert error.hint == f"{what}: {named} --sensitivity {example}"
+    assert error.hint == f'{what}: {named} sensitivity="{example}"'
     assert told(tmp_path, f"t [s];{header}", "1", example).hint == f"name the voltage: {named}"
 
 
@@ -215,9 +215,9 @@ def test_a_sensitivity_without_a_voltage_points_at_one_that_is_free(tmp_path: Pa
     header, row = "t [s];u [V];w [V]", "1;2"
     error = told(tmp_path, header, row, "2V/mm", "100mV/g", displacement="u")
     assert str(error).endswith(
-        "data.csv: no column that is read as acceleration is a voltage for --sensitivity 100mV/g"
+        'data.csv: no column that is read as acceleration is a voltage for sensitivity="100mV/g"'
     )
-    assert error.hint == 'name the column: --acceleration "w [V]"'
+    assert error.hint == 'name the column: acceleration="w [V]"'
 
 
 def test_the_sensitivity_of_a_column_goes_before_that_of_its_kind(tmp_path: Path) -> None:

@@ -55,10 +55,10 @@ def test_encodings(tmp_path: Path, encoding: str, note: str | None) -> None:
 
 def test_columns_by_name_part_of_it_and_number_of_words(tmp_path: Path) -> None:
     content = ["Time (sec),Weg (mm),Weg 2 (mm),Force (newton)", "0,1,2,3", "1,2,3,4", "2,0,0,0"]
-    record = read(tmp_path, content, time="time", displacement="Weg 2 (mm)", force="FORCE (newton)")
+    record = read(tmp_path, content, time="time", displacement="Weg 2 (mm)", friction="FORCE (newton)")
     np.testing.assert_allclose(record.signals["displacement"], [2e-3, 3e-3, 0.0])
-    np.testing.assert_array_equal(record.signals["force"], [3.0, 4.0, 0.0])
-    assert set(record.signals) == {"displacement", "force"}
+    np.testing.assert_array_equal(record.signals["friction"], [3.0, 4.0, 0.0])
+    assert set(record.signals) == {"displacement", "friction"}
 
 
 def test_the_unit_may_come_from_the_option(tmp_path: Path) -> None:
@@ -105,20 +105,20 @@ def test_columns_of_text_beside_the_numbers_do_not_matter(tmp_path: Path) -> Non
 def test_ambiguous_columns_are_named(tmp_path: Path) -> None:
     error = refusal(tmp_path, ["t [s],left [mm],right [mm]", "0,1,2", "1,2,3"])
     assert "'left [mm]', 'right [mm]' could each be the displacement" in str(error)
-    assert error.hint == 'choose: --displacement "left [mm]"'
+    assert error.hint == 'choose: displacement="left [mm]"'
 
 
 def test_a_missing_column_suggests_the_nearest(tmp_path: Path) -> None:
     error = refusal(tmp_path, lines(), displacement="X [mn]")
-    assert "no column 'X [mn]' for --displacement" in str(error)
+    assert "no column 'X [mn]' for displacement=" in str(error)
     assert "'Time [s]', 'X [mm]'" in str(error)
     assert error.hint == "did you mean 'X [mm]'?"
 
 
 def test_a_column_without_unit_is_refused_with_the_way_to_give_it(tmp_path: Path) -> None:
     error = refusal(tmp_path, ["t [s],X", "0,1", "1,2"], displacement="X")
-    assert "column 'X' for --displacement: it has no unit" in str(error)
-    assert '--displacement "X [mm]"' in error.hint
+    assert "column 'X' for displacement=: it has no unit" in str(error)
+    assert 'displacement="X [mm]"' in error.hint
 
 
 def test_a_unit_of_another_kind_is_refused(tmp_path: Path) -> None:
@@ -128,15 +128,15 @@ def test_a_unit_of_another_kind_is_refused(tmp_path: Path) -> None:
 
 def test_one_column_cannot_be_two_signals(tmp_path: Path) -> None:
     content = ["t [s],a", "0,1", "1,2"]
-    error = refusal(tmp_path, content, acceleration="a [m/s^2]", force="a [N]")
-    assert "given as acceleration and as force" in str(error)
+    error = refusal(tmp_path, content, acceleration="a [m/s^2]", friction="a [N]")
+    assert "given as acceleration and as friction" in str(error)
 
 
 def test_no_time_and_no_signal(tmp_path: Path) -> None:
     assert "no column of time" in str(refusal(tmp_path, ["n,X [mm]", "0,1", "1,2"]))
     error = refusal(tmp_path, ["t [s],X", "0,1", "1,2"])
     assert "no signal found" in str(error)
-    assert "--displacement" in error.hint
+    assert "displacement=" in error.hint
 
 
 @pytest.mark.parametrize(
@@ -324,7 +324,7 @@ def test_a_column_of_the_trough_is_no_signal_of_the_body(tmp_path: Path) -> None
         ("v / (mm/s)", "velocity", 1e-3),
         ("v/mm/s", "velocity", 1e-3),
         ("a/(m/s²)", "acceleration", 1.0),
-        ("F/N", "force", 1.0),
+        ("F/N", "friction", 1.0),
         ("Laser 1/µm", "displacement", 1e-6),
     ],
 )
@@ -472,7 +472,7 @@ def test_a_text_file_is_suggested_too(tmp_path: Path) -> None:
     (tmp_path / "measured.txt").write_text("", encoding="utf-8")
     with pytest.raises(FileError) as caught:
         read_record(tmp_path / "measured.csv")
-    assert caught.value.hint == f"did you mean {tmp_path / 'measured.txt'}?"
+    assert caught.value.hint == f"did you mean '{tmp_path / 'measured.txt'}'?"
 
 
 @pytest.mark.parametrize(

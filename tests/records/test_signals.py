@@ -76,7 +76,7 @@ def volts(folder: Path, content: list[str], *texts: str, **columns: str) -> Reco
         ("displacement", "2V/mm", 5e-5),
         ("displacement", "50 µm/mV", 5e-3),
         ("displacement", "-0.5mm/V", -5e-5),
-        ("force", "50mV/N", 2.0),
+        ("friction", "50mV/N", 2.0),
         ("trough_along", "100mV/g", 9.80665),
         ("trough_along", "trough-along=0.2V/g", 4.903325),
     ],
@@ -108,15 +108,15 @@ def test_each_voltage_has_its_own_sensitivity(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("texts", "columns", "said", "hint"),
     [
-        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: the sensitivity", "--sensitivity 100mV/g"),
-        (["2V/mm"], {"acceleration": "u"}, "one of acceleration is needed", "--sensitivity 100mV/g"),
-        ([], {"velocity": "u"}, "the sensitivity of its sensor is missing", "--sensitivity 20mV/mm/s"),
-        (["100mV/g"], {}, "no column that is read as acceleration is a voltage", '--acceleration "u [mV]"'),
-        (["100mV/g"], {"displacement": "x"}, "is read as acceleration", '--acceleration "u [mV]"'),
+        ([], {"acceleration": "u"}, "'u [mV]' for acceleration=: the sensitivity", 'sensitivity="100mV/g"'),
+        (["2V/mm"], {"acceleration": "u"}, "one of acceleration is needed", 'sensitivity="100mV/g"'),
+        ([], {"velocity": "u"}, "the sensitivity of its sensor is missing", 'sensitivity="20mV/mm/s"'),
+        (["100mV/g"], {}, "no column that is read as acceleration is a voltage", 'acceleration="u [mV]"'),
+        (["100mV/g"], {"displacement": "x"}, "is read as acceleration", 'acceleration="u [mV]"'),
         (["100mV/g", "2V/mm"], {"acceleration": "u"}, "is read as displacement", "leave it out"),
-        (["trough-along=100mV/g"], {}, "no column that is read as trough along", '--trough-along "u [mV]"'),
+        (["trough-along=100mV/g"], {}, "no column that is read as trough along", 'trough_along="u [mV]"'),
         ([], {"time": "u"}, "'mV' is no unit of time", "s, ms"),
-        (["0mV/g"], {"acceleration": "u"}, "0mV/g: must be finite and not 0", "100mV/g"),
+        (["0mV/g"], {"acceleration": "u"}, '0mV/g": must be finite and not 0', "100mV/g"),
         (["nan mV/g"], {"acceleration": "u"}, "must be finite and not 0", "100mV/g"),
         (["-inf mV/g"], {"acceleration": "u"}, "must be finite and not 0", "100mV/g"),
         (["1e999mV/g"], {"acceleration": "u"}, "must be finite and not 0", "100mV/g"),
@@ -147,28 +147,28 @@ def test_wrong_sensitivities_are_told_with_what_would_do(
 def test_a_voltage_alone_is_pointed_at(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         volts(tmp_path, ["Zeit in s;Beschleunigung [mV]", "0;1", "1;2"])
-    assert caught.value.hint.endswith(': --acceleration "Beschleunigung [mV]" --sensitivity 100mV/g')
+    assert caught.value.hint.endswith(': acceleration="Beschleunigung [mV]" sensitivity="100mV/g"')
 
 
 def test_a_sensitivity_of_another_kind_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         volts(tmp_path, ["t [s],LDV [mV]", "0,1", "1,2", "2,3"], "4mV/mm", velocity="LDV")
-    assert "--sensitivity 4mV/mm is a sensitivity of displacement, one of velocity is needed" in str(
+    assert 'sensitivity="4mV/mm" is a sensitivity of displacement, one of velocity is needed' in str(
         caught.value
     )
-    assert caught.value.hint == "give the sensor's sensitivity: --sensitivity 20mV/mm/s"
+    assert caught.value.hint == 'give the sensor\'s sensitivity: sensitivity="20mV/mm/s"'
 
 
 @pytest.mark.parametrize("other", ["trough-normal=98mV/g", "acceleration=1V/g"])
 def test_a_sensitivity_of_a_column_that_is_not_named_is_told_as_such(tmp_path: Path, other: str) -> None:
     with pytest.raises(InputError) as caught:
         volts(tmp_path, ["t [s],u [mV]", "0,1", "1,2", "2,3"], other, trough_along="u")
-    option = f"--{other.partition('=')[0]}"
-    said = f"for --trough-along: --sensitivity {other} is for {option}, for which no column is named"
+    role = other.partition("=")[0].replace("-", "_")
+    said = f'for trough_along=: sensitivity="{other}" is for {role}=, for which no column is named'
     assert said in str(caught.value)
     assert caught.value.hint == (
-        f"name that column too: {option} HEADER, and give this sensor's sensitivity:"
-        " --sensitivity trough-along=100mV/g"
+        f'name that column too: {role}="HEADER", and give this sensor\'s sensitivity:'
+        ' sensitivity="trough-along=100mV/g"'
     )
 
 
@@ -213,7 +213,7 @@ def test_sensitivities_reach_to_the_ends_of_what_can_be_computed_with(text: str)
         read_sensitivities([beyond])
     sign = "-" if text.startswith("-") else ""
     size = "1.001e+20" if text.endswith("m/V") else "9.99001e-21"
-    assert f"--sensitivity {beyond}: 1 V would be {sign}{size} in SI units" in str(caught.value)
+    assert f'sensitivity="{beyond}": 1 V would be {sign}{size} in SI units' in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -221,7 +221,7 @@ def test_sensitivities_reach_to_the_ends_of_what_can_be_computed_with(text: str)
     [
         ("trough-along=200mV/g", "trough_along", "acceleration", 5.0 * 9.80665),
         (" --Trough-Along = 200 mV per g ", "trough_along", "acceleration", 5.0 * 9.80665),
-        ("force=4V pro N", "force", "force", 0.25),
+        ("friction=4V pro N", "friction", "force", 0.25),
         ("50 mV/[mm/s]", "", "velocity", 0.02),
         (".5mm/V", "", "displacement", 5e-4),
         ("+2.V/kN", "", "force", 500.0),
@@ -237,28 +237,28 @@ def test_spellings_of_sensitivities(text: str, role: str, kind: str, per_volt: f
     ("texts", "said", "hint"),
     [
         (
-            ["force=1V/N", "force=2V/N"],
-            "--sensitivity force=1V/N and force=2V/N: each is for --force",
-            "say which column each is for: --sensitivity trough-along=100mV/g",
+            ["friction=1V/N", "friction=2V/N"],
+            'sensitivity="friction=1V/N" and sensitivity="friction=2V/N": each is for friction=',
+            'say which column each is for: sensitivity="trough-along=100mV/g"',
         ),
         (
             ["1V/N", "2V/kN"],
-            "--sensitivity 1V/N and 2V/kN: each is for a force",
-            "say which column each is for: --sensitivity trough-along=100mV/g",
+            'sensitivity="1V/N" and sensitivity="2V/kN": each is for a force',
+            'say which column each is for: sensitivity="trough-along=100mV/g"',
         ),
         (
             ["time=1V/g"],
-            "--sensitivity time=1V/g: 'time' is no signal",
-            "signals are displacement, velocity, acceleration, force, trough-along, trough-normal",
+            "sensitivity=\"time=1V/g\": 'time' is no signal",
+            "signals are displacement, velocity, acceleration, friction, trough-along, trough-normal",
         ),
         (
             ["trough-normal=1V/mm"],
-            "--sensitivity trough-normal=1V/mm: 'V/mm' is no sensitivity of an acceleration",
+            "sensitivity=\"trough-normal=1V/mm\": 'V/mm' is no sensitivity of an acceleration",
             "write it like 100mV/g",
         ),
         (
             ["displacement=5mV/N"],
-            "--sensitivity displacement=5mV/N: 'mV/N' is no sensitivity of a displacement",
+            "sensitivity=\"displacement=5mV/N\": 'mV/N' is no sensitivity of a displacement",
             "write it like 2V/mm",
         ),
     ],

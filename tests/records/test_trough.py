@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -116,7 +117,7 @@ def test_one_acceleration_needs_the_drive_angle_of_the_scene(angle: float) -> No
     normal = trough_record(angle=alpha, columns=NORMAL, noise=1e-9)
     if angle:
         assert measured(normal, alpha).quantities["amplitude"].value == pytest.approx(1.02e-3, rel=1e-5)
-    with pytest.raises(InputError, match="--trough-normal cannot measure the motion at a drive angle of 0"):
+    with pytest.raises(InputError, match="trough_normal= cannot measure the motion at a drive angle of 0"):
         measured(trough_record(columns=NORMAL), 0.0)
 
 
@@ -135,7 +136,7 @@ def test_inverted_sensors() -> None:
         other = Record(record.time, {}, {**record.trough, name: -record.trough[name]}, record.headers)
         with pytest.raises(InputError, match="moves down while it moves forwards") as caught:
             trough_of(other)
-        assert "--reverse, if" in caught.value.hint
+        assert "reverse=True, if" in caught.value.hint
     against = Record(
         record.time, {}, {**record.trough, "trough_along": -record.trough["trough_along"]}, record.headers
     )
@@ -143,7 +144,7 @@ def test_inverted_sensors() -> None:
     assert measured(against, reverse=True).quantities == right.quantities
     with pytest.raises(InputError) as caught:
         trough_of(record, reverse=True)
-    assert "leave out --reverse" in caught.value.hint
+    assert "leave out reverse=True" in caught.value.hint
 
 
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.9, 3.0])
@@ -181,7 +182,7 @@ def test_a_trough_that_does_not_run_is_refused(kind: str) -> None:
         "drift": 2.0 + record.time,
         "zero": 0.0 * record.time,
     }[kind]
-    with pytest.raises(InputError, match=r"in column 'trough_along'|for --trough-along does not vibrate"):
+    with pytest.raises(InputError, match=r"in column 'trough_along'|for trough_along= does not vibrate"):
         trough_of(Record(record.time, {}, {"trough_along": values}, record.headers))
 
 
@@ -190,7 +191,7 @@ def test_a_sensor_that_shows_nothing_is_told() -> None:
     record = trough_record(noise=0.5)
     noise = np.random.default_rng(3).standard_normal(record.time.size)
     for dead in (0.0 * noise, 3.0 + 0.0 * noise, 1e-200 * noise):
-        with pytest.raises(InputError, match="'trough_normal' for --trough-normal does not vibrate"):
+        with pytest.raises(InputError, match="'trough_normal' for trough_normal= does not vibrate"):
             trough_of(Record(record.time, {}, {**record.trough, "trough_normal": dead}, record.headers))
     trough = trough_of(Record(record.time, {}, {**record.trough, "trough_normal": noise}, record.headers))
     assert trough is not None
@@ -336,14 +337,15 @@ def test_an_ellipse_is_one_beyond_its_error(lead_deg: float, noise: float, ellip
 
 
 @pytest.mark.parametrize("lead_deg", [-150.0, -60.0, 12.0, 120.0])
-def test_an_ellipse_in_the_place_of_a_line_is_told_with_the_options_to_give(lead_deg: float) -> None:
+def test_an_ellipse_in_the_place_of_a_line_is_told_with_what_to_give(lead_deg: float) -> None:
     drive = on_ellipse(None, math.radians(lead_deg), noise=1e-3)
     said, *more = drive.warnings
-    numbers = [float(word) for word in said.replace("=", " ").replace("mm", " ").replace("deg", " ").split()
-               if word.lstrip("-").replace(".", "").isdigit()]  # fmt: skip
+    numbers = [float(text) for text in re.findall(r"-?\d+\.?\d*(?= ?(?:mm|deg))", said)]
     expected = [1.02 * math.cos(math.radians(20.5)), 1.02 * math.sin(math.radians(20.5)), lead_deg]
     assert numbers == pytest.approx([*expected, *expected], rel=2e-3)
-    assert f"--phase{'=' if lead_deg < 0.0 else ' '}" in said
+    assert re.search(
+        'give along_amplitude="[^ ]+mm" normal_amplitude="[^ ]+mm" normal_phase="[^ ]+deg"$', said
+    )
     assert len(more) == (abs(lead_deg) > 90.0)
     assert all("one of the two sensors may be inverted" in text for text in more)
 
@@ -453,8 +455,8 @@ def test_two_accelerations_along_the_drive_have_the_errors_of_their_parts() -> N
 @pytest.mark.parametrize(
     ("trough", "angle", "name", "other"),
     [
-        (moved(None, wave(3.0)), 0.0, "--trough-normal", "--trough-along"),
-        (moved(wave(3.0), None), 0.5 * math.pi, "--trough-along", "--trough-normal"),
+        (moved(None, wave(3.0)), 0.0, "trough_normal=", "trough_along="),
+        (moved(wave(3.0), None), 0.5 * math.pi, "trough_along=", "trough_normal="),
     ],
 )
 def test_a_sensor_across_the_drive_is_told(trough: Trough, angle: float, name: str, other: str) -> None:
@@ -525,7 +527,7 @@ def test_by_how_much_a_phase_is_doubted(given: float | None, lead: float, said: 
     doubts = [text for text in drive.warnings if "inverted" in text]
     assert len(doubts) == (said is not None)
     if said is not None:
-        why = "one of the two sensors may be inverted (--reverse, or a negative sensitivity)"
+        why = "one of the two sensors may be inverted (reverse=True, or a negative sensitivity)"
         assert doubts[0] == f"the normal motion is {said}: {why}"
 
 
@@ -580,11 +582,11 @@ def test_waves_have_the_header_and_the_sensitivity_of_their_column() -> None:
     assert trough is not None
     assert [(wave.header, wave.sensitivity) for wave in trough.waves] == [("u [V]", ""), ("w [V]", "1V/g")]
     assert float(spelled(*trough.frequency)) == trough.frequency.value
-    for name, option in (("trough_along", "--trough-along"), ("trough_normal", "--trough-normal")):
+    for name in ("trough_along", "trough_normal"):
         dead = replace(record, trough={**record.trough, name: 0.0 * record.time})
         with pytest.raises(InputError) as caught:
             trough_of(dead)
-        assert str(caught.value) == f"column {headers[name]!r} for {option} does not vibrate"
+        assert str(caught.value) == f"column {headers[name]!r} for {name}= does not vibrate"
     noise = np.random.default_rng(2).standard_normal((2, record.time.size))
     with pytest.raises(InputError) as caught:
         trough_of(replace(record, trough=dict(zip(record.trough, noise, strict=True))))
@@ -592,7 +594,7 @@ def test_waves_have_the_header_and_the_sensitivity_of_their_column() -> None:
 
 
 @pytest.mark.parametrize(
-    ("reverse", "advice"), [(False, "--reverse, if"), (True, "leave out --reverse, unless")]
+    ("reverse", "advice"), [(False, "reverse=True, if"), (True, "leave out reverse=True, unless")]
 )
 def test_a_line_that_leads_down_is_told_with_the_axis_to_turn(reverse: bool, advice: str) -> None:
     record = trough_record(ellipse=0.0 if reverse else math.pi)

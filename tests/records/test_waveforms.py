@@ -283,8 +283,8 @@ def test_sensors_and_drive_angle_must_fit() -> None:
     one = trough_record(noise=0.1, columns=("trough_along",))
     with pytest.raises(InputError, match="alone does not tell the motion normal to the trough") as caught:
         motion_of(one)
-    assert "name --trough-normal too" in caught.value.hint
-    assert "--drive-angle 20" in caught.value.hint
+    assert "name trough_normal= too" in caught.value.hint
+    assert "drive_angle=math.radians(20)" in caught.value.hint
     for angle in (-0.1, 0.5 * math.pi, math.nan):
         with pytest.raises(InputError, match=r"drive_angle = .* deg: must be in \[0, 90\) deg"):
             motion_of(one, drive_angle=angle)
@@ -302,7 +302,7 @@ def test_a_line_that_leads_down_is_refused() -> None:
     turned = replace(record, trough={**record.trough, "trough_normal": -record.trough["trough_normal"]})
     with pytest.raises(InputError, match="the trough moves down while it moves forwards") as caught:
         motion_of(turned)
-    assert "--reverse, if the axis along the trough points against" in caught.value.hint
+    assert "reverse=True, if the axis along the trough points against" in caught.value.hint
 
 
 @pytest.mark.parametrize(("most", "warned"), [(0.9, True), (0.98, True), (1.01, False)])
@@ -355,9 +355,9 @@ def test_sensitivities_may_be_several() -> None:
 def test_columns_must_be_named() -> None:
     with pytest.raises(InputError, match="no acceleration of the trough named among 'Zeit in s'") as caught:
         read(trough_along=None, trough_normal=None, sensitivity=())
-    assert "--trough-along" in caught.value.hint
-    assert "--sensitivity 100mV/g" in caught.value.hint
-    with pytest.raises(InputError, match="no column 'Trog quer' for --trough-along") as caught:
+    assert "trough_along=" in caught.value.hint
+    assert 'sensitivity="100mV/g"' in caught.value.hint
+    with pytest.raises(InputError, match="no column 'Trog quer' for trough_along=") as caught:
         read(trough_along="Trog quer")
     assert "write it as the header row does" in caught.value.hint
     with pytest.raises(InputError, match="the sensitivity of its sensor is missing"):
@@ -369,8 +369,8 @@ def test_columns_must_be_named() -> None:
 def test_accelerations_without_voltages_are_hinted_at(tmp_path: Path) -> None:
     path = tmp_path / "r.csv"
     for header, hint in (
-        ("t [s],a [m/s^2]", '--trough-along "a [m/s^2]"'),
-        ("t [s],b", '--trough-along "ax [m/s^2]" --trough-normal "ay [m/s^2]"'),
+        ("t [s],a [m/s^2]", 'trough_along="a [m/s^2]"'),
+        ("t [s],b", 'trough_along="ax [m/s^2]" trough_normal="ay [m/s^2]"'),
     ):
         path.write_text(f"{header}\n0,1\n1,2\n", encoding="utf-8")
         with pytest.raises(InputError, match="no acceleration of the trough named") as caught:

@@ -202,7 +202,7 @@ def test_columns_by_name() -> None:
 @pytest.mark.parametrize(
     ("names", "problem", "hint"),
     [
-        (["mean_velocity"], "there is no column 'mean_velocity'", "did you mean mean_velocity_mm_s?\n"),
+        (["mean_velocity"], "there is no column 'mean_velocity'", "did you mean 'mean_velocity_mm_s'?\n"),
         (["regime", "x", "y"], "there is no column 'x'; there is no column 'y'", "those of inputs are ampl"),
         ([], "no column is named", "those of inputs are amplitude_mm, "),
         (["regime", "status", "regime"], "column regime is named twice", "name it once"),

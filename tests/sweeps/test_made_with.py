@@ -11,7 +11,7 @@ import pytest
 from helpers.plans import NUT, plan_of
 
 import vibro
-from vibro.sweeps.plan import read_plan
+from vibro.output.plan import read_plan
 
 LINE: dict[str, Any] = {"amplitude_mm": [1, 4], "frequency_hz": 15, **NUT}
 FRICTION: dict[str, Any] = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -87,4 +87,4 @@ def test_an_older_folder_without_them_is_read_as_it_was_written() -> None:
     pd.testing.assert_frame_equal(old.to_frame(), now.to_frame(old.columns), rtol=1e-12)
     there = read_plan((OLD / "manifest.json").read_text(encoding="utf-8"), OLD)
     differences = plan_of(now, 3).differences(there)
-    assert differences[-1] == "columns: none there, restitution,trough_length_mm here"
+    assert "columns: none there, restitution,trough_length_mm here" in differences

@@ -169,7 +169,7 @@ def test_restitution_is_an_axis() -> None:
 @pytest.mark.parametrize(
     ("given", "problem", "hint"),
     [
-        ({"amplitud_mm": 1}, "unknown argument 'amplitud_mm'", "did you mean amplitude_mm?"),
+        ({"amplitud_mm": 1}, "unknown argument 'amplitud_mm'", "did you mean 'amplitude_mm'?"),
         ({"velocity": 1}, "unknown argument 'velocity'", "known are amplitude_mm, stroke_mm"),
         (
             {"amplitude_mm": 1, "frequency_hz": "10:20"},

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import FormatOption, Options, picture_formats  # typer reads the annotations
 from vibro.errors import InputError
 
@@ -101,12 +102,12 @@ def accuracy_command(
     if trade.scenes < number:
         console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
     if output.takes_stdout:
-        return 0
+        return ExitCode.DONE
     if options.json:
         print(json_text(content))
     else:
         _print_table(trade)
-    return 0
+    return ExitCode.DONE
 
 
 def _request(options: Options, argv: Sequence[str]) -> Request:

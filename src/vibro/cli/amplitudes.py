@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.cli.console import Console
-from vibro.cli.report import aligned, bound
+from vibro.cli.exit_codes import ExitCode
+from vibro.cli.report import aligned
 from vibro.cli.request import request_of
 from vibro.core.codes import Regime
 from vibro.errors import InputError
@@ -33,7 +34,7 @@ from vibro.quantities import (
 )
 from vibro.scene import Scene
 from vibro.steady import solve
-from vibro.sweeps.one_scene import motion_text
+from vibro.sweeps.one_scene import bound, motion_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -49,7 +50,6 @@ if TYPE_CHECKING:
 
 __all__ = ["list_amplitudes"]
 
-_NOT_MET: Final = 4  # exit code
 _MOST_AMPLITUDES: Final = 2  # of a motion in the table; more would not fit
 _MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
@@ -116,7 +116,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
         asked = f"{float(exact_number(text, LEAST_SPEED) / size):.15g} {unit}"
         print(aligned(drive.facts(request.fixed, asked), right=False), end="\n\n")
         print(drive.table(found) if found else f"no {drive.sizes[:-1]} does it: {drive.at_best()}")
-    return 0 if found else _NOT_MET
+    return ExitCode.DONE if found else ExitCode.NOT_MET
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import math
 import sys
 from bisect import bisect_right
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
@@ -109,6 +109,7 @@ def write_sweep(
     pictures: Pictures | None = None,
     look: Callable[[Block], None] = lambda block: None,
     form: str = "csv",
+    style: Mapping[str, Any] | None = None,
 ) -> int:
     """Solve a grid and write its table, pictures and JSON.
 
@@ -130,8 +131,8 @@ def write_sweep(
         What to draw.
     look : callable, optional
         Called with every block of solved cells, in their order.
-    form : str, optional
-        Of the table.
+    form, style : optional
+        Form of the table, and options of its class.
 
     Returns
     -------
@@ -143,7 +144,8 @@ def write_sweep(
     InputError, FileError
         If the grid is too large, or the files cannot be written.
     """
-    style = {"excel": options.excel, "decimal_comma": options.decimal_comma} if form == "csv" else {}
+    if style is None:
+        style = {"excel": options.excel, "decimal_comma": options.decimal_comma}
     sink = new_sink(form, **style)
     if form == "csv" and grid.size > _ROWS_OF_A_SHEET:
         console.warn(
@@ -152,8 +154,14 @@ def write_sweep(
         )
 
     def write(file: BinaryIO) -> Tally:
-        with console.progress("solving", grid.size) as report:
-            return write_table(grid, table, sink, file, argv, report=report, look=look)
+        with console.progress("solving", grid.size) as bar:
+
+            def report(done: int) -> None:
+                bar(done)
+                if form != "csv" and done == grid.size:
+                    console.echo(f"writing the table as {form}")
+
+            return write_table(grid, table, sink, file, argv, name, report=report, look=look)
 
     if options.output == "-":
         check_stdout(json=options.json)
@@ -320,7 +328,7 @@ def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
 
 def conclude(tally: Tally, grid: Grid, console: Console) -> int:
     """Tell how it went, and return the exit code."""
-    size = grid.size
+    size = tally.status.total()  # of some shards alone fewer than the grid's
     for status in Status:
         if status is not Status.OK and tally.status[status]:
             cells = "cell" if size == 1 else f"of {count(size)} cells"

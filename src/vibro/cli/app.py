@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
-from vibro.cli.compare import CompareCommand, compare_command
+from vibro.cli.compare import compare_command
 from vibro.cli.completion import check_shell, complete_in_plain_text
 from vibro.cli.console import (
     open_closed_streams,
@@ -21,17 +21,20 @@ from vibro.cli.console import (
     tolerate_any_encoding,
 )
 from vibro.cli.design import design_command
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.motion import motion_command
 from vibro.cli.options import print_version, shares_options
+from vibro.cli.report_page import report_command
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
+from vibro.cli.words import options_of, speak_in
 from vibro.errors import FileError, InputError, VibroError
-from vibro.interrupts import EXIT_CODE, end_on_signals, ignore_signals
+from vibro.interrupts import end_on_signals, ignore_signals
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -39,8 +42,6 @@ if TYPE_CHECKING:
 __all__ = ["app", "main"]
 
 _OF_COMPLETION = frozenset({"--install-completion", "--show-completion"})
-_FAILED = 1
-_WRONG_INPUT = 2
 _OBJECTS = 100_000  # made before garbage is looked for
 
 
@@ -58,6 +59,7 @@ class _Commands(TyperGroup):
     ) -> NoReturn:
         argv = list(sys.argv[1:] if args is None else args)
         tolerate_any_encoding()
+        speak_in({})
         try:
             if _OF_COMPLETION.intersection(argv):
                 check_shell()
@@ -71,12 +73,18 @@ class _Commands(TyperGroup):
             )
             sys.stdout.flush()
         except KeyboardInterrupt:
-            code = EXIT_CODE
+            code = ExitCode.INTERRUPTED
         except Exception as exc:
             code = _report(exc, argv)
-        if code == EXIT_CODE:  # typer's, too, where signals raise exceptions
+        if code == ExitCode.INTERRUPTED:  # typer's, too, where signals raise exceptions
             print_error(["interrupted"])
         sys.exit(code)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command, in whose options errors and warnings speak from now on."""
+        name, command, rest = super().resolve_command(ctx, args)
+        speak_in(options_of(command.params if command else ()))
+        return name, command, rest
 
 
 def _report(exc: Exception, argv: Sequence[str]) -> int:
@@ -85,13 +93,13 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         tell_traceback(exc)
     if isinstance(exc, InputError):
         print_error(exc.problems, exc.hint)
-        return _WRONG_INPUT
+        return ExitCode.WRONG_INPUT
     if isinstance(exc, FileError):
         print_error([str(exc)], exc.hint)
-        return _FAILED
+        return ExitCode.FAILED
     if isinstance(exc, VibroError):
         print_error([str(exc)])
-        return _WRONG_INPUT
+        return ExitCode.WRONG_INPUT
     if hasattr(exc, "format_message"):  # how typer says that the arguments are wrong
         command = next((arg for arg in argv if not arg.startswith("-")), "")
         known = command if command in _SCENES | _OTHERS else ""
@@ -103,12 +111,12 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         if not isinstance(exc, BrokenPipeError):
             what = f"read or write {exc.filename}" if exc.filename else "write to stdout"
             print_error([f"cannot {what}: {exc.strerror or exc}"])
-        return _FAILED
+        return ExitCode.FAILED
     if isinstance(exc, MemoryError):
         print_error(["not enough memory"], "ask for fewer values")
-        return _FAILED
+        return ExitCode.FAILED
     print_unexpected(exc)
-    return _FAILED
+    return ExitCode.FAILED
 
 
 app = typer.Typer(
@@ -119,15 +127,7 @@ app = typer.Typer(
 )
 
 
-_EXIT_CODES = """\b
-Exit codes:
-  0    done
-  1    a file or stream could not be read or written
-  2    the input is wrong
-  3    done, but something is unresolved: cells, or the one value asked for
-  4    done, but nothing meets the goal
-  130  interrupted
-"""
+_EXIT_CODES = "\b\nExit codes:\n" + "".join(f"  {code:<3}  {code.meaning}\n" for code in ExitCode)
 
 
 @app.callback(invoke_without_command=True, epilog=_EXIT_CODES)
@@ -156,12 +156,12 @@ _OTHERS: dict[str, Callable[..., int]] = {
     "design": shares_options(design_command, of_scene=False),
     "motion": shares_options(motion_command, of_drive=False, of_answer=False),
     "friction": friction_command,
+    "report": shares_options(report_command, of_table=False),
     "explore": shares_options(explore_command, of_answer=False),
     "schema": schema_command,
 }
-_CLASSES = {"compare": CompareCommand}
 for _name, _command in _SCENES.items():
-    app.command(_name, cls=_CLASSES.get(_name))(shares_options(_command))
+    app.command(_name)(shares_options(_command))
 for _name, _command in _OTHERS.items():
     app.command(_name)(_command)
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-import os
-from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
-from typer.core import TyperCommand
 
 from vibro.cli.completion import complete_fitted
 from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import FormatOption, Options, picture_formats
 from vibro.cli.record_options import (
     ReverseOption,
@@ -23,6 +21,7 @@ from vibro.cli.record_options import (
     column_option,
     scene_and_data,
 )
+from vibro.cli.words import in_options
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import (
     AMPLITUDES,
@@ -43,10 +42,8 @@ if TYPE_CHECKING:
     from vibro.records.waveforms import HarmonicDrive
     from vibro.sweeps.request import Request
 
-__all__ = ["CompareCommand", "compare_command"]
+__all__ = ["compare_command"]
 
-# What follows the flag --force without being a header.
-_FILES: Final = (".toml", ".csv", ".txt")
 # In the place of what is measured, while the rest of a scene is read: valid whatever that is [SI].
 _HARMLESS: Final = {
     "amplitude": 1e-3,
@@ -56,26 +53,6 @@ _HARMLESS: Final = {
     "normal_phase": 0.0,
     "frequency": 1.0,
 }
-
-
-class CompareCommand(TyperCommand):
-    """``vibro compare``, where ``--force`` with the header of a column means the force, not the flag."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Give ``--force HEADER`` the name that the flag leaves free."""
-        renamed: list[str] = []
-        for arg, following in zip_longest(args, args[1:], fillvalue="-"):
-            if arg == "--force" and _is_header(following):
-                arg = "--friction"
-            elif arg.startswith("--force="):
-                arg = arg.replace("--force", "--friction", 1)
-            renamed.append(arg)
-        return super().parse_args(ctx, renamed)
-
-
-def _is_header(text: str) -> bool:
-    is_file = Path(text).suffix.casefold() in _FILES or os.path.isfile(text)  # noqa: PTH113 (of any length)
-    return not (text.startswith("-") or is_file)
 
 
 def compare_command(
@@ -94,7 +71,7 @@ def compare_command(
     ] = None,
     friction: Annotated[
         str | None,
-        column_option("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
+        column_option("friction", "Column of the friction force on the body; needs --mass."),
     ] = None,
     trough_along: TroughAlongOption = None,
     trough_normal: TroughNormalOption = None,
@@ -103,7 +80,7 @@ def compare_command(
         str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
     ] = None,
     reverse: ReverseOption = False,
-    fitted: Annotated[
+    fit: Annotated[
         str | None,
         typer.Option(
             "--fit",
@@ -134,7 +111,7 @@ def compare_command(
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
-    names = _fitted_names(fitted)
+    names = _fitted_names(fit)
     options, data = scene_and_data(options, data, "compare")
     body = None
     if mass is not None:
@@ -148,7 +125,7 @@ def compare_command(
         "displacement": displacement,
         "velocity": velocity,
         "acceleration": acceleration,
-        "force": friction,
+        "friction": friction,
         "trough_along": trough_along,
         "trough_normal": trough_normal,
     }
@@ -156,8 +133,8 @@ def compare_command(
     record = read_record(data, columns, read_sensitivities(sensitivity or ()))
     for note in record.notes:
         console.echo(note)
-    if "force" in record.signals and body is None:
-        console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
+    if "friction" in record.signals and body is None:
+        console.warn(f"column {record.headers['friction']!r} is left out: a force needs --mass")
     elliptical = _elliptical(options)
     trough = trough_of(record, reverse=reverse, down=elliptical)
     drive: MeasuredDrive | HarmonicDrive | None = None
@@ -197,14 +174,16 @@ def compare_command(
             )
         for warning in comparison.warnings:
             console.warn(warning)
-        fit = None
+        found = None
         if names:
             from vibro.records.fitting import fit as fit_scene
 
-            fit = fit_scene(scene, observation, names, drive.moved if drive else ())
+            found = fit_scene(scene, observation, names, drive.moved if drive else ())
 
-        tables = ComparisonTables(comparison, record, body, fit, drive)
+        tables = ComparisonTables(comparison, record, body, found, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
+        for told in filter(None, (content, content.get("trough"))):
+            told["warnings"] = [*map(in_options, told["warnings"])]
         computed = f"computed pattern {comparison.motion.pattern}"
         title = f"{' – '.join(filter(None, (data.name, request.name)))}, {computed}"
 
@@ -213,20 +192,20 @@ def compare_command(
 
             return {
                 "": comparison_figure(
-                    comparison, title, request.fixed, compare(fit.scene, observation) if fit else None
+                    comparison, title, request.fixed, compare(found.scene, observation) if found else None
                 )
             }
 
         output.write(lambda: {"": tables.signals(), "summary": tables.summary()}, draw, content)
     if output.takes_stdout:
-        return 0
+        return ExitCode.DONE
     if options.json:
         from vibro.output.record import json_text
 
         print(json_text(content))
     else:
         print(comparison_report(tables, data, request))
-    return 0
+    return ExitCode.DONE
 
 
 def _elliptical(options: Options) -> bool:

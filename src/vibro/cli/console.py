@@ -9,6 +9,7 @@ import sys
 import traceback
 from typing import TYPE_CHECKING
 
+from vibro.cli.words import in_options
 from vibro.errors import printable
 from vibro.interrupts import OnEnd
 
@@ -71,9 +72,9 @@ def silence(stream: TextIO) -> None:
 def print_error(problems: Sequence[str], hint: str = "") -> None:
     """Print what is wrong and how to put it right, a line each."""
     for problem in problems:
-        tell(f"error: {problem}")
+        tell(f"error: {in_options(problem)}")
     for line in hint.splitlines():
-        tell(f"hint: {line}")
+        tell(f"hint: {in_options(line)}")
 
 
 def print_unexpected(exc: Exception) -> None:
@@ -116,7 +117,7 @@ class Console:
 
     def warn(self, text: str) -> None:
         """Say what the user should know about the answer."""
-        self.echo(f"warning: {text}")
+        self.echo(f"warning: {in_options(text)}")
 
     @contextlib.contextmanager
     def progress(self, label: str, total: int | None) -> Iterator[Callable[..., None]]:

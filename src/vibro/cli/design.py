@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import FormatOption, Options, picture_formats
 
 if TYPE_CHECKING:
@@ -19,9 +20,7 @@ if TYPE_CHECKING:
     from vibro.inverse.specs import Spec
     from vibro.results.designs import DesignResult
 
-__all__ = ["NOT_MET", "design_command"]
-
-NOT_MET: Final = 4  # exit code
+__all__ = ["design_command", "design_record"]
 
 
 class Only(StrEnum):
@@ -102,11 +101,11 @@ def design_command(
         output.write(
             lambda: {"": _columns(result)},
             draw,
-            _content(source, result) if options.output else {},
+            design_record(source, result) if options.output else {},
         )
     if not output.takes_stdout:
         print(json_text(result.to_dict()) if options.json else design_report(spec, result, chosen))
-    return 0 if result.met else NOT_MET
+    return ExitCode.DONE if result.met else ExitCode.NOT_MET
 
 
 def _columns(result: DesignResult) -> TableColumns:
@@ -131,7 +130,7 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
     return design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
 
 
-def _content(source: Path, result: DesignResult) -> dict[str, Any]:
+def design_record(source: Path, result: DesignResult) -> dict[str, Any]:
     """Return what the sidecar says: the question as it was asked, and its answer."""
     from vibro.files.toml_files import read_toml
 

@@ -2,71 +2,32 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Final
 
-from vibro.cli.report import aligned, bound
+from vibro.cli.report import aligned
 from vibro.core.codes import Regime
-from vibro.inverse.designs import at_most
-from vibro.inverse.rows import KINDS
-from vibro.quantities import LENGTH, QUANTITIES, SPEED
-from vibro.sweeps.one_scene import number
+from vibro.reports.design_texts import (
+    chosen_facts,
+    closest_rows,
+    cost_rows,
+    design_table,
+    drive_limits,
+    load_rows,
+    question_facts,
+    remarks,
+    size_of,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Sequence
 
     from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Drive, Spec
-    from vibro.results.designs import Design, DesignResult
+    from vibro.results.designs import DesignResult
 
 __all__ = ["design_report"]
 
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
-_NEARLY: Final = 0.999  # throw number of a setting that is about to hop
-_NOTHING: Final = 1e-6  # [%] of speed: above the rounding of finite differences
-_NONE: Final = "-"
-# Heads of a setting, by its knobs.
-_HEAD_OF: Final = {
-    "amplitude": "amplitude",
-    "stroke": "stroke",
-    "along_amplitude": "along",
-    "normal_amplitude": "normal",
-    "normal_phase": "phase",
-    "frequency": "frequency",
-    "drive_angle": "angle",
-    "motion_scale": "scale",
-}
-# Heads of what follows from it, with their units.
-_HEADS: Final = {
-    "accel.": "[g]",
-    "guaranteed": "[mm/s]",
-    "proved above": "[mm/s]",
-    "nominal": "[mm/s]",
-    "largest": "[mm/s]",
-    "margin": "",
-    "set by": "",
-    "proof": "",
-}
-_OF_BANDS: Final = ("proved above", "nominal", "largest", "margin")  # heads that say nothing of a single part
-_MOST_MARGIN: Final = 10.0
-_UNSEEN: Final = 3.0  # -ln 5 %: what happens in none of n samples has a chance of this / n at most
-# What happens beyond the end of a window of amplitudes.
-_BEYOND: Final[Mapping[str, str]] = {
-    "speed": "the slowest part gets too slow",
-    "onset": "the last part rests",
-    "back slip": "the first part slips back",
-    "hop": "the first part hops",
-    "limit": "the drive ends",
-    "tip": "the first part lifts an edge",
-    "unconfirmed": "no amplitude is confirmed",
-}
-_OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop within the window too
-_PROOFS: Final[Mapping[str, str]] = {
-    "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
-    "proved": 'boxes that cover all parts show that none falls short of the speed "proved above"',
-    "searched": "the slowest part that was found; less than that is proved of all, or nothing",
-    "sampled": "parts hop: the slowest of sampled parts, which another part may miss",
-}
 
 
 def design_report(spec: Spec, result: DesignResult, chosen: Chosen | None) -> str:
@@ -88,316 +49,34 @@ def design_report(spec: Spec, result: DesignResult, chosen: Chosen | None) -> st
         they hold; other numbers with at most six, and bounds among them rounded so that they hold too.
     """
     highest = spec.goal.highest_regime
-    parts = [_question(spec, result)]
+    parts = [aligned(question_facts(spec, result), right=False)]
     if not result.met:
-        parts.append(_closest(spec, result))
-    parts += [f"{_limits(drive)}\n{_table(drive, spec, result, [highest])}" for drive in spec.drives]
+        parts.append(aligned(closest_rows(spec, result)))
+    parts += [
+        f"{drive.name}: {drive_limits(drive)}\n{_table(drive, spec, result, [highest])}"
+        for drive in spec.drives
+    ]
     if chosen is not None:
-        parts += _chosen(spec, chosen, met=result.met)
+        parts += [
+            aligned(chosen_facts(spec, chosen, met=result.met), right=False),
+            aligned(load_rows(chosen)),
+            aligned(cost_rows(chosen.costs, size_of(chosen.design))),
+        ]
     answered = {design.highest_regime for design in result.designs}
     if others := [regime for regime in _REGIMES if regime is not highest and regime.label in answered]:
         parts.append("Other regimes than the goal's, for comparison (--only goal leaves them out):")
         parts += [f"{drive.name}\n{_table(drive, spec, result, others)}" for drive in spec.drives]
-    parts += _remarks(result)
+    parts += ["\n".join(lines)] if (lines := remarks(result)) else []
     return "\n\n".join(parts)
 
 
-def _question(spec: Spec, result: DesignResult) -> str:
-    met = [d.drive for d in _of(result, "gentlest", spec.goal.highest_regime) if d.frequency_hz is not None]
-    facts = [
-        ("goal", _goal(spec)),
-        ("met by", ", ".join(met) or "no drive"),
-        ("parts", ", ".join(_span(name, spec.bands[name]) for name in spec.bands if "friction" in name)),
-        ("trough", ", ".join(_trough(spec))),
-        ("drift", ", ".join(_drift(spec)) or "none"),
-    ]
-    return aligned(facts, right=False)
-
-
-def _goal(spec: Spec) -> str:
-    goal = spec.goal
-    parts = [f"at least {_speed(goal.speed)} for every part"]
-    if spec.length is not None:
-        parts[0] += (
-            f", {number(LENGTH.from_si(spec.length), 'mm')} in {number(spec.length / goal.speed, 's')}"
-        )
-    parts.append(at_most(goal.highest_regime))
-    if math.isfinite(goal.impact_speed):
-        parts.append(f"impacts of at most {_speed(goal.impact_speed)}")
-    if math.isfinite(goal.flight_fraction):
-        parts.append(f"in flight at most {number(100.0 * goal.flight_fraction)} % of the time")
-    if math.isfinite(spec.stand_ratio):
-        parts.append(f"upright, with the stand ratio {number(spec.stand_ratio)}")
-    return "; ".join(parts)
-
-
-def _speed(speed: float) -> str:
-    return number(SPEED.from_si(speed), SPEED.unit)
-
-
-def _span(name: str, span: tuple[float, float]) -> str:
-    quantity = QUANTITIES[name]
-    ends = dict.fromkeys(_given(quantity.from_si(end)) for end in span)
-    return f"{quantity.label} {' ... '.join(ends)} {quantity.unit}".rstrip()
-
-
-def _given(value: float) -> str:
-    """Write a number as it was given: nobody writes more than 15 digits."""
-    return f"{value:.15g}"
-
-
-def _trough(spec: Spec) -> list[str]:
-    parts = [_span("trough_angle", spec.bands.get("trough_angle", (0.0, 0.0)))]
-    if spec.length is not None:
-        parts.append(_span("trough_length", (spec.length, spec.length)))
-    for name in ("gravity", "restitution"):
-        value = getattr(spec, name)
-        if value != QUANTITIES[name].default:
-            parts.append(_span(name, (value, value)))
-    return parts
-
-
-def _drift(spec: Spec) -> list[str]:
-    drift = spec.drift
-    sizes = {
-        "amplitude": (100.0 * drift.amplitude, "%"),
-        "frequency": (100.0 * drift.frequency, "%"),
-        "drive angle": (math.degrees(drift.drive_angle), "deg"),
-        "trough angle": (math.degrees(drift.trough_angle), "deg"),
-        "phase": (math.degrees(drift.normal_phase), "deg"),
-    }
-    return [f"{name} +- {number(size, unit)}" for name, (size, unit) in sizes.items() if size]
-
-
-def _of(result: DesignResult, kind: str, regime: Regime) -> list[Design]:
-    """Return a kind of design of all drives."""
-    return [d for d in result.designs if d.design == kind and d.highest_regime == regime.label]
-
-
-def _closest(spec: Spec, result: DesignResult) -> str:
-    """Say what each drive reaches, what the next regimes would give, and which drive would do."""
-    highest = spec.goal.highest_regime
-    answered = {design.highest_regime for design in result.designs}
-    higher = [regime for regime in _REGIMES if regime > highest and regime.label in answered]
-    nearest = "nearest drive that meets the goal"
-    rows = [("largest guaranteed", at_most(highest), "set by", *(r.label for r in higher), nearest)]
-    others = [{d.drive: d for d in _of(result, "fastest", regime)} for regime in higher]
-    for design in _of(result, "fastest", highest):
-        needed = _NONE
-        if design.frequency_needed_hz is not None:
-            size = _exact(design.amplitude_needed_mm or design.stroke_needed_mm)
-            stroke = " stroke" if design.stroke_needed_mm is not None else ""
-            needed = f"{_exact(design.frequency_needed_hz)} Hz, "
-            needed += f"{size} mm{stroke}" if design.motion_scale is None else "scale "
-            if design.motion_scale is not None:
-                needed += _exact(design.motion_scale_needed)
-            elif design.drive_angle_deg is not None:
-                needed += f" at {_exact(design.drive_angle_deg)} deg"
-            else:
-                needed += f" along, the rest in proportion, at {_exact(design.normal_phase_deg)} deg"
-        reached = [_least(design), design.set_by or _NONE, *(_least(other[design.drive]) for other in others)]
-        rows.append((design.drive, *reached, needed))
-    return aligned(rows)
-
-
-def _least(design: Design) -> str:
-    speed = design.speed_min_mm_s
-    return "nothing" if speed is None else bound(speed, SPEED.unit, upper=False)
-
-
 def _table(drive: Drive, spec: Spec, result: DesignResult, regimes: Sequence[Regime]) -> str:
-    """Write the designs of a drive within some regimes; those that do not exist are left out."""
-    units = {name: QUANTITIES[name].unit for name in drive.told}
-    heads = {_HEAD_OF[name]: f"[{unit}]" if unit else "" for name, unit in units.items()} | _HEADS
-    shown = [head for head in heads if spec.has_bands or head not in _OF_BANDS]
-    # where nothing is uncertain no design is safer than another
-    kinds = KINDS if spec.has_bands else KINDS[:2]
-    found = {
-        regime: [
-            d
-            for d in result.designs
-            if (d.drive, d.highest_regime) == (drive.name, regime.label) and d.design in kinds
-        ]
-        for regime in regimes
-    }
-    designs = [d for group in found.values() for d in group if d.frequency_hz is not None]
-    rows = [["", *shown], ["", *(heads[head] for head in shown)]]
-    for design in designs:
-        cells = _cells(design, drive)
-        rows.append([f"  {design.design}", *(cells[head] for head in shown)])
-    lines = iter(aligned(rows).splitlines())
+    """Write the designs of a drive within some regimes, below the title of each."""
+    table = design_table(drive, spec, result, regimes)
+    designs = [[f"  {name}", *cells] for _, rows in table.groups for name, *cells in rows]
+    lines = iter(aligned([["", *table.heads], ["", *table.units], *designs]).splitlines())
     written = [next(lines), next(lines)] if designs else []
-    for regime, group in found.items():
-        goal = " (the goal)" if regime is spec.goal.highest_regime else ""
-        written.append(f"{at_most(regime)}{goal}{_missed(spec, group)}")
-        written += [next(lines) for design in group if design.frequency_hz is not None]
+    for title, rows in table.groups:
+        written.append(title)
+        written += [next(lines) for _ in rows]
     return "\n".join(written)
-
-
-def _missed(spec: Spec, designs: Sequence[Design]) -> str:
-    """Say if designs do not guarantee the speed of the goal, or none at all."""
-    fastest = next((d for d in designs if d.design == "fastest"), None)
-    if fastest is None or fastest.frequency_hz is None:
-        why = f", set by {fastest.set_by}" if fastest and fastest.set_by else ""
-        return f": no speed is guaranteed{why}"
-    met = any(d.design == "gentlest" and d.frequency_hz is not None for d in designs)
-    return "" if met else f": less than {_speed(spec.goal.speed)}"
-
-
-def _regime(label: str) -> Regime:
-    return next(regime for regime in _REGIMES if regime.label == label)
-
-
-def _limits(drive: Drive) -> str:
-    """Say what a drive can do."""
-    parts = []
-    for knob, name in zip(drive.space.knobs, drive.told, strict=True):
-        label, scale = QUANTITIES[name].label, drive.told_per_amplitude if knob == "amplitude" else 1.0
-        spans = [(low * scale, high * scale) for low, high in drive.choices[knob]]
-        if knob == "amplitude" and spans[0][0] == 0.0:
-            parts.append(f"{label} up to {_given(LENGTH.from_si(spans[0][1]))} mm")
-            continue
-        parts.append(f"{label} {' or '.join(_span(name, span).removeprefix(f'{label} ') for span in spans)}")
-    if math.isfinite(drive.acceleration):
-        parts.append(f"acceleration up to {number(drive.acceleration)} g")
-    return f"{drive.name}: {', '.join(parts)}"
-
-
-def _cells(design: Design, drive: Drive) -> dict[str, str]:
-    """Write the numbers of a design, by their heads."""
-    setting = {_HEAD_OF[name]: _exact(getattr(design, QUANTITIES[name].column)) for name in drive.told}
-    return setting | {
-        "accel.": _rounded(design.acceleration_g, upper=True),
-        "guaranteed": _rounded(design.speed_min_mm_s, upper=False),
-        "proved above": _rounded(design.speed_proved_mm_s, upper=False),
-        "nominal": _NONE if design.speed_nominal_mm_s is None else number(design.speed_nominal_mm_s),
-        "largest": _rounded(design.speed_max_mm_s, upper=True),
-        "margin": _rounded(design.margin, upper=False),
-        "set by": design.set_by or _NONE,
-        "proof": design.proof or _NONE,
-    }
-
-
-def _exact(value: float | None) -> str:
-    return _NONE if value is None else repr(float(value)).removesuffix(".0")
-
-
-def _rounded(value: float | None, *, upper: bool) -> str:
-    return _NONE if value is None else bound(value, upper=upper)
-
-
-def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
-    design = chosen.design
-    if design.motion_scale is not None:
-        setting = f"scale {_exact(design.motion_scale)}, {_exact(design.frequency_hz)} Hz"
-    elif design.drive_angle_deg is not None:
-        stroke = " stroke" if design.stroke_mm is not None else ""
-        setting = f"{_exact(design.nominal)} mm{stroke}, {_exact(design.frequency_hz)} Hz, "
-        setting += f"{_exact(design.drive_angle_deg)} deg"
-    else:
-        setting = (
-            f"{_exact(design.along_amplitude_mm)} mm along, {_exact(design.normal_amplitude_mm)} mm normal, "
-        )
-        setting += f"{_exact(design.normal_phase_deg)} deg, {_exact(design.frequency_hz)} Hz"
-    facts = [
-        (
-            "chosen" if met else "closest",
-            f"{design.drive}, {design.design} with {at_most(_regime(design.highest_regime))}: {setting}",
-        ),
-        (_size(design), _window(design)),
-        ("margin", _margin(spec, design)),
-    ]
-    if design.traverse_time_max_s is not None:
-        facts.append(("traverse time", f"at most {bound(design.traverse_time_max_s, 's', upper=True)}"))
-    if design.throw_number_max is not None:
-        facts.append(("throw number", f"at most {bound(design.throw_number_max, upper=True)}"))
-    loads = [(what, number(load)) for what, load in chosen.loads.items()]
-    costs = [(_input(name, _size(design)), _cost(cost)) for name, cost in chosen.costs.items()]
-    return [
-        aligned(facts, right=False),
-        aligned([("", "load now / load at which"), *loads]),
-        aligned([("1 % more", "changes the nominal speed by"), *costs]),
-    ]
-
-
-def _size(design: Design) -> str:
-    """Name the quantity in which the amplitudes of a design are told."""
-    if design.motion_scale is not None:
-        return "scale"
-    return "amplitude" if design.stroke_mm is None else "stroke"
-
-
-def _input(field: str, size: str) -> str:
-    name = field.removesuffix("_deg").replace("_", " ")
-    if name in ("amplitude", "motion scale"):
-        return size
-    return name if name == field.replace("_", " ") else f"{name}, 1 deg more"
-
-
-def _cost(cost: float | str) -> str:
-    """Write a sensitivity, which is 0 where rounding alone is left of it, or why there is none."""
-    if isinstance(cost, str):
-        return cost
-    return f"{cost:+.3g} %" if abs(cost) > _NOTHING else "0 %"
-
-
-def _window(design: Design) -> str:
-    """Say which amplitudes, or scales, keep the guarantee at the same frequency and drive angle."""
-    if design.window is None:
-        return "none keeps the goal"
-    low, high = design.window
-    beyond = {**_BEYOND, "hop": _OTHER_HOPS} if (design.throw_number_max or 0.0) > 1.0 else _BEYOND
-    below, above = (beyond.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
-    # rounded inwards, but not past the design itself
-    own = design.nominal or low
-    first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
-    last = _exact(own) if float(bound(high, upper=False)) < own else bound(high, upper=False)
-    along = " along, the normal one in proportion," if design.along_amplitude_mm else ""
-    unit = " mm" if design.motion_scale is None else ""
-    if (first, design.low_set_by, design.high_set_by) == (last, "limit", "limit"):
-        return f"{first}{unit}, all that the drive can do, keeps the goal"
-    return f"{first} ... {last}{unit}{along} keep the goal; below, {below}; above, {above}"
-
-
-def _margin(spec: Spec, design: Design) -> str:
-    """Say how much wider all that is unknown may be."""
-    margin = design.margin
-    if margin is None:
-        return (
-            "none: even without bands the goal is missed"
-            if spec.has_bands
-            else "none: no band and no drift is given"
-        )
-    if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
-        edge = "; no drift of the drive is asked for, and it stands where parts begin to hop"
-        return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"
-    if margin >= _MOST_MARGIN:
-        return f"{number(_MOST_MARGIN)} or more: all bands and drifts may be that many times as wide"
-    if margin >= 1.0:
-        return f"{bound(margin, upper=False)}: all bands and drifts may be that many times as wide"
-    return f"{bound(margin, upper=False)}: all bands and drifts would have to be that share as wide"
-
-
-def _remarks(result: DesignResult) -> list[str]:
-    """Explain the proofs, and tell of coexisting motions and of parts that were left out."""
-    proofs = {d.proof for d in result.designs}
-    lines = [f"{name}: {text}" for name, text in _PROOFS.items() if name in proofs]
-    if samples := min((d.samples for d in result.designs if d.samples), default=0):
-        lines.append(
-            f"samples: of {samples} hopping parts, spread evenly, none is slower: one drawn at random is "
-            f"with a chance of at most {100.0 * _UNSEEN / samples:.2g} % (confidence 95 %)"
-        )
-    if coexists := _all_called(d for d in result.designs if d.coexists):
-        lines.append(f"disturbed parts can settle into another motion than those from rest: {coexists}")
-    if excluded := [d for d in result.designs if d.excluded]:
-        most = max(d.excluded or 0 for d in excluded)
-        lines.append(f"samples without a speed are left out, up to {most} of: {_all_called(excluded)}")
-    return ["\n".join(lines)] if lines else []
-
-
-def _all_called(designs: Iterable[Design]) -> str:
-    return "; ".join(map(_called, designs))
-
-
-def _called(design: Design) -> str:
-    return f"{design.drive}, {design.highest_regime}, {design.design}"

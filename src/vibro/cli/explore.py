@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import sys
 import threading
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options  # typer reads the annotations
 from vibro.errors import FileError, InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from vibro.cli.console import Console
     from vibro.sweeps.request import Request
 
 __all__ = ["explore_command"]
 
+_GOODBYE: Final = b"goodbye: the page gets no more answers\n"
 _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the environment
 
 
@@ -71,8 +75,32 @@ def explore_command(
             tell_traceback(exc)
         print_unexpected(exc)
 
-    serve(initial_state(request), port=wanted, announce=announce, report=report)
-    return 0
+    with _ended_by_ctrl_c(quiet=options.quiet):
+        serve(initial_state(request), port=wanted, announce=announce, report=report)
+    return ExitCode.DONE
+
+
+@contextlib.contextmanager
+def _ended_by_ctrl_c(*, quiet: bool) -> Iterator[None]:
+    """Let Ctrl-C end this process well: it is how the page is meant to end.
+
+    At once, even while threads compute: nobody waits for their answers, and no file is open.
+    """
+
+    def end(*_: object) -> None:
+        with contextlib.suppress(OSError):
+            os.write(2, b"" if quiet else _GOODBYE)
+        os._exit(ExitCode.DONE)
+
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.SIG_IGN:  # as whoever started it wants
+        yield
+        return
+    signal.signal(signal.SIGINT, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _check_extra() -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import DebugOption, JsonOption, VersionOption  # typer reads the annotations
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def friction_command(
         print(json_text({"rows": [_content(row) for row in found]}))
     else:
         _print_table(found)
-    return 0
+    return ExitCode.DONE
 
 
 def _content(row: Row) -> dict[str, Any]:

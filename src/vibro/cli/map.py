@@ -41,7 +41,8 @@ from vibro.cli.tables import (
 )
 from vibro.cli.views import SHOWN, axis_name, held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Level
-from vibro.errors import InputError
+from vibro.errors import FileError, InputError
+from vibro.files.nearby import suggestion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,6 +133,11 @@ def map_command(
         from vibro.cli.stored_map import map_stored
 
         return map_stored(context, options, x, y, at or [], show or [], speed, formats)
+    if options.scene is not None and not options.scene.exists():
+        raise FileError(
+            f"cannot read {options.scene}: there is no such file or folder",
+            hint=suggestion(options.scene, (".toml",), folders=True),
+        )
     if options.scene is not None and options.scene.suffix == ".parquet":
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.answer import Pictures, make_grid, write_sweep
@@ -201,9 +207,12 @@ def map_command(
             )
         plan = sharding.plan(grid, written, request.name or "", request.own)
         code, tally = write_sharded(plan, sharding, options, context.obj, console, name, pictures)
-        if tally.at_rest:
+        if tally.at_rest and shards is None:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
         return code
+    style = None
+    if table != CSV:  # a workbook has maps of its own
+        style = {"x": x and axis_name(x), "y": y and axis_name(y), "at": held}
     moves = False
 
     def look(block: Block) -> None:
@@ -212,7 +221,7 @@ def map_command(
         if window:
             window.add(block.cycle)
 
-    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table)
+    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table, style)
     if window:
         console.echo(window.text())
     if not moves:

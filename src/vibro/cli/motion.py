@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 import typer
 
 from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import ForceOption, JsonOption, Options
 from vibro.cli.record_options import (
     ReverseOption,
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["motion_command"]
 
-_UNRESOLVED: Final = 3  # exit code
 # In the place of the drive, while the rest of a scene is read: valid whatever that is, in users' units.
 _HARMLESS: Final = {"amplitude": "1", "drive_angle": "0", "frequency": "1"}
 _FRICTIONS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
@@ -111,7 +111,7 @@ def motion_command(
         target.write(report.scene_file())
     if output != "-":
         print(json_text(report.content()) if json else report.text())
-    return _UNRESOLVED if report.unresolved else 0
+    return ExitCode.UNRESOLVED if report.unresolved else ExitCode.DONE
 
 
 def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool]:

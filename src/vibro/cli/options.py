@@ -146,7 +146,8 @@ class Options:
     version: VersionOption = False
 
 
-_OF_ANSWER: Final = ("output", "json", "excel", "decimal_comma", "force")
+_OF_TABLE: Final = ("json", "excel", "decimal_comma")
+_OF_ANSWER: Final = ("output", *_OF_TABLE, "force")
 
 
 def _parameter(name: str, default: Any, annotation: Any) -> inspect.Parameter:
@@ -162,7 +163,12 @@ def _quantity_parameter(quantity: Quantity) -> inspect.Parameter:
 
 
 def shares_options(
-    run: Callable[..., int], *, of_scene: bool = True, of_drive: bool = True, of_answer: bool = True
+    run: Callable[..., int],
+    *,
+    of_scene: bool = True,
+    of_drive: bool = True,
+    of_answer: bool = True,
+    of_table: bool = True,
 ) -> Callable[..., int]:
     """Give a command the shared options.
 
@@ -176,6 +182,8 @@ def shares_options(
         Whether it takes those of the drive too.
     of_answer : bool
         Whether it has an answer, which can be printed and written to files.
+    of_table : bool
+        Whether that answer is numbers, which can be written as CSV or JSON.
 
     Returns
     -------
@@ -187,7 +195,11 @@ def shares_options(
     quantities = [
         name for name, quantity in QUANTITIES.items() if of_scene and quantity.options and name not in refused
     ]
-    left_out = {*([] if of_scene else ["scene"]), *([] if of_answer else _OF_ANSWER)}
+    left_out = {
+        *([] if of_scene else ["scene"]),
+        *([] if of_answer else _OF_ANSWER),
+        *([] if of_table else _OF_TABLE),
+    }
     shared = []
     for f in fields(Options):
         if f.name == "given":

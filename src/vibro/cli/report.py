@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
-
-from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["aligned", "bound"]
-
-
-def bound(value: float, unit: str = "", *, upper: bool) -> str:
-    """Write a bound for people with six digits, rounded so that it still holds."""
-    rounding = ROUND_CEILING if upper else ROUND_FLOOR
-    return number(float(Context(prec=6, rounding=rounding).create_decimal(repr(float(value)))), unit)
+__all__ = ["aligned"]
 
 
 def aligned(rows: Iterable[Sequence[str]], *, right: bool = True) -> str:

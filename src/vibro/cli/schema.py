@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import DebugOption, ForceOption, OutputOption, QuietOption, VersionOption
 
 __all__ = ["SchemaOf", "schema_command"]
@@ -44,10 +45,10 @@ def schema_command(
     text = json_text(schema_of(FILES[kind]))
     if output in (None, "-"):
         print(text)
-        return 0
+        return ExitCode.DONE
     stem = output_stem(output, f"vibro-{kind}.schema")
     with Staging(stem, force=force, tables={"": "json"}, described=False) as files:
         files.table().write_text(text + "\n", encoding="utf-8")
         files.finish()
     Console(quiet=quiet).echo_all(files.told)
-    return 0
+    return ExitCode.DONE

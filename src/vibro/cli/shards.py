@@ -123,6 +123,8 @@ def sharding_of(
         for option, is_given in (("--excel", options.excel), ("--decimal-comma", options.decimal_comma)):
             if is_given:
                 raise InputError(f"{option} is about CSV", hint=f"leave it out, or --table {form}")
+    if form != CSV and options.output == "-":
+        raise InputError(f"--table {form}: it is no text for stdout", hint="give a name, such as -o out/nut")
     if form != PARQUET:
         given = {
             "--shard-cells": shard_cells, "--shards": shards, "--workers": workers, "--scheduler": scheduler,
@@ -185,7 +187,7 @@ def write_sharded(
             console.warn(f"{count(plan.shards)} files are many for a folder: --shard-cells makes fewer")
         if how.resume:
             there = len(files.shards())
-            console.echo(f"{there} files are there and checked first" if there else "nothing is there yet")
+            console.echo(f"{_shards(there)} there, checked first" if there else "nothing is there yet")
         first, last = (plan.range_of(shard) for shard in (shards[0], shards[-1]))
         with _progress(console, folder, last[1] - first[0]) as report:
             summary, manifest = how.carry_out(plan, shards, files, ["vibro", *argv], report, console.echo)
@@ -200,9 +202,8 @@ def write_sharded(
             f"shards {how.shards} of {plan.shards} are there; --resume without --shards finishes the folder"
         )
     if options.json:
-        print(
-            json_text({"folder": str(folder), "shards": len(summary.sizes), "bytes": summary.size, **content})
-        )
+        made = {"folder": str(folder), "shards": len(summary.sizes), "bytes": summary.size}
+        print(json_text({**made, **content, "cells": summary.tally.status.total()}))
     return conclude(summary.tally, plan.grid, console), summary.tally
 
 
@@ -265,11 +266,13 @@ def _tell(console: Console, folder: Path, summary: Summary, written: Sequence[st
     from vibro.cli.answer import byte_count
     from vibro.output.shard_folder import MANIFEST, SUCCESS
 
-    number, cells = len(summary.sizes), summary.tally.status.total()
+    cells = summary.tally.status.total()
     each = f"{byte_count(summary.size)}, {summary.size / cells:.1f} bytes a cell"
-    console.echo(
-        f"wrote {folder}: {number} shard{'' if number == 1 else 's'}, {each}; digest {summary.digest}"
-    )
+    console.echo(f"wrote {folder}: {_shards(len(summary.sizes))}, {each}; digest {summary.digest}")
     for name in (*written, MANIFEST, SUCCESS):
         if (folder / name).exists():
             console.echo(f"wrote {folder / name}")
+
+
+def _shards(number: int) -> str:
+    return f"{number} shard{'' if number == 1 else 's'}"

@@ -11,6 +11,7 @@ import typer
 
 from vibro.cli.completion import complete_panels
 from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import FormatOption, Options, picture_formats
 from vibro.errors import InputError, cut, shown
 
@@ -139,16 +140,17 @@ def simulate_command(
             content,
         )
     if output.takes_stdout:
-        return 0
+        return ExitCode.DONE
     if options.json:
         print(json.dumps({**content, "phases": _records(history)}, indent=2, allow_nan=False))
     else:
         print(_text(history, follow))
-    return 0
+    return ExitCode.DONE
 
 
 def _tables(history: History, samples: int) -> dict[str, TableColumns]:
-    from vibro.motion.trace import motion_table, phase_table, trace
+    from vibro.motion.trace import motion_table, trace
+    from vibro.results.phase_tables import phase_table
 
     rows = trace(history, until=history.end, samples_per_cycle=samples)
     return {"": motion_table(history, rows), "phases": phase_table(history, history.phases)}
@@ -238,7 +240,7 @@ def _records(history: History) -> list[dict[str, Any]]:
     """Return the phases, one a record, as their table has them."""
     import numpy as np
 
-    from vibro.motion.trace import phase_table
+    from vibro.results.phase_tables import phase_table
 
     columns = phase_table(history, history.phases)
     rows = zip(*(c.tolist() if isinstance(c, np.ndarray) else c for c in columns.values()), strict=True)
@@ -250,7 +252,7 @@ def _text(history: History, follow: Callable[..., History]) -> str:
     import numpy as np
 
     from vibro.cli.report import aligned
-    from vibro.motion.trace import phase_table
+    from vibro.results.phase_tables import phase_table
 
     phases = history.phases
     columns = phase_table(history, phases[:_PRINTED])

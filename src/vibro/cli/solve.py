@@ -43,7 +43,6 @@ _NEEDS: Final = {
     **NEEDS_PART,
     **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6"),
 }
-_SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 
 
 def solve_command(
@@ -173,30 +172,14 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     return f"{beginning} (load now / then {number(ratio)})"
 
 
-def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
-    """Say how many parts pass in a row, and their mass."""
-    from vibro.sweeps.one_scene import estimate, number
-
-    columns = throughput_of(part)
-    if not columns:
-        return []
-    values = [one.value(column) for column in columns]
-    speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
-    if math.isnan(speed) or speed <= 0.0 < speed + _SIGMAS * error:
-        return [("throughput", "unknown" if math.isnan(speed) else "unknown: which way parts go is not sure")]
-    rates = [
-        estimate(value, value * one.relative_error, column.unit.replace("1/min", "parts/min"))
-        for value, column in zip(values, columns, strict=True)
-    ]
-    return [("throughput", f"{', '.join(rates)} at most, one part every {number(part['pitch_mm'], 'mm')}")]
-
-
 def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
     from vibro.cli.report import aligned
     from vibro.quantities import STAND_RATIO
-    from vibro.sweeps.one_scene import beginnings, facts_of, phase_rows
+    from vibro.sweeps.one_scene import beginnings, facts_of, phase_rows, throughput_text
 
-    facts = [*facts_of(one, grid), *_throughput(one, part)]
+    facts = facts_of(one, grid)
+    if told := throughput_text(one, part):
+        facts.append(("throughput", told))
     if STAND_RATIO.column in part:
         facts.append(("upright", _upright(one, part[STAND_RATIO.column])))
     tables = [rows for rows in (beginnings(one), phase_rows(one)) if rows]

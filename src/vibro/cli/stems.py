@@ -13,7 +13,7 @@ from vibro.output.sinks import FORMS
 __all__ = ["output_stem"]
 
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
-_SUFFIXES: Final = (*(f".{form}" for form in (*FORMS, *PICTURE_FORMATS)), ".json")
+_SUFFIXES: Final = (*(f".{form}" for form in (*FORMS, *PICTURE_FORMATS)), ".json", ".html")
 
 
 def output_stem(output: str | None, name: str) -> Path:
@@ -64,7 +64,9 @@ def output_stem(output: str | None, name: str) -> Path:
     if suffix:
         stem = output[: -len(suffix)]
         example = (
-            f"write -o {stem}, which makes {stem}.csv" if path.name[: -len(suffix)] not in ("", ".") else ""
+            f"write -o {stem}, which makes {stem}{suffix if suffix == '.html' else '.csv'}"
+            if path.name[: -len(suffix)] not in ("", ".")
+            else ""
         )
         raise InputError(
             f"{given}: {suffix} is added to the name, as to those of all files", hint=example or _GIVE_A_NAME

@@ -271,7 +271,7 @@ def bind(port: int) -> socket.socket:
         else:
             return listening
     raise FileError(
-        f"cannot listen on any port of {port}...{last}: {reason}", hint="choose another with --port"
+        f"cannot listen on any port of {port}...{last}: {reason}", hint="choose another with port="
     )
 
 

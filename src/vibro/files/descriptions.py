@@ -54,11 +54,11 @@ class TableKind(NamedTuple):
 
 
 class FileKind(NamedTuple):
-    """A kind of file: its name, its description, the command that takes it first, and its tables by name."""
+    """A kind of file: its name, its description, the function that reads it, and its tables by name."""
 
     name: str
     meaning: str
-    command: str
+    function: str
     tables: dict[str, TableKind]
 
 
@@ -129,7 +129,7 @@ _MOTION: Final = (
 )
 
 #: Input of the commands that take a scene.
-SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", "solve", {
+SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", "read_scene", {
     "scene": TableKind("[scene]", "the operating point: one value each", _by_key(
         *map(_value, BY_COLUMN.values()),
         _harmonics("along_amplitude", "amplitudes of all harmonics along the trough, from the first on"),
@@ -146,7 +146,7 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
 })
 
 #: Input of ``vibro design``; static friction must be positive, since without it no body rests.
-DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, drives and a goal", "design", {
+DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a goal", "design", {
     "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
         _entry(form.FRICTION, "static_friction", "static friction of the parts", "needed", "0.3:0.5",
                allowed=_POSITIVE),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import TYPE_CHECKING
+
+from vibro.errors import did_you_mean
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
 __all__ = ["suggestion"]
 
 
-def suggestion(path: Path, suffixes: tuple[str, ...]) -> str:
+def suggestion(path: Path, suffixes: tuple[str, ...], *, folders: bool = False) -> str:
     """Suggest a file beside one that cannot be read, for the hint of an error.
 
     Parameters
@@ -20,15 +21,17 @@ def suggestion(path: Path, suffixes: tuple[str, ...]) -> str:
         What could not be read.
     suffixes : tuple of str
         Endings of the files to suggest, in lower case: ``(".csv", ".txt")``.
+    folders : bool
+        Whether to suggest folders too.
 
     Returns
     -------
     str
-        A question; empty where the folder holds no file with such a name.
+        A question; empty where the folder holds nothing with such a name.
     """
     try:
-        names = [p.name for p in path.parent.iterdir() if p.suffix.casefold() in suffixes]
+        there = [*path.parent.iterdir()]
+        names = [p.name for p in there if p.suffix.casefold() in suffixes or (folders and p.is_dir())]
     except OSError:
         return ""
-    close = difflib.get_close_matches(path.name, names, n=1)
-    return f"did you mean {path.with_name(close[0])}?" if close else ""
+    return did_you_mean(path.name, names, before=str(path).removesuffix(path.name))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import MOST_TOLD, FileError, InputError, cut, shown
+from vibro.errors import MOST_TOLD, FileError, InputError, cut, did_you_mean, shown
 from vibro.files.descriptions import FILES
 from vibro.files.nearby import suggestion
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from vibro.errors import Problems
     from vibro.files.descriptions import FileKind
 
-__all__ = ["ABSENT", "Table", "read_toml", "refuse_other_kinds", "refuse_unknown_tables"]
+__all__ = ["ABSENT", "Table", "kind_of", "read_toml", "refuse_other_kinds", "refuse_unknown_tables"]
 
 #: Stands for a table that a file does not have.
 ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
@@ -143,12 +142,22 @@ class Table:
         return next(entry.shown for key in keys if (entry := self._entries[key]).example is not None)
 
 
+def kind_of(content: Mapping[str, Any]) -> FileKind:
+    """Return the kind of a file: one whose tables it has, with the fewest unknown names in it."""
+    kinds = [kind for kind in FILES.values() if _required(kind) <= content.keys()]
+    return min(kinds, key=lambda kind: _count_unknown(content, kind))
+
+
 def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -> None:
     """Refuse a file of another kind as a whole: one that has its tables, and fewer unknown names in it."""
     for other in FILES.values():
-        required = {name for name, kind in other.tables.items() if kind.required}
-        if required <= content.keys() and _count_unknown(content, other) < _count_unknown(content, file):
-            raise InputError(f"{path}: this is {other.meaning}", hint=f"run vibro {other.command} {path}")
+        unknown = _count_unknown(content, other)
+        if _required(other) <= content.keys() and unknown < _count_unknown(content, file):
+            raise InputError(f"{path}: this is {other.meaning}", hint=f'run vibro.{other.function}("{path}")')
+
+
+def _required(file: FileKind) -> set[str]:
+    return {name for name, kind in file.tables.items() if kind.required}
 
 
 def _count_unknown(content: Mapping[str, Any], file: FileKind) -> int:
@@ -188,7 +197,5 @@ def _refuse_unknown(
     elif len(problems.found) >= MOST_TOLD:
         meant = ""  # the message leaves it out, and each lookup takes 0.1 ms
     else:
-        text = word.casefold() if isinstance(word, str) else ""
-        close = difflib.get_close_matches(text, known, n=1, cutoff=0.5)
-        meant = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
+        meant = "; " + (did_you_mean(word, known) or f"known are {', '.join(known)}")
     problems.add(f"{what} {shown(word)}{meant}", "" if len(homes) == 1 else hint)

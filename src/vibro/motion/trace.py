@@ -1,4 +1,4 @@
-"""A history in rows: its phases, and its motion at even steps and at every event."""
+"""A history in rows: its motion at even steps and at every event."""
 
 from __future__ import annotations
 
@@ -9,20 +9,18 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import PHASE_NAMES
-from vibro.quantities import LENGTH
 from vibro.results.history import Sample
+from vibro.results.phase_tables import in_mm, trough_phase
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from vibro.files.tables import TableColumns
-    from vibro.results.history import History, Phase
+    from vibro.results.history import History
 
     Floats = NDArray[np.float64]
 
-__all__ = ["motion_table", "phase_table", "trace"]
+__all__ = ["motion_table", "trace"]
 
 _ROUNDING: Final = 1e-9  # of the number of steps, or of a drive cycle
 
@@ -76,32 +74,17 @@ def motion_table(history: History, sample: Sample) -> TableColumns:
     place = np.searchsorted([p.start for p in phases], sample.time, side="right") - 1
     return {
         "time_s": sample.time,
-        "trough_phase_deg": _degrees(history, sample.time),
+        "trough_phase_deg": trough_phase(history, sample.time),
         "phase": [PHASE_NAMES[phases[i].kind] for i in place],
         **_trough(sample),
-        "relative_position_mm": _mm(sample.position),
-        "relative_velocity_mm_s": _mm(sample.velocity),
+        "relative_position_mm": in_mm(sample.position),
+        "relative_velocity_mm_s": in_mm(sample.velocity),
         "relative_acceleration_m_s2": sample.acceleration,
         "inertial_m_s2": sample.inertial,
         "friction_m_s2": sample.friction,
         "normal_m_s2": sample.normal,
         "static_limit_m_s2": sample.static_limit,
-        "gap_mm": _mm(sample.gap),
-    }
-
-
-def phase_table(history: History, phases: Sequence[Phase]) -> TableColumns:
-    """Return the columns of a list of phases."""
-    return {
-        "phase": [PHASE_NAMES[p.kind] for p in phases],
-        "start_s": np.array([p.start for p in phases]),
-        "end_s": np.array([p.end for p in phases]),
-        "trough_phase_at_start_deg": _degrees(history, np.array([p.start for p in phases])),
-        "start_position_mm": _mm(np.array([p.start_position for p in phases])),
-        "end_position_mm": _mm(np.array([p.end_position for p in phases])),
-        "start_velocity_mm_s": _mm(np.array([p.start_velocity for p in phases])),
-        "end_velocity_mm_s": _mm(np.array([p.end_velocity for p in phases])),
-        "impact_velocity_mm_s": _mm(np.array([p.impact_velocity for p in phases])),
+        "gap_mm": in_mm(sample.gap),
     }
 
 
@@ -109,17 +92,7 @@ def _trough(sample: Sample) -> TableColumns:
     """Return the columns of the trough's own motion: one along a line, two of an ellipse."""
     if np.isnan(sample.trough_displacement).all():
         return {
-            "trough_along_mm": _mm(sample.trough_along),
-            "trough_normal_mm": _mm(sample.trough_normal),
+            "trough_along_mm": in_mm(sample.trough_along),
+            "trough_normal_mm": in_mm(sample.trough_normal),
         }
-    return {"trough_displacement_mm": _mm(sample.trough_displacement)}
-
-
-def _mm(values: Floats) -> Floats:
-    return np.asarray(LENGTH.from_si(values)) + 0.0  # not -0.0
-
-
-def _degrees(history: History, time: Floats) -> Floats:
-    """Trough phase in [0, 360) [deg]."""
-    turns = float(history.scene.frequency) * time + history.start_phase / (2.0 * math.pi)
-    return np.asarray(360.0 * (turns - np.floor(turns)))
+    return {"trough_displacement_mm": in_mm(sample.trough_displacement)}

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+from vibro.errors import FileError, shown
 
+if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.results.sweep import Column
@@ -79,9 +79,21 @@ class Texts:
             self.codes[place : place + len(chunk)] = np.array(codes, np.int32)[which]
             place += len(chunk)
 
-    def translated(self, codes: Mapping[str, int]) -> NDArray[np.int8]:
-        """Translate codes to those of other texts; ``KeyError`` names a text without a code."""
-        return np.array([codes[text] for text in self.texts], np.int8)[self.codes]
+    def coded(self, column: Column) -> NDArray[np.int8]:
+        """Return the codes of a column that lists its texts.
+
+        Raises
+        ------
+        FileError
+            If it does not list one of them.
+        """
+        unknown = [text for text in self.texts if text not in column.codes]
+        if unknown:
+            raise FileError(
+                f"{column.name} = {shown(unknown[0])}: this version of vibro knows no such {column.name}",
+                hint="read it with the version of vibro that wrote it",
+            )
+        return np.array([column.codes[text] for text in self.texts], np.int8)[self.codes]
 
     def of_frame(self) -> Any:
         """Return the column of a data frame: the texts as categories in their order."""

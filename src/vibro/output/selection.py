@@ -41,6 +41,15 @@ class Selection:
         """Number of cells."""
         return math.prod(self.shape)
 
+    @property
+    def ends(self) -> tuple[int, int]:
+        """The first of these cells, and the last one."""
+        first, last = (
+            int(np.ravel_multi_index([0, *(kept[end] for kept in self.indices)], (1, *self.grid)))
+            for end in (0, -1)
+        )
+        return first, last
+
     def before(self, cell: int) -> int:
         """Count these cells before one of the grid, or before its end."""
         if cell >= math.prod(self.grid):

@@ -75,7 +75,8 @@ class ShardFiles:
             If a shard cannot be read, or has changed.
         """
         found = {name: gathering(self.columns[name])(cells.size) for name in names}
-        for shard in range(self.plan.shards):
+        first, last = (cell // self.plan.shard_cells for cell in cells.ends)
+        for shard in range(first, last + 1):
             start, end = self.plan.range_of(shard)
             if cells.before(start) == cells.before(end):
                 continue

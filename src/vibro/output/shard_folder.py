@@ -161,7 +161,7 @@ class ShardFolder:
             raise FileError(f"{self.shown} holds something else: {names}", hint=OTHER_NAME)
 
     def clear(self) -> None:
-        """Remove what says that the set is whole, then its files, last what says of which sweep they are."""
+        """Remove what says that the set is whole, then its files, and last what says that they are a set."""
         names = {path.name for path in self.folder.iterdir() if _OURS.fullmatch(path.name)}
         for name in sorted(names, key=lambda name: (name != SUCCESS, "manifest" in name, name)):
             (self.folder / name).unlink()
@@ -230,7 +230,7 @@ class ShardFolder:
         if self.read(MANIFEST) != manifest:
             raise FileError(
                 f"{self.shown / MANIFEST} was removed or changed {during}",
-                hint="put back what was there, or start anew with force=True",
+                hint=f"put back what was there, or {OTHER_NAME}",
             )
         for name, stamp in stamps.items():
             if not self._is_same(name, stamp, digests[name]):

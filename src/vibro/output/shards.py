@@ -143,10 +143,11 @@ def check_shard(job: Job, shard: int) -> Made | None:
             with (
                 parquet.ParquetFile(stream, page_checksum_verification=True) as file,
                 Path(os.devnull).open("wb") as nowhere,
+                contextlib.closing(Parquet()) as form,
             ):
-                tally = Tally.read(read_footer(file.metadata))
-                again, form = HashedFile(nowhere), Parquet()
+                again = HashedFile(nowhere)
                 form.open(again, job.plan.grid, job.plan.table)
+                tally = Tally.read(read_footer(file.metadata))
                 for group in range(file.num_row_groups):
                     form.copy(file.read_row_group(group))
                 form.close({**place_of(job.plan, shard), **tally.told()})

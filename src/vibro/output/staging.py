@@ -230,9 +230,7 @@ def _put_new(path: Path, target: Path) -> None:
         path.rename(target)  # which refuses a name that is not free
         return
     try:
-        os.link(
-            path, target
-        )  # which refuses it, too; renaming does not. The other name goes with its folder.
+        os.link(path, target)  # which refuses it, too; renaming does not
     except OSError as exc:
         if exc.errno not in _NO_LINKS:
             raise

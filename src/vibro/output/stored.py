@@ -8,19 +8,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from vibro.axes import axis_of
-from vibro.errors import FileError, InputError, shown
+from vibro.errors import InputError, shown
+from vibro.html_tables import amount, in_numbers
 from vibro.output.gathered import Texts, gathering
+from vibro.output.lazy import values_in_blocks, values_of_files
 from vibro.output.selection import Selection
 from vibro.output.shard_files import ShardFiles, open_shards
 from vibro.plots.view import index_of
-from vibro.quantities import QUANTITIES
+from vibro.quantities import QUANTITIES, SPEED
 from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import listed
+from vibro.sweeps.datasets import block_sizes, check_xarray, dataset, results_among
 from vibro.sweeps.run import solved_picture
 from vibro.sweeps.solved import SolvedGrid, axis_called, check_memory, one_value
 
@@ -29,12 +32,13 @@ if TYPE_CHECKING:
     from os import PathLike
 
     import pandas as pd
+    import xarray as xr
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
     from vibro.output.gathered import Gathered
     from vibro.results.steady import Result
-    from vibro.results.sweep import SweepResult
+    from vibro.results.sweep import Column, Peak, SweepResult
     from vibro.sweeps.grid import Grid
 
 __all__ = ["StoredSweep", "open_sweep", "stored_picture"]
@@ -101,6 +105,86 @@ class StoredSweep(SolvedGrid):
         hint = "filter the cells, name fewer columns, or let another reader of Parquet, such as DuckDB, do it"
         check_memory(cells.shape, per_cell, hint)
         return pd.DataFrame({name: found.of_frame() for name, found in shards.read(names, cells).items()})
+
+    def to_xarray(
+        self,
+        filters: Mapping[str, Any] | None = None,
+        columns: Sequence[str] | None = None,
+        *,
+        chunks: Literal["auto"] | Mapping[str, int] | None = None,
+    ) -> xr.Dataset:
+        """Read cells into labelled arrays, or, with ``chunks``, have them read when they are computed with.
+
+        Parameters
+        ----------
+        filters, columns : optional
+            As for ``to_frame``.
+        chunks : "auto" or mapping of str to int, optional
+            Without, all cells are read now. Else variables are arrays of dask, in blocks of so many values of
+            an axis, which is called by key, name or letter (``{"amplitude_mm": 10}``). Of other axes a block
+            has as many values, of the last ones all, as make at most 1e6 cells: they stand in few files.
+
+        Returns
+        -------
+        xarray.Dataset
+            As that of ``vibro.sweep(...).to_xarray()``. Reading a block opens only the files, row groups and
+            columns that hold it; it raises FileError if a file is missing, or its checksums show damage.
+
+        Raises
+        ------
+        InputError
+            If an axis, a value or a column is unknown, or, without ``chunks``, the cells do not fit into
+            memory.
+        FileError
+            If a file cannot be read, its checksums show damage, or xarray or dask is not installed.
+
+        Examples
+        --------
+        >>> import tempfile, vibro
+        >>> nut = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     t = vibro.write_sweep(folder, amplitude_mm="0.1:3:30", frequency_hz="5:25:21", **nut)
+        ...     speed = t.to_xarray(chunks={"amplitude_mm": 10}).mean_velocity_mm_s
+        ...     print(speed.chunksizes["amplitude_mm"], round(float(speed.max()), 1))
+        (10, 10, 10) 432.1
+        """
+        check_xarray()
+        shards = self._shards
+        names = self.columns if columns is None else _checked(columns, self.columns)
+        found = results_among((shards.columns[name] for name in names), self._grid)
+        cells = _selection(self._grid, {} if filters is None else filters)
+        if chunks is None:
+            per_cell = sum(gathering(column).bytes_per_cell for column in found)
+            hint = 'filter the cells, name fewer columns, or read them when they are needed: chunks="auto"'
+            check_memory(cells.shape, per_cell, hint)
+            values = values_of_files(shards, [column.name for column in found], cells)
+        else:
+            values = values_in_blocks(shards, cells, block_sizes(chunks, self._grid, cells.shape))
+        plan = shards.plan
+        digits = {} if plan.table.digits is None else {"significant_digits": plan.table.digits}
+        more = {**plan.table.part, **digits}
+        version = plan.content["versions"]["vibro"]
+        return dataset(
+            self._grid, self._title, found, values, indices=cells.indices, version=version, more=more
+        )
+
+    def _summary(self) -> list[tuple[str, str]]:
+        tally = self._shards.tally
+        return [
+            (
+                "folder",
+                f"{self._shards.folder}: {self._shards.plan.shards} files, {len(self.columns)} columns",
+            ),
+            ("regime", in_numbers((code.label, n) for code, n in tally.regime.most_common())),
+            ("status", in_numbers((code.label, n) for code, n in tally.status.most_common())),
+            *((name.replace("_", " "), self._told(peak)) for name, peak in tally.peaks.items()),
+        ]
+
+    def _told(self, peak: Peak) -> str:
+        at = ", ".join(
+            f"{axis.label} {amount(peak.values[name], axis.unit)}" for name, axis in self._grid.axes.items()
+        )
+        return f"{amount(peak.speed, SPEED.unit)}" + (f" at {at}" if at else "")
 
     def _cells(
         self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
@@ -185,20 +269,16 @@ def _cells(
         )
     cells = Selection(shards.plan.grid.shape, indices)
     found = shards.read([result.column for result in wanted], cells)
-    return {result.name: _values(result, found[result.column]).reshape(cells.shape) for result in wanted}
+    return {
+        result.name: _values(result, shards.columns[result.column], found[result.column]).reshape(cells.shape)
+        for result in wanted
+    }
 
 
-def _values(result: Result, found: Gathered) -> NDArray[Any]:
+def _values(result: Result, column: Column, found: Gathered) -> NDArray[Any]:
     """Convert a column of a table to the values of ``SteadyCycle``."""
     if isinstance(found, Texts):
-        codes = {text: code if text else -1 for code, text in enumerate(result.texts or ())}
-        unknown = [text for text in found.texts if text not in codes]
-        if unknown:
-            raise FileError(
-                f"{result.column} = {shown(unknown[0])}: this version of vibro knows no such {result.column}",
-                hint="draw it with the version of vibro that wrote it",
-            )
-        return found.translated(codes)
+        return found.coded(column)
     return np.asarray(result.kind.to_si(found.values)) if result.is_number else found.values
 
 

@@ -1,21 +1,20 @@
-"""Workers for the parts of a sweep: threads of this process, other processes, or a Dask cluster."""
+"""Workers for the shards of a sweep: threads of this process, other processes, or a Dask cluster."""
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import logging
-import math
 import multiprocessing
 import os
 import pickle
 import signal
 import sys
 import threading
-import time
 from abc import ABC, abstractmethod
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import resource_tracker
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self, cast
 
 from vibro.errors import FileError, VibroError
 from vibro.memory import retain_freed_memory
@@ -26,22 +25,25 @@ if TYPE_CHECKING:
 
 __all__ = ["Cluster", "Processes", "Threads", "Workers", "workers_of"]
 
+# [s] to wait for a scheduler: one that is starting answers within that.
+_CONNECTING: Final = 12.0
+# [s] without any worker after which a run ends: a worker that is restarted is there again in some 10 s.
+_ALONE: Final = 60.0
+_LOOK: Final = 5.0  # [s] between looks at the workers, and for the answer to one
 _CLOSING: Final = 2.0  # [s] after which a cluster that does not answer is left alone
-_KNOWN: Final = 5.0  # [s] between counts of the workers
-_CONNECTING: Final = 15.0  # [s] to wait for a scheduler, or for the first of its workers
 # Loggers of distributed that set levels of their own.
 _LOGS: Final = ("distributed", "distributed.client", "tornado.application")
 
 
 class Workers(ABC):
-    """Workers that make parts; a context manager.
+    """Workers that make shards; a context manager, which may be entered again after its end.
 
     Attributes
     ----------
     threads : int
-        Threads that each worker may use.
+        Threads that each task may use.
     number : int
-        Number of parts made at once.
+        Number of tasks at work at once; that of a cluster changes while it runs.
     """
 
     threads: int = 1
@@ -49,7 +51,7 @@ class Workers(ABC):
 
     @abstractmethod
     def __enter__(self) -> Self:
-        """Start the workers; also after an end."""
+        """Start the workers."""
 
     @abstractmethod
     def __exit__(self, *_: object) -> None:
@@ -66,31 +68,37 @@ class Workers(ABC):
         """
 
     def check(self) -> None:  # noqa: B027
-        """Look whether anybody is left who could do the work."""
+        """Check that there are workers; called several times a second while somebody waits for a task.
+
+        Raises
+        ------
+        FileError
+            If nobody is left who could do a task.
+        """
 
 
 class Threads(Workers):
-    """Threads of this process, each with its own part while there are enough.
+    """Threads of this process, no more than cores, which share those.
 
     Parameters
     ----------
-    parts : int
-        How many there are.
+    number : int
+        How many are of use.
     """
 
-    def __init__(self, parts: int) -> None:
-        self.number = max(1, min(cores(), parts))
+    def __init__(self, number: int) -> None:
+        self.number = max(1, min(cores(), number))
         self.threads = max(1, cores() // self.number)
 
     def __enter__(self) -> Self:
-        self._pool = ThreadPoolExecutor(self.number, "part")
+        self._pool = ThreadPoolExecutor(self.number, "shard")
         return self
 
     def __exit__(self, *_: object) -> None:
         self._pool.shutdown(cancel_futures=True)
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Have something done."""
+        """Submit a task."""
         return self._pool.submit(work, *args)
 
 
@@ -118,8 +126,8 @@ class Processes(Workers):
         self._pool.shutdown(cancel_futures=True)
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Submit a task; processes that this starts leave interrupts to this one."""
-        with _without_interrupts():
+        """Submit a task, which starts a process while there are fewer than wanted."""
+        with _safe_path(), _without_signals():
             return self._pool.submit(work, *args)
 
 
@@ -130,106 +138,168 @@ class Cluster(Workers):
     ----------
     address : str
         Of its scheduler.
+    tell : callable, optional
+        Called by ``check`` with a sentence for the user when there is no worker, and how long that may last.
 
     Raises
     ------
     FileError
-        If ``distributed`` is not installed; on entering, if no scheduler answers there, or it has no workers.
+        If ``distributed`` is not installed; on entering, if no scheduler answers at the address.
     """
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, tell: Callable[[str], object] | None = None) -> None:
         try:
             import distributed
         except ImportError:
             hint = "pip install 'vibro[distributed]'"
-            raise FileError("--scheduler needs distributed", hint=hint) from None
+            raise FileError(f'scheduler="{address}" needs the library distributed', hint=hint) from None
         self._library = distributed
-        self._levels: dict[str, int] = {}
         self._address = address
-        self._counted = -math.inf
+        self._tell = tell or (lambda sentence: None)
+        self._levels: dict[str, int] = {}
 
     def __enter__(self) -> Self:
         # It logs lost connections; our own messages report them.
         for name in _LOGS:
-            self._levels[name] = logging.getLogger(name).level
+            self._levels.setdefault(name, logging.getLogger(name).level)
             logging.getLogger(name).setLevel(logging.CRITICAL)
+        self._stop: Callable[[], object] = lambda: None
+        self._absent, self._fault, self._told = 0.0, "", False
+        opened: Future[None] = Future()
+        # A client in an event loop of our own ends with it, whatever state it is in. One that Dask runs in a
+        # thread leaves that thread behind, and a traceback at the end of the program, if it cannot connect.
+        self._thread = threading.Thread(target=self._run, args=(opened,), daemon=True)
+        self._thread.start()
         try:
-            self._connect()
+            opened.result()
         except BaseException:
-            self._restore_logs()
+            self.__exit__()
             raise
         return self
 
     def __exit__(self, *_: object) -> None:
-        with contextlib.suppress(Exception):  # the cluster may be gone
-            self._client.close(timeout=_CLOSING)
-        self._restore_logs()
+        with contextlib.suppress(RuntimeError):  # its loop has ended
+            self._stop()
+        self._thread.join(_CLOSING)
+        if not self._thread.is_alive():
+            while self._levels:
+                name, level = self._levels.popitem()
+                logging.getLogger(name).setLevel(level)
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Have something done."""
+        """Submit a task."""
         # A worker without vibro cannot unpickle a task, and ends silently: send it bytes to unpickle.
-        call = pickle.dumps(_Call(work, args))
-        # The library's own executor leaves a future open for ever if the scheduler ends at a bad moment.
-        future: Future[Any] = Future()
+        return asyncio.run_coroutine_threadsafe(self._do(pickle.dumps(_Call(work, args))), self._loop)
+
+    def check(self) -> None:
+        """Check that there are workers; tell once that there are none.
+
+        Raises
+        ------
+        FileError
+            If there has been none for a minute.
+        """
+        if self._absent >= _ALONE:
+            raise FileError(
+                f"the scheduler at {self._address} {self._fault}, for {_ALONE:.0f} s now",
+                hint=f"start workers with dask worker {self._address}, and the same vibro and files;"
+                " resume=True goes on with what is there",
+            )
+        if self._absent and not self._told:
+            self._told = True
+            self._tell(f"the scheduler at {self._address} {self._fault}: waiting for {_ALONE:.0f} s")
+
+    def _run(self, opened: Future[None]) -> None:
+        with contextlib.suppress(asyncio.CancelledError):
+            asyncio.run(self._serve(opened))
+
+    async def _serve(self, opened: Future[None]) -> None:
+        """Be a client of the cluster until ``_stop`` is called."""
+        self._loop = asyncio.get_running_loop()
+        task = asyncio.current_task()
+        assert task is not None
+        self._stop = lambda: self._loop.call_soon_threadsafe(task.cancel)
+        try:
+            await self._find_scheduler()
+            self._client = await self._library.Client(
+                self._address, timeout=_CONNECTING, asynchronous=True, set_as_default=False
+            )
+        except FileError as exc:
+            opened.set_exception(exc)
+        except Exception as exc:
+            opened.set_exception(self._unreachable(exc))
+        else:
+            async with self._client:
+                await self._look()
+                opened.set_result(None)
+                while True:
+                    await asyncio.sleep(_LOOK)
+                    await self._look()
+
+    async def _find_scheduler(self) -> None:
+        """Check that a scheduler is at the address."""
+        arguments = self._library.Security().get_connection_args("client")
+        if self._address.startswith("tls:") and arguments.get("ssl_context") is None:
+            raise FileError(
+                f"{self._address} needs certificates, and Dask's configuration names none",
+                hint="set distributed.comm.tls.ca-file, client.cert and client.key there",
+            )
+        # A client waits without end for the first words of whoever accepts its connection
+        # (github.com/dask/distributed/issues/8071).
+        async with (
+            asyncio.timeout(1.2 * _CONNECTING),
+            self._library.rpc(self._address, timeout=_CONNECTING, connection_args=arguments) as there,
+        ):
+            kind = (await there.identity())["type"]
+        if kind != "Scheduler":
+            raise ValueError(f"it is a {kind}'s address")
+
+    def _unreachable(self, exc: Exception) -> FileError:
+        reason, cause = "it says nothing", cast("BaseException | None", exc)
+        while cause is not None:
+            reason, cause = str(cause) or reason, cause.__cause__
+        return FileError(
+            f"no Dask scheduler answers at {self._address}: {reason}",
+            hint="start one with dask scheduler, and give the address that it prints, not its dashboard's:"
+            ' scheduler="tcp://host:8786"; resume=True goes on with what is there',
+        )
+
+    async def _look(self) -> None:
+        """Count the threads of the workers, which may join or leave, or note for how long there is none."""
+        try:
+            threads = sum((await asyncio.wait_for(self._client.nthreads(), _LOOK)).values())
+            fault = "has no workers"
+        except Exception:
+            threads, fault = 0, "does not answer"
+        if threads:
+            self.number, self._absent, self._told = threads, 0.0, False
+        else:  # not by the clock, which goes on while this process is stopped
+            self._fault, self._absent = fault, self._absent + _LOOK
+
+    async def _do(self, call: bytes) -> Any:
+        """Have a worker do a task, and return what it returns."""
+        task = None
         try:
             task = self._client.submit(pickle.loads, call, pure=False)
-            self._client.loop.add_callback(self._hand_on, task, future)
-        except Exception as exc:
-            raise BrokenExecutor(str(exc)) from exc
-        return future
-
-    def _connect(self) -> None:
-        try:
-            self._client = self._library.Client(self._address, timeout=_CONNECTING, set_as_default=False)
-        except (OSError, ValueError, TypeError) as exc:
-            raise FileError(
-                f"no scheduler answers at {self._address}: {exc}",
-                hint="start one with dask scheduler, and give its address, such as tcp://host:8786;"
-                " --resume goes on with what is there",
-            ) from exc
-        try:
-            self._client.wait_for_workers(1, timeout=_CONNECTING)
-            self._client.sync(self._count)
-        except OSError as exc:  # a TimeoutError is one
-            self._client.close(timeout=_CLOSING)
-            raise FileError(
-                f"the scheduler at {self._address} has no workers",
-                hint=f"start some with dask worker {self._address}, and the same vibro and files",
-            ) from exc
-
-    async def _hand_on(self, task: Any, future: Future[Any]) -> None:
-        """Wait for a task of the cluster, and hand on how it ended."""
-        try:
-            result = await task
+            return await task
         except (ImportError, AttributeError) as exc:  # it could not unpickle the task
-            message = f"a worker of {self._address} has another vibro, or none: {exc}"
-            future.set_exception(VibroError(message))
-        except BaseException as exc:
-            by_task = task.status == "error" and not isinstance(exc, self._library.KilledWorker)
-            future.set_exception(exc if by_task else BrokenExecutor(str(exc)))
-        else:
-            future.set_result(result)
-            with contextlib.suppress(Exception):  # if the cluster is gone, its tasks fail
-                await self._count()
-
-    async def _count(self) -> None:
-        """Count the threads of the workers now and then: workers may join or leave."""
-        if time.monotonic() - self._counted > _KNOWN:
-            self._counted = time.monotonic()
-            self.number = max(1, sum((await self._client.nthreads()).values()))
-
-    def _restore_logs(self) -> None:
-        for name, level in self._levels.items():
-            logging.getLogger(name).setLevel(level)
+            raise VibroError(f"a worker of {self._address} has another vibro, or none: {exc}") from exc
+        except BaseException as exc:  # that a task is cancelled because its scheduler is lost is no Exception
+            if task and task.status == "error" and not isinstance(exc, self._library.KilledWorker):
+                raise
+            raise BrokenExecutor(str(exc)) from exc
 
 
 def workers_of(
-    parts: int, processes: int | None, scheduler: str | None, tell: Callable[[str], None] = print
+    shards: int,
+    processes: int | None,
+    scheduler: str | None,
+    tell: Callable[[str], object] | None = None,
 ) -> Workers:
-    """Return workers for so many parts: threads unless processes or a scheduler are asked for."""
+    """Return workers for so many shards: threads unless processes or a scheduler are asked for."""
     if scheduler is not None:
-        return Cluster(scheduler)
-    return Threads(parts) if processes is None else Processes(processes)
+        return Cluster(scheduler, tell)
+    return Threads(shards) if processes is None else Processes(processes)
 
 
 class _Call:
@@ -243,12 +313,35 @@ class _Call:
 
 
 @contextlib.contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """Block signals of the terminal; processes that are started meanwhile never receive them."""
+def _safe_path() -> Iterator[None]:
+    """Keep the current folder off the path of processes that are started meanwhile.
+
+    Python starts them with ``python -c``, which imports from the current folder first: beside a file
+    ``signal.py`` they would fail, and a folder that was downloaded would have its ``subprocess.py`` run
+    (github.com/python/cpython/issues/157916). They then take over the path of this process as it is.
+    """
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
+
+
+@contextlib.contextmanager
+def _without_signals() -> Iterator[None]:
+    """Block signals that end a run until processes that are started meanwhile can end with this one.
+
+    The threads of a pool, which start with the first of them, never receive signals, nor do the processes
+    those of the terminal.
+    """
     if sys.platform == "win32":
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP, signal.SIGTERM})
     try:
         yield
     finally:
@@ -256,12 +349,15 @@ def _without_interrupts() -> Iterator[None]:
 
 
 def _start_tracker() -> None:
-    """Start the process that removes the locks of a killed pool, and silence its warning."""
+    """Start the process that removes the locks of a killed pool, and silence its warning.
+
+    It is started before the others, as Python unblocks signals after that.
+    """
     if sys.platform == "win32":  # Windows: the system removes them
         return
     sys.warnoptions.append("ignore:resource_tracker")
     try:
-        with _without_interrupts():
+        with _safe_path(), _without_signals():
             resource_tracker.ensure_running()
     finally:
         sys.warnoptions.remove("ignore:resource_tracker")
@@ -274,6 +370,8 @@ def _begin_worker() -> None:
     """
     retain_freed_memory()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform != "win32":  # a pool ends its processes by this one
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

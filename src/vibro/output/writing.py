@@ -7,7 +7,7 @@ import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
 from vibro.core.codes import Level
 from vibro.errors import FileError, InputError, shown
@@ -164,16 +164,15 @@ class Sharding:
 
     def _manifest(self, plan: Plan, folder: ShardFolder, argv: Sequence[str]) -> str:
         """Write the manifest, if it is not there; one that another run has just written must be the same."""
-        manifest = folder.read(MANIFEST)
-        if manifest is None:
+        if folder.read(MANIFEST) is None:
             try:
                 folder.write(MANIFEST, plan.manifest(argv), replace=False)
             except FileError:
                 if folder.read(MANIFEST) is None:
                     raise
-            manifest = folder.read(MANIFEST) or ""
-            if read_plan(manifest, folder.shown / MANIFEST).fingerprint != plan.fingerprint:
-                raise FileError(f"another run has begun another sweep in {folder.shown}", hint=_ANEW)
+        manifest = folder.read(MANIFEST) or ""
+        if read_plan(manifest, folder.shown / MANIFEST).fingerprint != plan.fingerprint:
+            raise FileError(f"another run has begun another sweep in {folder.shown}", hint=_ANEW)
         return manifest
 
     def _continued(self, folder: ShardFolder, plan: Plan, there: Plan) -> Plan:
@@ -231,6 +230,18 @@ def shard_folder(folder: str) -> Path:
     return path
 
 
+@overload
+def write_sweep(
+    folder: str | PathLike[str],
+    scene_file: str | PathLike[str] | None = None,
+    *,
+    shards: None = None,
+    **more: Any,
+) -> StoredSweep: ...
+@overload
+def write_sweep(
+    folder: str | PathLike[str], scene_file: str | PathLike[str] | None = None, *, shards: str, **more: Any
+) -> None: ...
 def write_sweep(
     folder: str | PathLike[str],
     scene_file: str | PathLike[str] | None = None,

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import IO, TYPE_CHECKING, Any, Final
 
 from vibro.plots.curves import curve_figure
 from vibro.plots.fields import Fields
@@ -116,15 +116,15 @@ def _figure(
     return draw[name](result, fields)
 
 
-def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str, str]) -> None:
+def save(figure: Figure, path: Path | IO[bytes], picture_format: str, metadata: Mapping[str, str]) -> None:
     """Write a figure to a file.
 
     Parameters
     ----------
     figure : Figure
         From ``map_figures``.
-    path : Path
-        The file; its suffix does not matter.
+    path : Path or binary file
+        Where it goes; a suffix does not matter.
     picture_format : str
         ``png``, ``svg`` or ``pdf``.
     metadata : mapping of str to str

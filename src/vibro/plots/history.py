@@ -129,7 +129,7 @@ def choose_panels(text: str | None, *, flies: bool) -> list[str]:
     for name in names:
         if name not in PANELS or names.count(name) > 1:
             wrong = "is no panel" if name not in PANELS else "is named twice"
-            raise InputError(f"--panels {text}: {name!r} {wrong}", hint=f"choose from {', '.join(PANELS)}")
+            raise InputError(f'panels="{text}": {name!r} {wrong}', hint=f"choose from {', '.join(PANELS)}")
     return names
 
 

@@ -189,7 +189,7 @@ def check_drawable(view: View) -> None:
         sizes = np.abs(axis.values[axis.values != 0.0])
         if np.any((sizes < _LEAST) | (sizes > _MOST)):
             ends = f"{axis.label} = {axis.values[0]:g} ... {axis.values[-1]:g}"
-            raise InputError(f"{ends}: no picture has such an axis", hint="-o - writes the table alone")
+            raise InputError(f"{ends}: no picture has such an axis", hint='output="-" writes the table alone')
 
 
 def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Mapping[str, float]) -> None:

@@ -102,19 +102,18 @@ class Observation:
         if mass is not None and not 1.0 / TOL.largest <= mass <= TOL.largest:
             raise InputError(f"mass = {mass:.15g} kg: must be in {_RANGE} kg beside a record")
         sign = -1.0 if reverse else 1.0
-        signals = {name: sign * values for name, values in record.signals.items() if name != "force"}
-        if "force" in record.signals and mass is not None:
-            signals["friction"] = sign * record.signals["force"] / mass
+        signals = {name: sign * values for name, values in record.signals.items() if name != "friction"}
+        if "friction" in record.signals and mass is not None:
+            signals["friction"] = sign * record.signals["friction"] / mass
         if not signals:
             unknown = "the data hold a force alone, and the mass is unknown"
-            raise InputError(unknown, hint="give --mass 0.02kg")
+            raise InputError(unknown, hint="give mass=0.02")
         if "acceleration" in signals:
             # The velocity of a steady motion repeats, so that its acceleration has no mean. A mean in the
             # record is the sensor's zero, or gravity on a sensor that is not level: subtract it.
             steady = fold(record.time, signals["acceleration"], frequency, _TRENDS["acceleration"])
             signals["acceleration"] = signals["acceleration"] - steady.coefficients[0]
-        texts = {"friction" if role == "force" else role: s for role, s in record.sensitivities.items()}
-        return cls(record.time, signals, frequency, clock, texts)
+        return cls(record.time, signals, frequency, clock, record.sensitivities)
 
     @property
     def period(self) -> float:

@@ -100,7 +100,7 @@ class Comparison:
         warnings += _of_another_clock(observation, motion, alignment)
         advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
         if advance * motion.advance < 0.0:
-            warnings.append("the data run against the computed direction: --reverse reverses their axis")
+            warnings.append("the data run against the computed direction: reverse=True reverses their axis")
         computed, measured = (signals.get("friction") for signals in (self.computed, observation.signals))
         if computed is not None and np.cov(computed, measured)[0, 1] < 0.0:
             must = "it must be the force on the body, not on the trough"
@@ -294,7 +294,7 @@ def _of_another_frequency(observation: Observation) -> list[str]:
     found, error = foreign.frequency
     off = max(error, TOL.proposed / float(np.ptp(observation.time)))
     plain = next(text for digits in range(18) if abs(float(text := f"{found:.{digits}f}") - found) <= off)
-    said, remedy = f"{found:.5g} Hz", f"-f {plain}"
+    said, remedy = f"{found:.5g} Hz", f"frequency={plain}"
     if observation.clock is not None:
         trough = f"the trough at {observation.frequency:.5g} Hz"
         return [f"the body's signals repeat at {said}, {trough}: are both of one run, and of one clock?"]
@@ -316,6 +316,6 @@ def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Al
     where = "later" if off > 0.0 else "earlier"
     why = "a channel lags, or the body does not move as computed"
     if abs(off) > (0.5 - TOL.inverted) * motion.period:
-        why = "one of the sensors may be inverted (--reverse, or a negative sensitivity)"
+        why = "one of the sensors may be inverted (reverse=True, or a negative sensitivity)"
     apart = f"{1e3 * abs(off):.3g} ms ({360.0 * abs(off) / motion.period:.0f} deg) {where} in the cycle"
     return [f"the body's signals alone fit best {apart} than the trough's acceleration says: {why}"]

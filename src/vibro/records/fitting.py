@@ -163,7 +163,7 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
     own = fittable(scene)
     choice = f"choose from {', '.join(QUANTITIES[name].letter for name in own)}"
     for name in names:
-        said = f"--fit {cut(','.join(names))}: "
+        said = f'fit="{cut(",".join(names))}": '
         if name not in FITTABLE or list(names).count(name) > 1:
             raise InputError(f"{said}{shown(name)} cannot be estimated, or is named twice", hint=choice)
         quantity = QUANTITIES[name]
@@ -172,7 +172,7 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
             raise InputError(none, hint=choice)
         if name in AMPLITUDES and not float(getattr(scene, name)):
             zero = f"{said}the search for the {quantity.label} begins at the scene's, which is 0"
-            raise InputError(zero, hint=f"give what it may be, for example {quantity.options[0]} 0.3")
+            raise InputError(zero, hint=f'give what it may be, for example {name}="0.3mm"')
 
 
 def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
@@ -231,7 +231,7 @@ def _first_minima(problem: Problem) -> list[Minimum]:
                 minima.append(minimise(problem, start, TOL.rough, aim))
                 aim = min(aim, minima[-1].squares)
     if not minima:
-        none = "--fit: no value that was tried gives a steady motion to compare with"
+        none = "no value that was tried gives a steady motion to compare with"
         raise InputError(none, hint="check the other quantities of the scene")
     return _least_of_each(problem, minima)
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.records.signals import (
     EXAMPLES,
     KINDS,
@@ -17,7 +16,6 @@ from vibro.records.signals import (
     TROUGH,
     Sensitivity,
     Unit,
-    option_of,
     signal_unit,
 )  # fmt: skip
 from vibro.records.tolerances import TOL
@@ -32,7 +30,7 @@ _WORDS: Final = {
         ("displacement", r"displacement|position|weg|relative.*|x|xi|s"),
         ("velocity", r"velocity|speed|geschwindigkeit|relative.*|v|vx"),
         ("acceleration", r"acceleration|beschleunigung|relative.*|a|ax"),
-        ("force", r"friction|friction force|reibkraft|f"),
+        ("friction", r"friction|friction force|reibkraft|f"),
     )
 }
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
@@ -107,7 +105,7 @@ def _is_quotient(name: str, unit_text: str) -> bool:
     unit = signal_unit(unit_text)
     if unit is None:
         return False
-    kinds = [kind for kind, word in _WORDS.items() if word.fullmatch(name)]
+    kinds = [KINDS[role] for role, word in _WORDS.items() if word.fullmatch(name)]
     return unit[0] in (*kinds, "voltage") if kinds else signal_unit(name) is None
 
 
@@ -157,14 +155,14 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
             hints += [exc.hint]
     if not problems and "time" not in found:
         problems.append(f"{path}: no column of time found among {_list(headers)}")
-        hints.append('name it, with its unit: --time "t [s]"')
+        hints.append('name it, with its unit: time="t [s]"')
     needed = SIGNALS if wanted.body else TROUGH
     if not problems and not any(role in found for role in needed):
         of_body = " of the body" if len(found) > 1 else ""
         what = f"signal{of_body} found" if wanted.body else "acceleration of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
         hints.append(_name_one(headers, wanted))
-        hints += ["vibro motion measures the trough alone"] if of_body else []
+        hints += ["vibro.measured_motion measures the trough alone"] if of_body else []
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
     _check_use(path, headers, found, wanted)
@@ -181,11 +179,12 @@ def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Want
     used = [column.sensitivity for column in columns.values()]
     for sensitivity in wanted.sensitivities:
         if sensitivity not in used:
-            role, read = sensitivity.role or sensitivity.kind, [column.header for column in columns.values()]
+            role = sensitivity.role or next(name for name in SIGNALS if KINDS[name] == sensitivity.kind)
+            read = [column.header for column in columns.values()]
             free = [header.text for header in _voltages(headers) if header not in read]
-            hint = f'name the column: {option_of(role)} "{free[0]}"' if free else "leave it out"
+            hint = f'name the column: {role}="{free[0]}"' if free else "leave it out"
             said = f"{path}: no column that is read as {role.replace('_', ' ')}"
-            raise InputError(f"{said} is a voltage for --sensitivity {sensitivity.text}", hint=hint)
+            raise InputError(f'{said} is a voltage for sensitivity="{sensitivity.text}"', hint=hint)
 
 
 def _voltages(headers: list[Header]) -> list[Header]:
@@ -195,19 +194,20 @@ def _voltages(headers: list[Header]) -> list[Header]:
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
     """Show how to name a signal, with a sensitivity if the table holds a voltage."""
     if not wanted.body:
-        units = {"voltage": f" --sensitivity {EXAMPLES['acceleration']}", "acceleration": ""}
+        units = {"voltage": f' sensitivity="{EXAMPLES["acceleration"]}"', "acceleration": ""}
         for header in headers:
             if header.unit and header.unit[0] in units:
-                example = f'--trough-along "{header.text}"{units[header.unit[0]]}'
-                return f"name one or both, --trough-along and --trough-normal: {example}"
-        return 'name one or both, with the unit: --trough-along "ax [m/s^2]" --trough-normal "ay [m/s^2]"'
+                example = f'trough_along="{header.text}"{units[header.unit[0]]}'
+                return f"name one or both, trough_along= and trough_normal=: {example}"
+        return 'name one or both, with the unit: trough_along="ax [m/s^2]" trough_normal="ay [m/s^2]"'
     for header in _voltages(headers):
         role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
-        name = f'{option_of(role)} "{header.text}"'
+        name = f'{role}="{header.text}"'
         if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
             return f"name the voltage: {name}"
-        return f"name one, and the sensitivity of its sensor: {name} --sensitivity {EXAMPLES[role]}"
-    return 'name one, with its unit: --displacement "X [mm]"'
+        example = EXAMPLES[KINDS[role]]
+        return f'name one, and the sensitivity of its sensor: {name} sensitivity="{example}"'
+    return 'name one, with its unit: displacement="X [mm]"'
 
 
 def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
@@ -219,11 +219,10 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
         or [h for h in headers if h.text.casefold() == key.casefold()]
         or [h for h in headers if h.name.casefold() == name.casefold() and not (unit_text and h.stated)]
     )
-    option, kind = option_of(role), KINDS[role]
+    kind = KINDS[role]
     if not found:
-        close = difflib.get_close_matches(key, [h.text for h in headers], n=1, cutoff=0.5)
-        hint = f"did you mean {shown(close[0])}?" if close else "write it as the header row does"
-        missing = f"{path}: no column {shown(key)} for {option}; its columns are {_list(headers)}"
+        hint = did_you_mean(key, (h.text for h in headers)) or "write it as the header row does"
+        missing = f"{path}: no column {shown(key)} for {role}=; its columns are {_list(headers)}"
         raise InputError(missing, hint=hint)
     if len(found) > 1:
         several = f"{path}: {len(found)} columns are called {shown(key)}"
@@ -232,7 +231,7 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
     unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
     if unit is not None and unit[0] == kind:
         return Column(header, unit[1])
-    said, example = f"{path}: column {shown(header.text)} for {option}", EXAMPLES.get(kind)
+    said, example = f"{path}: column {shown(header.text)} for {role}=", EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
         serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
         if serving:
@@ -242,28 +241,28 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
         what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
         idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
         if (other := next(idle, None)) is not None:
-            what = f"--sensitivity {other.text} is a sensitivity of {other.kind}, one of {kind} is needed"
+            what = f'sensitivity="{other.text}" is a sensitivity of {other.kind}, one of {kind} is needed'
             if other.kind == kind:
-                what = f"--sensitivity {other.text} is for {other.served}, for which no column is named"
-                hint = f"name that column too: {other.served} HEADER, and give this sensor's sensitivity:"
-                example = f"{option.removeprefix('--')}={example}"
-        raise InputError(f"{said}: {what}", hint=f"{hint} --sensitivity {example}")
+                what = f'sensitivity="{other.text}" is for {other.served}, for which no column is named'
+                hint = f'name that column too: {other.role}="HEADER", and give this sensor\'s sensitivity:'
+                example = f"{role.replace('_', '-')}={example}"
+        raise InputError(f"{said}: {what}", hint=f'{hint} sensitivity="{example}"')
     stated = unit_text or header.stated
     problem = f"{shown(stated)} is no unit of {kind}" if stated else "it has no unit"
-    voltage = f", or mV and V with --sensitivity {example}" if example else ""
+    voltage = f', or mV and V with sensitivity="{example}"' if example else ""
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
-    hint = f'write the unit in brackets: {option} "{header.name} [{usual}]"; units of {kind} are {units}'
+    hint = f'write the unit in brackets: {role}="{header.name} [{usual}]"; units of {kind} are {units}'
     raise InputError(f"{said}: {problem}", hint=hint + voltage)
 
 
 def _detected(path: Path, headers: list[Header], role: str) -> Columns:
     """Find the column whose unit fits, among several the one whose name fits; empty if there is none."""
-    fitting = [Column(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == role]
+    fitting = [Column(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == KINDS[role]]
     if len(fitting) > 1:
         fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
     if len(fitting) > 1:
         several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
-        raise InputError(several, hint=f'choose: --{role} "{fitting[0].header.text}"')
+        raise InputError(several, hint=f'choose: {role}="{fitting[0].header.text}"')
     return {role: fitting[0]} if fitting else {}
 
 

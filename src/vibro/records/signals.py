@@ -12,18 +12,21 @@ from vibro.quantities import LENGTH
 from vibro.records.tolerances import TOL
 
 __all__ = [
-    "EXAMPLES", "KINDS", "SIGNALS", "SIGNAL_UNITS", "TROUGH", "Sensitivity", "Unit", "doubt", "option_of",
+    "EXAMPLES", "KINDS", "SIGNALS", "SIGNAL_UNITS", "TROUGH", "Sensitivity", "Unit", "doubt",
     "read_sensitivities", "rounded", "signal_unit",
 ]  # fmt: skip
 
 #: Kind of a unit, a key of ``SIGNAL_UNITS``, and its size in SI units.
 Unit = tuple[str, float]
-#: Signals of the body that a record may hold; each name is also the kind of its unit.
-SIGNALS: Final = ("displacement", "velocity", "acceleration", "force")
+#: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.
+SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
 #: Accelerations of the trough that it may hold: along the trough's surface, and normal to it.
 TROUGH: Final = ("trough_along", "trough_normal")
 #: Kind of unit of each column.
-KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *SIGNALS)} | dict.fromkeys(TROUGH, "acceleration")
+KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *SIGNALS)} | {
+    "friction": "force",
+    **dict.fromkeys(TROUGH, "acceleration"),
+}
 
 
 def _per_time(suffix: str) -> dict[str, float]:
@@ -90,11 +93,6 @@ def _a(kind: str) -> str:
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
-def option_of(role: str) -> str:
-    """Return the option that names the column of a signal."""
-    return "--" + role.replace("_", "-")
-
-
 #: A usual sensitivity for each kind of signal.
 EXAMPLES: Final[Mapping[str, str]] = {
     "displacement": "2V/mm",
@@ -126,8 +124,8 @@ class Sensitivity(NamedTuple):
 
     @property
     def served(self) -> str:
-        """Option of the column that it is for, or the kind of signal in words."""
-        return option_of(self.role) if self.role else _a(self.kind)
+        """The argument that names its column, or the kind of signal in words."""
+        return f"{self.role}=" if self.role else _a(self.kind)
 
     def serves(self, role: str) -> bool:
         """Whether it applies to a voltage in the column of a signal."""
@@ -161,19 +159,24 @@ def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
         one = _sensitivity(text)
         for other in found:
             if one.served == other.served:
-                both = f"--sensitivity {cut(other.text)} and {cut(one.text)}: each is for {one.served}"
-                hint = "say which column each is for: --sensitivity trough-along=100mV/g"
+                both = f"{_given(other.text)} and {_given(one.text)}: each is for {one.served}"
+                hint = f"say which column each is for: {_given('trough-along=100mV/g')}"
                 raise InputError(both, hint=hint)
         found.append(one)
     return tuple(found)
 
 
+def _given(text: str) -> str:
+    """Write a sensitivity as it is given."""
+    return f'sensitivity="{cut(text)}"'
+
+
 def _sensitivity(text: str) -> Sensitivity:
     name, equals, value = text.rpartition("=")
     role = name.strip().removeprefix("--").replace("-", "_").casefold()
-    said = f"--sensitivity {cut(text)}"
+    said = _given(text)
     if equals and (role not in KINDS or role == "time"):
-        known = ", ".join(option_of(r).removeprefix("--") for r in KINDS if r != "time")
+        known = ", ".join(r.replace("_", "-") for r in KINDS if r != "time")
         raise InputError(f"{said}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
     value = value.strip()
     match = _SENSITIVITY.fullmatch(value)

@@ -414,27 +414,23 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
     if len(record.trough) == 2:
         if drive_angle is not None:
             both = "two accelerometers measure the drive angle, which is given too"
-            raise InputError(both, hint="leave out --drive-angle, or one of the sensors")
+            raise InputError(both, hint="leave out drive_angle=, or one of the sensors")
         return
     (name,) = record.trough
     other = _NORMAL if name == _ALONG else _ALONG
-    option, missing = (
-        f"--{other.replace('_', '-')}",
-        "normal to the trough" if other == _NORMAL else "along it",
-    )
     if drive_angle is None:
+        missing = "normal to the trough" if other == _NORMAL else "along it"
         unknown = f"one accelerometer alone does not tell the motion {missing}"
-        hint = (
-            f"name {option} too, or give the angle of the line that the trough moves along: --drive-angle 20"
-        )
+        hint = f"name {other}= too, or give the angle of the line that the trough moves along:"
+        hint += " drive_angle=math.radians(20)"
         raise InputError(unknown, hint=hint)
     quantity = QUANTITIES["drive_angle"]
     if not (math.isfinite(drive_angle) and quantity.allows(drive_angle)):
         said = f"drive_angle = {quantity.text(quantity.from_si(drive_angle))}"
         raise InputError(f"{said}: must be {quantity.allowed.text(quantity.unit)}")
     if name == _NORMAL and math.sin(drive_angle) < TOL.least_component:
-        level = "--trough-normal cannot measure a motion along the trough, at a drive angle of"
-        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {option}")
+        level = "trough_normal= cannot measure a motion along the trough, at a drive angle of"
+        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {other}=")
 
 
 def _check_size(record: Record, span: float, frequency: float) -> None:

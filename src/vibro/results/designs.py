@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from vibro.quantities import BY_COLUMN, QUANTITIES, SPEED
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -116,6 +118,30 @@ class Guarantee:
     samples: int
     excluded: int
 
+    def _repr_html_(self) -> str:
+        """Return the bounds as a table for notebooks, in the units of tables."""
+        from vibro.html_tables import amount, html_table
+
+        speeds = (self.speed_min, self.speed_max), (self.proved_min, self.proved_max)
+        found, proved = ([amount(SPEED.from_si(x), SPEED.unit) for x in pair] for pair in speeds)
+        rows = [
+            ["speed", *found],
+            ["limit", self.min_limit, self.max_limit],
+            ["proof", self.proof_min, self.proof_max],
+            ["proved bound", *("" if "nan" in text else text for text in proved)],
+        ]
+        for name in [name for name in self.min_at if name in QUANTITIES and name in self.max_at]:
+            quantity = QUANTITIES[name]
+            ends = (amount(quantity.from_si(at[name]), quantity.unit) for at in (self.min_at, self.max_at))
+            rows.append([quantity.label, *ends])
+        rows += [
+            ["regimes", ", ".join(regime.label or "none" for regime in sorted(self.regimes))],
+            ["other cycles", "a disturbed body can settle elsewhere" if self.coexists else "none found"],
+            ["sampled", f"{self.samples} hopping bodies" if self.samples else ""],
+            ["left out", f"{self.excluded} hopping points without a speed" if self.excluded else ""],
+        ]
+        return html_table("guarantee", rows, ["", "slowest", "fastest"])
+
 
 class DesignColumn(NamedTuple):
     """One column of a table of designs: its name with the unit, the unit, and its meaning."""
@@ -201,12 +227,21 @@ class Design:
         return None if low is None or high is None else (low, high)
 
 
+def _heading(column: DesignColumn) -> str:
+    """Return the name of a column in words, and its unit."""
+    suffix = f"_{column.unit.lower().replace('/', '_')}"
+    name = column.name.removesuffix(suffix).replace("_", " ")
+    return f"{name} [{column.unit}]" if column.unit else name
+
+
 #: The columns of a table of designs, in order, of all kinds of drives.
 DESIGN_COLUMNS: Final = tuple(
     DesignColumn(f.name, f.metadata["unit"], f.metadata["meaning"]) for f in fields(Design)
 )
 
 
+# Those of the settings themselves.
+_SETTINGS: Final = [column.name for column in DESIGN_COLUMNS if column.name in BY_COLUMN]
 # Columns that only some designs have.
 _SIZES: Final = ("amplitude_low_mm", "amplitude_high_mm", "amplitude_needed_mm")
 _OF_LINES: Final = ("amplitude_mm", "drive_angle_deg", *_SIZES)
@@ -246,6 +281,23 @@ class DesignResult:
         shown = {name for kind in used or [_OF_LINES] for name in kind}  # without a design as for lines
         left_out = {name for kind in kinds for name in kind} - shown
         return tuple(column for column in DESIGN_COLUMNS if column.name not in left_out)
+
+    def _repr_html_(self) -> str:
+        """Return the designs as a table for notebooks; columns without a value are left out."""
+        from vibro.html_tables import amount, html_table
+
+        def text(name: str, value: Any) -> str:
+            if isinstance(value, bool):
+                return "yes" if value else "no"
+            if isinstance(value, float):  # settings hold with all their digits alone
+                return f"{value:.15g}" if name in _SETTINGS else amount(value)
+            return "" if value is None else str(value)
+
+        rows = [[text(c.name, getattr(design, c.name)) for c in self.columns] for design in self.designs]
+        used = [i for i in range(len(self.columns)) if any(row[i] for row in rows)]
+        head = [_heading(self.columns[i]) for i in used]
+        caption = f"designs: the goal is {'met' if self.met else 'not met'}"
+        return html_table(caption, [[row[i] for i in used] for row in rows], head)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what ``vibro design --json`` prints."""

@@ -4,6 +4,7 @@
     history.phases                                # tuple of Phase: kind F B _ H, start and end
     history.sample(times)                         # Sample: arrays of motion and forces at those times
     history.sample(times, side="left")            # the values just before, where a time is that of an event
+    history.to_frame()                            # the phases as a data frame
     history.end, history.settles_at, history.pattern, history.cycle_displacement
 
 Nothing is integrated step by step: each phase has a closed form. Once the motion repeats, its cycle is
@@ -25,9 +26,11 @@ from vibro.core.compiled import doors
 from vibro.core.motions import Moments
 from vibro.errors import VibroError, shown
 from vibro.reals import NotRealError, real_array
+from vibro.results.phase_tables import phase_table
 from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
+    import pandas as pd
     from numpy.typing import ArrayLike, NDArray
 
     from vibro.scene import Scene
@@ -230,6 +233,32 @@ class History:
         kinds = (LETTERS[mode] for mode in legs.mode[row])
         numbers = zip(*(x.tolist() for x in columns), strict=True)
         return tuple(Phase(kind, *values) for kind, values in zip(kinds, numbers, strict=True))
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the phases as a data frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row a phase, with the columns of ``vibro simulate -o``, their units in their names.
+            Positions count from the beginning; positions and velocities are relative to the trough, positive
+            in the conveying direction.
+
+        Examples
+        --------
+        >>> import math, vibro
+        >>> scene = vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
+        ...                     static_friction=0.74, kinetic_friction=0.57)
+        >>> frame = vibro.simulate(scene, cycles=1).to_frame()
+        >>> frame[["phase", "start_s", "end_position_mm"]].round(4)
+                   phase  start_s  end_position_mm
+        0           rest   0.0000           0.0000
+        1  forward slide   0.0080           1.0842
+        2           rest   0.0387           1.0842
+        """
+        import pandas as pd
+
+        return pd.DataFrame(phase_table(self, self.phases))
 
     def sample(self, times: ArrayLike, side: Literal["left", "right"] = "right") -> Sample:
         """Motion and forces at any times.

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ACCELERATION",
     "ARRIVAL_TIME",
+    "DERIVED",
     "MASS_RATE",
     "PARTS_RATE",
     "RESULTS",
@@ -37,6 +38,7 @@ __all__ = [
     "Result",
     "SteadyCycle",
     "lengths_of",
+    "summary",
 ]
 
 
@@ -221,6 +223,14 @@ class SteadyCycle:
         """The cheapest exact model that gave the answer, as text."""
         return np.array(MODELS)[self.model_code]
 
+    def _repr_html_(self) -> str:
+        """Return the results as a table for notebooks, in the units of tables."""
+        from vibro.html_tables import html_table
+
+        shape = np.shape(self.status)
+        caption = " x ".join(map(str, shape)) + " steady cycles" if shape else "steady cycle"
+        return html_table(caption, summary(self))
+
     def arrays(self) -> dict[str, Any]:
         """Results by name, each of the scene's shape."""
         return {result.name: getattr(self, result.name) for result in RESULTS}
@@ -270,6 +280,28 @@ def lengths_of(value: Any, shape: tuple[int, ...]) -> Floats:
     except ValueError:
         allowed = f"broadcastable against the scene's shape {shape}"
         raise SceneError((Problem("length", f"shape {lengths.shape}", allowed),)) from None
+
+
+def summary(cycle: SteadyCycle) -> list[tuple[str, str]]:
+    """Summarise results, of however many cells: pairs of a name and a text, in the units of tables."""
+    from vibro.html_tables import counts, span
+
+    rows = []
+    for result in RESULTS:
+        values = getattr(cycle, result.name)
+        label = result.column.removesuffix(result.kind.suffix).replace("_", " ")
+        if result.is_number:
+            rows.append((label, span(result.kind.from_si(np.asarray(values)), result.kind.unit)))
+            continue
+        texts = {} if result.texts is None else {**dict(enumerate(result.texts)), -1: result.texts[-1]}
+        if result.is_flag:
+            texts = {1: "yes", 0: "no", -1: "not looked at"}
+        elif result.decode is not None:
+            codes = np.unique(np.asarray(values))
+            known = {**dict.fromkeys(codes.tolist(), "?"), **cycle.long_patterns}
+            texts = dict(zip(codes.tolist(), result.decode(codes, known), strict=True))
+        rows.append((label, counts(values, texts)))
+    return rows
 
 
 #: Fields of ``SteadyCycle``, in the order of a table's columns.
@@ -330,6 +362,11 @@ TIPPING_LOAD_RATIO: Final = Result(
     meaning="load over the load above which an edge of the part lifts; 0 if there is none",
     symbol=r"G/G_{\text{tip}}",
 )
+#: Results that are no fields of ``SteadyCycle``, and columns of tables.
+DERIVED: Final = (
+    TRAVERSE_TIME, ARRIVAL_TIME, STROKES, ACCELERATION, SPEED_EXPONENT, PARTS_RATE, MASS_RATE, UPRIGHT,
+    TIPPING_LOAD_RATIO,
+)  # fmt: skip
 SteadyCycle.__doc__ = (
     (SteadyCycle.__doc__ or "").rstrip()
     + "\n\n    Attributes\n    ----------"

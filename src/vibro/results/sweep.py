@@ -51,6 +51,8 @@ class Column:
     decode : callable, optional
         From an array of codes and ``SteadyCycle.long_patterns`` to an array of texts, where there are too
         many to list.
+    meaning : str, optional
+        What it is, for people.
     """
 
     name: str
@@ -59,11 +61,18 @@ class Column:
     texts: tuple[str, ...] | None = None
     is_flag: bool = False
     decode: Callable[[NDArray[Any], Mapping[int, str]], NDArray[np.object_]] | None = None
+    meaning: str = ""
 
     @property
     def is_number(self) -> bool:
         """Whether it holds numbers, not codes."""
         return self.texts is None and self.decode is None
+
+    @property
+    def codes(self) -> dict[str, int]:
+        """The codes of ``texts``: their places, and -1 of an empty last one."""
+        texts = self.texts or ()
+        return {text: i if text or i + 1 < len(texts) else -1 for i, text in enumerate(texts)}
 
     def coded(self, block: Block) -> tuple[NDArray[np.integer[Any]], NDArray[np.object_]]:
         """Return a column of codes as texts, each of them once.

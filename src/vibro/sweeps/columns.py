@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.tables import rounded_cells
 from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, QUANTITIES, SWEPT
 from vibro.results.steady import RESULTS, Result
@@ -56,7 +55,7 @@ class Table:
 
 def _given(name: str) -> Column:
     quantity = QUANTITIES[name]
-    return Column(quantity.column, quantity.unit, partial(_quantity, name))
+    return Column(quantity.column, quantity.unit, partial(_quantity, name), meaning=quantity.meaning)
 
 
 def _quantity(name: str, block: Block) -> NDArray[Any]:
@@ -148,8 +147,7 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     known = {column.name: column for column in (*columns, *_ON_REQUEST)}
     unknown = [name for name in names if name not in known]
     if unknown or not names:
-        close = difflib.get_close_matches(unknown[0] if unknown else "", known, n=1, cutoff=0.5)
-        hints = [f"did you mean {name}?" for name in close]
+        hints = [did_you_mean(unknown[0], known)] if unknown else []
         inputs = [name for name in known if name in BY_COLUMN]
         hints.append(f"those of inputs are {', '.join(inputs)}")
         hints.append(f"those of results are {', '.join(name for name in known if name not in inputs)}")

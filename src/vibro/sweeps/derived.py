@@ -54,7 +54,15 @@ LEAST_DIFFERENCE: Final = 2.0**-26
 
 def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:
     """Return the column of a result; ``values`` must pickle, and returns numbers in the unit outside."""
-    return Column(result.column, result.kind.unit, values, result.texts, result.is_flag, result.decode)
+    return Column(
+        result.column,
+        result.kind.unit,
+        values,
+        result.texts,
+        result.is_flag,
+        result.decode,
+        meaning=result.meaning,
+    )
 
 
 def _unknown(block: Block) -> Floats:
@@ -130,8 +138,12 @@ TRAVERSE: Final = column_of(TRAVERSE_TIME, _traverse_time)
 WITH_ACCELERATION: Final = column_of(ACCELERATION, _acceleration)
 WITH_ARRIVAL: Final = column_of(ARRIVAL_TIME, _arrival)
 WITH_EXPONENT: Final = column_of(SPEED_EXPONENT, _speed_exponent)
-WITH_LENGTH: Final = Column(QUANTITIES["trough_length"].column, LENGTH.unit, _length)
-WITH_STROKE: Final = Column(QUANTITIES["stroke"].column, LENGTH.unit, _stroke)
+WITH_LENGTH: Final = Column(
+    QUANTITIES["trough_length"].column, LENGTH.unit, _length, meaning=QUANTITIES["trough_length"].meaning
+)
+WITH_STROKE: Final = Column(
+    QUANTITIES["stroke"].column, LENGTH.unit, _stroke, meaning=QUANTITIES["stroke"].meaning
+)
 WITH_STROKES: Final = column_of(STROKES, _strokes)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,22 +23,41 @@ from vibro.quantities import (
     scene_fields,
 )
 from vibro.scene import Scene
-from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
+from vibro.sweeps.derived import (
+    LEAST_DIFFERENCE,
+    WITH_ACCELERATION,
+    WITH_EXPONENT,
+    WITH_STROKE,
+    throughput,
+)
 from vibro.sweeps.run import sweep_blocks
 from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from vibro.limits import Transition
     from vibro.motion.settled import CyclePhase
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
 
-__all__ = ["OneScene", "beginnings", "estimate", "facts_of", "motion_text", "number", "phase_rows"]
+__all__ = [
+    "OneScene",
+    "beginnings",
+    "bound",
+    "estimate",
+    "facts_of",
+    "motion_text",
+    "number",
+    "phase_rows",
+    "throughput_text",
+]
 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
 _TOLD: Final = 9  # decimals of a percentage, below which there is rounding alone
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
+_SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 
 
 class OneScene:
@@ -89,6 +109,11 @@ class OneScene:
         return time if math.isfinite(time) else None
 
     @property
+    def pattern(self) -> str:
+        """Letters of the phases of a steady cycle, ``F_B_``; empty if there is none."""
+        return str(self._cycle.pattern)
+
+    @property
     def throw_number(self) -> float:
         """Most unloading over the weight on the trough [1]."""
         return float(self._cycle.throw_number)
@@ -128,7 +153,7 @@ class OneScene:
                 given["normal_phase"] += f" ({told}, the longest way across the {path})"
             else:
                 given = {"motion": f"{motion_text(self.scene)} ({stroke})"} | given
-        pattern = str(self._cycle.pattern)
+        pattern = self.pattern
         facts = [
             ("scene", ", ".join(given.values())),
             ("regime", (self.regime.label or "none") + (f", pattern {pattern}" if pattern else "")),
@@ -346,6 +371,35 @@ def phase_rows(one: OneScene) -> list[tuple[str, ...]]:
     return [("phase", "start [ms]", "end [ms]", "displacement [mm]"), *rows] if rows else []
 
 
+def throughput_text(one: OneScene, part: Mapping[str, float]) -> str:
+    """Say how many parts pass in a row, and their mass.
+
+    Parameters
+    ----------
+    one : OneScene
+        The scene.
+    part : mapping of str to float
+        ``pitch_mm``, from each part to the next, and ``mass_kg`` of one, as far as they are known.
+
+    Returns
+    -------
+    str
+        Empty without a pitch.
+    """
+    if "pitch_mm" not in part:
+        return ""
+    columns = throughput(part["pitch_mm"], part.get("mass_kg"))
+    values = [one.value(column) for column in columns]
+    speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
+    if math.isnan(speed) or speed <= 0.0 < speed + _SIGMAS * error:
+        return "unknown" if math.isnan(speed) else "unknown: which way parts go is not sure"
+    rates = [
+        estimate(value, value * one.relative_error, column.unit.replace("1/min", "parts/min"))
+        for value, column in zip(values, columns, strict=True)
+    ]
+    return f"{', '.join(rates)} at most, one part every {number(part['pitch_mm'], 'mm')}"
+
+
 def estimate(value: float, error: float, unit: str = "") -> str:
     """Write a number for people, with its standard error where it is a mean."""
     spread = f" +- {error:.2g} {unit}".rstrip() + " (standard error)" if error > 0.0 else ""
@@ -355,3 +409,9 @@ def estimate(value: float, error: float, unit: str = "") -> str:
 def number(value: float, unit: str = "") -> str:
     """Write a number for people, with six digits."""
     return f"{value:z.6g} {unit}".rstrip()
+
+
+def bound(value: float, unit: str = "", *, upper: bool) -> str:
+    """Write a bound for people with six digits, rounded so that it still holds."""
+    rounding = ROUND_CEILING if upper else ROUND_FLOOR
+    return number(float(Context(prec=6, rounding=rounding).create_decimal(repr(float(value)))), unit)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 from abc import ABC, abstractmethod
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vibro.axes import axis_of
 from vibro.core.codes import Level
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.sweeps.run import solved_picture
 
@@ -40,6 +39,19 @@ class SolvedGrid(ABC):
         """Say what was swept: ``<Sweep of amplitude_mm (3 values) x frequency_hz (4 values)>``."""
         axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
         return f"<{type(self).__name__} of {' x '.join(axes) or 'one operating point'}>"
+
+    def _repr_html_(self) -> str:
+        """Return axes, fixed quantities and a summary of the cells as a table for notebooks."""
+        from vibro.html_tables import amount, html_table
+
+        rows = [tuple(str(axis).split(": ", 1)) for axis in self._grid.axes.values()]
+        fixed = dict(self._grid.fixed)
+        if self._grid.length is not None:
+            fixed["trough_length"] = self._grid.length
+        if self._grid.motion is not None:
+            rows.append(("motion", ", ".join(self._grid.motion.table)))
+        rows += [(QUANTITIES[n].label, amount(x, QUANTITIES[n].unit)) for n, x in fixed.items()]
+        return html_table(repr(self).strip("<>"), [*rows, *self._summary()])
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -110,6 +122,10 @@ class SolvedGrid(ABC):
         return map_figures(result, [name], x=view.x.name, y=view.y.name if view.y else None)[name]
 
     @abstractmethod
+    def _summary(self) -> list[tuple[str, str]]:
+        """Summarise the cells: pairs of a name and a text."""
+
+    @abstractmethod
     def _cells(
         self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
     ) -> dict[str, NDArray[Any]]:
@@ -139,11 +155,9 @@ def axis_called(called: object, argument: str) -> Quantity:
     """Find the quantity that an argument names by key, name or letter."""
     quantity = find_quantity(str(called))
     if quantity is None or quantity.name == "stroke":
-        close = difflib.get_close_matches(str(called), BY_COLUMN, n=1, cutoff=0.6)
-        guess = f"; did you mean {close[0]}?" if close else ""
         raise InputError(
             f"{argument}: {shown(called)} is no axis",
-            hint=f"axes are called by key, such as amplitude_mm, or letter{guess}",
+            hint=did_you_mean(called, BY_COLUMN) or "axes are called by key, such as amplitude_mm, or letter",
         )
     return quantity
 

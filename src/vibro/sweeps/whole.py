@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,13 +10,15 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Level
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
 from vibro.steady import check_switch, level_of
 from vibro.sweeps.columns import chosen, columns_of, to_frame
+from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of_block
 from vibro.sweeps.request import RANGES, gather
 from vibro.sweeps.solved import SolvedGrid, check_memory
 
@@ -26,10 +27,12 @@ if TYPE_CHECKING:
     from os import PathLike
 
     import pandas as pd
+    import xarray as xr
     from numpy.typing import NDArray
 
     from vibro.quantities import Quantity
     from vibro.results.steady import SteadyCycle
+    from vibro.results.sweep import Column
     from vibro.sweeps.request import Request
 
 __all__ = ["Sweep", "read_scene", "request_of_call", "sweep"]
@@ -100,10 +103,60 @@ class Sweep(SolvedGrid):
         InputError
             If there is no such column, or one is named twice.
         """
-        grid = self._grid
-        usual = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
-        block = Block(grid.values(), self.cycle, grid.length)
-        return to_frame(usual if columns is None else chosen(columns, usual), block)
+        return to_frame(self._columns(columns), self._block)
+
+    def to_xarray(self, columns: Sequence[str] | None = None) -> xr.Dataset:
+        """Return the cells as labelled arrays.
+
+        Parameters
+        ----------
+        columns : sequence of str, optional
+            As for ``to_frame``.
+
+        Returns
+        -------
+        xarray.Dataset
+            The axes are its dimensions, in their order. Every other input is a coordinate, without dimensions
+            where it is fixed. Results are variables, by the names of ``to_frame``: missing numbers are NaN,
+            ``pattern`` is text, and ``regime``, ``model``, ``status`` and ``coexists`` are codes (int8) that
+            the attributes ``flag_values`` and ``flag_meanings`` explain. Attributes follow CF conventions;
+            ``to_netcdf(path, engine="h5netcdf")`` writes all of it.
+
+        Raises
+        ------
+        InputError
+            If there is no such column, or one is named twice.
+        FileError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import vibro
+        >>> t = vibro.sweep(amplitude_mm=[0.5, 1, 1.5], frequency_hz=[10, 15], drive_angle_deg=20,
+        ...                 static_friction=0.74, kinetic_friction=0.57)
+        >>> nut = t.to_xarray()
+        >>> dict(nut.sizes)
+        {'amplitude_mm': 3, 'frequency_hz': 2}
+        >>> speed = nut.mean_velocity_mm_s
+        >>> print(speed.sel(amplitude_mm=1, frequency_hz=15).round(3).item(), speed.units)
+        16.263 mm s-1
+        >>> nut.regime.flag_meanings
+        'none no_slip forward_slip back_slip hopping'
+        """
+        check_xarray()
+        found = results_among(self._columns(columns), self._grid)
+        return dataset(self._grid, self._title, found, values_of_block(self._block))
+
+    @property
+    def _block(self) -> Block:
+        return Block(self._grid.values(), self.cycle, self._grid.length)
+
+    def _columns(self, names: Sequence[str] | None) -> tuple[Column, ...]:
+        usual = columns_of(self._grid.axes, drive=self._grid.drive, made_with=self._grid.made_with)
+        return usual if names is None else chosen(names, usual)
+
+    def _summary(self) -> list[tuple[str, str]]:
+        return summary(self.cycle)
 
     def _cells(
         self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
@@ -165,7 +218,9 @@ def sweep(
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
     grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
-    check_memory(grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to a file with vibro map")
+    check_memory(
+        grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
+    )
     return Sweep(grid, request.own, request.name or "", grid.solve(grid.values()))
 
 
@@ -173,8 +228,7 @@ def request_of_call(scene_file: str | PathLike[str] | None, quantities: Mapping[
     """Read arguments that are named as the keys of scene files."""
     unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
-        close = difflib.get_close_matches(unknown[0], list(BY_COLUMN), n=1, cutoff=0.5)
-        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(BY_COLUMN)}"
+        hint = did_you_mean(unknown[0], BY_COLUMN) or f"known are {', '.join(BY_COLUMN)}"
         raise InputError(*(f"unknown argument {shown(key)}" for key in unknown), hint=hint)
     given = {BY_COLUMN[key].name: value for key, value in quantities.items()}
     file = None if scene_file is None else _read(scene_file)

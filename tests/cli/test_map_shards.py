@@ -13,7 +13,19 @@ import numpy as np
 import pandas as pd
 import pytest
 from helpers.commands import NUT, POSIX, Run, rows_of
-from helpers.parted_maps import AXES, PART_NAMES, PARTS, QUICK, contents, error, frame, names, told
+from helpers.sharded_maps import (
+    AXES,
+    QUICK,
+    SHARD_NAMES,
+    SHARDED,
+    WHOLE,
+    contents,
+    error,
+    frame,
+    names,
+    refusal,
+    told,
+)
 from pyarrow import parquet
 
 WIDE = Path(__file__).parents[2] / "examples" / "wide_sweep.toml"
@@ -21,10 +33,10 @@ WIDE = Path(__file__).parents[2] / "examples" / "wide_sweep.toml"
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
 
-def test_a_folder_of_parts_is_the_csv(run: Run) -> None:
-    result = run(*AXES, "--table", "parquet", "--part-cells", "4", "-o", "far/out")
+def test_a_folder_of_shards_is_the_csv(run: Run) -> None:
+    result = run(*AXES, "--table", "parquet", "--shard-cells", "4", "-o", "far/out")
     assert (result.exit_code, result.stdout) == (0, "")
-    assert names("far/out") == ["_SUCCESS", "manifest.json", *PART_NAMES]
+    assert names("far/out") == WHOLE
     rows = rows_of(run(*AXES, "-o", "-").stdout)
     found = frame("far/out")
     assert list(found.columns) == list(rows[0])
@@ -38,16 +50,16 @@ def test_a_folder_of_parts_is_the_csv(run: Run) -> None:
 
 
 def test_what_was_written_is_told(run: Run) -> None:
-    said = run(*PARTS, "-o", "out").stderr.splitlines()
+    said = run(*SHARDED, "-o", "out").stderr.splitlines()
     assert said[:2] == [
         "amplitude: 3 values, 0.5 ... 2 mm, step 0.75",
         "frequency: 3 values, 10 ... 30 Hz, step 10",
     ]
     success = told()
-    size = sum(Path("out", name).stat().st_size for name in PART_NAMES)
+    size = sum(Path("out", name).stat().st_size for name in SHARD_NAMES)
     assert said[-8:] == [
-        f"wrote out: 3 parts, {size / 1e3:.3g} kB, {size / 9:.1f} bytes a cell; digest {success['digest']}",
-        f"wrote {Path('out', 'manifest.json')}",
+        f"wrote out: 3 shards, {size / 1e3:.3g} kB, {size / 9:.1f} bytes a cell; digest {success['digest']}",
+        f"wrote {Path('out', '_manifest.json')}",
         f"wrote {Path('out', '_SUCCESS')}",
         "3 of 9 cells: flight-not-modelled (the body leaves the trough; its flight is not modelled)",
         "     no-slip   22.2%",
@@ -55,31 +67,31 @@ def test_what_was_written_is_told(run: Run) -> None:
         "   back-slip   22.2%",
         "     hopping   33.3%",
     ]
-    assert told("manifest.json")["argv"] == ["vibro", *PARTS, "-o", "out"]
-    assert told("manifest.json")["part_cells"] == 4
+    assert told("_manifest.json")["argv"] == ["vibro", *SHARDED, "-o", "out"]
+    assert told("_manifest.json")["shard_cells"] == 4
 
 
-def test_one_part_where_nobody_says_how_large(run: Run) -> None:
+def test_one_shard_where_nobody_says_how_large(run: Run) -> None:
     said = run(*QUICK, "--table", "parquet", "-o", "out").stderr
-    assert "wrote out: 1 part, " in said
-    assert names() == ["_SUCCESS", "manifest.json", "part-000000.parquet"]
-    assert told("manifest.json")["part_cells"] == 1_000_000
+    assert "wrote out: 1 shard, " in said
+    assert names() == ["_SUCCESS", "_manifest.json", "part-000000.parquet"]
+    assert told("_manifest.json")["shard_cells"] == 1_000_000
 
 
 def test_progress_is_told_where_nobody_watches(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("os.cpu_count", lambda: 1)  # of more workers' parts all may come at once
-    lines = [line for line in run(*PARTS, "-o", "out").stderr.splitlines() if " % of " in line]
+    monkeypatch.setattr("os.cpu_count", lambda: 1)  # of more workers' shards all may come at once
+    lines = [line for line in run(*SHARDED, "-o", "out").stderr.splitlines() if " % of " in line]
     assert 1 <= len(lines) <= 2
-    told_as = r"\d0 % of 9 cells: [12] of 3 parts, \S+ cells/s, about \d+ s left"
+    told_as = r"\d0 % of 9 cells: [12] of 3 shards, \S+ cells/s, about \d+ s left"
     assert all(re.fullmatch(told_as, line) for line in lines), lines
-    assert run(*PARTS, "-o", "quiet", "-q").stderr == ""
+    assert run(*SHARDED, "-o", "quiet", "-q").stderr == ""
 
 
 @pytest.mark.parametrize("free", [0, 10**15])
 def test_a_disk_that_will_be_full_is_told_early(run: Run, monkeypatch: pytest.MonkeyPatch, free: int) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=free))
-    result = run(*PARTS, "-o", "out")
+    result = run(*SHARDED, "-o", "out")
     assert result.exit_code == 0
     lines = [line for line in result.stderr.splitlines() if line.startswith("warning: ")]
     assert len(lines) == (free == 0)
@@ -88,10 +100,10 @@ def test_a_disk_that_will_be_full_is_told_early(run: Run, monkeypatch: pytest.Mo
 
 
 def test_json_is_what_there_is(run: Run) -> None:
-    result = run(*PARTS, "-o", "out", "--json", "-q", "--digits", "4")
+    result = run(*SHARDED, "-o", "out", "--json", "-q", "--digits", "4")
     said = json.loads(result.stdout)
-    success, manifest = told(), told("manifest.json")
-    assert (said["folder"], said["parts"], said["cells"], said["digits"]) == ("out", 3, 9, 4)
+    success, manifest = told(), told("_manifest.json")
+    assert (said["folder"], said["shards"], said["cells"], said["digits"]) == ("out", 3, 9, 4)
     for key in ("bytes", "digest", "status", "regime"):
         assert said[key] == success[key]
     for key in ("scene", "accuracy", "flight", "coexistence", "columns"):
@@ -103,24 +115,24 @@ def test_json_is_what_there_is(run: Run) -> None:
     ("options", "said", "hint"),
     [
         *[
-            (options, f"{options[0]}: a CSV is one file", "add --table parquet")
-            for options in (["--resume"], ["--part-cells", "3"], ["--workers", "2"], ["--workers", ""],
-                            ["--scheduler", "tcp://a:1"])
+            (options, f"{options[0]}: a table as csv is one file", "add --table parquet")
+            for options in (["--resume"], ["--shard-cells", "3"], ["--shards", "0:1"], ["--workers", "2"],
+                            ["--workers", ""], ["--scheduler", "tcp://a:1"])
         ],
         (["--excel"], "--excel is about CSV", "leave it out, or --table parquet"),
         (["--decimal-comma"], "--decimal-comma is about CSV", "leave it out, or --table parquet"),
         (["--workers", "2", "--scheduler", "tcp://a:1"],
-         "workers and scheduler are both given: either makes all parts",
+         "workers and scheduler are both given: either makes all shards",
          "leave one of them out"),
         (["--resume", "--force"],
          "resume and force are both given: the one goes on, the other starts anew", "leave one of them out"),
-        (["--part-cells", "0"], "part cells = 0: must be a whole number from 1 to 100000000",
+        (["--shard-cells", "0"], "shard_cells = 0: must be a whole number from 1 to 100000000",
          "1000000 is usual"),
-        (["--part-cells", "1.5"], "--part-cells = 1.5: not a whole number",
+        (["--shard-cells", "1.5"], "--shard-cells = 1.5: not a whole number",
          "write a whole number, such as 3"),
-        (["--part-cells", "nan"], "--part-cells = nan: must be a finite number",
+        (["--shard-cells", "nan"], "--shard-cells = nan: must be a finite number",
          "write a whole number, such as 3"),
-        (["--part-cells", ""], "--part-cells = '': not a number", "write a whole number, such as 3"),
+        (["--shard-cells", ""], "--shard-cells = '': not a number", "write a whole number, such as 3"),
         (["--workers", "0"], "workers = 0: must be a whole number from 1 to 1024", "one a core is usual"),
         (["--workers", "1025"], "workers = 1025: must be a whole number from 1 to 1024",
          "one a core is usual"),
@@ -129,36 +141,41 @@ def test_json_is_what_there_is(run: Run) -> None:
          "write it like tcp://host:8786"),
         (["--scheduler", "inproc://a"], "scheduler = 'inproc://a': is no address",
          "write it like tcp://host:8786"),
-        (["--table", "excel"], "Invalid value for '--table': 'excel' is not one of 'csv', 'parquet'.",
+        (["--table", "excel"], "Invalid value for '--table': 'excel' is not one of 'csv', 'xlsx', 'parquet'.",
          "see vibro map --help"),
-        (["-o", "-"], "-o '-': parts go into a folder", "give it a name, such as -o out/wide"),
-        (["-o", ""], "-o '': parts go into a folder", "give it a name, such as -o out/wide"),
-        (["-o", "x.csv"], "-o x.csv: parts go into a folder", "write -o x"),
-        (["-o", "far/x.parquet"], "-o far/x.parquet: parts go into a folder", "write -o far/x"),
-        (["--part-cells", "1", "-A", "1:2:1001", "-f", "5:6:1001"],
-         "part cells = 1: 1002001 cells would be 1002001 parts, more than 1000000", "give at least 2"),
+        (["--shards", "0:4", "--shard-cells", "4"], "shards = '0:4': must be first:stop, of 3 shards",
+         'write it like --shards 0:2'),
+        (["--shards", "0:1", "--force"],
+         "shards and force are both given: the one goes on, the other starts anew", "leave one of them out"),
+        (["-o", "-"], "--table parquet: it is no text for stdout", "give a name, such as -o out/nut"),
+        (["-o", ""], "folder = '': shards go into a folder", "such as out/wide"),
+        (["-o", "x.csv"], "folder = 'x.csv': shards go into a folder", "such as x"),
+        (["-o", "far/x.parquet"], "folder = 'far/x.parquet': shards go into a folder", "such as far/x"),
+        (["--shard-cells", "1", "-A", "1:2:1001", "-f", "5:6:1001"],
+         "--shard-cells 1: 1002001 cells would be 1002001 shards, more than 1000000",
+         "give at least --shard-cells 2"),
         (["-A", "1", "-f", "15", "--mu-s", "0.5,0.7", "--mu-d", "0.3,0.4", "--accuracy", "exact",
           "--speed", "20"],
-         "--speed: which of both frictions keep it is told beside a CSV alone",
+         "--speed: which of both frictions keep it is not told beside a folder",
          "leave it out, or --table parquet"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused_beforehand(run: Run, options: list[str], said: str, hint: str) -> None:
-    table = [] if said.endswith("a CSV is one file") else ["--table", "parquet"]
+    table = [] if "as csv" in said else ["--table", "parquet"]
     result = run(*QUICK, *table, *options)
     assert result.exit_code == 2
-    assert error(result) == [f"error: {said}", f"hint: {hint}"]
+    assert error(result) == refusal(said, hint)
     assert (result.stdout, list(Path().iterdir())) == ("", [])
 
 
 def test_the_folder_has_the_name_of_the_scene(run: Run) -> None:
-    assert run(*PARTS).exit_code == 0
+    assert run(*SHARDED).exit_code == 0
     assert "_SUCCESS" in names("vibro-map")
     scene = "[scene]\ndrive_angle_deg = 20\nstatic_friction = 0.74\nkinetic_friction = 0.57\n"
     Path("nut.toml").write_text(scene, encoding="utf-8")
-    assert run("map", "nut.toml", *PARTS[1:5], *PARTS[-6:]).exit_code == 0
+    assert run("map", "nut.toml", *SHARDED[1:5], *SHARDED[-6:]).exit_code == 0
     assert "_SUCCESS" in names("nut")
-    assert told("manifest.json", "nut")["name"] == "nut"
+    assert told("_manifest.json", "nut")["name"] == "nut"
 
 
 def test_unresolved_cells_are_exit_code_3_however_often_resumed(
@@ -177,23 +194,23 @@ def test_unresolved_cells_are_exit_code_3_however_often_resumed(
 
     with monkeypatch.context() as patch:
         patch.setattr(vibro.sweeps.grid, "solve", doubtful)
-        result = run(*PARTS, "-o", "out")
+        result = run(*SHARDED, "-o", "out")
     assert result.exit_code == 3
     assert "3 of 9 cells: unresolved" in result.stderr
     assert told()["status"] == {"ok": 4, "flight-not-modelled": 2, "unresolved": 3}
     assert (frame()["status"] == "unresolved").sum() == 3
-    assert run(*PARTS, "-o", "out", "--resume").exit_code == 3
+    assert run(*SHARDED, "-o", "out", "--resume").exit_code == 3
 
 
 def test_cells_that_all_rest_are_told_where_motion_begins(run: Run) -> None:
-    still = (*PARTS, "-A", "0.001:0.002:3", "-o", "out")
+    still = (*SHARDED, "-A", "0.001:0.002:3", "-o", "out")
     assert (
         run(*still).stderr.splitlines()[-1]
         == run(*still[:-6], *still[-4:-2], "-o", "csv").stderr.splitlines()[-1]
     )
     again = run(*still, "--resume").stderr.splitlines()[-1]
     assert again.startswith("at rest everywhere: motion begins at 0.1713 mm with 30 Hz")
-    assert "at rest" not in run(*PARTS, "-o", "moves").stderr
+    assert "at rest" not in run(*SHARDED, "-o", "moves").stderr
 
 
 @pytest.mark.parametrize("table", ["csv", "parquet"])
@@ -216,44 +233,44 @@ def test_what_is_not_installed_is_told_before_anything_is_made(
     run: Run, monkeypatch: pytest.MonkeyPatch, module: str
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    result = run(*PARTS, "-o", "out")
+    result = run(*SHARDED, "-o", "out")
     assert result.exit_code == 1
-    assert error(result) == ["error: Parquet needs pyarrow", "hint: pip install 'vibro[parquet]'"]
+    assert error(result) == refusal("Parquet needs pyarrow", "pip install 'vibro[parquet]'")
     assert list(Path().iterdir()) == []
     assert run(*QUICK, "-o", "nut").exit_code == 0
 
 
 def test_a_cluster_needs_distributed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    result = run(*PARTS, "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
+    result = run(*SHARDED, "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
     assert result.exit_code == 1
-    assert error(result) == [
-        "error: --scheduler needs distributed", "hint: pip install 'vibro[distributed]'",
-    ]  # fmt: skip
+    assert error(result) == refusal(
+        "--scheduler tcp://127.0.0.1:1 needs the library distributed", "pip install 'vibro[distributed]'"
+    )
 
 
 @POSIX
-def test_processes_make_the_same_parts(run: Run) -> None:
-    assert run(*PARTS, "-o", "threads").exit_code == 0
-    assert run(*PARTS, "-o", "processes", "--workers", "1").exit_code == 0
+def test_processes_make_the_same_shards(run: Run) -> None:
+    assert run(*SHARDED, "-o", "threads").exit_code == 0
+    assert run(*SHARDED, "-o", "processes", "--workers", "1").exit_code == 0
     threads, processes = contents("threads"), contents("processes")
     assert threads.keys() == processes.keys()
-    assert [name for name in threads if threads[name] != processes[name]] == ["manifest.json"]  # its argv
+    assert [name for name in threads if threads[name] != processes[name]] == ["_manifest.json"]  # its argv
 
 
 def test_the_wide_example_in_small(run: Run) -> None:
     result = run(
         "map", WIDE, "-A", "0.5,1", "-f", "10:50:3", "-a", "20,30", "--mu-s", "0.2:0.98:4",
-        "--mu-ratio", "0.5:0.98:3", "--table", "parquet", "-o", "out", "--part-cells", "50",
+        "--mu-ratio", "0.5:0.98:3", "--table", "parquet", "-o", "out", "--shard-cells", "50",
     )  # fmt: skip
     assert result.exit_code == 0
     cells = frame()
     assert len(cells) == 2 * 3 * 2 * 4 * 3
-    manifest = told("manifest.json")
-    assert [axis["column"] for axis in manifest["axes"]] == [
+    manifest = told("_manifest.json")
+    assert list(manifest["axes"]) == [
         "amplitude_mm", "frequency_hz", "drive_angle_deg", "static_friction", "friction_ratio",
     ]  # fmt: skip
     assert manifest["scene"]["trough_length_mm"] == 600
     assert manifest["name"] == "wide_sweep"
     assert cells["traverse_time_s"].notna().any()
-    assert parquet.read_schema(Path("out", PART_NAMES[0])).names == list(manifest["columns"])
+    assert parquet.read_schema(Path("out", SHARD_NAMES[0])).names == list(manifest["columns"])

@@ -1,4 +1,4 @@
-"""Sweeps in parts, small ones, and programs that make them."""
+"""A small sweep in shards, what may happen to it, and programs that make it."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from helpers.commands import NUT_ANGLE_AND_FRICTION
+from helpers.plans import written
 
 from vibro.axes import parse_axis
-from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, part_name
+from vibro.output.plan import Plan, read_plan
+from vibro.output.shard_folder import MANIFEST, SUCCESS, shard_name
+from vibro.output.shards import Progress
+from vibro.output.workers import Threads, Workers
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
-from vibro.sweeps.executors import Threads, Workers
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.parted import Progress, agree, make_parts
-from vibro.sweeps.plan import Plan, read_plan, versions
 
 FIXED = {
     "drive_angle": 20.0,
@@ -33,9 +35,9 @@ FIXED = {
 }
 COMMAND = (
     *("map", "-A", "0.5:2:10", "-f", "10:30:300", *NUT_ANGLE_AND_FRICTION, "--flight", "off"),
-    *("--restitution", "0.3", "--table", "parquet", "--part-cells", "200", "-o", "wide", "-q"),
+    *("--restitution", "0.3", "--table", "parquet", "--shard-cells", "200", "-o", "wide", "-q"),
 )
-"""A sweep of 15 parts, on the command line."""
+"""A sweep of 15 shards, on the command line."""
 
 LIMIT = 60.0  # [s] for what takes moments on a machine that is not busy
 
@@ -45,19 +47,16 @@ AS_ROOT = () if getattr(os, "geteuid", int)() == 0 else ("--user", "--map-root-u
 NAMESPACE = ("unshare", *AS_ROOT, "--mount")
 """In which a process may mount disks of its own."""
 
-PAUSES = (
-    sys.executable,
-    "-c",
-    """
+PAUSES = """
 import signal, time
 
 # A shell starts what it runs in the background with interrupts ignored, nohup with hang-ups.
-for number in signal.SIGINT, signal.SIGHUP:
-    signal.signal(number, signal.SIG_DFL)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
-from vibro.sweeps import parted
+from vibro.output import shards
 
-tell = parted._Run._tell
+tell = shards._Run._tell
 
 def tell_and_pause(run):
     tell(run)
@@ -65,69 +64,70 @@ def tell_and_pause(run):
         print("paused", flush=True)
         time.sleep(120.0)
 
-parted._Run._tell = tell_and_pause
-from vibro.__main__ import main
+if __name__ == "__main__":
+    shards._Run._tell = tell_and_pause
+"""
+AS_COMMAND = f"""{PAUSES}
+    from vibro.__main__ import main
+    main()
+"""
+"""The program, which pauses for ever when some shards are there."""
+AS_CALL = f"""{PAUSES}
+    import sys
+    import vibro
+    vibro.write_sweep(
+        "wide", amplitude_mm="0.5:2:10", frequency_hz="10:30:300", drive_angle_deg=20, static_friction=0.74,
+        kinetic_friction=0.57, restitution=0.3, flight=False, shard_cells=200,
+        workers=int(sys.argv[1]) or None,
+    )
+"""
+"""A script that has the library write the same, and pauses likewise."""
 
-main()
-""",
-)
-"""The program, which pauses for ever when some parts are there."""
 
-
-def plan_of(*, flight: bool = False, parts: int = 15, **texts: str) -> Plan:
+def small_plan(shards: int = 15, **texts: str) -> Plan:
     """Plan a sweep of the given axes, or of 3000 cells."""
     texts = texts or {"amplitude": "0.5:2:10", "frequency": "10:30:300"}
     axes = {name: parse_axis(text, QUANTITIES[name]).axis(5) for name, text in texts.items()}
-    grid = Grid(axes, FIXED, None, flight=flight)
+    grid = Grid(axes, FIXED, None, flight=False)
     table = Table(columns_of(axes, drive=grid.drive, made_with=grid.made_with))
-    return Plan(grid, table, -(-grid.size // parts), "small", {}, versions())
+    return Plan.of(grid, table, -(-grid.size // shards), "small", {})
 
 
 class Once:
     """Does something when a run has come so far, once."""
 
-    def __init__(self, act: Callable[[], object], parts: int = 3) -> None:
-        self._act, self._parts = act, parts
+    def __init__(self, act: Callable[[], object], shards: int = 3) -> None:
+        self._act, self._shards = act, shards
         self.done = False
 
     def __call__(self, progress: Progress) -> None:
-        if not self.done and progress.parts >= self._parts:
+        if not self.done and progress.shards >= self._shards:
             self.done = True
             self._act()
 
 
-PLAN = plan_of()
-HOPS = plan_of(flight=True, parts=2, amplitude="4:6:80", frequency="20:22:80")
-"""Of cells whose bodies bounce: a part takes long enough to be shared, where patience is short."""
+PLAN = small_plan()
+SHARDS = {shard_name(shard) for shard in range(PLAN.shards)}
 
 
 def made(
     folder: Path,
-    workers: Workers,
+    workers: Workers | None = None,
     plan: Plan = PLAN,
     report: Callable[[Progress], None] = lambda progress: None,
-    *,
-    resume: bool = False,
-    force: bool = False,
-    patience: float = 1e9,
+    **how: Any,
 ) -> str:
-    """Make a sweep, check what is left of that, and return its digest."""
-    with PartSet(folder, "go on") as files:
-        plan = agree(files, plan, resume=resume, force=force, own_size=True)
-        with workers:
-            summary = make_parts(
-                plan, files, workers, ["test"], resume=resume, report=report, patience=patience
-            )
-        files.finish(summary.text())
+    """Make a sweep, check that its files alone are left, and return its digest."""
+    digest = written(folder, plan, workers, report, **how).digest
     names = {path.name for path in folder.iterdir()}
-    assert names == {MANIFEST, SUCCESS, *(part_name(part) for part in range(plan.parts))}
-    return summary.digest
+    assert names == {MANIFEST, SUCCESS, *(shard_name(shard) for shard in range(plan.shards))}
+    return digest
 
 
 def resumed(folder: Path, workers: Workers | None = None) -> str:
     """Go on with whatever sweep is in a folder."""
     plan = read_plan((folder / MANIFEST).read_text(encoding="utf-8"), folder)
-    return made(folder, workers or Threads(plan.parts), plan, resume=True)
+    return made(folder, workers, plan, resume=True)
 
 
 @cache
@@ -145,10 +145,12 @@ def until(happens: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
-def paused(folder: Path, *more: str) -> subprocess.Popen[str]:
-    """Start the command in a session of its own, as a shell does, and wait until it has made some parts."""
+def paused(folder: Path, *more: str, program: str = AS_COMMAND) -> subprocess.Popen[str]:
+    """Start a program in a session of its own, as a shell does, and wait until it has made some shards."""
+    file = folder / "paused.py"
+    file.write_text(program, encoding="utf-8")
     run = subprocess.Popen(
-        [*PAUSES, *COMMAND, *more],
+        [sys.executable, str(file), *(COMMAND if program == AS_COMMAND else ()), *more],
         cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
     assert run.stdout is not None
@@ -158,13 +160,11 @@ def paused(folder: Path, *more: str) -> subprocess.Popen[str]:
 
 def ended_by(number: signal.Signals, run: subprocess.Popen[str], *, group: bool = True) -> tuple[int, str]:
     """Send a signal, as terminals do to a whole group; return the exit code and what was said on stderr."""
-    began = time.monotonic()
     if group:
         os.killpg(run.pid, number)
     else:
         run.send_signal(number)
     code = run.wait(LIMIT)
-    assert time.monotonic() - began < 2.0
     # Whatever it has started has its stderr too, which ends with the last of them.
     _, said = run.communicate(timeout=LIMIT)
     return code, said

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 
 AXES = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
 QUICK = (*AXES, "--accuracy", "regimes")
-PARTS = (*QUICK, "--table", "parquet", "--part-cells", "4")
-PART_NAMES = ["part-000000.parquet", "part-000001.parquet", "part-000002.parquet"]
+SHARDED = (*QUICK, "--table", "parquet", "--shard-cells", "4")
+SHARD_NAMES = ["part-000000.parquet", "part-000001.parquet", "part-000002.parquet"]
+WHOLE = ["_SUCCESS", "_manifest.json", *SHARD_NAMES]
 
 
 def names(folder: str = "out") -> list[str]:
@@ -23,7 +24,7 @@ def names(folder: str = "out") -> list[str]:
 
 
 def frame(folder: str = "out") -> pd.DataFrame:
-    return pd.concat([pd.read_parquet(path) for path in sorted(Path(folder).glob("part-*.parquet"))])
+    return pd.read_parquet(folder)
 
 
 def told(name: str = "_SUCCESS", folder: str = "out") -> dict[str, Any]:
@@ -38,3 +39,8 @@ def contents(folder: str = "out") -> dict[str, bytes]:
 def error(result: Result) -> list[str]:
     """Return what a run says that fails, without the echo of its axes."""
     return [line for line in result.stderr.splitlines() if line.startswith(("error: ", "hint: "))]
+
+
+def refusal(problem: str, hint: str) -> list[str]:
+    """Return what ``error`` does of a run that is refused."""
+    return [f"error: {problem}", f"hint: {hint}"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -13,12 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vibro.axes import Axis
-from vibro.core.codes import Level
 from vibro.errors import FileError, InputError
-from vibro.files.part_sets import MOST_PARTS
+from vibro.output.plan import ROW_GROUP, Plan, read_plan, usual_shard_cells, versions
+from vibro.output.shard_folder import MOST_SHARDS
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, read_plan, versions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -54,7 +54,7 @@ def check_same(again: Plan, plan: Plan) -> None:
         assert getattr(again.grid, name) == getattr(plan.grid, name)
     assert [c.name for c in again.table.columns] == [c.name for c in plan.table.columns]
     assert (again.table.digits, dict(again.table.part)) == (plan.table.digits, dict(plan.table.part))
-    for name in ("parts", "part_cells", "name", "own", "versions", "content"):
+    for name in ("shards", "shard_cells", "name", "own"):
         assert getattr(again, name) == getattr(plan, name)
 
 
@@ -81,7 +81,8 @@ def test_a_manifest_is_read_again_as_it_was_written(plan: Plan) -> None:
     content = json.loads(text)
     assert content["argv"] == ARGV
     assert content["fingerprint"] == plan.fingerprint
-    assert sum(part["cells"] for part in content["parts"]) == content["cells"] == plan.grid.size
+    assert content["cells"] == plan.grid.size
+    assert content["row_group_cells"] == ROW_GROUP
 
 
 def grid_of(axes: dict[str, list[float]], **fixed: float) -> Grid:
@@ -91,8 +92,8 @@ def grid_of(axes: dict[str, list[float]], **fixed: float) -> Grid:
     return Grid(made, {name: x for name, x in (others | fixed).items() if name not in axes}, None)
 
 
-def whole(grid: Grid, part_cells: int = PART_CELLS) -> Plan:
-    return Plan(grid, Table(columns_of(grid.axes)), part_cells, "", {}, versions())
+def whole(grid: Grid, shard_cells: int | None = None) -> Plan:
+    return Plan.of(grid, Table(columns_of(grid.axes)), shard_cells, "", {})
 
 
 NUMBERS = st.floats(1e-300, 1e300)
@@ -101,18 +102,18 @@ AXES = st.lists(NUMBERS, min_size=1, max_size=5, unique=True).map(sorted)
 
 @given(AXES, AXES, NUMBERS, st.integers(1, 30))
 def test_any_numbers_are_read_again_bit_for_bit(
-    amplitude: list[float], friction: list[float], angle: float, part_cells: int
+    amplitude: list[float], friction: list[float], angle: float, shard_cells: int
 ) -> None:
     grid = grid_of({"amplitude": amplitude, "static_friction": friction}, drive_angle=angle)
-    plan = whole(grid, part_cells)
+    plan = whole(grid, shard_cells)
     check_same(read_plan(plan.manifest(ARGV), "m"), plan)
 
 
 FEW = st.lists(st.sampled_from([1.0, 1.5, np.nextafter(1.5, 2.0), 2.0]), min_size=1, unique=True).map(sorted)
 PLANS = st.builds(
-    lambda amplitude, angle, part_cells, names: Plan(
+    lambda amplitude, angle, shard_cells, names: Plan.of(
         grid_of({"amplitude": amplitude}, drive_angle=angle),
-        Table(chosen(names, columns_of())), part_cells, "", {}, versions(),
+        Table(chosen(names, columns_of())), shard_cells, "", {},
     ),
     FEW, st.sampled_from([20.0, 30.0]), st.sampled_from([2, 3]),
     st.permutations(["regime", "status", "amplitude_mm"]),
@@ -177,15 +178,6 @@ def _at(content: Any, path: Any) -> Any:
     return content
 
 
-def test_a_change_is_noticed_before_anything_is_made_of_it() -> None:
-    """A part a cell, of cells that nobody could hold, is no list to be made."""
-    long = list(np.arange(1.0, 100_001.0))
-    plan = whole(grid_of({"amplitude": long, "drive_angle": long}), 10**9)
-    changed = json.loads(plan.manifest(ARGV)) | {"part_cells": 1}
-    with pytest.raises(FileError, match="damaged"):
-        read_plan(json.dumps(changed), "m")
-
-
 def test_the_order_of_columns_counts() -> None:
     there, here = (plan_of(nut(), columns=names) for names in (["regime", "status"], ["status", "regime"]))
     assert there.fingerprint != here.fingerprint
@@ -194,6 +186,12 @@ def test_the_order_of_columns_counts() -> None:
     content["columns"] = dict(reversed(content["columns"].items()))
     with pytest.raises(FileError, match="damaged"):
         read_plan(json.dumps(content), "m")
+
+
+def with_numpy_1() -> Plan:
+    """Plan as if another NumPy were here."""
+    with mock.patch("vibro.output.plan.versions", return_value={**versions(), "numpy": "1.0"}):
+        return plan_of(nut())
 
 
 THERE = plan_of(nut())
@@ -208,23 +206,23 @@ DIFFERENT = {
     # the same values, by chance: but steps between them mean another thing to pictures
     "spacing of axes: ['log', 'list'] there, ['list', 'list'] here":
         plan_of(nut(amplitude_mm=THERE.grid.axes["amplitude"].values.tolist())),
-    "drive_angle_deg: no axis there, 2 values, 20, 30 deg here; drive_angle_deg: 20.0 there, none here;"
+    "drive_angle_deg: 20.0 there, none here; drive_angle_deg: no axis there, 2 values, 20, 30 deg here;"
     " cells: 14 there, 28 here": plan_of(nut(drive_angle_deg="20,30")),
     "static_friction: 0.74 there, 0.75 here": plan_of(nut(static_friction=0.75)),
     "friction_ratio: none there, 0.77 here; kinetic_friction: 0.57 there, none here":
         plan_of(nut(friction_ratio=0.77)),
     "trough_angle_deg: 0.0 there, 1.0 here": plan_of(nut(trough_angle_deg=1)),
     "gravity_m_s2: 9.81 there, 1.62 here": plan_of(nut(gravity_m_s2=1.62)),
-    "restitution: 0.0 there, 0.3 here": plan_of(nut(restitution=0.3)),
+    "restitution: 0.0 there, 0.3 here": plan_of(nut(restitution=0.3), 1_000_000),
     "trough_length_mm: none there, 600.0 here; columns: none there, trough_length_mm here":
         plan_of(nut(trough_length_mm=600)),
     "accuracy: exact there, regimes here; flight: True there, False here;"
     " columns: restitution there, none here": plan_of(nut(accuracy="regimes")),
     "flight: True there, False here; columns: restitution there, none here": plan_of(nut(flight=False)),
-    "coexistence: False there, True here": plan_of(nut(coexistence=True)),
+    "coexistence: False there, True here": plan_of(nut(coexistence=True), 1_000_000),
     "digits: none there, 4 here": plan_of(nut(), digits=4),
-    "part cells: 1000000 there, 7 here": plan_of(nut(), 7),
-    f"numpy: {versions()['numpy']} there, 1.0 here": replace(THERE, versions={**versions(), "numpy": "1.0"}),
+    "shard cells: 1000000 there, 7 here": plan_of(nut(), 7),
+    f"numpy: {versions()['numpy']} there, 1.0 here": with_numpy_1(),
 }  # fmt: skip
 
 
@@ -244,7 +242,7 @@ def test_what_a_part_is_and_its_pitch_are_named() -> None:
 
 
 def test_names_arguments_and_own_values_do_not_count() -> None:
-    other = replace(THERE, name="bolt", own={"amplitude": 2.0})
+    other = Plan.of(THERE.grid, THERE.table, None, "bolt", {"amplitude": 2.0})
     assert other.fingerprint == THERE.fingerprint
     assert other.differences(THERE) == []
     texts = [plan.manifest(argv) for plan, argv in ((THERE, ARGV), (other, ["vibro"]))]
@@ -252,25 +250,44 @@ def test_names_arguments_and_own_values_do_not_count() -> None:
     assert {json.loads(text)["fingerprint"] for text in texts} == {THERE.fingerprint}
 
 
-def test_parts_are_ranges_of_all_cells() -> None:
-    for part_cells in (1, 5, 7, 14, 15):
-        plan = plan_of(nut(), part_cells)
-        ranges = [plan.range_of(part) for part in range(plan.parts)]
+def test_shards_are_ranges_of_all_cells() -> None:
+    for shard_cells in (1, 5, 7, 14, 15):
+        plan = plan_of(nut(), shard_cells)
+        ranges = [plan.range_of(shard) for shard in range(plan.shards)]
         assert [cell for first, end in ranges for cell in range(first, end)] == list(range(14))
-        assert {end - first for first, end in ranges[:-1]} <= {part_cells}
-        said = json.loads(plan.manifest(ARGV))["parts"]
-        assert [(x["first_cell"], x["first_cell"] + x["cells"]) for x in said] == ranges
-        assert [x["file"] for x in said] == [f"part-{part:06d}.parquet" for part in range(plan.parts)]
+        assert {end - first for first, end in ranges[:-1]} <= {shard_cells}
 
 
-def test_more_parts_than_names_can_number_are_refused() -> None:
-    grid = grid_of({"amplitude": list(np.arange(1.0, MOST_PARTS + 2.0))}, drive_angle=20.0)
-    whole(grid, 2).check()
-    with pytest.raises(InputError, match="part cells = 1: 1000001 cells would be 1000001 parts") as caught:
-        whole(grid, 1).check()
-    assert caught.value.hint == "give at least 2"
-    most = list(np.arange(1.0, MOST_PARTS + 1.0))
-    whole(grid_of({"amplitude": most}, drive_angle=20.0), 1).check()
+DEAR, CHEAP = 20_000, 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("given", "cells"),
+    [
+        ({}, CHEAP),
+        ({"restitution": 0.3}, DEAR),
+        ({"restitution": [0, 0.3]}, DEAR),
+        ({"restitution": [0, 0.3], "flight": False}, CHEAP),
+        ({"restitution": 0.3, "accuracy": "regimes"}, CHEAP),
+        ({"restitution": 0.3, "coexistence": True}, DEAR),
+        ({"coexistence": True}, DEAR),
+        ({"flight": False}, CHEAP),
+    ],
+)
+def test_shards_have_fewer_cells_where_cells_are_dear(given: dict[str, Any], cells: int) -> None:
+    solved = nut(**given)
+    assert usual_shard_cells(solved._grid) == plan_of(solved).shard_cells == cells
+    assert plan_of(solved, 7).shard_cells == 7
+
+
+def test_more_shards_than_names_can_number_are_refused() -> None:
+    grid = grid_of({"amplitude": list(np.arange(1.0, MOST_SHARDS + 2.0))}, drive_angle=20.0)
+    with pytest.raises(
+        InputError, match="shard_cells=1: 1000001 cells would be 1000001 shards, more than 1000000"
+    ) as caught:
+        whole(grid, 1)
+    assert caught.value.hint == "give at least shard_cells=2"
+    assert whole(grid, 2).shards == MOST_SHARDS / 2 + 1
 
 
 @pytest.mark.parametrize(
@@ -278,27 +295,21 @@ def test_more_parts_than_names_can_number_are_refused() -> None:
     ["", "{", "[]", "3", '"vibro sweep 1"', "null", "{}", '{"format": 3}', '{"format": "other"}', "\0"],
 )
 def test_what_is_no_manifest_is_told(text: str) -> None:
-    with pytest.raises(FileError, match=r"out/manifest\.json is no manifest of a sweep"):
-        read_plan(text, "out/manifest.json")
+    with pytest.raises(FileError, match=r"out/_manifest\.json is no manifest of a sweep"):
+        read_plan(text, "out/_manifest.json")
 
 
 def test_a_later_format_is_told() -> None:
-    content = json.loads(THERE.manifest(ARGV)) | {"format": "vibro sweep 2"}
-    with pytest.raises(FileError, match="vibro sweep 2 is not known here") as caught:
+    content = json.loads(THERE.manifest(ARGV)) | {"format": "vibro sweep 3"}
+    with pytest.raises(FileError, match="vibro sweep 3 is not known here") as caught:
         read_plan(json.dumps(content), "m")
     assert caught.value.hint == "use the vibro that wrote it"
 
 
-def test_levels_and_row_groups_are_those_of_the_plan() -> None:
-    content = json.loads(plan_of(nut(accuracy="regimes")).manifest(ARGV))
-    assert content["accuracy"] == Level.REGIMES.value
-    assert content["flight"] is False
-    assert content["row_group_cells"] == ROW_GROUP
-
-
 def test_equal_numbers_that_are_written_differently_differ() -> None:
-    """A sign of zero changes the fingerprint, which parts repeat: it must be told, not taken for the same."""
-    zeros = [replace(THERE, own={}, grid=replace(THERE.grid, fixed={**THERE.grid.fixed, "trough_angle": x}))
-             for x in (0.0, -0.0)]  # fmt: skip
+    """A sign of zero changes the fingerprint, which shards repeat: it must be told, not overlooked."""
+    grid = THERE.grid
+    grids = [replace(grid, fixed={**grid.fixed, "trough_angle": x}) for x in (0.0, -0.0)]
+    zeros = [Plan.of(grid, THERE.table, None, "", {}) for grid in grids]
     assert zeros[0].fingerprint != zeros[1].fingerprint
     assert zeros[0].differences(zeros[1]) == ["trough_angle_deg: -0.0 there, 0.0 here"]

@@ -10,10 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import duckdb
 import numpy as np
 import pandas as pd
-import polars
 import pyarrow.parquet as pq
 import pytest
 from helpers.pixels import pixels
@@ -23,15 +21,16 @@ import vibro
 from vibro.errors import FileError, InputError, VibroError
 
 if TYPE_CHECKING:
-    from vibro.sweeps.stored import StoredSweep
+    from vibro.output.stored import StoredSweep
     from vibro.sweeps.whole import Sweep
 
+OLD = Path(__file__).parents[1] / "data" / "sweep_folder"
 NUT: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57, "trough_length_mm": 600}
 
 
 @pytest.fixture(scope="module")
 def held() -> Sweep:
-    """Hold cells of which some hop, and whose patterns differ from part to part."""
+    """Hold cells of which some hop, and whose patterns differ from shard to shard."""
     return vibro.sweep(
         amplitude_mm="0.2:6:11",
         frequency_hz="5:25:7",
@@ -130,8 +129,8 @@ def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int, list[str]]]:
     whole = pq.ParquetFile.read_row_group
 
     def noting(file: pq.ParquetFile, number: int, columns: list[str], **more: Any) -> Any:
-        part = json.loads(file.metadata.metadata[b"vibro"])["part"]
-        noted.append((part, number, columns))
+        first = json.loads(file.metadata.metadata[b"vibro"])["first_cell"]
+        noted.append((first // 100, number, columns))
         return whole(file, number, columns, **more)
 
     monkeypatch.setattr(pq.ParquetFile, "read_row_group", noting)
@@ -148,7 +147,7 @@ def test_only_what_is_needed_is_read(stored: StoredSweep, read: list[tuple[int, 
     assert read == [(0, 0, ["status"])]
     read.clear()
     stored.draw("regime", x="beta", at={"A": 0.2, "f": 5})
-    assert {(part, number) for part, number, _ in read} == {(0, 0)}
+    assert {(shard, number) for shard, number, _ in read} == {(0, 0)}
     (columns,) = {tuple(columns) for *_, columns in read}
     assert "pattern" not in columns
     assert "back_ratio" not in columns
@@ -219,39 +218,9 @@ def test_a_picture_without_its_columns_is_refused(tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(stored.to_frame(), held.to_frame(columns))
     with pytest.raises(InputError, match="without the columns displacement_per_cycle_mm, period_cycles") as e:
         stored.draw("regime")
-    assert "leave --columns out" in e.value.hint
+    assert "leave that out" in e.value.hint
     with pytest.raises(InputError, match="no such picture"):
         stored.draw("band")  # type: ignore[arg-type]
-
-
-def test_other_readers_take_a_line(folder: Path, held: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Texts of each part have a dictionary of their own, and not all files are tables."""
-    dictionaries = {
-        tuple(pq.ParquetFile(part).read(["pattern"])["pattern"].combine_chunks().dictionary.to_pylist())
-        for part in folder.glob("*.parquet")
-    }
-    assert len(dictionaries) > 2
-    monkeypatch.chdir(folder.parent)
-    files: Any = sorted(Path("nut").glob("*.parquet"))
-    whole = held.to_frame()
-    pd.testing.assert_frame_equal(
-        pd.read_parquet(files, dtype_backend="numpy_nullable")[["coexists", "pattern"]].astype(
-            {"pattern": "str"}
-        ),
-        whole[["coexists", "pattern"]].astype({"pattern": "str"}),
-    )
-    for frame in (
-        pd.read_parquet(files),
-        duckdb.sql("from 'nut/*.parquet'").df(),
-        polars.scan_parquet("nut/*.parquet").collect().to_pandas(),
-    ):
-        assert list(frame.columns) == list(whole.columns)
-        for name, column in whole.items():
-            if isinstance(column.dtype, pd.CategoricalDtype):
-                assert frame[name].tolist() == column.tolist(), name
-            else:
-                found, wanted = (x.to_numpy(float, na_value=np.nan) for x in (frame[name], column))
-                np.testing.assert_array_equal(found, wanted, err_msg=str(name))
 
 
 @pytest.fixture
@@ -259,10 +228,10 @@ def copy(folder: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(folder, tmp_path / "copy"))
 
 
-PART = "part-000003.parquet"
+SHARD = "part-000003.parquet"
 
 
-def refused(path: Path, problem: str, hint: str = "with --resume") -> None:
+def refused(path: Path, problem: str, hint: str = "with resume=True") -> None:
     with pytest.raises(FileError) as caught:
         vibro.open_sweep(path)
     assert problem in str(caught.value).replace("\\", "/")
@@ -270,9 +239,9 @@ def refused(path: Path, problem: str, hint: str = "with --resume") -> None:
 
 
 def test_what_is_no_finished_sweep_is_refused(copy: Path, tmp_path: Path) -> None:
-    refused(tmp_path / "none", "none: it is not there", "give a folder that vibro map")
-    refused(copy / PART, f"{PART}: it is no folder", "give a folder that vibro map")
-    refused(tmp_path, "there is no manifest.json in it", "give a folder that vibro map")
+    refused(tmp_path / "none", "none: it is not there", "give a folder that a sweep was written to")
+    refused(copy / SHARD, f"{SHARD}: it is no folder", "give a folder that a sweep was written to")
+    refused(tmp_path, "there is no _manifest.json in it", "give a folder that a sweep was written to")
     success = (copy / "_SUCCESS").read_text(encoding="utf-8")
     for text in (
         "",
@@ -285,33 +254,33 @@ def test_what_is_no_finished_sweep_is_refused(copy: Path, tmp_path: Path) -> Non
         (copy / "_SUCCESS").write_text(text, encoding="utf-8")
         refused(copy, "_SUCCESS is damaged")
     (copy / "_SUCCESS").unlink()
-    (copy / PART).unlink()
-    refused(copy, "copy is not finished: 9 of 10 parts are there")
+    (copy / SHARD).unlink()
+    refused(copy, "copy is not finished: 9 of 10 shards are there")
 
 
-def test_a_part_that_is_not_the_sweeps_own_is_refused(copy: Path, held: Sweep, tmp_path: Path) -> None:
-    whole = (copy / PART).read_bytes()
-    (copy / PART).unlink()
-    refused(copy, f"{PART} is missing")
+def test_a_shard_that_is_not_the_sweeps_own_is_refused(copy: Path, held: Sweep, tmp_path: Path) -> None:
+    whole = (copy / SHARD).read_bytes()
+    (copy / SHARD).unlink()
+    refused(copy, f"{SHARD} is missing")
     for content in (b"", whole[:1000], whole[:-1000], whole[-1000:], b"x" * 1000):
-        (copy / PART).write_bytes(content)
-        refused(copy, f"{PART} is damaged: ")
-    shutil.copy(copy / "part-000002.parquet", copy / PART)
-    refused(copy, f"{PART} does not belong to this sweep: its part is 2, not 3")
+        (copy / SHARD).write_bytes(content)
+        refused(copy, f"{SHARD} is damaged: ")
+    shutil.copy(copy / "part-000002.parquet", copy / SHARD)
+    refused(copy, f"{SHARD} does not belong to this sweep: its first cell is 200, not 300")
     other = store(held, tmp_path / "other", columns=["regime"])
-    shutil.copy(other / PART, copy / PART)
-    refused(copy, f"{PART} does not belong to this sweep: its fingerprint is")
+    shutil.copy(other / SHARD, copy / SHARD)
+    refused(copy, f"{SHARD} does not belong to this sweep: its fingerprint is")
     table = pq.read_table(copy / "part-000002.parquet")
-    pq.write_table(table, copy / PART)
-    refused(copy, f"{PART} does not belong to this sweep: its fingerprint is None")
-    (copy / PART).write_bytes(whole)
-    footer = pq.read_metadata(copy / PART).metadata[b"vibro"]
-    pq.write_table(table.slice(1).replace_schema_metadata({"vibro": footer}), copy / PART)
-    refused(copy, f"{PART} is damaged: it has 99 rows, not 100")
+    pq.write_table(table, copy / SHARD)
+    refused(copy, f"{SHARD} does not belong to this sweep: its fingerprint is None")
+    (copy / SHARD).write_bytes(whole)
+    footer = pq.read_metadata(copy / SHARD).metadata[b"vibro"]
+    pq.write_table(table.slice(1).replace_schema_metadata({"vibro": footer}), copy / SHARD)
+    refused(copy, f"{SHARD} is damaged: it has 99 rows, not 100")
 
 
 def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
-    path = copy / "manifest.json"
+    path = copy / "_manifest.json"
     content = json.loads(path.read_text(encoding="utf-8"))
     for key, value in (
         ("axes", []),
@@ -321,26 +290,26 @@ def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
         ("cells", 9),
     ):
         path.write_text(json.dumps(content | {key: value}), encoding="utf-8")
-        refused(copy, "manifest.json is damaged, or was changed", "--force")
+        refused(copy, "_manifest.json is damaged, or was changed", "force=True")
     path.write_text(json.dumps(content | {"format": "vibro sweep 99"}), encoding="utf-8")
     refused(copy, "vibro sweep 99 is not known here", "use the vibro that wrote it")
     for text in ("", "[]", "{"):
         path.write_text(text, encoding="utf-8")
-        refused(copy, "manifest.json is no manifest of a sweep", "")
+        refused(copy, "_manifest.json is no manifest of a sweep", "")
     path.write_bytes(b"\xff")
-    refused(copy, "manifest.json is damaged: it is no text in UTF-8")
+    refused(copy, "_manifest.json is damaged: it is no text in UTF-8")
 
 
-def test_damage_inside_a_part_is_found_where_it_is_read(copy: Path) -> None:
-    content = bytearray((copy / PART).read_bytes())
-    column = pq.ParquetFile(copy / PART).metadata.row_group(1).column(8)
+def test_damage_inside_a_shard_is_found_where_it_is_read(copy: Path) -> None:
+    content = bytearray((copy / SHARD).read_bytes())
+    column = pq.ParquetFile(copy / SHARD).metadata.row_group(1).column(8)
     start = column.dictionary_page_offset or column.data_page_offset
     content[start + column.total_compressed_size - 1] ^= 1
-    (copy / PART).write_bytes(content)
+    (copy / SHARD).write_bytes(content)
     stored = vibro.open_sweep(copy)
-    with pytest.raises(FileError, match=f"{PART} is damaged: .*CRC") as caught:
+    with pytest.raises(FileError, match=f"{SHARD} is damaged: .*CRC") as caught:
         stored.to_frame()
-    assert "--resume" in caught.value.hint
+    assert "resume=True" in caught.value.hint
     assert len(stored.to_frame({"A": 0.2})) == 84
 
 
@@ -388,3 +357,12 @@ def test_names_that_mean_something_elsewhere_are_those_of_folders(
     monkeypatch.chdir(copy.parent)
     copy.rename(name)
     assert len(vibro.open_sweep(name).to_frame(columns=["regime"])) == 924
+
+
+def test_a_folder_of_an_older_version_is_drawn_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its cells are compared in tests/sweeps/test_made_with.py."""
+    old = vibro.open_sweep(OLD)
+    given = {"amplitude_mm": [1, 4], "frequency_hz": [15, 20], "drive_angle_deg": 20, "restitution": 0.3}
+    held = vibro.sweep(**{**NUT, **given})
+    assert old.fixed == held.fixed
+    np.testing.assert_array_equal(pixels(old.draw("regime")), pixels(held.draw("regime")))

@@ -1,0 +1,122 @@
+"""``vibro report``: one page about a scene or the answer to a design question, to be read and printed."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import typer  # typer reads the annotations
+
+from vibro.cli.console import Console
+from vibro.cli.design import design_record
+from vibro.cli.exit_codes import ExitCode
+from vibro.cli.options import Options
+from vibro.cli.tables import MassOption, PitchOption, part_of, throughput_of
+from vibro.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    Write = Callable[[str, Mapping[str, Any]], None]
+
+__all__ = ["report_command"]
+
+
+def report_command(
+    context: typer.Context, options: Options, pitch: PitchOption = None, mass: MassOption = None
+) -> int:
+    """Write one page about a scene, or about the answer to a question of vibro design, to read and to print.
+
+    Of a scene it holds what the part does and how fast, a map, what comes next, what the speed depends on,
+    what keeps the regime, the motion over three cycles and what was assumed; of a question the designs and
+    what they guarantee for every part. With -o the page goes to STEM.html, beside STEM.json; without to
+    stdout. It needs no other file and no network, and prints to A4. It needs pip install 'vibro[report]'.
+    """
+    from vibro.files.descriptions import DESIGN_FILE
+    from vibro.files.toml_files import kind_of, read_toml
+    from vibro.reports.page import check_extra
+
+    check_extra()
+    console = Console(quiet=options.quiet)
+    part = part_of(pitch, mass)
+    if options.scene is not None and kind_of(read_toml(options.scene)) is DESIGN_FILE:
+        if options.given or part:
+            raise InputError(
+                f"{options.scene} is {DESIGN_FILE.meaning}: it has no options of a scene",
+                hint="leave them out, or write them into the file",
+            )
+        return _report_design(options.scene, options, context.obj, console)
+    return _report_scene(options, context.obj, part, console)
+
+
+def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, float], console: Console) -> int:
+    from vibro.cli.answer import make_grid
+    from vibro.cli.request import question_length, request_of
+    from vibro.cli.series import scene_record
+    from vibro.core.codes import Status
+    from vibro.quantities import STANDS_FOR
+    from vibro.reports.page import page_html
+    from vibro.reports.scene_page import SceneReport, scene_page
+    from vibro.sweeps.columns import Table, columns_of, records
+    from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
+    from vibro.sweeps.request import RANGES
+    from vibro.sweeps.run import sweep_blocks
+
+    request = request_of(options, argv)
+    question_length(request, options)
+    swept = request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
+    grid = make_grid(request)
+    with _placed(request.name or "vibro-report", options, argv, console) as write:
+        (block,) = sweep_blocks(grid)
+        given = frozenset(STANDS_FOR.get(name, name) for name in options.given) | request.own.keys()
+        command = shlex.join(["vibro", *argv])
+        with console.progress("drawing", None):
+            html = page_html(scene_page(SceneReport(request, swept, given, part, grid, block, command)))
+        more = (*throughput_of(part), WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
+        result = next(records(Table(columns_of((), *more, drive=grid.drive)), block))
+        motion = {} if request.motion is None else {"motion": dict(request.motion.table)}
+        write(html, {"scene": {**scene_record(request), **motion}, "part": dict(part), "result": result})
+    return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE
+
+
+def _report_design(source: Path, options: Options, argv: Sequence[str], console: Console) -> int:
+    from vibro.inverse.designs import chosen_of, find_designs
+    from vibro.inverse.reading import read_spec
+    from vibro.reports.design_page import design_page
+    from vibro.reports.page import page_html
+
+    spec = read_spec(source)
+    with _placed(spec.name or "vibro-report", options, argv, console) as write:
+        with console.progress("searching", None) as report:
+            result = find_designs(spec, lambda done, total, what: report(done, what, total))
+        with console.progress("drawing", None):
+            record = design_record(source, result)
+            page = design_page(
+                spec, result, chosen_of(spec, result), record["spec"], shlex.join(["vibro", *argv])
+            )
+        write(page_html(page), record)
+    return ExitCode.DONE if result.met else ExitCode.NOT_MET
+
+
+@contextmanager
+def _placed(name: str, options: Options, argv: Sequence[str], console: Console) -> Iterator[Write]:
+    """Hold the files before anything is computed, and give what writes a page and its record."""
+    if options.output in (None, "-"):
+        sys.stdout.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
+        yield lambda html, record: print(html, end="")
+        return
+    from vibro.cli.stems import output_stem
+    from vibro.output.staging import Staging
+
+    stem = output_stem(options.output, name)
+    with Staging(stem, force=options.force, tables={"": "html"}, reads=[options.scene]) as files:
+
+        def write(html: str, record: Mapping[str, Any]) -> None:
+            files.table().write_text(html, encoding="utf-8")
+            files.finish(argv, record)
+
+        yield write
+    console.echo_all(files.told)

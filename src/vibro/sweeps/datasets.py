@@ -1,0 +1,219 @@
+"""Sweeps as labelled arrays: axes are dimensions, inputs coordinates, results variables of xarray.
+
+Names and units follow the CF conventions. A dataset written to netCDF is read back unchanged: codes have a
+flag of -1 and no fill value, with which they would come back as floats.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro import __version__
+from vibro.errors import FileError, InputError, shown
+from vibro.quantities import QUANTITIES
+from vibro.sweeps.solved import axis_called
+from vibro.units import CF_UNITS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from vibro.results.sweep import Block, Column
+    from vibro.sweeps.grid import Grid
+
+    Values = Callable[[Column], Any]
+
+__all__ = [
+    "block_sizes",
+    "check_xarray",
+    "dataset",
+    "results_among",
+    "values_of_block",
+]
+
+_CONVENTIONS: Final = "CF-1.11"
+_FLAGS: Final = {"unknown": -1, "no": 0, "yes": 1}
+_BLOCK: Final = 1_000_000  # [cells] 8 MB of numbers; dask takes some 0.1 ms a block
+
+
+def check_xarray() -> None:
+    """Say what to install where xarray is missing.
+
+    Raises
+    ------
+    FileError
+        If it is missing.
+    """
+    try:
+        import xarray  # noqa: F401 - whether it is installed
+    except ImportError:
+        raise FileError("to_xarray() needs xarray", hint="pip install 'vibro[xarray]'") from None
+
+
+def dataset(
+    grid: Grid,
+    name: str,
+    columns: Iterable[Column],
+    values: Values,
+    *,
+    indices: Sequence[NDArray[np.intp]] | None = None,
+    version: str = __version__,
+    more: Mapping[str, Any] | None = None,
+) -> xr.Dataset:
+    """Make the dataset of a sweep.
+
+    Parameters
+    ----------
+    grid : Grid
+        What was solved.
+    name : str
+        Name of the scene; may be empty.
+    columns : iterable of Column
+        Its results, as ``results_among`` returns them: every input is a coordinate.
+    values : callable
+        From a column to its values, of the shape of the cells: numbers, codes or texts.
+    indices : sequence of array, optional
+        For every axis the indices of the values that are kept; without, all.
+    version : str, optional
+        Of the vibro that solved it.
+    more : mapping, optional
+        Further attributes.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray as xr
+
+    axes = [axis.column for axis in grid.axes.values()]
+    variables = {column.name: (axes, values(column), _attributes(column)) for column in columns}
+    what = f"sweep of {' x '.join(axes)}" if axes else "one operating point"
+    attributes = {
+        "title": f"{name}: {what}" if name else what,
+        "source": f"vibro {version}",
+        "Conventions": _CONVENTIONS,
+        "accuracy": grid.level.value,
+        "flight": int(grid.flight),
+        "coexistence": int(grid.coexistence),
+        **({} if grid.motion is None else {"motion": json.dumps(dict(grid.motion.table))}),
+        **(more or {}),
+    }
+    result = xr.Dataset(variables, _coordinates(grid, indices), attributes)
+    for coordinate in result.coords.values():
+        coordinate.encoding["_FillValue"] = None  # CF allows none
+    return result
+
+
+def results_among(columns: Iterable[Column], grid: Grid) -> list[Column]:
+    """Return those columns of a grid's table that hold no inputs."""
+    inputs = {QUANTITIES[name].column for name in _inputs(grid)}
+    return [column for column in columns if column.name not in inputs]
+
+
+def _inputs(grid: Grid) -> dict[str, NDArray[np.float64]]:
+    """Return every input by name, as ``Grid.values`` does, and the trough's length."""
+    values = grid.values()
+    if grid.length is not None:
+        values["trough_length"] = np.full((1,) * len(grid.axes), grid.length)
+    return {name: values[name] for name in QUANTITIES if name in values}
+
+
+def _coordinates(grid: Grid, indices: Sequence[NDArray[np.intp]] | None) -> dict[str, Any]:
+    """Return every input by its column, as dimensions, values and attributes.
+
+    Fixed ones have no dimensions; kinetic friction has those of its ratio and of static friction.
+    """
+    coordinates = {}
+    for name, values in _inputs(grid).items():
+        quantity = QUANTITIES[name]
+        dimensions: list[str] = []
+        for i, axis in enumerate(grid.axes.values()):
+            if axis.name == name or values.shape[len(dimensions)] > 1:
+                if indices is not None:
+                    values = values.take(indices[i], len(dimensions))
+                dimensions.append(axis.column)
+            else:
+                values = values.squeeze(len(dimensions))
+        attributes = {"long_name": quantity.meaning, "units": CF_UNITS[quantity.unit]}
+        coordinates[quantity.column] = (dimensions, values, attributes)
+    return coordinates
+
+
+def _attributes(column: Column) -> dict[str, Any]:
+    meaning = column.meaning.replace("$", "").replace("`", "")  # of a page of mathematics
+    short = meaning.replace(":", ";").partition(";")[0]
+    attributes: dict[str, Any] = {"long_name": short, **({} if meaning == short else {"comment": meaning})}
+    if column.is_number:
+        return {**attributes, "units": CF_UNITS[column.unit]}
+    if column.texts is None:
+        return attributes
+    codes = _FLAGS if column.is_flag else {_word(text): code for text, code in column.codes.items()}
+    words = sorted(codes, key=codes.__getitem__)
+    flags = np.array([codes[word] for word in words], np.int8)
+    return {**attributes, "flag_values": flags, "flag_meanings": " ".join(words)}
+
+
+def _word(text: str) -> str:
+    return text.replace("-", "_") or "none"
+
+
+def values_of_block(block: Block) -> Values:
+    """Return the callable of ``dataset`` for cells in memory."""
+
+    def values(column: Column) -> NDArray[Any]:
+        if column.decode is not None:
+            which, texts = column.coded(block)
+            return np.broadcast_to(texts[which], block.shape).copy()
+        found = np.broadcast_to(column.values(block), block.shape)
+        return np.where(np.isfinite(found), found, np.nan) if column.is_number else found.astype(np.int8)
+
+    return values
+
+
+def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, ...]:
+    """Return how many values of each axis a block has.
+
+    Parameters
+    ----------
+    chunks : "auto" or mapping of str to int
+        Sizes by axis, which is called by key, name or letter; those that are not given are such that a block
+        has at most 1e6 cells, which lie near each other: all values of the last axes.
+    grid : Grid
+        The axes.
+    shape : sequence of int
+        Values of each axis that are kept.
+
+    Raises
+    ------
+    InputError
+        If an axis is unknown, or a size is no whole number.
+    """
+    if chunks != "auto" and not isinstance(chunks, Mapping):
+        raise InputError(
+            f"chunks = {shown(chunks)}: must be 'auto' or sizes by axis",
+            hint='write it like "auto" or {"amplitude_mm": 10}',
+        )
+    given: dict[str, int] = {}
+    for called, size in chunks.items() if isinstance(chunks, Mapping) else ():
+        name = axis_called(called, "chunks").name
+        if name not in grid.axes:
+            known = ", ".join(axis.label for axis in grid.axes.values()) or "none"
+            raise InputError(
+                f"chunks: {QUANTITIES[name].label} does not vary in this sweep", hint=f"its axes are {known}"
+            )
+        if isinstance(size, bool) or not isinstance(size, int) or size < 1:
+            raise InputError(
+                f"chunks: {called} = {shown(size)}: must be a whole number > 0", hint="1 is the least"
+            )
+        given[name] = size
+    sizes, room = [], _BLOCK
+    for name, count in zip(reversed(list(grid.axes)), reversed(shape), strict=True):
+        sizes.append(min(count, given.get(name, max(room, 1))))
+        room //= sizes[-1]
+    return tuple(reversed(sizes))

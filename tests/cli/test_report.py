@@ -1,0 +1,171 @@
+"""``vibro report``: what is on the page and in its record, where they go, and how the command ends."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from helpers.commands import ELLIPSE, NUT, SLIP_STICK
+from helpers.reports import ReadPage
+
+import vibro
+
+if TYPE_CHECKING:
+    from helpers.commands import Run
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+#: One setting is found quickly.
+QUESTION = """
+[scene]
+static_friction = "0.4:0.45"
+kinetic_friction = 0.3
+trough_length_mm = 600
+[[drive]]
+name = "a <i>magnet</i>"
+amplitude_mm = 0.25
+frequency_hz = 50
+drive_angle_deg = 25
+[goal]
+speed_mm_s = {}
+highest_regime = "forward-slip"
+"""
+
+
+def page(run: Run, *args: object, code: int = 0) -> ReadPage:
+    result = run("report", *args, "-q")
+    assert (result.exit_code, result.stderr) == (code, "")
+    return ReadPage(result.stdout)
+
+
+def test_the_numbers_are_those_of_the_solver(run: Run) -> None:
+    nut = EXAMPLES / "safety_nut.toml"
+    read = page(run, nut, "--pitch", "25mm")
+    scene = vibro.read_scene(nut)
+    cycle = vibro.solve(scene)
+    speed = 1e3 * float(cycle.mean_velocity)
+    assert read.row("mean speed")[0] == f"{speed:.6g} mm/s = {0.06 * speed:.6g} m/min"
+    assert read.row("regime")[0] == "forward-slip"
+    assert read.row("peak speed")[0] == f"{1e3 * float(cycle.peak_velocity):.6g} mm/s"
+    assert read.row("traverse time")[0] == f"{600.0 / speed:.6g} s"
+    assert read.row("throughput")[0].startswith(f"{60.0 * speed / 25.0:.6g} parts/min at most")
+    assert read.row("throw number")[0] == f"{float(cycle.throw_number):.6g}"
+    assert "At 1.19 times the present amplitude (1.1903 mm)" in read.text
+    assert read.row("gravity") == ["9.81 m/s²", "assumed"]
+    assert "vibro report" in read.text
+    assert f"vibro {vibro.__version__}" in read.text
+    assert "The circle is the operating point." in read.text
+
+
+def test_landings_are_told_where_the_part_hops(run: Run) -> None:
+    read = page(run, *NUT, "-A", "4")
+    drive = {"amplitude": 4e-3, "frequency": 15, "drive_angle": math.radians(20)}
+    cycle = vibro.solve(vibro.Scene(**drive, static_friction=0.74, kinetic_friction=0.57))
+    told = f"{1e3 * float(cycle.impact_velocity):.6g} mm/s normal to the trough"
+    assert read.row("impact speed")[0] == told
+    assert read.row("in flight")[0] == f"{100.0 * float(cycle.flight_fraction):.6g} % of the time"
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [
+        ((*NUT, "--trough-angle=-40"), "none: it gains speed every cycle, forwards, down the trough"),
+        ((*NUT[:6], "--mu-s", "0", "--mu-d", "0"), "unknown"),
+        ((*NUT, "-A", "0.3"), "0 mm/s = 0 m/min"),
+    ],
+    ids=["runaway", "indeterminate", "rest"],
+)
+def test_no_number_is_told_that_is_not_known(run: Run, args: tuple[str, ...], told: str) -> None:
+    read = page(run, *args)
+    assert read.row("mean speed")[0] == told
+    assert "nan" not in read.text.casefold().split()
+    assert "peak speed" not in {row[0] for row in read.rows} or told.startswith("0")
+
+
+def test_a_mean_has_its_standard_error(run: Run) -> None:
+    read = page(run, *NUT, "-A", "3", "-f", "45", "--restitution", "0.62")
+    assert re.match(r"494\.\d+ mm/s \+- \d+ mm/s \(standard error\) = ", read.row("mean speed")[0])
+    assert read.row("status")[0] == "averaged"
+    assert read.row("restitution") == ["0.62", "given"]
+
+
+@pytest.mark.parametrize("drive", [ELLIPSE, SLIP_STICK, (EXAMPLES / "slip_stick.toml",)], ids=len)
+def test_every_kind_of_drive_has_its_map_and_its_motion(run: Run, drive: tuple[object, ...]) -> None:
+    read = page(run, *drive)
+    assert read.tags.count("figure") == 3
+    assert len(read.ids) == len(set(read.ids))
+
+
+def test_the_page_needs_nothing_else_and_users_texts_are_text(run: Run, tmp_path: Path) -> None:
+    scene = tmp_path / "<b onclick=x>&amp;$_{x$.toml"
+    scene.write_text((EXAMPLES / "safety_nut.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    read = page(run, scene)
+    assert scene.stem in read.text
+    assert not {"b", "script", "link", "iframe", "img", "object"} & {*read.tags}
+    assert all(link.startswith(("#", "data:image/png;base64,")) for link in read.links)
+    assert {link for link in read.links if link[0] == "#"} <= {f"#{one}" for one in read.ids}
+    assert len(read.ids) == len(set(read.ids))
+
+
+def test_files_and_their_record(run: Run, tmp_path: Path) -> None:
+    result = run("report", EXAMPLES / "safety_nut.toml", "-A", "1.3", "--pitch", "25", "-o", "out/nut")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["nut.html", "nut.json"]
+    record = json.loads((tmp_path / "out/nut.json").read_text(encoding="utf-8"))
+    assert record["argv"][:2] == ["vibro", "report"]
+    assert record["files"] == ["nut.html", "nut.json"]
+    assert record["scene"]["amplitude_mm"] == 1.3
+    assert record["part"] == {"pitch_mm": 25.0}
+    assert record["result"]["regime"] == "back-slip"
+    html = (tmp_path / "out/nut.html").read_text(encoding="utf-8")
+    assert ReadPage(html).row("per cycle")[0] == f"{record['result']['displacement_per_cycle_mm']:.6g} mm"
+    again = run("report", *NUT, "-o", "out/nut")
+    assert again.exit_code == 1
+    assert "--force" in again.stderr
+
+
+@pytest.mark.parametrize(
+    ("args", "code", "told"),
+    [
+        (("-o", "out.html", *NUT), 2, "write -o out, which makes out.html"),
+        ((EXAMPLES / "design_nut.toml", "-A", "1"), 2, "it has no options of a scene"),
+        ((*NUT[:-2], "-A", "0.5:2"), 2, "takes one value"),
+        (("missing.toml",), 1, "cannot read missing.toml"),
+        ((), 2, "missing: "),
+    ],
+    ids=["suffix", "options", "axis", "file", "nothing"],
+)
+def test_what_is_refused(run: Run, args: tuple[object, ...], code: int, told: str) -> None:
+    result = run("report", *args)
+    assert (result.exit_code, result.stdout) == (code, "")
+    assert told in result.stderr
+
+
+def test_without_jinja_it_says_what_to_install(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    result = run("report", *NUT)
+    assert result.exit_code == 1
+    assert "pip install 'vibro[report]'" in result.stderr
+
+
+@pytest.mark.parametrize(("speed", "code"), [(2, 0), (900, 4)], ids=["met", "not met"])
+def test_designs(run: Run, tmp_path: Path, speed: float, code: int) -> None:
+    (tmp_path / "question.toml").write_text(QUESTION.format(speed), encoding="utf-8")
+    result = run("report", "question.toml", "-o", "answer", "-q")
+    assert (result.exit_code, result.stderr) == (code, "")
+    read = ReadPage((tmp_path / "answer.html").read_text(encoding="utf-8"))
+    record = json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))
+    assert record["met"] is (code == 0)
+    fastest = next(d for d in record["designs"] if d["design"] == "fastest")
+    assert fastest["highest_regime"] == "forward-slip"
+    assert f"{fastest['amplitude_mm']:.15g}" in read.row("fastest")
+    answer = "The goal is met by: a <i>magnet</i>." if code == 0 else "No drive meets the goal."
+    assert answer in read.text
+    assert ("Why no drive meets the goal" in read.text) is (code == 4)
+    assert "i" not in read.tags
+    assert read.tags.count("figure") == 2
+    assert "Drive and trough keep what was set: no drift was given." in read.text

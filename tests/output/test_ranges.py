@@ -1,0 +1,117 @@
+"""Ranges of shards: jobs make them one after the other or at once, and a run of all shards finishes them.
+
+Jobs that begin at once, overlap and are killed: tests/output/test_faults.py.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.plans import NUT, written
+from helpers.sharded import PLAN, SHARDS, Once, made, small_plan, undisturbed
+
+import vibro
+from vibro.errors import FileError, InputError
+from vibro.output.shard_folder import MANIFEST, SUCCESS, shard_name
+
+GIVEN: dict[str, Any] = {"amplitude_mm": "0.5:2:4", "frequency_hz": "10:30:5", "flight": False, **NUT}
+OTHER = small_plan(amplitude="0.5:2:10", frequency="10:31:300")
+
+
+def test_ranges_one_after_the_other_are_finished_by_a_run_without_one(tmp_path: Path) -> None:
+    folder = tmp_path / "wide"
+    there: set[str] = set()
+    for first, stop in ((9, 15), (0, 4), (3, 9), (0, 4)):
+        summary = written(folder, PLAN, shards=f"{first}:{stop}")
+        there |= {shard_name(shard) for shard in range(first, stop)}
+        assert sorted(summary.sizes) == list(range(first, stop))
+        assert summary.tally.status.total() == 200 * (stop - first)
+        assert {path.name for path in folder.iterdir()} == {MANIFEST, *there}
+    assert there == SHARDS
+    before = {path.name: path.stat().st_ino for path in folder.iterdir()}
+    with pytest.raises(FileError, match="holds a sweep that is not finished"):
+        made(folder)
+    assert made(folder, resume=True) == undisturbed()
+    assert {path.name: path.stat().st_ino for path in folder.glob("[!_]*.parquet")}.items() <= before.items()
+    written(folder, PLAN, shards="0:4")
+    assert (folder / SUCCESS).exists()
+    (folder / shard_name(2)).unlink()
+    written(folder, PLAN, shards="4:9")
+    assert not (folder / shard_name(2)).exists()
+    written(folder, PLAN, shards="0:4")
+    assert not (folder / SUCCESS).exists()
+    assert made(folder, resume=True) == undisturbed()
+
+
+def test_ranges_go_on_beside_others_but_not_beside_themselves_or_a_run_of_all(tmp_path: Path) -> None:
+    folder = tmp_path / "wide"
+
+    def meet() -> None:
+        for shards in ("3:9", "0:15"):
+            written(folder, PLAN, shards=shards)
+        for how in ({"shards": "0:5"}, {"resume": True}, {"force": True}):
+            with pytest.raises(FileError, match=r"another run is writing .*wide at this moment"):
+                written(folder, PLAN, report=lambda _: pytest.fail("it computes"), **how)
+
+    met = Once(meet, 1)
+    summary = written(folder, PLAN, report=met, shards="0:5")
+    assert met.done
+    assert sorted(summary.sizes) == [0, 1, 2, 3, 4]
+    assert {path.name for path in folder.iterdir()} == {MANIFEST, *SHARDS}
+    assert made(folder, resume=True) == undisturbed()
+
+
+@pytest.mark.parametrize("moment", ["writing.check_workers", "plan.Plan.manifest"])
+@pytest.mark.parametrize(("plan", "works"), [(PLAN, True), (OTHER, False)])
+def test_of_two_that_begin_at_once_the_later_takes_the_manifest_of_the_first_or_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plan: Any, works: bool, moment: str
+) -> None:
+    """The first writes it when the later has found none."""
+    folder = tmp_path / "wide"
+
+    def begin(*args: Any) -> Any:
+        monkeypatch.undo()
+        written(folder, plan, shards="4:9")
+        return args[0].manifest(args[1]) if moment == "plan.Plan.manifest" else None
+
+    monkeypatch.setattr(f"vibro.output.{moment}", begin)
+    late = partial(written, folder, PLAN, shards="0:4")
+    if works:
+        late()
+        assert made(folder, resume=True) == undisturbed()
+    else:
+        with pytest.raises(FileError, match=r"another run has begun another sweep in .*wide"):
+            late()
+        assert {path.name for path in folder.iterdir()} == {MANIFEST, *map(shard_name, range(4, 9))}
+        assert json.loads((folder / MANIFEST).read_bytes())["fingerprint"] == plan.fingerprint
+
+
+@pytest.mark.parametrize(
+    "shards", ["4:4", "3:2", "0:5", "9:12", "-1:2", "0:", ":2", "0:2:1", "a:b", "0 : 2", "", "1e0:2", 2, True]
+)
+def test_ranges_that_are_none_are_refused_and_leave_nothing(tmp_path: Path, shards: Any) -> None:
+    with pytest.raises(InputError, match=r"shards = .*: must be first:stop, of 4 shards") as caught:
+        vibro.write_sweep(tmp_path / "wide", shard_cells=6, shards=shards, **GIVEN)
+    assert caught.value.hint == 'write it like shards="0:2"'
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_calls_make_ranges_of_the_size_that_is_there(tmp_path: Path) -> None:
+    folder = tmp_path / "wide"
+    assert vibro.write_sweep(folder, shard_cells=6, shards="1:2", **GIVEN) is None
+    assert vibro.write_sweep(folder, shards="0:2", **GIVEN) is None
+    with pytest.raises(FileError, match="is not finished: 2 of 4 shards are there"):
+        vibro.open_sweep(folder)
+    whole = vibro.write_sweep(folder, resume=True, **GIVEN)
+    assert whole is not None
+    calm = vibro.write_sweep(tmp_path / "calm", shard_cells=6, **GIVEN)
+    assert calm is not None
+    assert [(folder / shard_name(i)).read_bytes() for i in range(4)] == [
+        (tmp_path / "calm" / shard_name(i)).read_bytes() for i in range(4)
+    ]
+    with pytest.raises(InputError, match="shards and force are both given"):
+        vibro.write_sweep(folder, shards="0:1", force=True, **GIVEN)

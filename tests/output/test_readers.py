@@ -1,0 +1,122 @@
+"""Programs that read Parquet take a sweep's folder as it is, and what docs/scale.md says of them runs."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import dask.dataframe
+import duckdb
+import numpy as np
+import pandas as pd
+import polars
+import pytest
+import xarray as xr
+from pyarrow import dataset, parquet
+from typer.testing import CliRunner
+
+import vibro
+from vibro.cli.app import app
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SCALE = (Path(__file__).parents[2] / "docs" / "scale.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Have the command write a folder that holds pictures beside its shards."""
+    folder = tmp_path_factory.mktemp("sweeps") / "wide"
+    axes = ("-A", "0.2:6:5", "-f", "5:25:3", "-a", "20,70", "--trough-angle=-4:4:3")
+    friction = ("--mu-s", "0.74", "--mu-d", "0.57")
+    table = ("--table", "parquet", "--shard-cells", "20", "--format", "png,svg", "-o", folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 501, 2: 61, 3: 41})
+        result = CliRunner().invoke(app, [str(arg) for arg in ("map", *axes, *friction, *table)])
+    assert result.exit_code == 0, result.output
+    pictures = {f"_{name}.{form}" for name in ("regime", "speed") for form in ("png", "svg")}
+    shards = {f"part-{shard:06d}.parquet" for shard in range(5)}
+    assert {path.name for path in folder.iterdir()} == {"_SUCCESS", "_manifest.json", *pictures, *shards}
+    return folder
+
+
+READERS: dict[str, Callable[[Path], pd.DataFrame]] = {
+    "pandas": pd.read_parquet,
+    "pyarrow": lambda folder: dataset.dataset(folder).to_table().to_pandas(),
+    "dask": lambda folder: dask.dataframe.read_parquet(folder).compute(),
+    "duckdb": lambda folder: duckdb.sql(f"from '{folder}/*.parquet'").df(),
+    "polars": lambda folder: polars.scan_parquet(f"{folder}/*.parquet").collect().to_pandas(),
+}
+
+
+@pytest.mark.filterwarnings("ignore:The inplace keyword")  # how Dask calls pandas
+@pytest.mark.parametrize("reader", READERS)
+def test_other_programs_read_all_rows_beside_pictures(folder: Path, reader: str) -> None:
+    """Texts of each shard have a dictionary of their own."""
+    dictionaries = {
+        tuple(parquet.read_table(path)["pattern"].combine_chunks().dictionary.to_pylist())
+        for path in folder.glob("*.parquet")
+    }
+    assert len(dictionaries) > 2
+    whole, frame = vibro.open_sweep(folder).to_frame(), READERS[reader](folder)
+    assert len(frame) == len(whole) == 90
+    assert list(frame.columns) == list(whole.columns)
+    for name, column in whole.items():
+        if isinstance(column.dtype, pd.CategoricalDtype):
+            assert frame[name].tolist() == column.tolist(), name
+        else:
+            found, wanted = (x.to_numpy(float, na_value=np.nan) for x in (frame[name], column))
+            np.testing.assert_array_equal(found, wanted, err_msg=str(name))
+
+
+EXAMPLES = re.findall(r"```python\n(.*?)```", SCALE, flags=re.DOTALL)
+
+
+@pytest.mark.parametrize("code", EXAMPLES, ids=["pandas", "duckdb", "polars", "vibro", "xarray"])
+def test_what_the_docs_say_of_readers_runs(
+    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given: dict[str, Any] = {"amplitude_mm": [0.5, 1, 2], "frequency_hz": "10:40:7", "drive_angle_deg": 20}
+    given |= {"static_friction": [0.3, 0.6], "friction_ratio": 0.8, "shard_cells": 10}
+    frame = vibro.write_sweep("DIR", **given).to_frame()
+    lines = ast.parse(code)
+    answer = lines.body.pop()
+    assert isinstance(answer, ast.Expr)
+    names: dict[str, Any] = {}
+    exec(compile(lines, "docs/scale.md", "exec"), names)
+    found = eval(compile(ast.Expression(answer.value), "docs/scale.md", "eval"), names)
+    if isinstance(found, pd.DataFrame):
+        assert len(found) == np.sum(frame["amplitude_mm"] < 1) > 0
+    elif isinstance(found, polars.DataFrame):
+        assert found["throw_number"].to_list() == [k for k in frame["throw_number"] if k > 1] != []
+    elif isinstance(found, duckdb.DuckDBPyRelation):
+        most = frame[frame["amplitude_mm"] < 1].groupby("regime", observed=True)["throw_number"].max()
+        assert dict(found.fetchall()) == most.to_dict()
+    elif isinstance(found, xr.DataArray):
+        hops = frame["regime"].astype("str") == "hopping"
+        shares = hops.groupby([frame["amplitude_mm"], frame["static_friction"]]).mean()
+        np.testing.assert_allclose(found.values.ravel(), shares, rtol=1e-12)
+        assert 0 < found.mean() < 1
+        with xr.open_dataset("wide.nc", engine="h5netcdf") as cells:
+            assert cells.regime.size == len(frame)
+    else:
+        assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_drives_that_the_docs_rank(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    given: dict[str, Any] = {"amplitude_mm": "0.5:2:7", "frequency_hz": "15:30:4", "drive_angle_deg": 20}
+    given |= {"static_friction": [0.3, 0.6], "friction_ratio": [0.7, 0.8]}
+    frame = vibro.write_sweep("DIR", **given).to_frame()
+    (query,) = re.findall(r"```sql\n(.*?)```", SCALE, flags=re.DOTALL)
+    slowest = []
+    for _, parts in frame.groupby(["amplitude_mm", "frequency_hz", "drive_angle_deg"]):
+        if not (parts["regime"] == "hopping").any():
+            slowest.append(parts["mean_velocity_mm_s"].min())
+    ranked = [row[-1] for row in duckdb.sql(query).fetchall()]
+    assert ranked == sorted(slowest, reverse=True)[:10]
+    assert 10 < len(slowest) < len(frame) / 4

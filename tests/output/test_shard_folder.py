@@ -1,0 +1,425 @@
+"""Folders of shards: whole files alone, one run at a time, and nothing of anybody else is touched."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from helpers.commands import POSIX
+
+import vibro.interrupts
+from vibro.errors import FileError, InputError
+from vibro.output.hidden import hidden_folder
+from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, Stamp, manifest_of, shard_name
+from vibro.output.writing import shard_folder
+
+GO_ON = "go on with resume=True"
+SWEEP = [SUCCESS, MANIFEST, "_regime.png", "part-000000.parquet", "part-000001.parquet"]
+
+
+def held(folder: Path, shards: str = "") -> ShardFolder:
+    return ShardFolder(folder, GO_ON, shards)
+
+
+def names(folder: Path) -> list[str]:
+    """Return what there is but what is hidden."""
+    return sorted(path.name for path in folder.iterdir() if not path.name.startswith(".vibro-"))
+
+
+def worker_writes(files: ShardFolder, text: str = "whole") -> str:
+    path = files.hidden / os.urandom(4).hex()
+    path.write_text(text, encoding="utf-8")
+    return path.name
+
+
+def write_sweep(folder: Path, shards: int = 2) -> None:
+    """Write all files of a sweep."""
+    with held(folder) as files:
+        files.write(MANIFEST, "{}")
+        stamps = {shard_name(i): files.publish(worker_writes(files), shard_name(i)) for i in range(shards)}
+        with files.new("_regime.png") as path:
+            path.write_text("picture", encoding="utf-8")
+        files.finish("done", "{}", stamps, dict.fromkeys(stamps, ""))
+
+
+def test_a_folder_is_made_and_holds_the_files_alone_in_the_end(tmp_path: Path) -> None:
+    folder = tmp_path / "far" / "out"
+    write_sweep(folder)
+    assert sorted(path.name for path in folder.iterdir()) == SWEEP
+    with held(folder) as files:
+        assert files.shards() == {"part-000000.parquet", "part-000001.parquet"}
+        assert (files.read(SUCCESS), files.read("nothing")) == ("done", None)
+
+
+def test_files_appear_whole(tmp_path: Path) -> None:
+    with held(tmp_path) as files:
+        with files.new(MANIFEST) as path:
+            path.write_text("half", encoding="utf-8")
+            assert names(tmp_path) == []
+            path.write_text("whole", encoding="utf-8")
+        assert files.read(MANIFEST) == "whole"
+        temporary = worker_writes(files)
+        assert files.shards() == set()
+        stamp = files.publish(temporary, shard_name(0))
+        assert stamp == Stamp.of(tmp_path / shard_name(0))
+        assert names(tmp_path) == [MANIFEST, shard_name(0)]
+        with pytest.raises(UnicodeEncodeError):
+            files.write(MANIFEST, "half" * 100_000 + "\ud800")
+        with pytest.raises(FileError, match="exists already"):
+            files.write(MANIFEST, "another", replace=False)
+        assert files.read(MANIFEST) == "whole"
+    assert sorted(path.name for path in tmp_path.iterdir()) == [MANIFEST, shard_name(0)]
+
+
+@POSIX
+def test_what_says_that_all_is_there_comes_last_and_all_is_on_the_disk_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps: list[str] = []
+    replace, fsync = Path.replace, os.fsync
+
+    def synced(number: int) -> None:
+        steps.append("folder" if Path(f"/proc/self/fd/{number}").resolve() == tmp_path else "file")
+        fsync(number)
+
+    def put(path: Path, target: Path) -> Path:
+        steps.append(target.name)
+        return replace(path, target)
+
+    with held(tmp_path) as files:
+        worker_writes(files)  # and was lost
+        monkeypatch.setattr("os.fsync", synced)
+        monkeypatch.setattr(Path, "replace", put)
+        files.write(MANIFEST, "{}")
+        assert steps == ["file", MANIFEST]
+        files.finish("done", "{}", {}, {})
+    if Path("/proc/self/fd").exists():
+        assert steps == ["file", MANIFEST, "folder", "file", SUCCESS, "folder"]
+
+
+@pytest.mark.parametrize("number", [errno.EINVAL, errno.ENOTSUP, errno.EROFS])
+def test_a_file_system_that_cannot_sync_is_no_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
+    def refuse(_: int) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("os.fsync", refuse)
+    write_sweep(tmp_path / "out")
+    assert names(tmp_path / "out") == SWEEP
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "works"),
+    [
+        ("", "", False), ("0:4", "0:4", False), ("", "0:4", False), ("0:4", "", False),
+        ("0:4", "4:9", True), ("0:4", "2:9", True),
+    ],
+)  # fmt: skip
+def test_ranges_work_side_by_side_and_all_shards_alone(
+    tmp_path: Path, first: str, second: str, works: bool
+) -> None:
+    with held(tmp_path / "out", first) as one:
+        written = one.hidden / "half"
+        written.touch()
+        if works:
+            with held(tmp_path / "out", second) as other:
+                assert one.hidden != other.hidden
+        else:
+            with pytest.raises(FileError, match=r"another run is writing .*out at this moment") as caught:
+                held(tmp_path / "out", second).__enter__()
+            assert str(one.hidden.parent) in caught.value.hint
+        assert written.exists()
+        with held(tmp_path / "other", second):
+            pass
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("left", ["", "0:4", "4:9"])
+@pytest.mark.parametrize("now", ["", "0:4"])
+def test_what_killed_runs_left_goes_with_the_next_that_may_have_written_it(
+    tmp_path: Path, left: str, now: str
+) -> None:
+    dead = hidden_folder(tmp_path / (f"shards {left}" if left else "shards"))
+    (dead / "0123").mkdir(parents=True)
+    (dead / "0123" / "half").touch()
+    mine = [tmp_path / ".hidden", tmp_path / ".vibro", tmp_path / ".part-000000"]
+    for path in mine:
+        path.touch()
+    with held(tmp_path, now) as files:
+        assert not (dead / "0123").exists() or (left, now) == ("4:9", "0:4")
+        assert files.hidden.is_dir()
+    assert all(path.exists() for path in mine)
+
+
+@pytest.mark.parametrize("theirs", ["shards", "shards 0:4"])
+def test_beside_a_lock_of_another_machine_nothing_is_removed(tmp_path: Path, theirs: str) -> None:
+    folder = hidden_folder(tmp_path / theirs)
+    (folder / "0123").mkdir(parents=True)
+    lock = folder / "lock-another"
+    lock.touch()
+    for when in (31 * 86_400.0, 4e9):  # a month after 1970; far in the future
+        os.utime(lock, (when, when))
+        for now in ("", "0:4"):
+            with pytest.raises(FileError, match=f"another machine is writing {tmp_path}") as caught:
+                held(tmp_path, now).__enter__()
+            assert str(folder) in caught.value.hint
+    assert [path.name for path in tmp_path.iterdir()] == [folder.name]
+    assert sorted(path.name for path in folder.iterdir()) == ["0123", lock.name]
+    with held(tmp_path, "4:9") if theirs != "shards" else held(tmp_path / "else"):
+        pass
+
+
+@POSIX
+def test_without_locks_a_run_works_and_what_is_there_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", refuse)
+    folder = tmp_path / "out"
+    write_sweep(folder)
+    assert sorted(path.name for path in folder.iterdir()) == SWEEP
+    with held(folder, "0:1"), held(folder, "1:2"), pytest.raises(FileError, match="another run is writing"):
+        held(folder).__enter__()
+    left = hidden_folder(folder / "shards")
+    (left / "0123").mkdir(parents=True)
+    for now in ("", "0:1"):
+        with pytest.raises(FileError, match="another run is writing") as caught:
+            held(folder, now).__enter__()
+        assert caught.value.hint.endswith(f"remove the folder {left}")
+    assert (left / "0123").exists()
+
+
+@POSIX
+def test_a_link_to_a_folder_is_that_folder(tmp_path: Path) -> None:
+    folder, link = tmp_path / "out", tmp_path / "link"
+    folder.mkdir()
+    link.symlink_to(folder, target_is_directory=True)
+    with held(folder), pytest.raises(FileError, match="another run is writing"):
+        held(link).__enter__()
+    write_sweep(link)
+    assert names(folder) == SWEEP
+    assert link.is_symlink()
+
+
+def begin_and_fail(folder: Path, error: BaseException) -> None:
+    with held(folder) as files:
+        files.write(MANIFEST, "{}")
+        files.publish(worker_writes(files), shard_name(0))
+        worker_writes(files, "half")
+        raise error
+
+
+@pytest.mark.parametrize("error", [RuntimeError(), KeyboardInterrupt(), SystemExit()])
+def test_what_a_run_leaves_that_fails_is_whole(tmp_path: Path, error: BaseException) -> None:
+    folder = tmp_path / "far" / "out"
+    with pytest.raises(type(error)) as caught:
+        begin_and_fail(folder, error)
+    assert sorted(path.name for path in folder.iterdir()) == [MANIFEST, shard_name(0)]
+    interrupted = isinstance(error, KeyboardInterrupt)
+    assert getattr(caught.value, "__notes__", []) == ([GO_ON] if interrupted else [])
+
+
+def test_folders_that_are_made_for_nothing_are_removed(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    for name in ("far/out", "mine"):
+        with pytest.raises(RuntimeError), held(tmp_path / name):
+            raise RuntimeError
+    assert [path.name for path in tmp_path.rglob("*")] == ["mine"]
+
+
+def test_a_signal_keeps_what_is_whole_and_says_how_to_go_on(tmp_path: Path) -> None:
+    folder, before = tmp_path / "out", len(vibro.interrupts._acts)
+    with held(folder) as files:
+        files.publish(worker_writes(files), shard_name(0))
+        files.write(MANIFEST, "{}")
+        worker_writes(files, "half")
+        assert [act() for act in reversed(vibro.interrupts._acts[before:])] == [GO_ON, None]
+        assert sorted(path.name for path in folder.iterdir()) == [MANIFEST, shard_name(0)]
+    with held(tmp_path / "new"):
+        assert vibro.interrupts._acts[-1]() == ""  # nothing to go on with
+    assert len(vibro.interrupts._acts) == before
+
+
+def test_workers_stop_when_their_run_does(tmp_path: Path) -> None:
+    with held(tmp_path) as files:
+        files.stop()
+        assert not files.hidden.exists()
+        files.stop()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("there", "others"),
+    [
+        (["notes.txt"], "notes.txt"),
+        (["part-000000.parquet"], "part-000000.parquet"),
+        ([SUCCESS], SUCCESS),
+        ([MANIFEST, "more.parquet"], "more.parquet"),
+        (["manifest.json", "more.parquet"], "more.parquet"),
+        ([MANIFEST, "part-0.parquet", "part-0000000.parquet"], "part-0.parquet, part-0000000.parquet"),
+        ([MANIFEST, "_flight.png/"], "_flight.png"),
+        (["a", "b", "c", "d"], "a, b, c, ..."),
+        ([], ""),
+        ([".hidden"], ""),
+        (["manifest.json"], ""),
+        ([MANIFEST, "notes.txt", "speed.svg", "notes/"], ""),
+        ([*SWEEP, ".hidden"], ""),
+    ],
+)
+def test_a_folder_that_holds_something_else_is_refused(tmp_path: Path, there: list[str], others: str) -> None:
+    for name in there:
+        (tmp_path / name).mkdir() if name.endswith("/") else (tmp_path / name).touch()
+    with held(tmp_path) as files:
+        if others:
+            with pytest.raises(FileError, match=f"holds something else: {re.escape(others)}\n") as caught:
+                files.check_free()
+            assert caught.value.hint == "choose another name"
+        else:
+            files.check_free()
+    assert names(tmp_path) == sorted(name.rstrip("/") for name in there)
+
+
+def test_clearing_removes_the_files_of_a_sweep_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_sweep(tmp_path, 3)
+    for name in ("manifest.json", "regime.svg"):  # of an older version
+        (tmp_path / name).touch()
+    others = [
+        "notes.txt", "part-1.parquet", "part-000000.parquet.bak", "xpart-000000.parquet", "manifest.json.old",
+        "_SUCCESS2", "hill.png", "regime.png.txt", ".hidden", "part-000009.parquet~", "__regime.png",
+    ]  # fmt: skip
+    for name in others:
+        (tmp_path / name).touch()
+    removed: list[str] = []
+    unlink = Path.unlink
+
+    def noted(path: Path, missing_ok: bool = False) -> None:
+        removed.append(path.name)
+        unlink(path, missing_ok)
+
+    with held(tmp_path) as files:
+        monkeypatch.setattr(Path, "unlink", noted)
+        files.clear()
+        monkeypatch.undo()
+        # At no time does anything say that a set is whole which is not, or is it of no sweep.
+        assert removed[0] == SUCCESS
+        assert {*removed[-2:]} == {MANIFEST, "manifest.json"}
+        assert len(removed) == 8
+        assert names(tmp_path) == sorted(others)
+
+
+def test_the_manifest_is_that_of_the_version_which_wrote_it(tmp_path: Path) -> None:
+    assert manifest_of(tmp_path).name == MANIFEST
+    (tmp_path / "manifest.json").touch()
+    assert manifest_of(tmp_path).name == "manifest.json"
+    (tmp_path / MANIFEST).touch()
+    assert manifest_of(tmp_path).name == MANIFEST
+
+
+@pytest.mark.parametrize(
+    ("number", "hint"),
+    [(errno.ENOSPC, f"free some space; {GO_ON}"), (errno.EIO, "choose another place")],
+)
+def test_what_the_system_refuses_is_told_with_a_way_out(tmp_path: Path, number: int, hint: str) -> None:
+    folder, said = tmp_path / "out", os.strerror(number)
+    with pytest.raises(FileError, match=re.escape(f"cannot write to {folder}: {said}")) as caught:
+        begin_and_fail(folder, OSError(number, said))
+    assert caught.value.hint == hint
+    assert names(folder) == [MANIFEST, shard_name(0)]
+
+
+def test_a_disk_that_is_full_from_the_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    before = len(vibro.interrupts._acts)
+    with monkeypatch.context() as patch:
+        patch.setattr("os.open", full)
+        with pytest.raises(FileError, match="No space left") as caught:
+            held(tmp_path / "far" / "out").__enter__()
+    assert "free some space" in caught.value.hint
+    assert list(tmp_path.iterdir()) == []
+    assert len(vibro.interrupts._acts) == before
+
+
+@pytest.mark.parametrize("name", ["file", "file/out", "file/far/out"])
+def test_a_file_in_the_way_is_named(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(FileError, match="cannot write to") as caught:
+        held(tmp_path / name).__enter__()
+    assert caught.value.hint == f"{tmp_path / 'file'} is a file; choose another place"
+    assert names(tmp_path) == ["file"]
+
+
+@POSIX
+@pytest.mark.parametrize("kind", ["long name", "loop", "dangling"])
+def test_names_that_no_folder_can_have(tmp_path: Path, kind: str) -> None:
+    folder = tmp_path / ("x" * 300 if kind == "long name" else "link")
+    if kind != "long name":
+        folder.symlink_to(folder if kind == "loop" else tmp_path / "nowhere")
+    before = list(tmp_path.iterdir())
+    with pytest.raises(FileError, match="cannot write to") as caught:
+        held(folder).__enter__()
+    assert caught.value.hint == "choose another place"
+    assert list(tmp_path.iterdir()) == before
+
+
+@contextmanager
+def as_nobody() -> Iterator[None]:
+    """Be nobody where root, who may write anywhere, runs the tests."""
+    user = os.geteuid()
+    if user == 0:
+        os.seteuid(65_534)
+    try:
+        yield
+    finally:
+        os.seteuid(user)
+
+
+@POSIX
+def test_a_folder_that_must_not_be_written() -> None:
+    with TemporaryDirectory() as place:  # not tmp_path, which its owner alone may enter
+        Path(place).chmod(0o555)
+        with as_nobody():
+            for folder in (Path(place), Path(place, "out")):
+                with pytest.raises(FileError, match="Permission denied"):
+                    held(folder).__enter__()
+        Path(place).chmod(0o755)
+
+
+@pytest.mark.parametrize("made", [Path.mkdir, lambda path: path.write_bytes(b"\xff\xfe")])
+def test_a_manifest_that_cannot_be_read(tmp_path: Path, made: Callable[[Path], object]) -> None:
+    made(tmp_path / MANIFEST)
+    with held(tmp_path) as files, pytest.raises(FileError, match=r"cannot read .*_manifest\.json"):
+        files.read(MANIFEST)
+
+
+@pytest.mark.parametrize("folder", ["out", "out/wide/", "run1.5", ".", "a.d"])
+def test_a_name_is_that_of_a_folder(folder: str) -> None:
+    assert shard_folder(folder) == Path(folder)
+
+
+@pytest.mark.parametrize(
+    ("folder", "hint"),
+    [
+        ("-", "such as out/wide"),
+        ("", "such as out/wide"),
+        ("a\0b", "such as out/wide"),
+        ("out/nut.csv", "such as out/nut"),
+        ("nut.parquet", "such as nut"),
+        ("nut.JSON", "such as nut"),
+        ("run1.5.xlsx", "such as run1.5"),
+    ],
+)
+def test_what_cannot_be_a_folder_is_refused(folder: str, hint: str) -> None:
+    with pytest.raises(InputError, match="shards go into a folder") as caught:
+        shard_folder(folder)
+    assert caught.value.hint == hint

@@ -1,0 +1,65 @@
+"""Pages in a browser: what axe finds on them, whether they fit a phone, and how many sheets they print to."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from typer.testing import CliRunner
+
+from vibro.cli.app import app
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Request
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+#: The longest pages: a path below four panels, bounces, parts in a row; two drives of which none will do.
+PAGES = {
+    "bowl": (
+        "bowl_feeder.toml", "--along", "0.5", "--normal", "0.3", "--phase=-60", "--restitution", "0.3",
+        "--pitch", "20", "--mass", "12g",
+    ),
+    "design": ("design_feeder.toml",),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=PAGES)
+def html(request: pytest.FixtureRequest) -> str:
+    """Make a page, its pictures from few values."""
+    name, *args = PAGES[request.param]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 501, 2: 41, 3: 41})
+        result = CliRunner().invoke(app, ["report", str(EXAMPLES / name), *args, "-q"])
+    assert result.exit_code in (0, 4)
+    return result.stdout
+
+
+def test_the_page_is_for_everybody_and_for_paper(browser: Browser, axe: str, html: str) -> None:
+    asked: list[str] = []
+
+    def note(request: Request) -> None:
+        asked.append(request.url)
+
+    for scheme, width in (("light", 1200), ("dark", 390)):
+        window: Any = {"color_scheme": scheme, "viewport": {"width": width, "height": 844}}
+        with browser.new_context(**window) as context:
+            page = context.new_page()
+            page.on("request", note)
+            page.set_content(html)
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+            page.evaluate(axe)
+            # pictures are images with a name: what they consist of takes most of the time
+            found: dict[str, Any] = page.evaluate("axe.run({exclude: [['figure svg *']]})")
+            assert len(found["passes"]) > 10
+            assert [(v["id"], [n["target"] for n in v["nodes"]]) for v in found["violations"]] == []
+            assert [url for url in asked if not url.startswith("data:")] == []
+            paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
+            assert (paper == "rgb(255, 255, 255)") is (scheme == "light")
+            # whatever the screen shows, paper is white
+            printed = page.pdf(prefer_css_page_size=True)
+            page.emulate_media(media="print")
+            assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+            assert 1 <= len(re.findall(rb"/Type\s*/Page\b", printed)) <= 3
+            assert re.search(rb"/MediaBox\s*\[0 0 59[45][.\d]* 84[12]", printed)  # A4

@@ -1,0 +1,175 @@
+"""What notebooks show: numbers in the units of tables, escaped, and of anything that can be made."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from html.parser import HTMLParser
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from helpers.plans import store, swept
+
+import vibro
+from vibro.html_tables import counts, html_table, span
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+LINE: dict[str, Any] = {
+    "frequency": 15,
+    "drive_angle": math.radians(20),
+    "static_friction": 0.74,
+    "kinetic_friction": 0.57,
+}
+QUESTION = {
+    "scene": {"static_friction": "0.7:0.78", "kinetic_friction": 0.57},
+    "drive": [{"amplitude_mm": "2:3", "frequency_hz": 12, "drive_angle_deg": 30, "name": "<b>&"}],
+    "goal": {"speed_mm_s": 30, "highest_regime": "forward-slip"},
+}
+
+
+class _Cells(HTMLParser):
+    """Collects the cells of each row, and refuses tags that are left open or not expected."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self._open: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert tag in {"table", "caption", "thead", "tbody", "tr", "th", "td"}
+        self._open.append(tag)
+        if tag in ("tr", "caption"):
+            self.rows.append([])
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self._open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self._open[-1:] != ["table"] and data.strip():
+            self.rows[-1].append(data)
+
+
+def shown(value: Any) -> tuple[str, dict[str, list[str]]]:
+    """Return the caption of what a notebook shows, and its cells by the first of their row."""
+    parser = _Cells()
+    parser.feed(value if isinstance(value, str) else value._repr_html_())
+    parser.close()
+    assert not parser._open
+    (caption,), *rows = parser.rows
+    return caption, {row[0]: row[1:] for row in rows if row}
+
+
+def test_texts_are_escaped_and_rows_without_any_left_out() -> None:
+    text = html_table("<i>", [("a&b", "<script>"), ("empty", "", ""), ("wide", "x")], ["", "1", "2"])
+    assert "<script>" not in text
+    assert shown(text) == ("<i>", {"1": ["2"], "a&b": ["<script>"], "wide": ["x"]})
+    assert 'colspan="2"' in text
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        (-0.0, "0 mm"), (math.nan, "none"), (math.inf, "none"), ([], "none"), ([math.nan] * 2, "none"),
+        ([2.0, 2.0], "2 mm"), ([3.0, 1.23456789], "1.23457 ... 3 mm"),
+        ([1.0, math.nan, 2.0, math.inf], "1 ... 2 mm (2 of 4 without)"),
+    ],
+)  # fmt: skip
+def test_numbers_are_summarised(values: Any, expected: str) -> None:
+    assert span(values, "mm") == expected
+
+
+def test_codes_are_counted_the_most_frequent_first() -> None:
+    texts = {0: "rest", 1: "slip", -1: ""}
+    assert counts(np.array([1, 1, 0, -1, 1, 7, 0]), texts) == "slip: 3, rest: 2, none: 1, 7: 1"
+    assert counts(np.int8(-1), texts) == "none"
+    assert counts(np.array([], np.int8), texts) == "none"
+    assert counts(np.arange(9), {}) == "0: 1, 1: 1, 2: 1, 3: 1, 4: 1, 5: 1, 3 more"
+
+
+def test_scenes_are_shown_in_the_units_of_their_files() -> None:
+    caption, rows = shown(vibro.Scene(amplitude=1e-3, **LINE))
+    assert caption == "scene"
+    assert rows["amplitude"] == ["1 mm"]
+    assert rows["drive angle"] == ["20 deg"]
+    caption, rows = shown(vibro.Scene(amplitude=np.linspace(1e-3, 2e-3, 6).reshape(2, 3), **LINE))
+    assert (caption, rows["amplitude"]) == ("2 x 3 scenes", ["1 ... 2 mm"])
+    friction = {"static_friction": 0.4, "kinetic_friction": 0.3}
+    pairs = {"along_harmonics": [(1e-3, 0), (2e-4, 0.5)], "normal_harmonics": [(3e-4, math.pi / 2)]}
+    _, rows = shown(vibro.Scene(**pairs, frequency=20, **friction))
+    assert (rows["along amplitude 2"], rows["normal phase 1"]) == (["0.2 mm"], ["90 deg"])
+    _, rows = shown(
+        vibro.Scene(motion=vibro.Motion.steps([(0.8, 2.4), (0.2, -9.6)]), frequency=2, **friction)
+    )
+    assert rows["motion"] == ["2 pieces, at most 9.6 m/s^2"]
+
+
+def test_results_are_shown_in_the_units_of_tables() -> None:
+    cycle = vibro.solve(vibro.Scene(amplitude=1e-3, **LINE))
+    caption, rows = shown(cycle)
+    assert caption == "steady cycle"
+    assert rows["mean velocity"] == [f"{1e3 * cycle.mean_velocity:.6g} mm/s"]
+    assert (rows["regime"], rows["pattern"], rows["coexists"]) == (["forward-slip"], ["F_"], ["no"])
+    amplitudes = np.array([1e-4, 1e-3, 1e-3, 2e-3, 6e-3])
+    caption, rows = shown(vibro.solve(vibro.Scene(amplitude=amplitudes, **LINE), flight=False))
+    assert caption == "5 steady cycles"
+    assert rows["regime"] == ["forward-slip: 2, no-slip: 1, back-slip: 1, hopping: 1"]
+    assert rows["status"] == ["ok: 4, flight-not-modelled: 1"]
+    assert rows["mean velocity"][0].endswith("mm/s (1 of 5 without)")
+
+
+def test_nothing_is_too_odd_to_be_shown() -> None:
+    empty = vibro.Scene(amplitude=[], **LINE)
+    assert shown(empty)[1]["amplitude"] == ["none"]
+    assert shown(vibro.solve(empty))[0] == "0 steady cycles"
+    cycle = vibro.solve(vibro.Scene(amplitude=[1e-3, 2e-3], **LINE))
+    odd = replace(
+        cycle,
+        regime=np.array([9, -1], np.int8),
+        pattern_code=np.array([-99, 2]),
+        mean_velocity=np.full(2, np.nan),
+    )
+    _, rows = shown(odd)
+    assert (rows["regime"], rows["pattern"], rows["mean velocity"]) == (
+        ["none: 1, 9: 1"],
+        ["?: 1, F_: 1"],
+        ["none"],
+    )
+    assert shown(vibro.DesignResult(False, (), ())) == ("designs: the goal is not met", {})
+
+
+def test_sweeps_are_shown_with_their_cells(tmp_path: Path) -> None:
+    held = swept(amplitude_mm=[0.1, 1, 1.5], frequency_hz=[10, 15], trough_length_mm=600)
+    caption, rows = shown(held)
+    assert caption == "Sweep of amplitude_mm (3 values) x frequency_hz (2 values)"
+    assert rows["amplitude"] == ["3 values, 0.1, 1, 1.5 mm"]
+    assert rows["trough length"] == ["600 mm"]
+    assert rows["regime"] == ["no-slip: 4, forward-slip: 1, back-slip: 1"]
+    caption, rows = shown(vibro.open_sweep(store(held, tmp_path / "<&>")))
+    assert caption.startswith("StoredSweep of amplitude_mm")
+    assert rows["folder"] == [f"{tmp_path / '<&>'}: 1 files, {held.to_frame().shape[1]} columns"]
+    assert rows["regime"] == ["no-slip: 4, forward-slip: 1, back-slip: 1"]
+    assert rows["status"] == ["ok: 6"]
+    fastest = held.to_frame()["mean_velocity_mm_s"].max()
+    assert rows["fastest"] == [f"{fastest:.6g} mm/s at amplitude 1.5 mm, frequency 15 Hz"]
+    assert shown(swept())[0] == "Sweep of one operating point"
+
+
+def test_guarantees_and_designs_are_shown() -> None:
+    found = vibro.guarantee(vibro.Scene(amplitude=1e-3, **LINE), static_friction=(0.7, 0.78))
+    _, rows = shown(found)
+    assert rows["speed"] == [f"{1e3 * x:.6g} mm/s" for x in (found.speed_min, found.speed_max)]
+    assert (rows["static friction"], rows["amplitude"]) == (["0.78", "0.7"], ["1 mm", "1 mm"])
+    assert (rows["regimes"], rows["proof"]) == (["forward-slip"], ["corners", "corners"])
+    _, rows = shown(
+        replace(found, regimes=frozenset(), proved_min=math.nan, speed_max=math.inf, min_at={"x": 1.0})
+    )
+    assert rows["speed"][1] == "inf mm/s"
+    result = vibro.design(QUESTION, only="goal")
+    text = result._repr_html_()
+    assert "&lt;b&gt;&amp;" in text
+    assert "speed min [mm/s]" in text
+    assert "stroke" not in text
+    assert f">{result.designs[0].amplitude_mm:.15g}</td>" in text
