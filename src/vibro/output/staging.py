@@ -29,6 +29,7 @@ __all__ = ["OTHER_NAME", "Staging", "cannot_write", "is_regular", "put", "reason
 
 OTHER_NAME: Final = "choose another name"
 _REPLACE: Final = f"replace with force=True, or {OTHER_NAME}"
+_FREE_SOME: Final = f"free some space, or {OTHER_NAME}"
 
 _NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
@@ -218,7 +219,8 @@ def _persistently(target: Path, step: Callable[[], object]) -> None:
                 raise FileError(f"cannot replace {target}: {reason(exc)}", hint=hint) from exc
             time.sleep(_PAUSE)
         except OSError as exc:
-            raise FileError(f"cannot write {target}: {reason(exc)}") from exc
+            hint = _FREE_SOME if exc.errno == errno.ENOSPC else OTHER_NAME
+            raise FileError(f"cannot write {target}: {reason(exc)}", hint=hint) from exc
         else:
             return
 
@@ -272,9 +274,7 @@ def reason(exc: OSError) -> str:
     return exc.strerror or str(exc)
 
 
-def cannot_write(
-    exc: OSError, folder: Path, on_full_disk: str = f"free some space, or {OTHER_NAME}"
-) -> FileError:
+def cannot_write(exc: OSError, folder: Path, on_full_disk: str = _FREE_SOME) -> FileError:
     """Return the error for a folder that cannot be written to."""
     in_the_way = next((path for path in (folder, *folder.parents) if is_regular(path)), None)
     hint = "choose another place"
