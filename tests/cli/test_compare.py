@@ -244,7 +244,7 @@ def test_the_data_are_never_replaced(run: Run, tmp_path: Path) -> None:
     result = run("compare", SCENE, data, "-o", "short", "--force")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-2:] == [
-        "error: cannot write short.csv: it is what this run reads", "hint: choose another name with -o",
+        "error: cannot write short.csv: it is what this run reads", "hint: choose another name",
     ]  # fmt: skip
     assert data.read_bytes() == before
 

@@ -119,7 +119,7 @@ def test_a_motion_that_repeats_every_other_cycle_is_told_as_such() -> None:
     assert claim.cycles == 2
     (warning,) = (text for text in compare(nut(), observation).warnings if "repeat" in text)
     assert "at 7.5 Hz, every 2 cycles of the drive: the body hops so, or the drive runs" in warning
-    assert warning.endswith(": -f 7.5")
+    assert warning.endswith(": frequency=7.5")
 
 
 def test_a_multiple_is_no_other_frequency_where_the_drives_own_wave_is_seen() -> None:
@@ -168,7 +168,9 @@ def test_data_without_a_wave_have_no_frequency(kind: str) -> None:
         assert seen(Observation(time, {"velocity": values}, FREQUENCY)) is None
 
 
-@pytest.mark.parametrize(("true", "stated", "remedy"), [(20.0, 50.0, "-f 20"), (49.9, 25.0, "-f 49.9")])
+@pytest.mark.parametrize(
+    ("true", "stated", "remedy"), [(20.0, 50.0, "frequency=20"), (49.9, 25.0, "frequency=49.9")]
+)
 def test_the_warning_names_the_option(true: float, stated: float, remedy: str) -> None:
     scene = nut(15.0**2 / true**2, frequency=true)
     observation = noisy(scene, "velocity", 30.0, 60, 0.02, 1)
