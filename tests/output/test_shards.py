@@ -337,7 +337,6 @@ def test_nobody_makes_what_nobody_wants(
 ) -> None:
     """A run that has ended has removed its hidden folder, maybe while a worker solves cells of a shard."""
     job = job_of(plan_of(sweeps["lines"]), tmp_path)
-    monkeypatch.setattr("vibro.output.shards.ROW_GROUP", 10)
     solve, solved = type(job.plan.grid).solve_cells, []
 
     def solve_and_end(*args: Any) -> Any:

@@ -151,17 +151,29 @@ class Grid:
         result |= {axis.name: axis.values[i] for axis, i in zip(self.axes.values(), where, strict=True)}
         return self._completed(result)
 
-    def solve(self, values: Mapping[str, Floats], threads: int | None = None) -> SteadyCycle:
-        """Solve the cells of a box, given by its ``values``, on so many threads; without, one a core."""
+    def solve(
+        self,
+        values: Mapping[str, Floats],
+        threads: int | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> SteadyCycle:
+        """Solve the cells of a box, given by its ``values``; ``threads`` and ``progress`` as ``vibro.solve``."""
         return solve(
             scene_of(values),
             accuracy=self.level,
             flight=self.flight,
             coexistence=self.coexistence,
             threads=threads,
+            progress=progress,
         )
 
-    def solve_cells(self, start: int, stop: int, threads: int | None = None) -> SteadyCycle:
+    def solve_cells(
+        self,
+        start: int,
+        stop: int,
+        threads: int | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> SteadyCycle:
         """Solve some cells in a row, as ``cells`` numbers them.
 
         Notes
@@ -171,10 +183,10 @@ class Grid:
         """
         inner = self._row(stop - start)
         if not inner:
-            return self.solve(self.cells(start, stop), threads)
+            return self.solve(self.cells(start, stop), threads, progress)
         length = math.prod(self.shape[-inner:])
         first, last = start // length, -(-stop // length)
-        cycle = self.solve(self._rows(first, last, inner), threads)
+        cycle = self.solve(self._rows(first, last, inner), threads, progress)
         asked = slice(start - first * length, stop - first * length)
         return replace(cycle, **{name: x.reshape(-1)[asked] for name, x in cycle.arrays().items()})
 
