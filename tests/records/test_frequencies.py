@@ -171,8 +171,6 @@ def test_data_without_a_wave_have_no_frequency(kind: str) -> None:
 @pytest.mark.parametrize(
     ("true", "stated", "remedy"), [(20.0, 50.0, "frequency=20"), (49.9, 25.0, "frequency=49.9")]
 )
-    ("true", "stated", "remedy"), [(20.0, 50.0, "frequency=20"), (49.9, 25.0, "frequency=49.9")]
-)
 def test_the_warning_names_the_option(true: float, stated: float, remedy: str) -> None:
     scene = nut(15.0**2 / true**2, frequency=true)
     observation = noisy(scene, "velocity", 30.0, 60, 0.02, 1)

@@ -157,7 +157,7 @@ class Grid:
         threads: int | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> SteadyCycle:
-        """Solve the cells of a box, given by its ``values``; ``threads`` and ``progress`` as ``vibro.solve``."""
+        """Solve the cells of a box, given by its ``values``, on so many threads, telling the progress."""
         return solve(
             scene_of(values),
             accuracy=self.level,
