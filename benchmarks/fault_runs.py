@@ -1,328 +1,370 @@
-"""Runs for faults.py: what each writes, whether that is whole, and runs with a fault between two steps.
+"""For faults.py: what runs write, the processes they are, faults at their steps, what is promised of files.
 
-Usage: python benchmarks/fault_runs.py FAULT NUMBER FOLDER REPORT [arguments of vibro]
-
-Runs vibro; at the call of that number that makes, renames or removes something in the folder, the fault
-happens. The report is a file outside the folder; it gets the names of such calls, one a line.
+Each run is made once without a fault. Whatever else happens, a file of it has those bytes or is not there.
 """
 
 from __future__ import annotations
 
 import builtins
-import contextlib
 import errno
+import fcntl
+import functools
+import hashlib
+import importlib.util
 import io
 import json
 import os
-import random
+import re
+import shutil
 import signal
-import subprocess
 import sys
+import time
+import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+import vibro.__main__
+
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Iterator
 
+Act = Callable[[str], None]
+PATIENCE: Final = 900.0  # [s] no run takes so long
 VIBRO: Final = (sys.executable, "-m", "vibro")
-PATIENCE: Final = 300  # [s] no run takes so long
-STEM: Final = "set"
-
-
-class Choice(NamedTuple):
-    """What the user of faults.py chose."""
-
-    tries: int
-    chance: random.Random
-    cells: int
-    place: Path  # for what tries share
-
-
-class Try(NamedTuple):
-    """A check in a new folder, which raises BrokenError; tries of a kind differ in their numbers."""
-
-    kind: str
-    check: Callable[[Path], None]
-    numbers: str = ""
-
-
-class Skipped(Exception):  # noqa: N818 (no error)
-    """What the system lacks."""
+_CALM: Final = Path("calm")  # where the runs without a fault are, below the place where the benchmark works
 
 
 class BrokenError(Exception):
     """What does not hold, in one line."""
 
 
-def expect(holds: bool, text: str) -> None:
+class Skipped(Exception):  # noqa: N818 (no error)
+    """What the system lacks."""
+
+
+def expect(holds: object, text: str) -> None:
     if not holds:
         raise BrokenError(text)
 
 
-class Kind(NamedTuple):
-    """A sweep: its axes, and what it writes."""
-
-    arguments: tuple[str, ...]
-    rows: int
-    pictures: tuple[str, ...]
+# What runs write.
 
 
-KINDS: Final = {
-    "table": Kind(("-A", "0.1:3:50", "-f", "15", "--accuracy", "regimes"), 50, ()),
-    "line": Kind(("-A", "0.1:3:50", "-f", "15"), 50, ("speed",)),
-    "plane": Kind(("-A", "0.1:3:12", "-f", "5:60:12"), 144, ("regime", "speed")),
-    "large": Kind(("-A", "0.1:3:1000", "-f", "5:25:1000", "--accuracy", "regimes"), 1_000_000, ("regime",)),
+class Form(NamedTuple):
+    """A form of table: its option, the file that says that all are whole, and the modules that it needs."""
+
+    options: tuple[str, ...]
+    last: str
+    needs: tuple[str, ...] = ()
+
+
+#: A new form gets a line here.
+FORMS: Final = {
+    "csv": Form((), "set.json"),
+    "xlsx": Form(("--table", "xlsx"), "set.json", ("vibro.output.xlsx", "xlsxwriter")),
+    "parquet": Form(("--table", "parquet"), "set/_SUCCESS", ("pyarrow",)),
 }
+SWEEPS: Final = {  # axes, and cells of a shard
+    "small": (("-A", "0.1:3:50", "-f", "15", "--accuracy", "regimes"), 20),  # without pictures
+    "drawn": (("-A", "0.1:3:50", "-f", "15"), 20),
+    "large": (("-A", "0.1:3:500", "-f", "5:25:1000", "--accuracy", "regimes"), 50_000),
+    "1e7 cells": (("-A", "0.1:3:5000", "-f", "5:60:2000"), 1_000_000),
+}
+SCENE: Final = ("-a", "20", "--mu-d", "0.3")
+
+
+def forms() -> Iterator[str]:
+    """Return the forms that can be written here, and name the others."""
+    for name, form in FORMS.items():
+        lacking = [module for module in form.needs if not importlib.util.find_spec(module)]
+        if lacking:
+            print(f"    skipped: {name}, there is no {lacking[0]}")
+        else:
+            yield name
 
 
 @dataclass(frozen=True)
 class Run:
-    """A sweep with a static friction of its own, by which every file tells whose it is."""
+    """A sweep to the stem or folder ``out/set``, with a static friction that tells it from others."""
 
-    kind: str
+    form: str
+    sweep: str = "small"
     number: int = 0
+    more: tuple[str, ...] = ()
 
     @property
-    def friction(self) -> str:
-        """The static friction as it is given and written."""
-        return f"0.6{self.number:03d}7"
+    def arguments(self) -> list[str]:
+        """The arguments of vibro."""
+        axes, shard_cells = SWEEPS[self.sweep]
+        cut = ("--shard-cells", f"{shard_cells}") if self.form == "parquet" else ()
+        scene = (*SCENE, "--mu-s", f"0.6{self.number:03d}7")
+        return ["map", *axes, *scene, *FORMS[self.form].options, *cut, "-o", "out/set", *self.more]
 
-    def sweep(self) -> list[str]:
-        """Return the arguments without those that say where to write."""
-        return ["map", *KINDS[self.kind].arguments, "-a", "20", "--mu-s", self.friction, "--mu-d", "0.3"]
+    @functools.cached_property
+    def calm(self) -> Path:
+        """The place where it has run without a fault."""
+        # Pictures beside a CSV know the arguments; nothing in a folder does but the manifest.
+        told = (self.sweep, self.number, () if self.form == "parquet" else self.more)
+        place = _CALM / f"{self.form} {told}".replace("/", "_")
+        if not place.exists():
+            place.mkdir(parents=True)
+            run(Run(self.form, *told).begin(place)).check(0)
+        return place.absolute()
 
-    def arguments(self, folder: Path, stem: str = STEM, *, force: bool = False) -> list[str]:
-        """Return the arguments that write to a stem."""
-        return [*self.sweep(), "-o", str(folder / stem), *["--force"][: int(force)]]
+    def copy(self, place: Path) -> None:
+        """Have its set in a place."""
+        shutil.copytree(self.calm / "out", place / "out")
 
-    def files(self, stem: str = STEM) -> set[str]:
-        """Return the names of all that it writes."""
-        return {f"{stem}.csv", f"{stem}.json", *(f"{stem}-{p}.png" for p in KINDS[self.kind].pictures)}
+    @functools.cached_property
+    def files(self) -> dict[str, str]:
+        """What its files hold, by their paths."""
+        return contents(self.calm)[0]
+
+    def begin(self, place: Path, *before: str, act: Act | None = None) -> Started:
+        """Begin it in a place, as a fork of this process, or as a command behind other words."""
+        return start([*before, *VIBRO, *self.arguments] if before else self.arguments, place, act=act)
+
+
+# What is promised.
+
+
+def contents(place: Path) -> tuple[dict[str, str], list[str]]:
+    """Return what the files below a place hold, by their paths, and the paths of hidden folders."""
+    found, hidden = {}, []
+    top = place / "out"
+    for folder, folders, names in os.walk(top):
+        hidden += [name for name in folders if name.startswith(".vibro-")]
+        folders[:] = [name for name in folders if not name.startswith(".vibro-")]
+        for name in names:
+            with suppress(FileNotFoundError):  # while runs go on
+                found[str(Path(folder, name).relative_to(top))] = _content(Path(folder, name))
+    return found, hidden
+
+
+def _content(path: Path) -> str:
+    data = path.read_bytes()
+    if path.suffix == ".json":  # which tells the arguments, too
+        with suppress(ValueError):
+            data = json.dumps({**json.loads(data), "argv": None}).encode()
+    return hashlib.sha256(data).hexdigest()
+
+
+def whole(place: Path, *runs: Run, besides: bytes | None = None) -> dict[str, str]:
+    """Expect that every file is whole, and of one of these runs; return what they hold.
+
+    Files that hold ``besides`` are left out.
+    """
+    other = None if besides is None else hashlib.sha256(besides).hexdigest()
+    found = {path: content for path, content in contents(place)[0].items() if content != other}
+    for path, content in found.items():
+        expect(any(own.files.get(path) == content for own in runs), f"{path} is half, or of no such run")
+    return found
+
+
+def check(place: Path, *runs: Run, hidden: int = 0) -> Run | None:
+    """Expect what is promised of files; return the run whose set is whole, if there is one."""
+    found, left = whole(place, *runs), contents(place)[1]
+    expect(len(left) <= hidden, f"hidden folders left: {left}")
+    done = [own for own in runs if found.get(FORMS[own.form].last) == own.files[FORMS[own.form].last]]
+    for own in done:
+        wrong = sorted(dict(found.items() ^ own.files.items()))
+        expect(not wrong, f"beside its JSON {wrong} are of another run, or are not there")
+    return done[0] if done else None
+
+
+# Processes.
 
 
 class Ended(NamedTuple):
-    """How a process ended."""
+    """How a process ended, with its peak memory [MB]."""
 
     code: int
     out: str
     err: str
+    memory: float
 
-    def check(self, *codes: int) -> None:
+    def check(self, *codes: int) -> Ended:
         """Expect one of these exit codes, a message with it, and no trace of the program's inside."""
         expect(self.code in codes, f"exit code {self.code}, not {codes}: {self.err[-300:]!r}")
         for words in ("Traceback", "Exception ignored", "unexpected", "Warning"):
             expect(words not in self.err, f"{words!r} on stderr: {self.err[-300:]!r}")
-        if self.code in (1, 2):
-            expect("error: " in self.err, f"exit code {self.code} without an error: {self.err[-300:]!r}")
+        expect(self.code not in (1, 2) or "error: " in self.err, f"exit code {self.code} without an error")
+        return self
 
 
-@contextlib.contextmanager
-def started(*commands: Sequence[str], **options: Any) -> Iterator[list[subprocess.Popen[str]]]:
-    """Start processes at once; what still runs at the end is killed."""
-    settings: dict[str, Any] = {
-        "stdin": subprocess.DEVNULL,
-        "stdout": subprocess.PIPE,
-        "stderr": subprocess.PIPE,
-        "encoding": "utf-8",
-        "errors": "replace",
-    }
-    processes: list[subprocess.Popen[str]] = []
-    try:
-        for command in commands:
-            processes.append(subprocess.Popen(command, **settings | options))
-        yield processes
-    finally:
-        for process in processes:
-            process.kill()
-            process.communicate()
+class Started(NamedTuple):
+    """A process, and the place where it writes its streams."""
+
+    pid: int
+    place: Path
 
 
-def ended(process: subprocess.Popen[str]) -> Ended:
-    """Wait for the end of a process."""
-    try:
-        out, err = process.communicate(timeout=PATIENCE)
-    except subprocess.TimeoutExpired:
-        raise BrokenError(f"it does not end within {PATIENCE} s") from None
-    return Ended(process.returncode, out or "", err or "")
+_running: set[int] = set()
 
 
-def run(command: Sequence[str], **options: Any) -> Ended:
-    """Run a process from start to end."""
-    with started(command, **options) as (process,):
-        return ended(process)
+def start(
+    words: list[str], place: Path, *, act: Act | None = None, streams: dict[int, int | None] | None = None
+) -> Started:
+    """Begin a command in a place, with descriptors for its streams (None: closed).
 
-
-def names_in(folder: Path) -> set[str]:
-    return {path.name for path in folder.iterdir()} if folder.exists() else set()
-
-
-def published(folder: Path) -> dict[str, int]:
-    """Return the number of every file of the set in a folder, which another of that name would not have."""
-    with contextlib.suppress(FileNotFoundError), os.scandir(folder) as entries:
-        own = [e for e in entries if e.name.startswith((f"{STEM}.", f"{STEM}-"))]
-        return {e.name: e.inode() for e in own if e.name.endswith((".csv", ".json", ".png"))}
-    return {}
-
-
-def check_nothing(folder: Path) -> None:
-    """Expect that nothing is there, or an empty folder."""
-    expect(not names_in(folder), f"left behind: {sorted(names_in(folder))}")
-
-
-def check_set(folder: Path, *sets: tuple[Run, str]) -> None:
-    """Expect the whole sets of these runs at their stems, and nothing else."""
-    expected = set().union(*(own.files(stem) for own, stem in sets))
-    found = names_in(folder)
-    expect(found == expected, f"{sorted(found)} instead of {sorted(expected)}")
-    for own, stem in sets:
-        for name in own.files(stem):
-            owner(folder / name, [own], stem)
-
-
-def check_unmixed(folder: Path, runs: Collection[Run]) -> Run | None:
-    """Expect whole files at the stem and, beside a JSON, the set of its run alone; return that run.
-
-    Temporary files may be there as well.
+    ``vibro map`` without its name is a fork of this process, where all is imported already. There ``act`` is
+    called with the name of each call that changes files, before and after it.
     """
-    found = set(published(folder))
-    owners = {name: owner(folder / name, runs, STEM) for name in found}
-    first = owners.get(f"{STEM}.json")
-    if first is not None:
-        expect(found == first.files(), f"a JSON beside {sorted(found)}")
-        expect(set(owners.values()) == {first}, f"a mix of runs: {owners}")
-    return first
+    sys.stdout.flush()
+    pid = os.fork()
+    if pid:
+        _running.add(pid)
+        return Started(pid, place)
+    code = 1
+    try:
+        os.chdir(place)
+        for number, name in ((1, "out"), (2, "err")):
+            os.dup2(os.open(f"{os.getpid()}.{name}", os.O_CREAT | os.O_WRONLY), number)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        for number, other in (streams or {}).items():
+            os.close(number) if other is None else os.dup2(other, number)
+        if words[0] != "map":
+            os.execvp(words[0], words)
+        if act:
+            _watch(act)
+        sys.argv[1:] = words
+        vibro.__main__.main()
+    except SystemExit as exc:
+        code = int(exc.code or 0)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        os._exit(code)
 
 
-def owner(path: Path, runs: Collection[Run], stem: str) -> Run:
-    """Expect a whole file, and return the run that wrote it."""
-    return {".csv": _owner_of_table, ".json": _owner_of_json, ".png": _owner_of_picture}[path.suffix](
-        path, runs, stem
-    )
+def run(started: Started, look: Callable[[], object] = lambda: None) -> Ended:
+    """Wait for the end of a process, and look at something meanwhile."""
+    pid, place = started
+    deadline = time.monotonic() + PATIENCE
+    while not (ended := os.wait4(pid, os.WNOHANG))[0]:
+        look()
+        time.sleep(0.001)
+        if time.monotonic() > deadline:
+            os.kill(pid, signal.SIGKILL)
+    _running.discard(pid)
+    out, err = ((place / f"{pid}.{name}").read_text("utf-8", "replace") for name in ("out", "err"))
+    return Ended(os.waitstatus_to_exitcode(ended[1]), out, err, ended[2].ru_maxrss * 1024 / 1e6)
 
 
-def _owner_of_table(path: Path, runs: Collection[Run], stem: str) -> Run:
-    header, _, rows = path.read_bytes().partition(b"\n")
-    expect(header.startswith(b"amplitude_mm,frequency_hz,"), f"{path.name} begins with {header[:80]!r}")
-    lines = rows.count(b"\n")
-    for own in runs:
-        marked = rows.count(f",{own.friction},0.3,0,".encode())
-        if marked:
-            expected = KINDS[own.kind].rows
-            expect(
-                lines == marked == expected and rows.endswith(b"\n"),
-                f"{path.name}: {lines} rows, {marked} its own, of {expected}, ends in {rows[-20:]!r}",
+def end_all() -> None:
+    """Kill what this process has begun and not waited for."""
+    for pid in _running:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+
+
+# Faults at the steps of a run: calls that change files.
+
+
+class Fault(NamedTuple):
+    """A signal or an error; exit codes that may come of it, and steps at which a hidden folder may stay."""
+
+    number: int
+    codes: tuple[int, ...]
+    leaves: str
+    when: str = "before"
+    for_good: bool = False
+
+    def happen(self) -> None:
+        """Let it happen to this process."""
+        if isinstance(self.number, signal.Signals):
+            os.kill(os.getpid(), self.number)
+        else:
+            raise OSError(self.number, os.strerror(self.number))
+
+
+# As well as it can: neither when a lock is half taken, nor when the removal itself fails.
+_LOCK, _REMOVAL = "(open|flock) lock-", "(open|flock) lock-|unlink|rmdir"
+FAULTS: Final = {
+    "SIGKILL": Fault(signal.SIGKILL, (-signal.SIGKILL,), ""),
+    "SIGINT before": Fault(signal.SIGINT, (0, 130), _LOCK),
+    "SIGINT after": Fault(signal.SIGINT, (0, 130), _LOCK, when="after"),
+    "EIO": Fault(errno.EIO, (0, 1), _REMOVAL),
+    "ENOSPC": Fault(errno.ENOSPC, (0, 1), _REMOVAL),
+    "EACCES": Fault(errno.EACCES, (0, 1), _REMOVAL),
+    "EIO for good": Fault(errno.EIO, (0, 1), "", for_good=True),
+}
+#: What some file systems lack: a call, and how they say so.
+LACKS: Final = {
+    "link": (errno.EPERM, errno.ENOTSUP),
+    "flock": (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP),
+}
+_CALLS: Final = {
+    os: ("link", "rename", "replace", "unlink", "rmdir", "mkdir", "chmod", "open", "fsync"),
+    fcntl: ("flock",),
+    io: ("open",),
+}
+
+
+def at(step: int | str, do: Callable[[], object], *, when: str = "before", for_good: bool = False) -> Act:
+    """Return an ``act`` that does something at the step of a number (and all later ones) or of a name."""
+    count = 0
+
+    def act(call: str) -> None:
+        nonlocal count
+        moment, _, name = call.partition(" ")
+        count += moment == "before"
+        if isinstance(step, int):
+            here = count == step or (for_good and count > step)
+        else:
+            here = bool(re.match(step, name))
+        if moment == when and here:
+            do()
+
+    return act
+
+
+def steps_of(own: Run, place: Path) -> list[str]:
+    """Return the names of the steps of a run without a fault."""
+    path = place / "steps"
+
+    def act(call: str) -> None:
+        with path.open("a") as file:
+            file.write(call + "\n")
+
+    run(own.begin(place, act=act)).check(0)
+    calls = path.read_text().splitlines()
+    return [call.removeprefix("before ") for call in calls if call.startswith("before ")]
+
+
+def _watch(act: Act) -> None:
+    """Have ``act`` called before and after each call that changes something below ``out``."""
+    top = os.path.abspath("out")  # noqa: PTH100 (of Path.absolute, '..' remains)
+
+    def place_of(path: Any) -> str:
+        """Return the last part of a path or of an open file's, if it is below."""
+        with suppress(OSError, TypeError):
+            whole = os.readlink(f"/proc/self/fd/{path}") if isinstance(path, int) else os.path.abspath(path)  # noqa: PTH100, PTH115
+            return os.path.basename(whole) if f"{whole}/".startswith(f"{top}/") else ""  # noqa: PTH119
+        return ""
+
+    def watched(name: str, real: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*args: Any, **options: Any) -> Any:
+            below = list(filter(None, map(place_of, (*args[:2], *options.values()))))
+            mode = args[1] if args[1:] else options.get("flags", options.get("mode", "r"))
+            reads = name == "open" and not (
+                mode & os.O_CREAT if isinstance(mode, int) else set(mode) & set("wxa+")
             )
-            return own
-    raise BrokenError(f"{path.name}: {lines} rows, of no run that should be there")
-
-
-def _owner_of_json(path: Path, runs: Collection[Run], stem: str) -> Run:
-    try:
-        content = json.loads(path.read_bytes())
-    except ValueError as exc:
-        raise BrokenError(f"{path.name} is no JSON: {exc}") from None
-    own = _by_friction(content, runs, path)
-    expect(set(content["files"]) == own.files(stem), f"{path.name} lists {content['files']}")
-    return own
-
-
-def _owner_of_picture(path: Path, runs: Collection[Run], stem: str) -> Run:
-    from PIL import Image  # not in the runs with a fault
-
-    try:
-        with Image.open(path) as picture:
-            picture.load()
-            content = json.loads(picture.info["Description"])
-    except (OSError, SyntaxError, KeyError, ValueError) as exc:
-        raise BrokenError(f"{path.name} does not open: {exc!r}") from None
-    return _by_friction(content, runs, path)
-
-
-def _by_friction(content: dict[str, Any], runs: Collection[Run], path: Path) -> Run:
-    friction = str(content["scene"]["static_friction"])
-    for own in runs:
-        if own.friction == friction:
-            return own
-    raise BrokenError(f"{path.name} is of a run that should not be there, friction {friction}")
-
-
-# What can happen at a call; "always": at all later calls, too; "after": once the call has done its work.
-FAULTS: Final = ("EIO", "EIO always", "ENOSPC", "SIGKILL", "SIGINT before", "SIGINT after")
-_STEPS: Final = ("link", "rename", "replace", "unlink", "remove", "mkdir", "rmdir", "chmod", "open")
-
-
-def faulty(fault: str, number: int, folder: Path, report: Path, arguments: Sequence[str]) -> list[str]:
-    """Return the command that runs vibro with a fault; ``none`` only counts, ``links`` lack throughout."""
-    return [sys.executable, __file__, fault, str(number), str(folder), str(report), *arguments]
-
-
-class _Steps:
-    """Calls that change a folder, and the fault at one of them."""
-
-    def __init__(self, fault: str, number: int, folder: str, report: str) -> None:
-        self._fault, self._number, self._folder = fault, number, folder
-        self._count = 0
-        self._report = os.open(report, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-        for name in _STEPS:
-            setattr(os, name, self._wrapped(name, getattr(os, name)))
-        builtins.open = io.open = self._wrapped("io.open", io.open)
-
-    def _wrapped(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
-        def step(*args: Any, **options: Any) -> Any:
-            if not self._concerns(name, args, options):
+            if reads or not below:
                 return real(*args, **options)
-            if self._fault.startswith("links"):
-                if name == "link":
-                    raise OSError(getattr(errno, self._fault.split()[1]), "no links here")
+            act(f"before {name} {below[0]}")
+            try:
                 return real(*args, **options)
-            self._count += 1
-            os.write(self._report, f"{name}\n".encode())
-            if self._count == self._number or (
-                self._count > self._number > 0 and self._fault == "EIO always"
-            ):
-                self._happen("before")
-                try:
-                    return real(*args, **options)
-                finally:
-                    self._happen("after")
-            return real(*args, **options)
+            finally:
+                act(f"after {name} {below[0]}")
 
-        return step
+        return call
 
-    def _concerns(self, name: str, args: tuple[Any, ...], options: dict[str, Any]) -> bool:
-        """Whether a call may change the folder."""
-        if name == "open" and not (args[1] if len(args) > 1 else options["flags"]) & os.O_CREAT:
-            return False
-        if name == "io.open":
-            mode = args[1] if len(args) > 1 else options.get("mode", "r")
-            if not set(mode) & set("wxa+"):
-                return False
-        if any(number is not None for key, number in options.items() if key.endswith("dir_fd")):
-            return True
-        paths = [os.fspath(p) for p in args[:2] if isinstance(p, str | os.PathLike)]
-        whole = [os.path.abspath(p) for p in paths]  # noqa: PTH100 (of Path.absolute, '..' remains)
-        return any(p == self._folder or p.startswith(self._folder + os.sep) for p in whole)
-
-    def _happen(self, when: str) -> None:
-        first, _, rest = self._fault.partition(" ")
-        if first.startswith("SIG"):
-            if rest in ("", when):
-                os.kill(os.getpid(), getattr(signal, first))
-        elif when == "before" and first != "none":
-            number = getattr(errno, first)
-            raise OSError(number, os.strerror(number))
-
-
-def main() -> None:
-    fault, number, folder, report, *arguments = sys.argv[1:]
-    sys.argv[1:] = arguments
-    _Steps(fault, int(number), folder, report)
-    import vibro.__main__  # after the steps are wrapped
-
-    vibro.__main__.main()
-
-
-if __name__ == "__main__":
-    main()
+    for module, names in _CALLS.items():
+        for name in names:
+            setattr(module, name, watched(name, getattr(module, name)))
+    builtins.open = io.open
