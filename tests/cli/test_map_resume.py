@@ -98,12 +98,16 @@ def test_ranges_are_made_by_jobs_and_finished_by_a_run_without_one(run: Run) -> 
         wrote = json.loads(result.stdout)
         assert (wrote["shards"], wrote["cells"], sum(wrote["status"].values())) == (number, cells, cells)
         assert "_SUCCESS" not in names()
-        assert f"shards {shards} of 3 are there; --resume without --shards finishes" in result.stderr
+        assert f"wrote out: {number} of 3 shards, " in result.stderr
+        assert "--resume in place of --shards finishes the folder" in result.stderr
         shares = [float(line.split()[-1][:-1]) for line in result.stderr.splitlines() if line[-1] == "%"]
         assert sum(shares) == pytest.approx(100.0, abs=0.2)
     result = run(*SHARDED, "-o", "out", "--resume")
     assert result.exit_code == 0
     assert "3 shards there, checked first\n" in result.stderr
+    again = run(*SHARDED, "-o", "out", "--shards", "0:1")
+    assert "the folder is finished: all of its shards are there\n" in again.stderr
+    assert "_SUCCESS" not in again.stderr
     assert run(*SHARDED, "-o", "calm").exit_code == 0
     assert names() == WHOLE
     assert told()["digest"] == told(folder="calm")["digest"]

@@ -330,4 +330,4 @@ def test_names_of_folders() -> None:
     for folder, better in others.items():
         with pytest.raises(InputError, match="shards go into a folder") as caught:
             shard_folder(folder)
-        assert caught.value.hint == f"such as {better}"
+        assert caught.value.hint == f'write it like folder="{better}"'

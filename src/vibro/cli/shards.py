@@ -122,7 +122,7 @@ def sharding_of(
     if form != CSV:
         for option, is_given in (("--excel", options.excel), ("--decimal-comma", options.decimal_comma)):
             if is_given:
-                raise InputError(f"{option} is about CSV", hint=f"leave it out, or --table {form}")
+                raise InputError(f"{option} is about CSV", hint=f"leave out {option}, or --table {form}")
     if form != CSV and options.output == "-":
         raise InputError(f"--table {form}: it is no text for stdout", hint="give a name, such as -o out/nut")
     if form != PARQUET:
@@ -196,11 +196,7 @@ def write_sharded(
         if how.shards is None:
             written = _draw(files, pictures, content)
             summary.finish(files, manifest)
-    _tell(console, folder, summary, written)
-    if how.shards is not None:
-        console.echo(
-            f"shards {how.shards} of {plan.shards} are there; --resume without --shards finishes the folder"
-        )
+    _tell(console, folder, summary, plan, written, is_range=how.shards is not None)
     if options.json:
         made = {"folder": str(folder), "shards": len(summary.sizes), "bytes": summary.size}
         print(json_text({**made, **content, "cells": summary.tally.status.total()}))
@@ -261,17 +257,23 @@ def _progress(console: Console, folder: Path, cells: int) -> Iterator[Callable[[
         yield report
 
 
-def _tell(console: Console, folder: Path, summary: Summary, written: Sequence[str]) -> None:
+def _tell(
+    console: Console, folder: Path, summary: Summary, plan: Plan, written: Sequence[str], *, is_range: bool
+) -> None:
     """Tell what was written."""
     from vibro.cli.answer import byte_count
     from vibro.output.shard_folder import MANIFEST, SUCCESS
 
-    cells = summary.tally.status.total()
+    number, cells = len(summary.sizes), summary.tally.status.total()
     each = f"{byte_count(summary.size)}, {summary.size / cells:.1f} bytes a cell"
-    console.echo(f"wrote {folder}: {_shards(len(summary.sizes))}, {each}; digest {summary.digest}")
-    for name in (*written, MANIFEST, SUCCESS):
-        if (folder / name).exists():
-            console.echo(f"wrote {folder / name}")
+    shards = f"{number} of {plan.shards} shards" if is_range else _shards(number)
+    console.echo(f"wrote {folder}: {shards}, {each}; digest {summary.digest}")
+    if not is_range:
+        console.echo_all(f"wrote {folder / name}" for name in (*written, MANIFEST, SUCCESS))
+    elif (folder / SUCCESS).exists():
+        console.echo("the folder is finished: all of its shards are there")
+    else:
+        console.echo("--resume in place of --shards finishes the folder, once all ranges are made")
 
 
 def _shards(number: int) -> str:

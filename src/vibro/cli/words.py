@@ -40,6 +40,8 @@ _ARGUMENT: Final = re.compile(
     )""",
     re.VERBOSE,
 )
+#: Arguments that options call otherwise.
+_OTHERWISE: Final = {"folder": "output"}
 _OPTION: Final = re.compile(r"(?<!\S)--?[A-Za-z]")
 _PLAIN: Final = re.compile(r"[\w%+,./:=@^\u00b0-]+")  # what needs no quotes in any shell
 
@@ -78,7 +80,7 @@ def _command(found: re.Match[str]) -> str:
 
 
 def _option(found: re.Match[str]) -> str:
-    option = _current.get(found[1])
+    option = _current.get(_OTHERWISE.get(found[1], found[1]))
     if option is None:
         return found[0]
     value = next((given for given in found.groups()[1:] if given is not None), None)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
 from vibro.core.codes import Level
-from vibro.errors import FileError, InputError, shown
+from vibro.errors import FileError, InputError, cut, shown
 from vibro.output.plan import Plan, check_arrow, check_manifest, read_plan
 from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, manifest_of, shard_name
 from vibro.output.shards import Job, Progress, check_workers, make_shards
@@ -75,17 +75,19 @@ class Sharding:
         check_switch("force", self.force)
         if self.workers is not None and self.scheduler is not None:
             raise InputError(
-                "workers and scheduler are both given: either makes all shards", hint="leave one of them out"
+                "workers= and scheduler= are both given: either makes all shards",
+                hint="leave one of them out",
             )
         if self.force and (self.resume or self.shards is not None):
             other = "resume" if self.resume else "shards"
             raise InputError(
-                f"{other} and force are both given: the one goes on, the other starts anew",
+                f"{other}= and force=True are both given: the one goes on, the other starts anew",
                 hint="leave one of them out",
             )
         if self.scheduler is not None and not _ADDRESS.fullmatch(str(self.scheduler)):
             raise InputError(
-                f"scheduler = {shown(self.scheduler)}: is no address", hint="write it like tcp://host:8786"
+                f"scheduler={_text(self.scheduler)}: is no address",
+                hint='write it like scheduler="tcp://host:8786"',
             )
 
     @property
@@ -195,7 +197,7 @@ class Sharding:
         first, stop = (int(match[1]), int(match[2])) if match else (0, 0)
         if not first < stop <= plan.shards:
             raise InputError(
-                f"shards = {shown(self.shards)}: must be first:stop, of {plan.shards} shards",
+                f"shards={_text(self.shards)}: must be first:stop, of {plan.shards} shards",
                 hint=f'write it like shards="0:{-(-plan.shards // 2)}"',
             )
         return range(first, stop)
@@ -220,12 +222,14 @@ def shard_folder(folder: str) -> Path:
         If it can be no folder's name.
     """
     if not folder or "\0" in folder or folder == "-":
-        raise InputError(f"folder = {shown(folder)}: shards go into a folder", hint="such as out/wide")
+        raise InputError(
+            f"folder={_text(folder)}: shards go into a folder", hint='write it like folder="out/wide"'
+        )
     path = Path(folder)
     if path.suffix.casefold() in (".csv", ".parquet", ".json", ".xlsx"):
         raise InputError(
-            f"folder = {shown(folder)}: shards go into a folder",
-            hint=f"such as {path.with_suffix('')}",
+            f"folder={_text(folder)}: shards go into a folder",
+            hint=f"write it like folder={_text(path.with_suffix(''))}",
         )
     return path
 
@@ -324,7 +328,8 @@ def write_sweep(
         resume=resume,
         force=force,
     )
-    request = request_of_call(scene_file, quantities)
+    path = shard_folder(os.fspath(folder))
+    request = request_of_call(scene_file, quantities, write_sweep, repr(os.fspath(folder)))
     level = level_of(accuracy)
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
@@ -332,7 +337,6 @@ def write_sweep(
     usual = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
     table = Table(usual if columns is None else chosen(columns, usual))
     plan = how.plan(grid, table, request.name or "", request.own)
-    path = shard_folder(os.fspath(folder))
     with how.folder(path, "the same call with resume=True goes on") as files:
         plan, wanted = how.agree(files, plan)
         summary, manifest = how.carry_out(plan, wanted, files, sys.argv)
@@ -347,4 +351,8 @@ def _check_number(name: str, value: Any, most: int, hint: str) -> None:
         return
     whole = isinstance(value, int) and not isinstance(value, bool)
     if not (whole and 1 <= value <= most):
-        raise InputError(f"{name} = {shown(value)}: must be a whole number from 1 to {most}", hint=hint)
+        raise InputError(f"{name}={shown(value)}: must be a whole number from 1 to {most}", hint=hint)
+
+
+def _text(value: object) -> str:
+    return f'"{cut(str(value))}"'

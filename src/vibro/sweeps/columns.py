@@ -152,7 +152,7 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
         hints.append(f"those of inputs are {', '.join(inputs)}")
         hints.append(f"those of results are {', '.join(name for name in known if name not in inputs)}")
         problems = [f"there is no column {shown(name)}" for name in unknown] or ["no column is named"]
-        raise InputError(*problems, hint="\n".join(hints))
+        raise InputError(*problems, hint="\n".join(filter(None, hints)))
     twice = [name for i, name in enumerate(names) if name in names[:i]]
     if twice:
         raise InputError(f"column {twice[0]} is named twice", hint="name it once")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
@@ -23,7 +24,7 @@ from vibro.sweeps.request import RANGES, gather
 from vibro.sweeps.solved import SolvedGrid, check_memory
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from os import PathLike
 
     import pandas as pd
@@ -41,8 +42,9 @@ _BYTES_PER_CELL: Final = 110  # [B] of all results
 
 
 class _Call(NamedTuple):
-    """How messages name the arguments of ``sweep``; ``typed`` holds them as they were typed."""
+    """How messages name the arguments of a function; ``typed`` holds them as they were typed."""
 
+    function: str = "sweep"
     typed: tuple[str, ...] = ()
     gives: str = "the call"
     takes_one_value: tuple[str, str] = ("one value is wanted", "vibro.sweep takes axes")
@@ -55,7 +57,7 @@ class _Call(NamedTuple):
 
     def example(self, values: Mapping[str, str], *, from_scratch: bool) -> str:
         given = [f"{QUANTITIES[name].column}={value}" for name, value in values.items()]
-        return f"vibro.sweep({', '.join([*(() if from_scratch else self.typed), *given])})"
+        return f"vibro.{self.function}({', '.join([*(() if from_scratch else self.typed), *given])})"
 
 
 class _File(_Call):
@@ -224,16 +226,34 @@ def sweep(
     return Sweep(grid, request.own, request.name or "", grid.solve(grid.values()))
 
 
-def request_of_call(scene_file: str | PathLike[str] | None, quantities: Mapping[str, Any]) -> Request:
-    """Read arguments that are named as the keys of scene files."""
+def request_of_call(
+    scene_file: str | PathLike[str] | None,
+    quantities: Mapping[str, Any],
+    function: Callable[..., Any] = sweep,
+    *typed: str,
+) -> Request:
+    """Read arguments of a function that are named as the keys of scene files.
+
+    Parameters
+    ----------
+    scene_file, quantities
+        Its arguments.
+    function : callable
+        Which.
+    *typed : str
+        Arguments before these, as they were typed.
+    """
     unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
-        hint = did_you_mean(unknown[0], BY_COLUMN) or f"known are {', '.join(BY_COLUMN)}"
+        hint = (
+            did_you_mean(unknown[0], [*signature(function).parameters, *BY_COLUMN])
+            or f"known are {', '.join(BY_COLUMN)}"
+        )
         raise InputError(*(f"unknown argument {shown(key)}" for key in unknown), hint=hint)
     given = {BY_COLUMN[key].name: value for key, value in quantities.items()}
     file = None if scene_file is None else _read(scene_file)
-    typed = [repr(str(scene_file))] if scene_file is not None else []
-    call = _Call((*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))
+    typed += (repr(str(scene_file)),) if scene_file is not None else ()
+    call = _Call(function.__name__, (*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))
     return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
 
 
