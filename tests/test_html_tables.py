@@ -133,7 +133,7 @@ def test_nothing_is_too_odd_to_be_shown() -> None:
     )
     _, rows = shown(odd)
     assert (rows["regime"], rows["pattern"], rows["mean velocity"]) == (
-        ["none: 1, 9: 1"],
+        ["no regime: 1, 9: 1"],
         ["?: 1, F_: 1"],
         ["none"],
     )
@@ -155,6 +155,20 @@ def test_sweeps_are_shown_with_their_cells(tmp_path: Path) -> None:
     fastest = held.to_frame()["mean_velocity_mm_s"].max()
     assert rows["fastest"] == [f"{fastest:.6g} mm/s at amplitude 1.5 mm, frequency 15 Hz"]
     assert shown(swept())[0] == "Sweep of one operating point"
+
+
+def test_histories_are_shown_in_short() -> None:
+    history = vibro.simulate(vibro.Scene(amplitude=1e-3, **LINE), cycles=10)
+    assert repr(history) == "<History of 0.666667 s: 21 phases, of which F_ repeat>"
+    assert len(history.phases) == 21
+    caption, rows = shown(history)
+    assert (caption, rows["duration"], rows["phases"]) == ("history", ["0.666667 s"], ["21"])
+    assert (rows["pattern"], rows["period"]) == (["F_"], ["1 drive cycle"])
+    assert rows["repeats from"] == [f"{history.settles_at:.6g} s"]
+    assert rows["displacement per cycle"] == [f"{1e3 * history.cycle_displacement:.6g} mm"]
+    rest = vibro.simulate(vibro.Scene(amplitude=1e-4, **LINE), cycles=2)
+    assert repr(rest) == "<History of 0.133333 s: 1 phases>"
+    assert shown(rest)[1] == {"duration": ["0.133333 s"], "phases": ["1"], "pattern": ["none repeats"]}
 
 
 def test_guarantees_and_designs_are_shown() -> None:

@@ -31,7 +31,7 @@ def test_suffixes_are_appended_whatever_dots_the_stem_has(tmp_path: Path) -> Non
     ("output", "hint"),
     [
         ("l/res.csv", "write -o l/res, which makes l/res.csv"),
-        ("m.JSON", "write -o m, which makes m.csv"),
+        ("m.JSON", "write -o m, which makes m.json"),
         ("a b.v2.png", "write -o a b.v2, which makes a b.v2.csv"),
         ("", "give a name for the files, such as -o out/nut"),
         ("..csv", "give a name for the files, such as -o out/nut"),
@@ -46,6 +46,13 @@ def test_a_name_that_is_no_stem_is_refused_with_a_hint(output: str, hint: str) -
         output_stem(output, "nut")
     assert caught.value.hint == hint
     assert printable(output) in str(caught.value)
+
+
+def test_a_hint_names_the_table_that_is_made() -> None:
+    for output in ("out/y.xlsx", "out/y.csv"):
+        with pytest.raises(InputError) as caught:
+            output_stem(output, "nut", "xlsx")
+        assert caught.value.hint == "write -o out/y, which makes out/y.xlsx"
 
 
 def test_a_name_that_is_too_long_is_named() -> None:

@@ -44,13 +44,13 @@ def write(
     """Write a workbook, and return what its table must hold."""
     table = Table(columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with), digits)
     rows: list[dict[str, Any]] = []
-    tally, sink = Tally(), sink or Xlsx()
+    tally, sink = Tally(), sink or Xlsx(name)
     sink.open(file, grid, table)
     for block in sweep_blocks(grid):
         tally.add(block)
         sink.write(block)
         rows += records(table, block)
-    run = {"version": vibro.__version__, "argv": list(argv), "name": name}
+    run = {"version": vibro.__version__, "argv": list(argv)}
     sink.close({**sweep_record(grid, table, tally.told()), **run})
     return rows
 

@@ -18,6 +18,7 @@ from helpers.pixels import pixels
 from helpers.plans import store
 
 import vibro
+from vibro.core.codes import Status
 from vibro.errors import FileError, InputError, VibroError
 
 if TYPE_CHECKING:
@@ -66,6 +67,17 @@ def test_all_cells_are_those_of_a_sweep_that_is_held(held: Sweep, stored: Stored
     pd.testing.assert_frame_equal(stored.to_frame(), frame)
 
 
+def test_categories_are_in_the_order_of_physics(held: Sweep, stored: StoredSweep) -> None:
+    other = pd.read_parquet(stored._shards.folder)
+    for frame in (held.to_frame(), stored.to_frame(), stored.to_frame({"A": 0.2})):
+        assert list(frame["regime"].cat.categories) == [
+            "no-slip", "forward-slip", "back-slip", "hopping", "",
+        ]  # fmt: skip
+        assert list(frame["status"].cat.categories) == [status.label for status in Status]
+        for name in ("regime", "model", "status"):
+            assert list(frame[name].cat.categories) == list(other[name].cat.categories)
+
+
 @pytest.mark.parametrize(
     ("filters", "kept"),
     [
@@ -85,7 +97,7 @@ def test_filters_keep_cells_in_their_order(
     assert len(frame)
     expected = frame.reset_index(drop=True)
     for name in expected.columns:
-        if isinstance(expected[name].dtype, pd.CategoricalDtype):
+        if name == "pattern":
             expected[name] = expected[name].cat.remove_unused_categories()
     pd.testing.assert_frame_equal(stored.to_frame(filters), expected)
 

@@ -227,6 +227,12 @@ def test_blocks_take_all_values_of_the_last_axes(
     assert chunks == ((1,) * 11, (2, 2, 2, 1), (3,), (4,))
 
 
+def test_one_size_is_that_of_every_axis(held: Sweep, stored: StoredSweep) -> None:
+    lazy = stored.to_xarray({"beta": -4}, chunks=5)
+    assert lazy.regime.chunks == ((5, 5, 1), (5, 2), (3,), (1,))
+    xr.testing.assert_identical(lazy.compute(), held.to_xarray().sel(trough_angle_deg=[-4]))
+
+
 def test_files_are_found_from_another_folder_and_damage_is_told(
     held: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -244,8 +250,9 @@ def test_files_are_found_from_another_folder_and_damage_is_told(
 @pytest.mark.parametrize(
     ("chunks", "problem"),
     [
-        ("small", "chunks = 'small': must be 'auto' or sizes by axis"),
-        (3, "chunks = 3: must be 'auto' or sizes by axis"),
+        ("small", "chunks = 'small': must be 'auto', a whole number > 0, or sizes by axis"),
+        (0, "chunks = 0: must be 'auto', a whole number > 0, or sizes by axis"),
+        (True, "chunks = True: must be 'auto', a whole number > 0, or sizes by axis"),
         ({"colour": 1}, "chunks: 'colour' is no axis"),
         ({"mu_s": 1}, "chunks: static friction does not vary in this sweep"),
         ({"A": 0}, "chunks: A = 0: must be a whole number > 0"),

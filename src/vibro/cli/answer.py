@@ -20,7 +20,7 @@ from vibro.output.run import write_table
 from vibro.output.sinks import new_sink
 from vibro.output.staging import Staging
 from vibro.quantities import QUANTITIES
-from vibro.results.steady import RESULTS
+from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import records
 from vibro.sweeps.one_scene import OneScene, estimate, number
 from vibro.sweeps.run import sweep_blocks
@@ -161,14 +161,14 @@ def write_sweep(
                 if form != "csv" and done == grid.size:
                     console.echo(f"writing the table as {form}")
 
-            return write_table(grid, table, sink, file, argv, name, report=report, look=look)
+            return write_table(grid, table, sink, file, argv, report=report, look=look)
 
     if options.output == "-":
         check_stdout(json=options.json)
         return conclude(write(sys.stdout.buffer), grid, console)
 
     with Staging(
-        output_stem(options.output, name),
+        output_stem(options.output, name, form),
         force=options.force,
         tables={"": form},
         pictures=pictures.names if pictures else (),
@@ -336,6 +336,6 @@ def conclude(tally: Tally, grid: Grid, console: Console) -> int:
     if size > 1:
         for regime in Regime:
             if tally.regime[regime]:
-                console.echo(f"{regime.label or 'no regime':>12} {tally.regime[regime] / size:7.1%}")
+                console.echo(f"{regime.label or NO_REGIME:>12} {tally.regime[regime] / size:7.1%}")
         tell_peaks(tally, grid, console)
     return ExitCode.UNRESOLVED if tally.status[Status.UNRESOLVED] else ExitCode.DONE

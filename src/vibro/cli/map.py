@@ -212,7 +212,9 @@ def map_command(
         return code
     style = None
     if table != CSV:  # a workbook has maps of its own
-        style = {"x": x and axis_name(x), "y": y and axis_name(y), "at": held}
+        style = {
+            "name": request.name or "", "x": x and axis_name(x), "y": y and axis_name(y), "at": held,
+        }  # fmt: skip
     moves = False
 
     def look(block: Block) -> None:

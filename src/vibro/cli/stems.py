@@ -16,7 +16,7 @@ _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
 _SUFFIXES: Final = (*(f".{form}" for form in (*FORMS, *PICTURE_FORMATS)), ".json", ".html")
 
 
-def output_stem(output: str | None, name: str) -> Path:
+def output_stem(output: str | None, name: str, form: str = "csv") -> Path:
     """Find the stem of the output files.
 
     Parameters
@@ -25,6 +25,8 @@ def output_stem(output: str | None, name: str) -> Path:
         What the user gave: a stem, or a folder (it exists or ends in a separator), which takes ``name``.
     name : str
         The scene's name.
+    form : str, optional
+        Suffix of the table that is made.
 
     Returns
     -------
@@ -64,7 +66,7 @@ def output_stem(output: str | None, name: str) -> Path:
     if suffix:
         stem = output[: -len(suffix)]
         example = (
-            f"write -o {stem}, which makes {stem}{suffix if suffix == '.html' else '.csv'}"
+            f"write -o {stem}, which makes {stem}{suffix if suffix in ('.html', '.json') else f'.{form}'}"
             if path.name[: -len(suffix)] not in ("", ".")
             else ""
         )

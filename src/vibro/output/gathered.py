@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import FileError, shown
+from vibro.sweeps.columns import categorical
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +29,7 @@ class Numbers:
         """Take over an Arrow array."""
         self.values[place : place + len(found)] = found.to_numpy()
 
-    def of_frame(self) -> Any:
+    def of_frame(self, column: Column) -> Any:
         """Return what a data frame holds."""
         return self.values
 
@@ -45,7 +46,7 @@ class Flags:
         """Take over an Arrow array."""
         self.values[place : place + len(found)] = found.fill_null(-1).to_numpy()
 
-    def of_frame(self) -> Any:
+    def of_frame(self, column: Column) -> Any:
         """Return what a data frame holds."""
         import pandas as pd
 
@@ -95,12 +96,9 @@ class Texts:
             )
         return np.array([column.codes[text] for text in self.texts], np.int8)[self.codes]
 
-    def of_frame(self) -> Any:
-        """Return the column of a data frame: the texts as categories in their order."""
-        import pandas as pd
-
-        known = pd.Categorical(np.array(list(self.texts), dtype=object))
-        return pd.Categorical.from_codes(known.codes[self.codes], dtype=known.dtype)
+    def of_frame(self, column: Column) -> Any:
+        """Return what a data frame holds."""
+        return categorical(column, self.texts, self.codes)
 
 
 Gathered = Numbers | Flags | Texts

@@ -25,7 +25,6 @@ def write_table(
     sink: Sink,
     file: BinaryIO,
     argv: Sequence[str] = (),
-    name: str = "",
     *,
     report: Callable[[int], None] = lambda done: None,
     look: Callable[[Block], None] = lambda block: None,
@@ -44,8 +43,6 @@ def write_table(
         Where to.
     argv : sequence of str
         The arguments of the command, for forms that describe the run.
-    name : str, optional
-        Of the scene, likewise.
     report : callable, optional
         Called with the number of cells done so far.
     look : callable, optional
@@ -59,5 +56,5 @@ def write_table(
         look(block)
         done += block.cycle.status.size
         report(done)
-    sink.close({"name": name, **run_record(argv, sweep_record(grid, table, tally.told()))})
+    sink.close(run_record(argv, sweep_record(grid, table, tally.told())))
     return tally

@@ -21,7 +21,7 @@ from vibro.output.selection import Selection
 from vibro.output.shard_files import ShardFiles, open_shards
 from vibro.plots.view import index_of
 from vibro.quantities import QUANTITIES, SPEED
-from vibro.results.steady import RESULTS
+from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import listed
 from vibro.sweeps.datasets import block_sizes, check_xarray, dataset, results_among
 from vibro.sweeps.run import solved_picture
@@ -104,14 +104,15 @@ class StoredSweep(SolvedGrid):
         per_cell = sum(gathering(shards.columns[name]).bytes_per_cell for name in names)
         hint = "filter the cells, name fewer columns, or let another reader of Parquet, such as DuckDB, do it"
         check_memory(cells.shape, per_cell, hint)
-        return pd.DataFrame({name: found.of_frame() for name, found in shards.read(names, cells).items()})
+        found = shards.read(names, cells)
+        return pd.DataFrame({name: found[name].of_frame(shards.columns[name]) for name in names})
 
     def to_xarray(
         self,
         filters: Mapping[str, Any] | None = None,
         columns: Sequence[str] | None = None,
         *,
-        chunks: Literal["auto"] | Mapping[str, int] | None = None,
+        chunks: Literal["auto"] | int | Mapping[str, int] | None = None,
     ) -> xr.Dataset:
         """Read cells into labelled arrays, or, with ``chunks``, have them read when they are computed with.
 
@@ -119,9 +120,10 @@ class StoredSweep(SolvedGrid):
         ----------
         filters, columns : optional
             As for ``to_frame``.
-        chunks : "auto" or mapping of str to int, optional
+        chunks : "auto", int or mapping of str to int, optional
             Without, all cells are read now. Else variables are arrays of dask, in blocks of so many values of
-            an axis, which is called by key, name or letter (``{"amplitude_mm": 10}``). Of other axes a block
+            every axis (``10``), or of an axis, which is called by key, name or letter
+            (``{"amplitude_mm": 10}``). Of other axes a block
             has as many values, of the last ones all, as make at most 1e6 cells: they stand in few files.
 
         Returns
@@ -175,7 +177,7 @@ class StoredSweep(SolvedGrid):
                 "folder",
                 f"{self._shards.folder}: {self._shards.plan.shards} files, {len(self.columns)} columns",
             ),
-            ("regime", in_numbers((code.label, n) for code, n in tally.regime.most_common())),
+            ("regime", in_numbers((code.label or NO_REGIME, n) for code, n in tally.regime.most_common())),
             ("status", in_numbers((code.label, n) for code, n in tally.status.most_common())),
             *((name.replace("_", " "), self._told(peak)) for name, peak in tally.peaks.items()),
         ]

@@ -21,8 +21,9 @@ from vibro.files.tables import rounded_cells
 from vibro.plots.style import INK, NO_ANSWER_FACE, REGIME_COLOURS, visible
 from vibro.plots.view import choose_view, is_discrete, value_of
 from vibro.quantities import QUANTITIES
-from vibro.results.steady import DERIVED, RESULTS
+from vibro.results.steady import NO_REGIME
 from vibro.sweeps.columns import columns_of
+from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -50,13 +51,12 @@ _SIGNIFICANT, _ON_MAPS = 5, 4  # digits that are shown of the largest number of 
 _PLAIN: Final = range(-4, 9)  # powers of ten that are shown without an exponent
 _WIDEST, _WIDEST_TEXT = 100, 18  # [characters] of a line of the summary, and of texts of *Cells*
 _SMALL: Final = 8  # [pt] type of maps
+_SCALE: Final = 70  # [%] of *Cells* on paper: some 200 characters across a page, of 8 pt
+_MOST_REPEATED: Final = 120  # [characters] of a page of *Cells*
+_OF_TIMES: Final = 3  # significant digits on maps, where times differ by orders of magnitude
 _NARROWEST, _REGIME_WIDTH, _CURVE_WIDTH = 6, 8.5, 14  # [characters]
 
 _QUANTITIES: Final = {quantity.column: quantity for quantity in QUANTITIES.values()}
-_MEANINGS: Final = {
-    **{column: quantity.meaning for column, quantity in _QUANTITIES.items()},
-    **{result.column: result.meaning for result in (*RESULTS, *DERIVED)},
-}
 
 _TRIED: Final = "3.3.1"  # the newest XlsxWriter that is known to work
 _LINE: Final = "#BBBBBB"
@@ -81,8 +81,8 @@ _TIME: Final = _Picture("Traverse", "Traverse time", "traverse_time_s")
 _IMPACT: Final = _Picture("Impact", "Largest normal speed of a landing", "impact_speed_mm_s")
 _FLIGHT: Final = _Picture("Flight", "Share of the time in flight", "flight_fraction")
 
-# What codes of regimes, and beyond them of statuses, mean on maps.
-_REGIME_TEXTS: Final = (*(r.label for r in Regime if r >= 0), *(s.label for s in Status))
+# What codes of regimes mean on maps, the last one standing for -1.
+_REGIME_TEXTS: Final = (*(r.label for r in Regime if r >= 0), NO_REGIME)
 
 
 class Xlsx:
@@ -90,14 +90,20 @@ class Xlsx:
 
     Parameters
     ----------
+    name : str, optional
+        Of the scene.
     x, y, at : optional
         The part of the sweep that the maps show, as ``choose_view`` takes it.
     """
 
     def __init__(
-        self, x: str | None = None, y: str | None = None, at: Mapping[str, float] | None = None
+        self,
+        name: str = "",
+        x: str | None = None,
+        y: str | None = None,
+        at: Mapping[str, float] | None = None,
     ) -> None:
-        self._asked = x, y, at
+        self._name, self._asked = name, (x, y, at)
         self._blocks: list[Block] = []
 
     def open(self, file: BinaryIO, grid: Grid, table: Table) -> None:
@@ -127,7 +133,7 @@ class Xlsx:
         if grid.size > most:
             raise InputError(
                 f"{grid.size} cells: a sheet of a workbook holds {most}",
-                hint='ask for fewer values, or write Parquet files: table="parquet", or vibro.write_sweep',
+                hint='ask for fewer values, or write Parquet files with table="parquet"',
             )
         self._file, self._grid, self._table = file, grid, table
         x, y, at = self._asked
@@ -164,7 +170,7 @@ class Xlsx:
             summary = workbook.sheet("Summary")
             workbook.add_cells(self._grid, self._table.columns, self._blocks)
             notes = [] if self._view is None else workbook.add_pictures(self._grid, self._view, self._blocks)
-            workbook.add_summary(summary, self._grid, self._table.columns, record, notes)
+            workbook.add_summary(summary, self._name, self._grid, self._table.columns, record, notes)
             try:
                 workbook.book.close()
             except FileCreateError as exc:
@@ -210,7 +216,7 @@ class _Workbook:
     def add_cells(self, grid: Grid, columns: Sequence[Column], blocks: Sequence[Block]) -> None:
         """Add the table: units, header, and a row a cell."""
         sheet = self.sheet("Cells")
-        styles = []
+        styles, widths = [], []
         for place, column in enumerate(columns):
             width = max(0.85 * len(column.name) + 3, 9)
             if column.is_number or column.is_flag:
@@ -221,6 +227,7 @@ class _Workbook:
                 styles.append(self.style(indent=1))
                 width = max(width, min(max(map(len, texts)), _WIDEST_TEXT) + 2)
             sheet.set_column(place, place, width)
+            widths.append(width)
             if column.unit:
                 sheet.write_string(0, place, f"[{column.unit}]", self.grey)
         names, first = [column.name for column in columns], _TABLE_HEAD - 1
@@ -229,7 +236,26 @@ class _Workbook:
         )
         sheet.put_rows(_TABLE_HEAD, grid.size, self._rows(sheet, columns, styles, blocks))
         sheet.freeze_panes(_TABLE_HEAD, 0)
-        sheet.repeat_rows(0, first)
+        self._flow_over_pages(sheet, grid, names, widths)
+
+    def _flow_over_pages(
+        self, sheet: Sheet, grid: Grid, names: Sequence[str], widths: Sequence[float]
+    ) -> None:
+        """Print columns side by side over several pages, each with the header and the axes.
+
+        Axes are repeated with what stands among them, as far as they leave room for other columns.
+        """
+        sheet.set_print_scale(_SCALE)
+        sheet.print_across()
+        sheet.repeat_rows(0, _TABLE_HEAD - 1)
+        axes, repeated, taken = {axis.column for axis in grid.axes.values()}, -1, 0.0
+        for place, (name, width) in enumerate(zip(names, widths, strict=True)):
+            taken += width
+            if name not in _QUANTITIES or taken > _MOST_REPEATED:
+                break
+            repeated = place if name in axes else repeated
+        if repeated >= 0:
+            sheet.repeat_columns(0, repeated)
 
     def _column_format(self, column: Column, blocks: Sequence[Block]) -> str:
         if column.is_flag:
@@ -282,6 +308,8 @@ class _Workbook:
             if column.is_number:
                 usual = _ON_MAPS if shown.is_map else _SIGNIFICANT
                 shown_as, characters = _number_format([whole], self.digits or usual)
+                if picture is _TIME and shown.is_map:
+                    shown_as = _graded_format(known, self.digits or _OF_TIMES) or shown_as
                 style = self.style(num_format=shown_as, font_size=_SMALL)
                 width = 1 + _SMALLER * max(characters, _NARROWEST)
                 if shown.is_map:
@@ -335,7 +363,7 @@ class _Workbook:
     def _fill_regimes(self, sheet: Sheet, box: tuple[int, int, int, int]) -> None:
         """Fill cells by their regime, and those without one in grey."""
         fills = {regime.label: (colour, _ink_on(regime)) for regime, colour in REGIME_COLOURS.items()}
-        fills |= {status.label: (NO_ANSWER_FACE, INK) for status in Status if not status.answered}
+        fills[NO_REGIME] = NO_ANSWER_FACE, INK
         for label, (face, ink) in fills.items():
             style = self.style(bg_color=face, font_color=ink)
             rule = {"type": "cell", "criteria": "==", "value": f'"{label}"', "format": style}
@@ -375,6 +403,7 @@ class _Workbook:
     def add_summary(
         self,
         sheet: Sheet,
+        name: str,
         grid: Grid,
         columns: Sequence[Column],
         record: Mapping[str, Any],
@@ -382,14 +411,15 @@ class _Workbook:
     ) -> None:
         """Write what was solved, what was found, and how to read it."""
         page = _Page(self, sheet)
-        name = _text(str(record.get("name") or ""))
-        page.title(f"Sweep {name}".rstrip())
+        name = _text(name)
+        axes = " x ".join(axis.label for axis in grid.axes.values())
+        page.title(f"Sweep {name}" if name else f"Sweep of {axes or 'one operating point'}")
         self.book.set_properties({"title": name, "created": datetime(2000, 1, 1)})  # equal runs, equal bytes
 
         page.section("Scene", "value", "unit", "meaning")
         for column, value in record["scene"].items():
             quantity = _QUANTITIES[column]
-            page.line(quantity.label, value, quantity.unit, quantity.meaning)
+            page.line(quantity.label, value, quantity.unit or "1", quantity.meaning)
         for key, value in {**record.get("motion", {}), **record.get("part", {})}.items():
             page.line(key, value if isinstance(value, int | float) else json.dumps(value))
 
@@ -407,7 +437,8 @@ class _Workbook:
         inks = {regime.label: _ink_on(regime) for regime in REGIME_COLOURS}
         for label, count in record["regime"].items():
             fill = {"bg_color": colours.get(label, NO_ANSWER_FACE), "font_color": inks.get(label, INK)}
-            page.share(label, count, record["cells"], style=self.style(border=1, **fill))
+            told = label if label in colours else NO_REGIME
+            page.share(told, count, record["cells"], style=self.style(border=1, **fill))
         page.section("Statuses", "cells", "share", "meaning")
         messages = {status.label: status.message for status in Status}
         for label, count in record["status"].items():
@@ -416,8 +447,9 @@ class _Workbook:
         if record["peaks"]:
             page.section("Fastest cells", "speed", "unit", "at")
         for label, cell in record["peaks"].items():
-            places = ((QUANTITIES[axis.name], cell[axis.column]) for axis in grid.axes.values())
-            at = ", ".join(f"{quantity.label} = {quantity.text(value)}" for quantity, value in places)
+            at = ", ".join(
+                f"{axis.label} = {number(cell[axis.column], axis.unit)}" for axis in grid.axes.values()
+            )
             speed, error = cell[_SPEED.column], cell["mean_velocity_error_mm_s"]
             known = f"standard error {error:.3g} mm/s" if error else ""
             way = "forwards" if label == "fastest" else "backwards"
@@ -432,8 +464,8 @@ class _Workbook:
 
         page.section("Columns of Cells", "unit", "", "meaning")
         for column in columns:
-            meaning = _MEANINGS.get(column.name, "").replace("`", "").replace("$", "")
-            page.line(column.name, column.unit or ("1" if column.is_number else "-"), "", meaning)
+            unit = column.unit or ("1" if column.is_number else "-")
+            page.line(column.name, unit, "", column.meaning)
 
         page.section("Made with")
         page.line("vibro", record.get("version", ""))
@@ -504,12 +536,11 @@ class _Shown:
         return 1 if self.across is None else len(self.across)
 
     def values(self, column: Column) -> NDArray[Any]:
-        """Return a column of the whole grid: numbers, or codes of regimes, and beyond them of statuses."""
+        """Return a column of the whole grid: numbers, or for regimes which of their texts each cell has."""
         if column.is_number:
             found = self._joined(column)
             return found if self._digits is None else rounded(found, self._digits)
-        regime, status = self._joined(column), self._joined(self.columns["status"])
-        return np.where(regime < 0, len(_REGIME_TEXTS) - len(Status) + status, regime)
+        return self._joined(column) % len(_REGIME_TEXTS)
 
     def _joined(self, column: Column) -> NDArray[Any]:
         parts = [np.broadcast_to(column.values(block), block.shape).ravel() for block in self._blocks]
@@ -593,6 +624,19 @@ def _number_format(values: Sequence[NDArray[np.float64]], significant: int) -> t
     decimals = 0 if whole else max(significant - 1 - (power if plain else 0), 0)
     shown = f"0.{'0' * decimals}" if decimals else "0"
     return (shown, max(power, 0) + len(shown) + 1) if plain else (f"{shown}E+00", len(shown) + 5)
+
+
+def _graded_format(values: NDArray[np.float64], significant: int) -> str:
+    """Return the format of numbers > 0 that shows so many digits of each of the three least powers of ten.
+
+    It is empty where that needs exponents.
+    """
+    power, most = (math.floor(math.log10(float(end))) for end in (values.min(), values.max()))
+    if power not in _PLAIN or most not in _PLAIN:
+        return ""
+    zeros = ["0" * max(significant - 1 - power - i, 0) for i in range(3)]
+    least, middle, rest = (f"0.{some}" if some else "0" for some in zeros)
+    return f"[<{10.0 ** (power + 1):.10g}]{least};[<{10.0 ** (power + 2):.10g}]{middle};{rest}"
 
 
 def _colour_scale(picture: _Picture, known: NDArray[np.float64]) -> dict[str, Any]:

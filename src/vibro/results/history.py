@@ -24,7 +24,9 @@ import numpy as np
 from vibro.core.codes import LETTERS, Mode
 from vibro.core.compiled import doors
 from vibro.core.motions import Moments
-from vibro.errors import VibroError, shown
+from vibro.errors import VibroError, cut, shown
+from vibro.html_tables import amount, html_table
+from vibro.quantities import LENGTH
 from vibro.reals import NotRealError, real_array
 from vibro.results.phase_tables import phase_table
 from vibro.waveforms import PiecewiseMotion
@@ -158,7 +160,7 @@ class Sample:
     gap: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class History:
     """The motion of one body on one trough, exact at any time; made by ``vibro.simulate``.
 
@@ -187,6 +189,32 @@ class History:
     _motion: Motion
     _grid: Grid
 
+    def __repr__(self) -> str:
+        """Say how long it is: ``<History of 0.667 s: 21 phases, of which F_ repeat>``."""
+        repeats = f", of which {cut(self.pattern)} repeat" if self.pattern else ""
+        return f"<History of {amount(self.end, 's')}: {self._count} phases{repeats}>"
+
+    def _repr_html_(self) -> str:
+        """Return its duration, its phases and what repeats as a table for notebooks."""
+        period = self.period_cycles
+        rows = [
+            ("duration", amount(self.end, "s")),
+            ("phases", str(self._count)),
+            ("pattern", cut(self.pattern) or "none repeats"),
+        ]
+        if period:
+            rows += [
+                ("repeats from", amount(self.settles_at, "s")),
+                ("period", f"{period} drive cycle{'s' * (period > 1)}"),
+                ("displacement per cycle", amount(LENGTH.from_si(self.cycle_displacement), LENGTH.unit)),
+            ]
+        return html_table("history", rows)
+
+    @property
+    def _count(self) -> int:
+        """Number of phases until the end, repeated ones included."""
+        return int(self._place(np.array([self.end]), "left")[0]) + 1
+
     @property
     def pattern(self) -> str:
         """Kinds of the phases that repeat."""
@@ -214,8 +242,7 @@ class History:
     @cached_property
     def phases(self) -> tuple[Phase, ...]:
         """Every phase until the end, the last one cut there; repeated cycles are spelt out."""
-        last = int(self._place(np.array([self.end]), "left")[0])
-        places = np.arange(last + 1)
+        places = np.arange(self._count)
         row, count = self._row(places)
         legs = self._motion.legs
         length, speed = self._units
@@ -227,7 +254,7 @@ class History:
         end_velocity = speed * legs.end_velocity[row]
         end_velocity[-1] = final.velocity
         impact = speed * legs.impact[row]
-        if self.end < self._start(np.array([last + 1]))[0]:
+        if self.end < self._start(np.array([self._count]))[0]:
             impact[-1] = 0.0
         columns = (starts, ends, position, end_position, speed * legs.velocity[row], end_velocity, impact)
         kinds = (LETTERS[mode] for mode in legs.mode[row])

@@ -28,6 +28,7 @@ __all__ = [
     "ARRIVAL_TIME",
     "DERIVED",
     "MASS_RATE",
+    "NO_REGIME",
     "PARTS_RATE",
     "RESULTS",
     "SPEED_EXPONENT",
@@ -42,6 +43,10 @@ __all__ = [
 ]
 
 
+#: What people read where a body has no regime.
+NO_REGIME: Final = "no regime"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Result:
     """The description of one result.
@@ -51,7 +56,7 @@ class Result:
     name : str
         Attribute of ``SteadyCycle``.
     meaning : str
-        What it is, for people.
+        What it is, for people, in the words of every table; mathematics between dollar signs.
     symbol : str
         As in docs/theory.md, in TeX; empty if it has none.
     kind : Kind
@@ -97,12 +102,14 @@ class SteadyCycle:
     """The steady motion of bodies that start from rest; one value a scene.
 
     Every attribute has the scene's shape. A cell without an answer holds NaN and a status that says why.
+    Codes of ``regime`` and ``status`` are those of the enums ``Regime`` and ``Status``; the properties
+    ``pattern`` and ``model`` have theirs as text. ``coexists`` is -1 where no other motion was looked for.
     """
 
     regime: Codes = field(
         metadata=_described(
             "regime",
-            "what the body does, as maps class it: a `Regime`",
+            "what the body does, as maps class it",
             dtype=np.int8,
             texts=(*(regime.label for regime in Regime if regime >= 0), ""),
         )
@@ -110,7 +117,7 @@ class SteadyCycle:
     pattern_code: NDArray[np.int64] = field(
         metadata=_described(
             "pattern",
-            "phases of a cycle: H flight, F forward slide, B back slide, _ rest; `pattern` has them as text",
+            "phases of a cycle: H flight, F forward slide, B back slide, _ rest",
             dtype=np.int64,
             decode=pattern_texts,
         )
@@ -169,7 +176,7 @@ class SteadyCycle:
     period_cycles: Floats = field(
         metadata=_described(
             "period_cycles",
-            "drive cycles until the motion repeats; NaN where it does not",
+            "drive cycles until the motion repeats; none where it does not",
             symbol="m",
             in_contact=1.0,
         )
@@ -177,7 +184,7 @@ class SteadyCycle:
     mean_velocity_error: Floats = field(
         metadata=_described(
             "mean_velocity_error_mm_s",
-            "standard error of the mean speed where it is a mean over many cycles (AVERAGED), else 0",
+            "standard error of the mean speed where it is a mean over many cycles (status averaged), else 0",
             kind=SPEED,
             in_contact=0.0,
         )
@@ -185,7 +192,7 @@ class SteadyCycle:
     coexists: Codes = field(
         metadata=_described(
             "coexists",
-            "whether another motion exists (a cycle, running away): 1 yes, 0 none found, -1 not looked at",
+            "whether another motion exists (a cycle, running away): 1 yes, 0 none found, else not looked for",
             dtype=np.int8,
             texts=("0", "1", ""),
             is_flag=True,
@@ -194,7 +201,7 @@ class SteadyCycle:
     model_code: Codes = field(
         metadata=_described(
             "model",
-            "the cheapest exact model that gave the answer; `model` has it as text",
+            "the cheapest exact model that gave the answer",
             dtype=np.int8,
             texts=MODELS,
         )
@@ -202,7 +209,7 @@ class SteadyCycle:
     status: Codes = field(
         metadata=_described(
             "status",
-            "how far to trust the numbers, or why one is missing: a `Status`",
+            "how far to trust the numbers, or why one is missing",
             dtype=np.int8,
             texts=tuple(status.label for status in Status),
         )
@@ -295,7 +302,9 @@ def summary(cycle: SteadyCycle) -> list[tuple[str, str]]:
             continue
         texts = {} if result.texts is None else {**dict(enumerate(result.texts)), -1: result.texts[-1]}
         if result.is_flag:
-            texts = {1: "yes", 0: "no", -1: "not looked at"}
+            texts = {1: "yes", 0: "no", -1: "not looked for"}
+        elif result.name == "regime":
+            texts[-1] = NO_REGIME
         elif result.decode is not None:
             codes = np.unique(np.asarray(values))
             known = {**dict.fromkeys(codes.tolist(), "?"), **cycle.long_patterns}
@@ -351,7 +360,7 @@ MASS_RATE: Final = Result(
 UPRIGHT: Final = Result(
     name="upright",
     column="upright",
-    meaning="whether a part from rest keeps its base on the trough: 1 yes, 0 an edge lifts, -1 unknown",
+    meaning="whether a part from rest keeps its base on the trough: 1 yes, 0 an edge lifts, else unknown",
     dtype=np.int8,
     texts=("0", "1", ""),
     is_flag=True,

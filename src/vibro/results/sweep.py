@@ -52,7 +52,7 @@ class Column:
         From an array of codes and ``SteadyCycle.long_patterns`` to an array of texts, where there are too
         many to list.
     meaning : str, optional
-        What it is, for people.
+        What it is, for people, in plain text.
     """
 
     name: str

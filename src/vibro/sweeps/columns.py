@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-__all__ = ["Table", "chosen", "column_names", "columns_of", "listed", "records", "to_frame"]
+__all__ = ["Table", "categorical", "chosen", "column_names", "columns_of", "listed", "records", "to_frame"]
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,7 @@ def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Texts are categorical; missing numbers are NaN.
+        Texts are categorical, as ``categorical`` makes them; missing numbers are NaN.
     """
     import pandas as pd
 
@@ -218,5 +218,32 @@ def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
                 data[column.name] = np.where(np.isfinite(values), values, np.nan)
         else:
             which, texts = column.coded(block)
-            data[column.name] = pd.Categorical(texts[np.broadcast_to(which, block.shape).ravel()])
+            cells = np.broadcast_to(which, block.shape).ravel()
+            data[column.name] = categorical(column, texts.tolist(), cells)
     return pd.DataFrame(data)
+
+
+def categorical(column: Column, texts: Iterable[str], which: NDArray[np.integer[Any]]) -> Any:
+    """Return texts as data frames have them.
+
+    Parameters
+    ----------
+    column : Column
+        If it lists its texts, all of them are categories, in the order of their codes, and behind them those
+        that only another version of vibro knows; else those that occur, in the order of the alphabet.
+    texts : iterable of str
+        Those that occur, each once, or more.
+    which : int array
+        Which of ``texts`` each cell has.
+
+    Returns
+    -------
+    pandas.Categorical
+    """
+    import pandas as pd
+
+    texts = list(texts)
+    categories = sorted(texts) if column.texts is None else list(dict.fromkeys([*column.texts, *texts]))
+    codes = {text: code for code, text in enumerate(categories)}
+    places = np.array([codes[text] for text in texts], np.intp)
+    return pd.Categorical.from_codes(places[which], dtype=pd.CategoricalDtype(categories))

@@ -146,7 +146,7 @@ def _coordinates(grid: Grid, indices: Sequence[NDArray[np.intp]] | None) -> dict
 
 
 def _attributes(column: Column) -> dict[str, Any]:
-    meaning = column.meaning.replace("$", "").replace("`", "")  # of a page of mathematics
+    meaning = column.meaning
     short = meaning.replace(":", ";").partition(";")[0]
     attributes: dict[str, Any] = {"long_name": short, **({} if meaning == short else {"comment": meaning})}
     if column.is_number:
@@ -181,9 +181,10 @@ def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, 
 
     Parameters
     ----------
-    chunks : "auto" or mapping of str to int
-        Sizes by axis, which is called by key, name or letter; those that are not given are such that a block
-        has at most 1e6 cells, which lie near each other: all values of the last axes.
+    chunks : "auto", int or mapping of str to int
+        One size for every axis, or sizes by axis, which is called by key, name or letter; those that are not
+        given are such that a block has at most 1e6 cells, which lie near each other: all values of the last
+        axes.
     grid : Grid
         The axes.
     shape : sequence of int
@@ -194,12 +195,13 @@ def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, 
     InputError
         If an axis is unknown, or a size is no whole number.
     """
-    if chunks != "auto" and not isinstance(chunks, Mapping):
+    is_size = _is_size(chunks)
+    if chunks != "auto" and not is_size and not isinstance(chunks, Mapping):
         raise InputError(
-            f"chunks = {shown(chunks)}: must be 'auto' or sizes by axis",
-            hint='write it like "auto" or {"amplitude_mm": 10}',
+            f"chunks = {shown(chunks)}: must be 'auto', a whole number > 0, or sizes by axis",
+            hint='write it like "auto", 10 or {"amplitude_mm": 10}',
         )
-    given: dict[str, int] = {}
+    given: dict[str, Any] = dict.fromkeys(grid.axes, chunks) if is_size else {}
     for called, size in chunks.items() if isinstance(chunks, Mapping) else ():
         name = axis_called(called, "chunks").name
         if name not in grid.axes:
@@ -207,7 +209,7 @@ def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, 
             raise InputError(
                 f"chunks: {QUANTITIES[name].label} does not vary in this sweep", hint=f"its axes are {known}"
             )
-        if isinstance(size, bool) or not isinstance(size, int) or size < 1:
+        if not _is_size(size):
             raise InputError(
                 f"chunks: {called} = {shown(size)}: must be a whole number > 0", hint="1 is the least"
             )
@@ -217,3 +219,7 @@ def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, 
         sizes.append(min(count, given.get(name, max(room, 1))))
         room //= sizes[-1]
     return tuple(reversed(sizes))
+
+
+def _is_size(size: object) -> bool:
+    return isinstance(size, int) and not isinstance(size, bool) and size > 0

@@ -61,7 +61,7 @@ def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column
         result.texts,
         result.is_flag,
         result.decode,
-        meaning=result.meaning,
+        meaning=result.meaning.replace("$", ""),
     )
 
 

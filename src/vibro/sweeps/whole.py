@@ -98,7 +98,8 @@ class Sweep(SolvedGrid):
         pandas.DataFrame
             One row a cell, the last axis fastest; the columns of the CSV of ``vibro map``, their units in
             their names. Texts are categorical, ``coexists`` is a nullable integer, and missing
-            numbers are NaN.
+            numbers are NaN. Categories of regimes, models and statuses are all that there are, in the
+            order of their codes: from no-slip to hopping.
 
         Raises
         ------
