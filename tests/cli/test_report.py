@@ -100,6 +100,39 @@ def test_every_kind_of_drive_has_its_map_and_its_motion(run: Run, drive: tuple[o
     assert len(read.ids) == len(set(read.ids))
 
 
+def test_a_given_motion_is_listed_and_its_regime_stays_at_any_frequency(run: Run) -> None:
+    read = page(run, EXAMPLES / "slip_stick.toml")
+    assert read.row("steps along the trough")[0].endswith("0.2 of the period at -9.6 m/s²")
+    assert ["frequency", "2.5 Hz", "any", "any", "–", "–", "exact"] in read.rows
+    assert "accelerations, which are the same at any frequency" in read.text
+    assert "the frequency is that at" not in read.text
+    for frequency in ("0.01", "300"):
+        again = page(run, EXAMPLES / "slip_stick.toml", "-f", frequency)
+        assert again.row("regime") == read.row("regime")
+
+
+def test_many_harmonics_are_listed(run: Run, tmp_path: Path) -> None:
+    text = (EXAMPLES / "slip_stick_harmonics.toml").read_text(encoding="utf-8")
+    text = text.replace("[20, 5]", "[20, 5, 2]").replace("[0, -110]", "[0, -110, 30]")
+    (tmp_path / "three.toml").write_text(text, encoding="utf-8")
+    read = page(run, tmp_path / "three.toml")
+    assert read.row("amplitudes along the trough") == ["20, 5, 2 mm", "given"]
+    assert read.row("phases along the trough") == ["0, -110, 30°", "given"]
+
+
+def test_a_runaway_has_no_regime_to_keep_and_it_says_so(run: Run) -> None:
+    read = page(run, *NUT, "--trough-angle=-50")
+    assert "There is no steady motion that could be kept: the part gains speed in every cycle." in read.text
+    assert "Positive in the conveying direction" not in read.text
+
+
+def test_what_is_likely_a_slip_is_questioned_on_the_page_too(run: Run) -> None:
+    result = run("report", *NUT, "-L", "1")
+    doubt = "rough length = 1 mm is less than the stroke, 2 mm"
+    assert doubt in result.stderr
+    assert f"Is this meant? T{doubt}; for metres write -L 1m." in ReadPage(result.stdout).text
+
+
 def test_the_page_needs_nothing_else_and_users_texts_are_text(run: Run, tmp_path: Path) -> None:
     scene = tmp_path / "<b onclick=x>&amp;$_{x$.toml"
     scene.write_text((EXAMPLES / "safety_nut.toml").read_text(encoding="utf-8"), encoding="utf-8")
@@ -132,12 +165,17 @@ def test_files_and_their_record(run: Run, tmp_path: Path) -> None:
     ("args", "code", "told"),
     [
         (("-o", "out.html", *NUT), 2, "write -o out, which makes out.html"),
-        ((EXAMPLES / "design_nut.toml", "-A", "1"), 2, "it has no options of a scene"),
+        ((EXAMPLES / "design_nut.toml", "-A", "1"), 2, "leave out -A: the file's [scene] says what is known"),
+        (
+            (EXAMPLES / "design_nut.toml", "--pitch", "25mm"),
+            2,
+            "leave out --pitch: parts a minute are told",
+        ),
         ((*NUT[:-2], "-A", "0.5:2"), 2, "takes one value"),
         (("missing.toml",), 1, "cannot read missing.toml"),
         ((), 2, "missing: "),
     ],
-    ids=["suffix", "options", "axis", "file", "nothing"],
+    ids=["suffix", "options", "part", "axis", "file", "nothing"],
 )
 def test_what_is_refused(run: Run, args: tuple[object, ...], code: int, told: str) -> None:
     result = run("report", *args)

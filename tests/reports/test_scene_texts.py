@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from vibro.reports.scene_texts import (
     answer_text,
     assumptions,
     kept_rows,
-    most_sensitive,
+    motion_rows,
     next_text,
     pattern_text,
     transition_texts,
+    traverse_text,
 )
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.one_scene import OneScene
@@ -29,8 +32,8 @@ NUT = {
 }
 
 
-def at(**changes: float) -> OneScene:
-    grid = Grid({}, NUT | changes, None)
+def at(length: float | None = None, **changes: float) -> OneScene:
+    grid = Grid({}, NUT | changes, length)
     (block,) = sweep_blocks(grid)
     return OneScene(block)
 
@@ -113,7 +116,25 @@ def test_assumptions_name_what_was_not_given() -> None:
     assert assumptions({**ellipse, "normal_amplitude": 0.0}, frozenset()) == []
 
 
-def test_the_most_sensitive_input() -> None:
-    told = most_sensitive({"amplitude": 3.8, "frequency": -6.6, "trough_angle_deg": -60.0, "x": "bends"})
-    assert told == "Of 1 % more of each, the frequency counts most: 6.6 % slower."
-    assert most_sensitive({"amplitude": "rests"}) == ""
+def test_a_part_that_crosses_within_a_cycle_or_a_period_has_no_time_by_its_mean_speed() -> None:
+    one = at(600.0)
+    told = f"{600.0 / one.result('mean_velocity'):.6g} s"
+    assert traverse_text(one) == (told, "Over the trough, at the mean speed.")
+    bounces = {"amplitude": 3.0, "frequency": 30.0, "restitution": 0.3}  # every 3 drive cycles, 333 mm/s
+    assert traverse_text(at(34.0, **bounces))[0] == "0.102012 s"
+    told, meaning = traverse_text(at(33.0, **bounces))
+    assert told == "unknown"
+    assert "would be 0.0990115 s, less than one period of the motion, 0.1 s" in meaning
+    assert "less than one drive cycle, 0.0666667 s" in traverse_text(at(1.0))[1]
+    assert traverse_text(at(600.0, amplitude=0.3))[0].startswith("never: the body rests")
+
+
+def test_motions_are_listed_as_they_were_given() -> None:
+    table: dict[str, list[Any]] = {
+        "along_steps": [[0.8, 2.4], [0.2, -9.6]],
+        "normal_samples_mm": [0.5] * 7 + [0.1] * 5,
+    }
+    assert motion_rows(table) == [
+        ("steps along the trough", "0.8 of the period at 2.4 m/s², 0.2 of the period at -9.6 m/s²"),
+        ("samples normal to the trough", "0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.1 mm and 4 more"),
+    ]

@@ -17,7 +17,7 @@ from vibro.cli.tables import MassOption, PitchOption, part_of, throughput_of
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     Write = Callable[[str, Mapping[str, Any]], None]
@@ -45,11 +45,28 @@ def report_command(
     if options.scene is not None and kind_of(read_toml(options.scene)) is DESIGN_FILE:
         if options.given or part:
             raise InputError(
-                f"{options.scene} is {DESIGN_FILE.meaning}: it has no options of a scene",
-                hint="leave them out, or write them into the file",
+                f"{options.scene} is {DESIGN_FILE.meaning}; it has no options of a scene",
+                hint=_remedy(options.given, part),
             )
         return _report_design(options.scene, options, context.obj, console)
     return _report_scene(options, context.obj, part, console)
+
+
+def _remedy(given: Iterable[str], part: Mapping[str, float]) -> str:
+    """Say where a question says what options say of a scene, and of what it says nothing."""
+    from vibro.quantities import QUANTITIES
+
+    hints = []
+    if names := ", ".join(QUANTITIES[name].options[0] for name in given):
+        hints.append(
+            f"leave out {names}: the file's [scene] says what is known, its [[drive]] what may be set"
+        )
+    if part:
+        names = "--pitch and --mass" if len(part) > 1 else "--pitch"
+        hints.append(
+            f"leave out {names}: parts a minute are told of a scene, such as a setting of the answer"
+        )
+    return "\n".join(hints)
 
 
 def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, float], console: Console) -> int:

@@ -1,4 +1,4 @@
-"""Sensitivity of the mean speed to small changes of each input."""
+"""What small changes of each input do to the mean speed: as derivatives, and as solved again."""
 
 from __future__ import annotations
 
@@ -15,11 +15,15 @@ from vibro.slopes import displacement_gradient
 from vibro.steady import solve
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from vibro.results.steady import SteadyCycle
 
-__all__ = ["speed_costs"]
+__all__ = ["changed_cycles", "speed_costs"]
 
 _STEP: Final = 1e-5  # [1, rad] step of the finite differences
+_CHANGED: Final = 0.01  # [1] an input is raised by this share of it, or an angle by 1 deg
+_RAISED: Final = 0.1  # [1] and the whole drive by this share
 # Slopes below and above a setting differ by less than this share of the larger one where the speed is smooth.
 _SMOOTH: Final = 0.05
 _JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
@@ -68,10 +72,7 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     the jumps where slip begins or back slip enters. Other drives and bodies that hop use finite differences,
     and have a number where these agree below and above the scene.
     """
-    if scene.shape:
-        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    is_line = scene.arrays().can(Ability.PROOF)
-    inputs = _OF_LINES if is_line else _OF_ELLIPSES if scene.motion is None else _OF_MOTIONS
+    is_line, inputs = _inputs(scene)
     names = {name: name + "_deg" * is_angle for name, is_angle in inputs.items()}
     cycle = solve(scene)
     if why := _why_none(cycle):
@@ -90,6 +91,58 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     }
 
 
+def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
+    """Solve a scene, and again with a little more of each input, and with more of the whole drive.
+
+    Derivatives hold within the pattern of a scene. Where bodies hop, 1 % leads into other patterns; and where
+    they rest, hop irregularly or stand beside a threshold, there is no derivative at all.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point, of shape ().
+
+    Returns
+    -------
+    names : list of str
+        Inputs that are changed, as ``speed_costs`` names them: by 1 %, those that end in ``_deg`` by 1 deg.
+        The last one is ``drive``: its amplitudes are 10 % larger.
+    cycle : SteadyCycle
+        Of shape (1 + len(names),): the scene itself is first. Cells that cannot be are infeasible.
+
+    Raises
+    ------
+    SceneError
+        If the scene is more than one operating point.
+    """
+    is_line, inputs = _inputs(scene)
+    given = _fields(scene)
+    along = ["amplitude"] if is_line else ["along_amplitude", "normal_amplitude"]
+    drive = along if scene.motion is None else ["motion_scale"]
+    changed = {name: np.full(len(inputs) + 2, given[name]) for name in [*inputs, *drive]}
+    for cell, (name, is_angle) in enumerate(inputs.items(), 1):
+        changed[name][cell] += math.radians(1.0) if is_angle else _CHANGED * given[name]
+    for name in drive:
+        changed[name][-1] *= 1.0 + _RAISED
+    names = [name + "_deg" * is_angle for name, is_angle in inputs.items()]
+    return [*names, "drive"], solve(Scene.allowing_infeasible(**{**given, **changed}))
+
+
+def _inputs(scene: Scene) -> tuple[bool, Mapping[str, bool]]:
+    """Return whether a drive moves along a line, and its inputs: whether each is an angle."""
+    if scene.shape:
+        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    is_line = scene.arrays().can(Ability.PROOF)
+    return is_line, _OF_LINES if is_line else _OF_ELLIPSES if scene.motion is None else _OF_MOTIONS
+
+
+def _fields(scene: Scene) -> dict[str, Any]:
+    """Return the fields of a scene as ``Scene`` takes them."""
+    members = scene.arrays().members()
+    fields: dict[str, Any] = {known: float(x) for field, known, x in members if field == known}
+    return fields if scene.motion is None else {**fields, "motion": scene.motion}
+
+
 def _why_none(cycle: SteadyCycle) -> str:
     """Return why the speed of a cycle has no sensitivities; empty where it may have some."""
     status = Status(int(cycle.status))
@@ -104,11 +157,8 @@ def _why_none(cycle: SteadyCycle) -> str:
 
 def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
     """Return the change of the speed with one input by finite differences, or why it is not smooth there."""
-    members = scene.arrays().members()
-    fields: dict[str, Any] = {known: float(x) for field, known, x in members if field == known}
+    fields = _fields(scene)
     value = fields[name]
-    if scene.motion is not None:
-        fields["motion"] = scene.motion
     step = _STEP if is_angle else _STEP * value
     cycle = solve(Scene.allowing_infeasible(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
     # at mu_d = mu_s both slopes are taken on the side that can be

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vibro.core.codes import Status
 from vibro.errors import VibroError
 from vibro.explore.state import initial_state
-from vibro.inverse.costs import speed_costs
+from vibro.files.motions import harmonic_lists
 from vibro.inverse.friction_windows import MOST_FRICTION
 from vibro.motion.histories import simulate
 from vibro.motion.trace import trace
 from vibro.plots import map_figures
 from vibro.plots.history import choose_panels, history_figure
-from vibro.quantities import LENGTH, QUANTITIES, SCALE, TOLD_HARMONICS, counted_harmonics
-from vibro.reports.design_texts import cost_rows
+from vibro.quantities import LENGTH, QUANTITIES, SCALE, counted_harmonics
+from vibro.reports.change_texts import change_texts
 from vibro.reports.page import Page, Section, Table
 from vibro.reports.pictures import picture
 from vibro.reports.scene_texts import (
@@ -25,24 +26,24 @@ from vibro.reports.scene_texts import (
     answer_text,
     assumptions,
     kept_rows,
-    most_sensitive,
+    motion_rows,
     next_text,
     pattern_text,
     speed_per_minute,
     transition_texts,
+    traverse_text,
     valued,
 )
 from vibro.sweeps.derived import WITH_STROKE
 from vibro.sweeps.one_scene import (
     OneScene,
-    estimate,
     facts_of,
-    motion_text,
     number,
     phase_rows,
     throughput_text,
 )
 from vibro.sweeps.run import sweep_picture
+from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -139,9 +140,11 @@ def _highlights(
 
 
 def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Iterator[Section]:
+    doubt, _, remedy = report.point.doubt().partition(": ")
     yield Section(
         title="Operating point",
         is_half=True,
+        texts=[f"Is this meant? {doubt.capitalize()}; {remedy}."] if doubt else [],
         tables=[Table("The drive, the trough and the part", (), [*_inputs(report, one, facts)])],
     )
     yield Section(
@@ -150,25 +153,16 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
         tables=[Table("Steady motion", (), [*_results(report, one, facts)])],
     )
     if said := transition_texts(one):
+        has_frequencies = not any(math.isnan(t.frequency) for t in one.transitions())
+        at = "; the frequency is that at the present amplitude" if has_frequencies else ""
         yield Section(
             title="What comes next, and how far it is",
             is_half=True,
-            texts=["The drive is scaled as a whole here; the frequency is that at the present amplitude."],
+            texts=[f"The drive is scaled as a whole here{at}."],
             items=said,
         )
-    yield _sensitivities(one, facts)
-    if rows := kept_rows(one):
-        yield Section(
-            title="What keeps the regime",
-            tables=[
-                Table(f"One at a time, all else being as it is: {one.regime.label} stays", rows[0], rows[1:])
-            ],
-            notes=[
-                "Exact: by closed forms or proofs, to rounding; ends are rounded inwards. Searched: others"
-                " may be missed between the values that were tried. Static friction is looked at up to"
-                f" {MOST_FRICTION:g}."
-            ],
-        )
+    yield _changes(one)
+    yield _kept(one)
     yield _maps(report, one)
     yield _motion(report, one)
     phases = phase_rows(one)
@@ -186,18 +180,19 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
 
 def _inputs(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Iterator[tuple[str, ...]]:
     """List the quantities of the scene, and what follows from them at once."""
-    if report.point.motion is not None:
-        yield "motion of the trough", motion_text(one.scene), "given"
-    for name, value in one.given.items():
+    shown, lists = one.given, {} if report.point.motion is None else report.point.motion.table
+    if counted_harmonics(one.given):
+        lists, shown = harmonic_lists(one.given)
+    for key, told in motion_rows(lists):
+        yield key, told, "given"
+    for name, value in shown.items():
         quantity = QUANTITIES[name]
-        if quantity.order > TOLD_HARMONICS or (name == SCALE and value == 1.0):
+        if name == SCALE and value == 1.0:
             continue
         source = "given" if name in report.given else "assumed"
         if name == "kinetic_friction" and "friction_ratio" in one.given:
             source = "from the ratio"
         yield quantity.label, valued(name, value), source
-    for told in counted_harmonics(one.given):
-        yield "motion of the trough", told, "given"
     if report.point.length is not None:
         yield "trough length", valued("trough_length", report.point.length), "given"
     yield "stroke", number(one.value(WITH_STROKE), LENGTH.unit), "peak to peak, at most"
@@ -218,11 +213,11 @@ def _results(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> It
     for name, told in facts.items():
         if name in MEANINGS:
             per_minute = speed_per_minute(one) if name == "mean speed" else ""
-            yield name, f"{told} = {per_minute}" if per_minute else told, MEANINGS[name]
+            is_none = name == "mean speed" and not per_minute
+            meaning = "" if is_none else MEANINGS[name]
+            yield name, f"{told} = {per_minute}" if per_minute else told, meaning
     if report.point.length is not None:
-        time = one.traverse_time
-        told = one.why_never() if time is None else estimate(time, time * one.relative_error, "s")
-        yield "traverse time", told, MEANINGS["traverse time"]
+        yield "traverse time", *traverse_text(one)
     if told := throughput_text(one, report.part):
         yield "throughput", told, MEANINGS["throughput"]
 
@@ -254,21 +249,32 @@ def _maps(report: SceneReport, one: OneScene) -> Section:
     )
 
 
-def _sensitivities(one: OneScene, facts: Mapping[str, str]) -> Section:
-    costs = speed_costs(one.scene)
-    title, larger = "What the speed depends on", facts.get("sensitivity")
-    texts = [f"{larger}."] if larger else []
-    reasons = {cost for cost in costs.values() if isinstance(cost, str)}
-    if len(reasons) == 1 and all(isinstance(cost, str) for cost in costs.values()):
-        told = f"Small changes have no known effect: {reasons.pop()}."
-        return Section(title=title, is_half=True, texts=[*texts, told])
-    head, *rows = cost_rows(costs, "scale" if SCALE in one.driven else "amplitude")
-    return Section(
-        title=title,
-        is_half=True,
-        texts=[*texts, most_sensitive(costs)],
-        tables=[Table("Small changes, one at a time", (head[0], "the mean speed changes by"), rows, True)],
+def _changes(one: OneScene) -> Section:
+    texts, rows = change_texts(one)
+    caption = "One change at a time, solved again" + ", with standard errors" * any(
+        "+-" in r[1] for r in rows
     )
+    tables = [Table(caption, rows[0], rows[1:], len(rows[0]) == 2)] if rows else []
+    return Section(title="What the speed depends on", is_half=True, texts=texts, tables=tables)
+
+
+def _kept(one: OneScene) -> Section:
+    title, rows = "What keeps the regime", kept_rows(one)
+    if not rows:
+        why = "the part gains speed in every cycle" if one.runs else one.status.message
+        return Section(title=title, texts=[f"There is no steady motion that could be kept: {why}."])
+    notes = [
+        "Exact: by closed forms or proofs, to rounding; ends are rounded inwards. Searched: others"
+        " may be missed between the values that were tried. Static friction is looked at up to"
+        f" {MOST_FRICTION:g}."
+    ]
+    if isinstance(one.scene.motion, PiecewiseMotion):
+        notes.append(
+            "The file gives accelerations, which are the same at any frequency: so is the regime,"
+            " while strokes and speeds change."
+        )
+    caption = f"One at a time, all else being as it is: {one.regime.label} stays"
+    return Section(title=title, tables=[Table(caption, rows[0], rows[1:])], notes=notes)
 
 
 def _motion(report: SceneReport, one: OneScene) -> Section:

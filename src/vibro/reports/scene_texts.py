@@ -4,39 +4,51 @@ from __future__ import annotations
 
 import math
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.explore.words import unit_of
 from vibro.inverse.friction_windows import friction_windows
 from vibro.quantities import QUANTITIES, SCALE
 from vibro.sweeps.one_scene import bound, estimate, number
+from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from vibro.inverse.friction_windows import FrictionWindow
     from vibro.limits import Transition
     from vibro.sweeps.one_scene import OneScene
 
 __all__ = [
+    "DOES",
     "LIMITS",
     "MEANINGS",
     "REGIMES",
     "answer_text",
     "assumptions",
     "kept_rows",
-    "most_sensitive",
+    "motion_rows",
     "next_text",
     "pattern_text",
     "speed_per_minute",
     "transition_texts",
+    "traverse_text",
     "valued",
 ]
 
 _MOST_PHASES: Final = 8  # in a sentence
+_MOST_ITEMS: Final = 8  # of a list
 _NOTHING: Final = "\N{EN DASH}"
 _PER_MINUTE: Final = 0.06  # [m/min] of 1 mm/s
+# What the lists of a motion hold, and their units, by what follows the direction in their keys.
+_LISTED: Final[Mapping[str, tuple[str, str]]] = {
+    "steps": ("steps", " m/s²"),
+    "samples_m_s2": ("samples", " m/s²"),
+    "samples_mm": ("samples", " mm"),
+    "amplitudes_mm": ("amplitudes", " mm"),
+    "phases_deg": ("phases", "°"),
+}
 #: What a regime means for the part.
 REGIMES: Final[Mapping[Regime, str]] = {
     Regime.UNDEFINED: "It has none.",
@@ -55,7 +67,6 @@ MEANINGS: Final[Mapping[str, str]] = {
     "impact speed": "How hard the part lands: noise, wear, damage.",
     "repeats": "",
     "throughput": "In one row, none pushed by another.",
-    "traverse time": "Over the trough, at the mean speed.",
 }
 _BEGINS: Final[Mapping[str, str]] = {
     "forward slip": "begins to slide forward",
@@ -78,11 +89,12 @@ _ENDS: Final[Mapping[str, tuple[str, str]]] = {
     "back slip": ("the part no longer slips back", "the part slips back"),
     "hopping": ("the part stays on the trough", "the part hops"),
 }
-_BEYOND: Final[Mapping[Regime, str]] = {
-    Regime.NO_SLIP: "the part rests",
-    Regime.FORWARD_SLIP: "the part slides forward",
-    Regime.BACK_SLIP: "the part slips back",
-    Regime.HOPPING: "the part hops",
+#: What the part does in a regime.
+DOES: Final[Mapping[Regime, str]] = {
+    Regime.NO_SLIP: "rests",
+    Regime.FORWARD_SLIP: "slides forward",
+    Regime.BACK_SLIP: "slips back",
+    Regime.HOPPING: "hops",
 }
 _ASSUMED: Final[Mapping[str, str]] = {
     "trough_angle": "The trough is level (trough angle {}).",
@@ -178,15 +190,46 @@ def _or_at(t: Transition) -> str:
     return "" if math.isnan(t.frequency) else f", or at {number(t.frequency, 'Hz')},"
 
 
-def most_sensitive(costs: Mapping[str, float | str]) -> str:
-    """Name the input of which a small change counts most; empty where no sensitivity is known."""
-    known = {name: cost for name, cost in costs.items() if not isinstance(cost, str) and name[-4:] != "_deg"}
-    if not known:
-        return ""
-    name = max(known, key=lambda name: abs(known[name]))
-    word = "faster" if known[name] > 0.0 else "slower"
-    label = QUANTITIES[name].label
-    return f"Of 1 % more of each, the {label} counts most: {abs(known[name]):.3g} % {word}."
+def traverse_text(one: OneScene) -> tuple[str, str]:
+    """Say how long the part takes over the trough, and what that means.
+
+    The mean speed says so only of parts that take longer than a cycle, and than a period of their motion.
+    """
+    time = one.traverse_time
+    if time is None:
+        return one.why_never(), ""
+    cycle, period = 1.0 / float(one.scene.frequency), one.period
+    if time >= cycle and not time < period:
+        return estimate(time, time * one.relative_error, "s"), "Over the trough, at the mean speed."
+    within = f"one drive cycle, {number(cycle, 's')}"
+    if period > cycle:
+        within = f"one period of the motion, {number(period, 's')}"
+    return "unknown", (
+        f"At the mean speed it would be {number(time, 's')}, less than {within}: the mean is no guide."
+    )
+
+
+def motion_rows(table: Mapping[str, Sequence[Any]]) -> list[tuple[str, str]]:
+    """List a motion as a file gives it, a row for each direction; of long lists the first values.
+
+    Parameters
+    ----------
+    table : mapping of str to sequence
+        Steps, samples, or amplitudes and phases of harmonics, by their keys in scene files.
+    """
+    rows = []
+    for key, values in table.items():
+        way, _, what = key.partition("_")
+        kind, unit = _LISTED[what]
+        if what == "steps":
+            items = [f"{share:.15g} of the period at {size:.15g}{unit}" for share, size in values]
+        else:
+            items = [f"{value:.15g}" for value in values]
+        left = len(items) - _MOST_ITEMS
+        told = ", ".join(items[:_MOST_ITEMS]) + unit * (what != "steps")
+        where = "normal to the trough" if way == "normal" else "along the trough"
+        rows.append((f"{kind} {where}", f"{told} and {left} more" if left > 0 else told))
+    return rows
 
 
 def kept_rows(one: OneScene) -> list[tuple[str, ...]]:
@@ -232,8 +275,11 @@ def _kept_drives(one: OneScene) -> list[tuple[str, ...]]:
         first = "any" if not low else f"{bound(low, upper=True)} ×"
         last = "any" if math.isinf(high) else f"{bound(high, upper=False)} ×"
         rows.append((one.all_amplitudes, "1 ×", first, last, below, above, known))
-    if not any(math.isnan(t.frequency) for t in changes):
-        frequency = one.given["frequency"]
+    frequency = one.given["frequency"]
+    if isinstance(one.scene.motion, PiecewiseMotion):  # its accelerations are the same at any frequency
+        told = ("any", "any", _NOTHING, _NOTHING, "exact")
+        rows.append(("frequency", number(frequency, "Hz"), *told))
+    else:
         first = "any" if not low else bound(frequency * math.sqrt(low), "Hz", upper=True)
         last = "any" if math.isinf(high) else bound(frequency * math.sqrt(high), "Hz", upper=False)
         rows.append(("frequency", number(frequency, "Hz"), first, last, below, above, known))
@@ -252,7 +298,7 @@ def _beyond(end: Regime | Status, own: Regime) -> str:
         return "the part no longer slips back"
     if isinstance(end, Status):  # a code of its own, which may equal that of a regime
         return "the part runs away" if end is Status.RUNAWAY else "it has no steady motion"
-    return _BEYOND[end]
+    return f"the part {DOES[end]}"
 
 
 def valued(name: str, value: float) -> str:

@@ -130,6 +130,22 @@ class OneScene:
         return error / abs(float(self._cycle.mean_velocity)) if error > 0.0 else 0.0
 
     @property
+    def is_certain(self) -> bool:
+        """Whether it is sure which way the body is conveyed."""
+        return self.relative_error <= _LEAST_CERTAIN
+
+    @property
+    def is_still(self) -> bool:
+        """Whether what the body is conveyed is nothing but rounding."""
+        size = LENGTH.from_si(float(self.scene.scale))
+        return bool(abs(self.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * size)
+
+    @property
+    def period(self) -> float:
+        """Time after which the steady motion repeats; NaN where that is never, or not soon [s]."""
+        return float(self._cycle.period_cycles) / float(self.scene.frequency)
+
+    @property
     def arrival_time(self) -> float:
         """Time from rest at trough phase 0 to the arrival; inf where there is none, NaN if unknown [s]."""
         arrival = self._block.arrival
@@ -211,7 +227,7 @@ class OneScene:
             return f"none at a mean speed: the body runs {self.runs}, and gains speed every cycle"
         if math.isnan(speed):
             return f"unknown: {self.status.message}"
-        if self.relative_error > _LEAST_CERTAIN:
+        if not self.is_certain:
             return "unknown: the standard error leaves open which way the mean speed goes"
         if speed < 0:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
@@ -311,11 +327,9 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised_amplitudes}, coexistence=False))
     raised = OneScene(block)
     then = raised.result("mean_velocity")
-    size = LENGTH.from_si(float(one.scene.scale))
-    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * size
     if math.isnan(then):
         told = f"speed unknown ({raised.status.message})"
-    elif not still and then / speed > 0.0:
+    elif not one.is_still and then / speed > 0.0:
         gain = then / speed
         error = 100.0 * gain * math.hypot(one.relative_error, raised.relative_error)
         told = f"{round(100.0 * (gain - 1.0), _TOLD):+z.3g} % speed"
