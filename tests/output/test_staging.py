@@ -352,9 +352,10 @@ from vibro.interrupts import end_on_signals
 
 end_on_signals()
 link = os.link
-def link_and_signal(path, target):
-    link(path, target)
-    os.kill(os.getpid(), signal.SIGTERM)
+def link_and_signal(path, target, **more):
+    link(path, target, **more)
+    if Path(target).name == "x.csv":
+        os.kill(os.getpid(), signal.SIGTERM)
 os.link = link_and_signal
 put(Path(sys.argv[1]))
 """
