@@ -108,7 +108,7 @@ def test_headings_are_inside(row: SweepResult, name: str) -> None:
     figure = titled(row, name)
     first, second = figure.get_suptitle().split("\n")
     assert first.startswith("Mean conveying speed – ")
-    assert second == r"$f$ = 15 Hz, $\alpha$ = 20°, $\mu_s$ = 0.74, $\mu_d$ = 0.57"
+    assert second == r"$f$ = 15 Hz, $\alpha$ = 20°, $\mu_s$ = 0.74, $\mu_d$ = 0.57, $e$ = 0"
     assert_heading_is_inside(figure)
 
 

@@ -22,7 +22,7 @@ from vibro.output.staging import Staging
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import records
-from vibro.sweeps.one_scene import OneScene, estimate, number
+from vibro.sweeps.one_scene import OneScene, bounce_text, estimate, number
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
 
@@ -337,5 +337,7 @@ def conclude(tally: Tally, grid: Grid, console: Console) -> int:
         for regime in Regime:
             if tally.regime[regime]:
                 console.echo(f"{regime.label or NO_REGIME:>12} {tally.regime[regime] / size:7.1%}")
+        if tally.regime[Regime.HOPPING] and grid.flight and grid.fixed.get("restitution") == 0.0:
+            console.echo(f"restitution {bounce_text(0.0)}; --restitution changes that")
         tell_peaks(tally, grid, console)
     return ExitCode.UNRESOLVED if tally.status[Status.UNRESOLVED] else ExitCode.DONE

@@ -133,7 +133,7 @@ def headline(heading: str, result: SweepResult) -> str:
 
 def below(result: SweepResult, values: Mapping[str, float]) -> str:
     """Return the line under a headline: given quantities and, if all rests, where motion begins."""
-    return "\n".join(filter(None, [values_text(values), result.rest_text]))
+    return "\n".join(filter(None, [values_text(values, hops=result.hops), result.rest_text]))
 
 
 def set_heading(figure: Figure, headline: str, below: str = "") -> None:

@@ -221,7 +221,7 @@ def history_figure(
                 beside.legend(handles=[*curves, *others], loc="center left")
         else:
             _add_legend(figure, curves, others)
-        set_heading(figure, title, values_text(given))
+        set_heading(figure, title, values_text(given, hops="H" in kinds))
         return figure
 
 

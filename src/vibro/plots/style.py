@@ -249,16 +249,17 @@ def value_text(name: str, value: float) -> str:
     return number_text(value) + ("" if sign in ("°", "") else " ") + sign
 
 
-def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> str:
+def values_text(values: Mapping[str, float], *, all_of_them: bool = False, hops: bool = False) -> str:
     """Write quantities in the user's units, in the order of tables: ``α = 20°, f = 15 Hz``.
 
     Quantities with their usual value are left out unless all are asked for, and so are harmonics from the
-    third on, which are counted.
+    third on, which are counted. Restitution is never left out where bodies hop.
     """
     parts = [
         f"${quantity.symbol}$ = {value_text(name, values[name])}"
         for name, quantity in QUANTITIES.items()
-        if name in values and (all_of_them or quantity.default != values[name])
+        if name in values
+        if all_of_them or quantity.default != values[name] or (hops and name == "restitution")
         if quantity.order <= TOLD_HARMONICS or all_of_them
     ]
     return ", ".join([*parts, *counted_harmonics(values)])

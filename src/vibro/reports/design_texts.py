@@ -103,7 +103,12 @@ def question_facts(spec: Spec, result: DesignResult) -> list[tuple[str, str]]:
         ("goal", _goal(spec)),
         ("met by", ", ".join(met) or "no drive"),
         ("parts", ", ".join(_span(name, spec.bands[name]) for name in spec.bands if "friction" in name)),
-        ("trough", ", ".join(_trough(spec))),
+        (
+            "trough",
+            ", ".join(
+                _trough(spec, hops=any(d.highest_regime == Regime.HOPPING.label for d in result.designs))
+            ),
+        ),
         ("drift", ", ".join(_drift(spec)) or "none"),
     ]
 
@@ -140,13 +145,13 @@ def _given(value: float) -> str:
     return f"{value:.15g}"
 
 
-def _trough(spec: Spec) -> list[str]:
+def _trough(spec: Spec, *, hops: bool) -> list[str]:
     parts = [_span("trough_angle", spec.bands.get("trough_angle", (0.0, 0.0)))]
     if spec.length is not None:
         parts.append(_span("trough_length", (spec.length, spec.length)))
     for name in ("gravity", "restitution"):
         value = getattr(spec, name)
-        if value != QUANTITIES[name].default:
+        if value != QUANTITIES[name].default or (hops and name == "restitution"):
             parts.append(_span(name, (value, value)))
     return parts
 

@@ -180,6 +180,11 @@ class SweepResult:
         return tuple(len(axis) for axis in self.axes.values())
 
     @property
+    def hops(self) -> bool:
+        """Whether a body hops in any cell."""
+        return bool(np.any(self.cycle.regime == Regime.HOPPING))
+
+    @property
     def rest_text(self) -> str:
         """Where motion begins, if every body rests; else empty."""
         rests = np.all(at_rest(self.cycle))

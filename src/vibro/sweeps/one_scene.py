@@ -11,6 +11,7 @@ import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.limits import transitions
+from vibro.motion.histories import simulate
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import (
     AMPLITUDES,
@@ -23,6 +24,7 @@ from vibro.quantities import (
     scene_fields,
 )
 from vibro.scene import Scene
+from vibro.steady import solve
 from vibro.sweeps.derived import (
     LEAST_DIFFERENCE,
     WITH_ACCELERATION,
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
 __all__ = [
     "OneScene",
     "beginnings",
+    "bounce_text",
     "bound",
     "estimate",
     "facts_of",
@@ -57,6 +60,7 @@ _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
 _TOLD: Final = 9  # decimals of a percentage, below which there is rounding alone
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
+_FIRST: Final = 1000  # drive cycles of an undisturbed body that are told beside a mean
 _SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 
 
@@ -91,6 +95,10 @@ class OneScene:
         self.status = Status(int(block.cycle.status.item()))
         self._block = block
         self._cycle = block.cycle
+        self._coexists = int(self._cycle.coexists)
+        if self.status is Status.AVERAGED and self._coexists < 0:
+            # The mean may be one over several motions: look for those that repeat, at the cost of a few ms.
+            self._coexists = int(solve(self.scene, coexistence=True).coexists)
 
     def value(self, column: Column) -> float:
         """Return the number that a table has in a column."""
@@ -182,7 +190,16 @@ class OneScene:
         known = estimate(speed, self.result("mean_velocity_error"), "mm/s")
         unknown = f"none: it gains speed every cycle, {self.runs}" if self.runs else "unknown"
         facts.append(("mean speed", unknown if math.isnan(speed) else known))
+        if self.status is Status.AVERAGED:
+            facts.append(("from rest", f"{number(self._at_first(), 'mm/s')} in the first {_FIRST} cycles"))
+        if self._cycle.flight_fraction > 0.0:
+            facts.append(("restitution", bounce_text(self.given["restitution"])))
         return facts
+
+    def _at_first(self) -> float:
+        """Return the mean speed of an undisturbed body in its first cycles from rest [mm/s]."""
+        last = simulate(self.scene, cycles=_FIRST).phases[-1]
+        return float(LENGTH.from_si(last.end_position / last.end))
 
     @property
     def runs(self) -> str:
@@ -194,12 +211,14 @@ class OneScene:
 
     def _other_motions(self) -> str:
         """Describe other motions of a disturbed body; empty if none exist, or none were searched for."""
-        if self._cycle.coexists > 0:
+        if self._coexists > 0:
             slope, mu_d = math.tan(float(self.scene.trough_angle)), float(self.scene.kinetic_friction)
             if abs(slope) > mu_d:
                 return "a body pushed downhill runs away: gravity along the trough exceeds kinetic friction"
+            if self.status is Status.AVERAGED:
+                return "several motions exist: one that repeats may capture a body for good, at another speed"
             return "a disturbed body can settle into another steady motion than one from rest"
-        if self._cycle.coexists == 0 and self.hops:
+        if self._coexists == 0 and self.hops:
             return "no other steady motion was found, within 64 flights from 64 disturbed starts"
         return ""
 
@@ -281,6 +300,11 @@ class OneScene:
             return ()
         phases = cycle_phases(self.scene)
         return phases if len(phases) <= _MOST_PHASES else ()
+
+
+def bounce_text(restitution: float) -> str:
+    """Say what the restitution means where a body lands."""
+    return number(restitution) + ("" if restitution else ": parts land without a bounce")
 
 
 def motion_text(scene: Scene) -> str:

@@ -1,0 +1,73 @@
+"""Restitution: every answer about parts that hop says which one it was made with; docs/restitution.md."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from helpers.commands import NUT, Run, rows_of
+
+import vibro
+
+PAGE = (Path(__file__).parents[2] / "docs" / "restitution.md").read_text(encoding="utf-8")
+HOPS = ("-A", "2", "-f", "20", "-a", "30", "--mu-s", "0.5", "--mu-d", "0.4")
+SAID = "parts land without a bounce"
+
+
+def test_the_page_tells_the_speeds_of_its_command(run: Run) -> None:
+    restitutions, speeds = (
+        [cell.strip() for cell in re.findall(r"\|([^|]+)(?=\|)", line)[1:]]
+        for line in PAGE.splitlines()
+        if line.startswith(("| $e$", "| mean speed"))
+    )
+    (command,) = re.findall(r"vibro (map .*) -o", PAGE)
+    rows = rows_of(run(*command.split(), "-o", "-").stdout)
+    assert [row["restitution"] for row in rows] == restitutions
+    for row, told in zip(rows, speeds, strict=True):
+        speed, *error = (float(number) for number in told.split(" ± "))
+        assert float(row["mean_velocity_mm_s"]) == pytest.approx(speed, abs=0.05)
+        assert float(row["mean_velocity_error_mm_s"]) == pytest.approx(sum(error), abs=0.05)
+
+
+@pytest.mark.parametrize("command", [("solve",), ("traverse-time", "-L", "600")])
+def test_a_report_says_it_where_parts_hop_alone(run: Run, command: tuple[str, ...]) -> None:
+    assert re.search(rf"^restitution +0: {SAID}$", run(*command, *HOPS).stdout, re.M)
+    assert re.search(r"^restitution +0.3$", run(*command, *HOPS, "--restitution", "0.3").stdout, re.M)
+    assert "restitution" not in run(*command, *NUT).stdout
+    assert SAID not in run(*command, *HOPS, "--flight", "off").stdout
+
+
+def test_a_sweep_says_it_where_parts_hop_alone(run: Run, no_pictures: None) -> None:
+    assert f"restitution 0: {SAID}" in run("map", *HOPS, "-A", "1,2").stderr
+    for others in (
+        ("-A", "0.1,0.2"),
+        ("-A", "1,2", "--restitution", "0.3"),
+        ("-A", "1,2", "--flight", "off"),
+    ):
+        assert SAID not in run("map", *HOPS, *others, "--force").stderr
+
+
+def test_captions_tell_it_where_parts_hop_alone() -> None:
+    at = {"frequency_hz": 20, "drive_angle_deg": 30, "static_friction": 0.5, "kinetic_friction": 0.4}
+    for amplitudes, restitution, told in (("1,2", 0.0, True), ("0.1,0.2", 0.0, False), ("1,2", 0.3, True)):
+        figure = vibro.sweep(amplitude_mm=amplitudes, restitution=restitution, **at).draw("speed")
+        assert (f"$e$ = {restitution:g}" in figure.get_suptitle()) is told
+
+
+def test_a_mean_over_several_motions_says_so_and_what_a_body_from_rest_does(run: Run) -> None:
+    captured = (*HOPS, "-A", "2.4548879", "--restitution", "0.88722670")
+    told = run("solve", *captured).stdout
+    assert "several motions exist: one that repeats may capture a body for good" in told
+    (speed,) = re.findall(r"^from rest +(\S+) mm/s in the first 1000 cycles$", told, re.M)
+    scene = vibro.Scene(
+        amplitude=2.4548879e-3,
+        frequency=20,
+        drive_angle=0.5235987755982988,
+        static_friction=0.5,
+        kinetic_friction=0.4,
+        restitution=0.8872267,
+    )
+    walked = vibro.simulate(scene, cycles=1000)
+    assert float(speed) == pytest.approx(1e3 * walked.sample(walked.end).position / walked.end, rel=1e-5)
+    assert "from rest" not in run("solve", *HOPS).stdout
