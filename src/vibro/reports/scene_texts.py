@@ -63,7 +63,6 @@ MEANINGS: Final[Mapping[str, str]] = {
     "mean speed": "Positive in the conveying direction.",
     "peak speed": "Largest, relative to the trough, either way: wear.",
     "from rest": "One part that nothing disturbs, in place of the mean over many.",
-    "restitution": "How much of its normal speed a landing part keeps.",
     "per cycle": "Travel in one drive cycle.",
     "in flight": "Off the trough.",
     "impact speed": "How hard the part lands: noise, wear, damage.",
