@@ -325,6 +325,7 @@ def test_a_terminal_sees_progress_files_and_shares(tmp_path: Path, colour: bool)
     assert run.returncode == 0
     assert "solving" in text
     assert "300/300" in text
+    assert re.search("drawing .*1/1", text)
     assert ("\x1b[38;5;" in text or "\x1b[3" in text) == colour
     lines = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]|\r(?!\n)", "", text).splitlines()  # without cursor movements
     assert [line for line in lines if line.startswith("wrote ")] == [

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from helpers.drawn import legend, only_map, patch, path_of, said, sweep, words
+from helpers.pixels import pixels
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 
 from vibro import Status
 from vibro.plots import map_figures
 from vibro.plots.style import (
-    AVERAGED_AREA_LABEL,
     AVERAGED_LABEL,
     BACKWARDS_LABEL,
     COEXISTS_LABEL,
@@ -113,13 +113,28 @@ def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepR
     velocity = np.full(nut.shape, 0.05)
     cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
     figures = map_figures(dataclasses.replace(nut, cycle=cycle, length=None))
-    found = path_of(only_map(figures["speed"]), AVERAGED_AREA_LABEL)
+    found = path_of(only_map(figures["speed"]), AVERAGED_LABEL)
     assert found.contains_points([(30, 1.3), (20, 1.3), (44.5, 1.3)]).tolist() == [True, False, False]
     amplitude, frequency = (axis.values for axis in nut.axes.values())
     rows, columns = np.nonzero(codes == Status.AVERAGED)
     assert found.contains_points(np.column_stack([frequency[columns], amplitude[rows]])).all()
-    assert AVERAGED_AREA_LABEL in legend(figures["speed"])
-    assert patch(only_map(figures["regime"]), AVERAGED_AREA_LABEL) is None
+    assert AVERAGED_LABEL in legend(figures["speed"])
+    assert patch(only_map(figures["regime"]), AVERAGED_LABEL) is None
+
+
+def test_colours_of_irregular_motion_are_read_through_its_texture() -> None:
+    result = sweep(points=151, amplitude="2:3", frequency="40:60", restitution=0.7)
+    assert (result.cycle.status == Status.AVERAGED).mean() > 0.9
+    figure = map_figures(result, ["speed"])["speed"]
+    axes = only_map(figure)
+    whole = pixels(figure).astype(float)
+    (stripes,) = [a for a in axes.collections if a.get_gid() == AVERAGED_LABEL]
+    stripes.set_visible(False)
+    box = axes.bbox
+    rows = slice(int(whole.shape[0] - box.y1) + 3, int(whole.shape[0] - box.y0) - 3)
+    inside = (rows, slice(int(box.x0) + 3, int(box.x1) - 3))
+    changed = (np.abs(whole - pixels(figure)).max(axis=2) > 8)[inside]
+    assert 0.03 < changed.mean() < 0.25
 
 
 def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -21,12 +22,12 @@ from helpers.drawn import (
     sweep,
     words,
 )
-from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
+from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize, to_rgba
 
-from vibro import Regime, Scene, solve
+from vibro import Regime, Scene, Status, solve
 from vibro.plots import map_figures
 from vibro.plots.scales import even_levels, log_levels, scale_of, time_scale
-from vibro.plots.style import AVERAGED_AREA_LABEL, BACKWARDS_LABEL
+from vibro.plots.style import AVERAGED_LABEL, BACKWARDS_LABEL, CONTOURS_STOP_LABEL, number_text
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -149,6 +150,21 @@ def test_a_diverging_scale_about_zero_where_transport_reverses(climb_pictures: d
     assert image.norm.vmin == -image.norm.vmax
 
 
+@pytest.mark.parametrize("name", ["speed", "traverse"])
+def test_no_motion_has_the_colour_of_rest(
+    climb_pictures: dict[str, Figure], climb: SweepResult, name: str
+) -> None:
+    """No-slip is white; the least speed either way, and what moves backwards without a time, are not."""
+    axes = only_map(climb_pictures[name])
+    rest = path_of(axes, "no-slip")
+    assert rest.contains_point((0.2, 0.0))
+    moving = (climb.cycle.mean_velocity != 0.0).T
+    assert image_of(axes).get_array()[moving][:, :3].min(axis=1).max() < 215
+    backwards = [p for p in axes.patches if p.get_gid() == BACKWARDS_LABEL]
+    faces = [to_rgba(patch.get_facecolor()) for patch in backwards]
+    assert all(min(face) < 0.6 for face in faces)  # coloured, or see-through
+
+
 @pytest.mark.parametrize("name", ["regime", "speed"])
 def test_where_bodies_move_backwards_is_hatched_up_to_the_line_of_zero_speed(
     climb_pictures: dict[str, Figure], climb: SweepResult, name: str
@@ -249,7 +265,7 @@ def test_no_speed_is_missing_where_bodies_hop(flights: tuple[SweepResult, dict[s
     axes = only_map(figures["speed"])
     hopping = result.cycle.regime == Regime.HOPPING
     assert hopping.mean() > 0.5
-    assert {p.get_gid() for p in axes.patches} - {AVERAGED_AREA_LABEL} == {"no-slip"}
+    assert {p.get_gid() for p in axes.patches} - {AVERAGED_LABEL} == {"no-slip"}
     speed = np.maximum(1e3 * result.cycle.mean_velocity[hopping], image_of(axes).get_clim()[0])
     np.testing.assert_array_equal(image_of(axes).get_array()[hopping], colours_of(axes, speed))
     assert curve(axes, "hop").size
@@ -287,6 +303,23 @@ def test_contours_end_where_the_period_is_longer_than_the_drives(
         assert throw_number(curve(axes, contour)).max() < 3.75
 
 
+def test_the_legend_says_why_contours_stop(
+    flights: tuple[SweepResult, dict[str, Figure]], climb_pictures: dict[str, Figure]
+) -> None:
+    # The share of time in flight follows the throw number: its contours end nowhere.
+    stop = [name for name, figure in flights[1].items() if CONTOURS_STOP_LABEL in legend(figure)]
+    assert stop == ["speed", "impact"]
+    assert all(CONTOURS_STOP_LABEL not in legend(figure) for figure in climb_pictures.values())
+
+
+def test_every_long_piece_of_a_contour_has_its_number() -> None:
+    frictions: dict[str, Any] = {"friction_ratio": 0.8, "static_friction": "0.1:1", "drive_angle": "5:60"}
+    axes = only_map(map_figures(sweep(frequency=30, **frictions), ["speed"])["speed"])
+    twice = curve(axes, "contour 120")  # on the way up and down, as the drive angle rises
+    assert np.ptp(twice[:, 0]) > 20.0
+    assert words(axes).count("120") == 2
+
+
 def test_flight_is_shown_where_there_is_one(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
     result, figures = flights
     hopping = result.cycle.regime == Regime.HOPPING
@@ -322,6 +355,32 @@ def test_a_speed_that_is_asked_for_stands_out(nut: SweepResult) -> None:
     (drawn,) = [line for line in only_map(figure).lines if line.get_gid() == "20 mm/s"]
     assert drawn.get_linewidth() > 2.0
     assert "20 mm/s" in said(figure)
+
+
+def test_cells_of_irregular_motion_that_reach_a_speed_are_outlined(nut: SweepResult) -> None:
+    """A block of means above the speed amid slower ones, and one below it: no curve leads through them."""
+    cycle = nut.cycle
+    means = {name: getattr(cycle, name).copy() for name in ("status", "period_cycles", "mean_velocity")}
+    irregular = (slice(200, 320), slice(150, 300))  # amplitude 1.7 ... 2.7 mm, frequency 28 ... 51 Hz
+    for name, value in {"status": Status.AVERAGED, "period_cycles": np.nan, "mean_velocity": 0.9}.items():
+        means[name][irregular] = value
+    means["mean_velocity"][240:280, 200:250] = 1.5
+    result = dataclasses.replace(nut, cycle=dataclasses.replace(cycle, **means))
+    axes = only_map(map_figures(result, ["speed"], level=1000.0)["speed"])
+    frequency, amplitude = curve(axes, "1000 mm/s").T
+    y, x = (axis.values for axis in nut.axes.values())
+    block = (frequency > x[199]) & (frequency < x[250]) & (amplitude > y[239]) & (amplitude < y[280])
+    ends = [(values[block].min(), values[block].max()) for values in (frequency, amplitude)]
+    np.testing.assert_allclose(
+        ends, [(x[199:201].mean(), x[249:251].mean()), (y[239:241].mean(), y[279:281].mean())], rtol=2e-3
+    )
+
+
+@pytest.mark.parametrize(("level", "where"), [(9e4, "nowhere"), (1e-9, "everywhere")])
+def test_a_speed_without_a_line_is_told_in_the_legend(level: float, where: str) -> None:
+    result = sweep(points=61, amplitude="1:2", frequency="15:20")
+    figure = map_figures(result, ["speed"], level=level)["speed"]
+    assert f"{number_text(level)} mm/s is reached {where}" in legend(figure)
 
 
 def test_no_line_of_zero_speed_where_no_speed_is_known() -> None:

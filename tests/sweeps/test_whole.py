@@ -337,3 +337,15 @@ def test_examples_and_messages_cut_long_values() -> None:
     with pytest.raises(VibroError, match="accuracy = ") as refused:
         vibro.sweep(NUT_FILE, accuracy="x" * 5000)  # type: ignore[arg-type]
     assert len(str(refused.value)) < 200
+
+
+def test_progress_is_told_as_solve_does() -> None:
+    told: list[tuple[int, int]] = []
+    vibro.sweep(
+        amplitude_mm="0.1:3:30",
+        frequency_hz="5:60:30",
+        **NUT,
+        progress=lambda done, size: told.append((done, size)),
+    )
+    assert (900, 900) in told
+    assert told[-1][0] == told[-1][1]  # of those that hop

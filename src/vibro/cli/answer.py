@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from bisect import bisect_right
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -27,13 +28,14 @@ from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import BinaryIO
 
     from matplotlib.figure import Figure
 
+    from vibro.axes import Axis
     from vibro.cli.options import Options
-    from vibro.results.sweep import Block
+    from vibro.results.sweep import Block, Peak
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
@@ -46,7 +48,9 @@ __all__ = [
     "check_stdout",
     "conclude",
     "count",
+    "drawn",
     "make_grid",
+    "peak_text",
     "tell_peaks",
     "write_sweep",
 ]
@@ -68,12 +72,23 @@ class Pictures:
     formats : sequence of str
         Such as ``png``.
     draw : callable
-        Returns the figures by name.
+        Returns the figures by name; called with what shows how many are drawn, and a note beside.
     """
 
     names: Sequence[str]
     formats: Sequence[str]
-    draw: Callable[[], Mapping[str, Figure]]
+    draw: Callable[[Callable[..., None]], Mapping[str, Figure]]
+
+
+@contextmanager
+def drawn(pictures: Pictures | None, console: Console) -> Iterator[Mapping[str, Figure]]:
+    """Draw pictures, if there are any, and show progress until they are written."""
+    if pictures is None:
+        yield {}
+        return
+    with console.progress("drawing", len(pictures.names)) as bar:
+        bar(0)
+        yield pictures.draw(bar)
 
 
 def count(number: int) -> str:
@@ -180,7 +195,8 @@ def write_sweep(
         with files.table().open("wb") as file:
             tally = write(file)
         content = sweep_record(grid, table, tally.told())
-        record = files.finish(argv, content, pictures.draw() if pictures else {})
+        with drawn(pictures, console) as figures:
+            record = files.finish(argv, content, figures)
     console.echo_all(files.told)
     if options.json:
         print(json_text(record))
@@ -321,9 +337,13 @@ def byte_count(number: float) -> str:
 def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
     """Tell which cells of a sweep are conveyed fastest, forwards and backwards."""
     for name, peak in tally.peaks.items():
-        speed = estimate(peak.speed, peak.error, "mm/s")
-        place = [f"{axis.label} {number(peak.values[axis.name], axis.unit)}" for axis in grid.axes.values()]
-        console.echo(f"{name.replace('_', ' ')}: {speed} at {', '.join(place)}")
+        console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.axes)}")
+
+
+def peak_text(peak: Peak, axes: Mapping[str, Axis]) -> str:
+    """Write how fast the fastest cell of a sweep is, and where it lies."""
+    place = [f"{axis.label} {number(peak.values[axis.name], axis.unit)}" for axis in axes.values()]
+    return f"{estimate(peak.speed, peak.error, 'mm/s')} at {', '.join(place)}"
 
 
 def conclude(tally: Tally, grid: Grid, console: Console) -> int:

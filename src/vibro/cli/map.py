@@ -45,6 +45,8 @@ from vibro.errors import FileError, InputError
 from vibro.files.nearby import suggestion
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.figure import Figure
 
     from vibro.results.sweep import Block
@@ -101,7 +103,8 @@ def map_command(
         typer.Option(
             "--speed",
             metavar="SPEED",
-            help="Draw where this speed is reached; in a map of both frictions, tell which keep it [mm/s].",
+            help="Draw where this speed is reached, and tell by which share of the cells; in a map of both"
+            " frictions, by which [mm/s].",
             show_default=False,
         ),
     ] = None,
@@ -141,15 +144,15 @@ def map_command(
     if options.scene is not None and options.scene.suffix == ".parquet":
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.answer import Pictures, make_grid, write_sweep
-    from vibro.cli.friction_window import friction_window
     from vibro.cli.request import question_length, request_of
+    from vibro.cli.target_speed import TargetSpeed, target_in_pictures
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.results.sweep import at_rest, where_motion_begins
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.request import RANGES
-    from vibro.sweeps.run import limits_of
+    from vibro.sweeps.run import DrawnCells, limits_of
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -184,12 +187,25 @@ def map_command(
     view = choose_view(grid.axes, x and axis_name(x), y and axis_name(y), held, grid.fixed)
     name = request.name or "vibro-map"
 
-    def draw() -> dict[str, Figure]:
+    target = None if level is None else TargetSpeed(grid.axes, level)
+    cells = None if sharding or options.output == "-" else DrawnCells.of(grid, view.drawn)
+    reached = ""
+
+    def draw(show: Callable[..., None]) -> dict[str, Figure]:
         from vibro.plots import map_figures
         from vibro.sweeps.run import sweep_picture
 
-        result = sweep_picture(grid, view.drawn, request.own, request.name or "")
-        return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None, level=level)
+        nonlocal reached
+        result = sweep_picture(
+            grid, view.drawn, request.own, request.name or "", cells,
+            lambda done, size: show(0, f"solving {done / size:.0%}"),
+        )  # fmt: skip
+        if target and sharding:
+            reached = target_in_pictures(result, grid.axes, target.speed)
+        y_name = view.y.name if view.y else None
+        return map_figures(
+            result, names, x=view.x.name, y=y_name, level=level, progress=lambda done, size: show(done)
+        )
 
     names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
     if grid.level is not Level.EXACT:
@@ -198,15 +214,16 @@ def map_command(
     if pictures:
         check_drawable(view)
         tell_choices(view, grid.axes, held, console)
-    window = None if level is None else friction_window(grid.axes, level)
     if sharding is not None:
-        if window:
+        if target and target.is_of_frictions:
             raise InputError(
                 "--speed: which of both frictions keep it is not told beside a folder",
                 hint="leave it out, or --table parquet",
             )
         plan = sharding.plan(grid, written, request.name or "", request.own)
         code, tally = write_sharded(plan, sharding, options, context.obj, console, name, pictures)
+        if reached:
+            console.echo(reached)
         if tally.at_rest and shards is None:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
         return code
@@ -220,12 +237,14 @@ def map_command(
     def look(block: Block) -> None:
         nonlocal moves
         moves = moves or not at_rest(block.cycle).all()
-        if window:
-            window.add(block.cycle)
+        if target:
+            target.add(block)
+        if cells:
+            cells.add(block)
 
     code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table, style)
-    if window:
-        console.echo(window.text())
+    if target:
+        console.echo(target.text())
     if not moves:
         console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
     return code

@@ -194,7 +194,7 @@ def write_sharded(
         content = {**sweep_record(plan.grid, plan.table, summary.tally.told()), "digest": summary.digest}
         written = []
         if how.shards is None:
-            written = _draw(files, pictures, content)
+            written = _draw(files, pictures, content, console)
             summary.finish(files, manifest)
     _tell(console, folder, summary, plan, written, is_range=how.shards is not None)
     if options.json:
@@ -203,19 +203,23 @@ def write_sharded(
     return conclude(summary.tally, plan.grid, console), summary.tally
 
 
-def _draw(files: ShardFolder, pictures: Pictures | None, content: Mapping[str, Any]) -> list[str]:
+def _draw(
+    files: ShardFolder, pictures: Pictures | None, content: Mapping[str, Any], console: Console
+) -> list[str]:
     """Draw pictures into the folder, under names that readers of Parquet skip; return the names."""
     if pictures is None:
         return []
+    from vibro.cli.answer import drawn
     from vibro.output.record import picture_metadata
     from vibro.plots import save
 
-    figures, drawn = pictures.draw(), []
-    for name, form in product(pictures.names, pictures.formats):
-        drawn.append(f"_{name}.{form}")
-        with files.new(drawn[-1]) as path:
-            save(figures[name], path, form, picture_metadata(content))
-    return drawn
+    written = []
+    with drawn(pictures, console) as figures:
+        for name, form in product(pictures.names, pictures.formats):
+            written.append(f"_{name}.{form}")
+            with files.new(written[-1]) as path:
+                save(figures[name], path, form, picture_metadata(content))
+    return written
 
 
 @contextlib.contextmanager

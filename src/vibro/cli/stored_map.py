@@ -11,6 +11,7 @@ from vibro.core.codes import Level
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     import typer
@@ -61,9 +62,9 @@ def map_stored(
     FileError
         If the folder cannot be read, or the files cannot be written.
     """
-    from vibro.cli.answer import tell_peaks
-    from vibro.cli.friction_window import friction_window
+    from vibro.cli.answer import Pictures, drawn, tell_peaks
     from vibro.cli.stems import output_stem
+    from vibro.cli.target_speed import target_in_pictures
     from vibro.output.record import json_text, sweep_record
     from vibro.output.shard_files import open_shards
     from vibro.output.shard_folder import manifest_of
@@ -96,14 +97,15 @@ def map_stored(
 
     said = ""
 
-    def draw() -> dict[str, Figure]:
+    def draw(show: Callable[..., None]) -> dict[str, Figure]:
         nonlocal said
         result = stored_picture(shards, view.drawn, names)
-        window = None if level is None else friction_window(result.axes, level)
-        if window and all(len(axis) == len(grid.axes[name]) for name, axis in result.axes.items()):
-            window.add(result.cycle)
-            said = window.text()
-        return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None, level=level)
+        if level is not None:
+            said = target_in_pictures(result, grid.axes, level)
+        y_name = view.y.name if view.y else None
+        return map_figures(
+            result, names, x=view.x.name, y=y_name, level=level, progress=lambda done, size: show(done)
+        )
 
     with Staging(
         output_stem(options.output, folder.resolve().name),
@@ -115,7 +117,8 @@ def map_stored(
     ) as files:
         origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
         content = {"sweep": origin, **sweep_record(grid, plan.table, shards.tally.told())}
-        record = files.finish(context.obj, content, draw())
+        with drawn(Pictures(names, wanted, draw), console) as figures:
+            record = files.finish(context.obj, content, figures)
     console.echo_all(files.told)
     tell_peaks(shards.tally, grid, console)
     if said:

@@ -6,9 +6,9 @@ from base64 import b64encode
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
-from matplotlib import colormaps
 
 from vibro.core.codes import Regime
+from vibro.plots.scales import colours_of
 from vibro.plots.style import (
     AVERAGED_LABEL,
     BACKWARDS_LABEL,
@@ -75,8 +75,8 @@ STRIPES: Final[list[dict[str, Any]]] = [
         ("coexists", _FAINT, _dots(7, 1.6)),
         ("unknown unproved", _FAINT, _dots(10, 1.0)),
         ("backwards", _INK, [_stripe(1, 0, 12, 1.0)]),
-        ("averaged", _WHITE, [_stripe(1, 1, 14, 3.6)]),
-        ("averaged", _INK, [_stripe(1, 1, 14, 2.4, 1.2)]),
+        ("averaged", _WHITE, [_stripe(1, 1, 24, 2.4)]),
+        ("averaged", _FAINT, [_stripe(1, 1, 24, 1.8, 0.6)]),
         ("preview", _WHITE, _dots(5, 1.0)),
     )
 ]
@@ -196,7 +196,7 @@ def _legend(
 
 
 def _colours_of(scale: Scale) -> NDArray[np.uint8]:
-    colours = colormaps[scale.colours](np.linspace(0.0, 1.0, _COLOURS), bytes=True)
+    colours = colours_of(scale)(np.linspace(0.0, 1.0, _COLOURS), bytes=True)
     return np.asarray(colours[:, :3])
 
 

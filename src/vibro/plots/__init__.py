@@ -15,7 +15,7 @@ from vibro.plots.style import house_style, visible
 from vibro.plots.view import View, choose_view, is_discrete, panels
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from matplotlib.figure import Figure
@@ -67,6 +67,7 @@ def map_figures(
     y: str | None = None,
     at: Mapping[str, float] | None = None,
     level: float | None = None,
+    progress: Callable[[int, int], None] = lambda done, size: None,
 ) -> dict[str, Figure]:
     """Draw a solved sweep.
 
@@ -82,6 +83,8 @@ def map_figures(
         Part of the sweep to be drawn, see ``choose_view``.
     level : float, optional
         A speed that stands out where speeds are drawn [mm/s].
+    progress : callable, optional
+        Called with the number of pictures that are drawn, and of all.
 
     Returns
     -------
@@ -98,8 +101,12 @@ def map_figures(
     groups = [[Fields(panel) for panel in curves] for curves in panels(result, view)]
     if names is None:
         names = picture_names(view, has_length=result.length is not None, on_request=False)
+    figures = {}
     with house_style():
-        return {name: _figure(name, result, view, groups, level) for name in names}
+        for name in names:
+            figures[name] = _figure(name, result, view, groups, level)
+            progress(len(figures), len(names))
+    return figures
 
 
 def _figure(

@@ -273,6 +273,11 @@ class Fields:
         points = np.column_stack([np.tile(u, len(v)), np.repeat(v, len(u))])
         return _sample(self, field, points).reshape(len(v), len(u))
 
+    def at(self, field: Floats, points: Floats) -> Floats:
+        """Return the bilinear values of a field at points (x, y) in the user's units."""
+        y = points[:, 1] if self.panel.y is None else _straightened(self.panel.y, points[:, 1])
+        return _sample(self, field, np.column_stack([_straightened(self.panel.x, points[:, 0]), y]))
+
     @property
     def _zeros(self) -> Floats:
         return np.zeros((len(self.y), len(self.x)))

@@ -25,6 +25,7 @@ __all__ = [
     "below",
     "facet_frame",
     "headline",
+    "legend_height",
     "make_logarithmic",
     "map_frame",
     "mark_operating_point",
@@ -53,6 +54,8 @@ _PHASE_STEPS: Final = (1, 1.5, 3, 4.5, 9, 10)  # to divide turns
 _DIGIT_WIDTH: Final = 0.115  # [in] of a digit on an axis, with its share of the gap between numbers
 _HANDLE_WIDTH: Final = 0.62  # [in] of a handle in a legend, with the gap between columns
 _LETTER_WIDTH: Final = 0.065  # [in] of a letter in a legend
+_ROW_HEIGHT: Final = 0.17  # [in] of a row of a legend
+_USUAL_ROWS: Final = 3  # for which figures have room
 _MARKER: Final[dict[str, Any]] = {
     "marker": "o",
     "markersize": 8.0,
@@ -255,6 +258,12 @@ def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:
     renderer_of(figure)  # so that the layout uses it, and no other
     # A figure that keeps a layout engine, even a blank one, is drawn twice whenever it is saved.
     ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.04).execute(figure)
+
+
+def legend_height(texts: list[str], width: float) -> float:
+    """Return by how much a figure is to be higher for its legend to leave its maps their size [in]."""
+    rows = math.ceil(len(texts) / _columns(texts, width)) if texts else 0
+    return _ROW_HEIGHT * max(0, rows - _USUAL_ROWS)
 
 
 def _add_legend(figure: Figure, styles: Mapping[str, dict[str, Any]]) -> None:

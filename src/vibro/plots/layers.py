@@ -11,12 +11,14 @@ from vibro.core.codes import Regime, Status
 from vibro.plots.fields import BEGINS_AT, HIDDEN_BY, hiding_fields, without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
 from vibro.plots.neighbours import erode, spread_evenly
+from vibro.plots.scales import colours_of
 from vibro.plots.style import (
-    AVERAGED_AREA_LABEL,
+    AVERAGED_LABEL,
     BACKWARDS_HATCH,
     BACKWARDS_LABEL,
     COEXISTS_HATCH,
     COEXISTS_LABEL,
+    CONTOURS_STOP_LABEL,
     CURVES,
     INK,
     NO_ANSWER_FACE,
@@ -46,7 +48,11 @@ _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump up and down, contours break up into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
 _HATCHED: Final = 0.01  # of the side of the map: least width of an area in which a hatch is seen
-_STRIPE: Final = 14.0  # [px] from one stripe over irregular motion to the next
+_STRIPE: Final = 24.0  # [px] from one stripe over irregular motion to the next
+_STRIPE_INK: Final = 0.4  # opacity of these stripes: the colours below are what is read
+_NUMBERED: Final = 0.25  # of the side of the map: longer pieces of a contour have its number each
+_CUT_OFF: Final = 0.25  # of a field that is 0 where a contour is cut off, and 0.5 elsewhere
+_NO_LINE: Final = {"color": INK, "linestyle": "none"}  # in the legend, of a remark
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 
 
@@ -156,9 +162,9 @@ class MapLayers:
             if status in self.fields.statuses and not known:
                 self.hatch(self.fields.unanswered(status), status.label.replace("-", " "), hatch)
 
-    def hatch(self, field: Floats, label: str, hatch: str) -> None:
+    def hatch(self, field: Floats, label: str, hatch: str, face: str = NO_ANSWER_FACE) -> None:
         """Hatch the area in which a field is positive, beneath earlier covers, and name the reason."""
-        self._cover(field, label, facecolor=NO_ANSWER_FACE, hatch=hatch, edgecolor=NO_ANSWER_INK)
+        self._cover(field, label, facecolor=face, hatch=hatch, edgecolor=NO_ANSWER_INK)
 
     def cover_rest(self) -> None:
         """Cover the area where nothing moves with the colour of that regime, beneath earlier covers."""
@@ -172,14 +178,14 @@ class MapLayers:
         """Hatch, over the colours, where another motion exists and where a number is a mean."""
         marks = [(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, NO_ANSWER_INK)]
         if self._has_numbers:
-            self._stripe(self.fields.averaged, AVERAGED_AREA_LABEL)
+            self._stripe(self.fields.averaged, AVERAGED_LABEL)
         for field, label, hatch, ink in marks:
             style = {"facecolor": "none", "hatch": hatch, "edgecolor": ink}
             if self._shows(field) and self._fill(field, gid=label, zorder=_COVERS, **style):
                 self.legend[label] = style
 
     def _stripe(self, field: Floats, label: str) -> None:
-        """Draw wide stripes over the area in which a field is positive, dark in white.
+        """Draw faint stripes, wide apart, over the area in which a field is positive, dark in white.
 
         A hatch of matplotlib's has one colour, and is so fine that it looks like a pattern of the numbers.
         """
@@ -194,9 +200,10 @@ class MapLayers:
         stripes = LineCollection(
             [[(0.0, foot), (1.0, foot + rise)] for foot in feet],
             colors=INK,
-            linewidths=0.7 * self._scale,
+            linewidths=0.6 * self._scale,
+            alpha=_STRIPE_INK,
             transform=self.axes.transAxes,
-            path_effects=[withStroke(linewidth=2.0 * self._scale, foreground="#FFFFFF")],
+            path_effects=[withStroke(linewidth=1.5 * self._scale, foreground="#FFFFFF", alpha=_STRIPE_INK)],
             zorder=_COVERS,
             gid=label,
         )
@@ -225,22 +232,17 @@ class MapLayers:
             )
 
     def draw_curve(self, name: str, style: CurveStyle, pieces: list[Floats]) -> None:
-        """Draw the pieces of a curve, if any, and label it; on coloured numbers, outlined in white."""
-        from matplotlib.patheffects import withStroke
-
+        """Draw the pieces of a curve, if any, and label it."""
         if not pieces:
             return
         width = style.width * self._scale
         look = {"color": style.colour, "linestyle": style.dashes, "linewidth": width}
-        halo = withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)
-        if style.colour != INK:
-            halo = withStroke(linewidth=width + 1.8, foreground=INK)
         self._line(
             pieces,
             label=style.label,
             gid=name,
             zorder=3,
-            path_effects=[halo] if self._has_numbers or style.colour != INK else None,
+            path_effects=self._halo(style, width),
             **look,
         )
         self._curves.append((style, pieces))
@@ -248,18 +250,32 @@ class MapLayers:
         if not self._single:
             self._explain_curve(style)
 
+    def _halo(self, style: CurveStyle, width: float) -> list[Any] | None:
+        """Return the outline of a curve: white on coloured numbers, dark around a white curve."""
+        from matplotlib.patheffects import withStroke
+
+        if style.colour != INK:
+            return [withStroke(linewidth=width + 1.8, foreground=INK)]
+        light = withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)
+        return [light] if self._has_numbers else None
+
     def draw_level(self, values: Floats, level: float, text: str) -> None:
-        """Draw and label one thick contour of the numbers."""
-        hidden = [*self._covers, -self.fields.regular]
-        heights = without_hidden(np.nan_to_num(values) - level, hidden)
-        pieces = [piece for piece in zero_lines(self.fields, heights, hidden) if self._is_long(piece)]
-        self.draw_curve(text, CurveStyle(text, "-", 2.6), pieces)
+        """Draw and label one thick contour of the numbers, or say that there is none."""
+        heights = np.nan_to_num(values) - level
+        # Irregular motion has no contour to be followed between its points: there they are outlined.
+        outlined = np.where(heights >= 0.0, level, -level)
+        heights = np.where(self.fields.regular > 0.0, heights, outlined)
+        pieces = zero_lines(self.fields, without_hidden(heights, self._covers), self._covers)
+        self.draw_curve(text, CurveStyle(text, "-", 2.2), [piece for piece in pieces if self._is_long(piece)])
+        reached = heights[self.open] >= 0.0
+        if not reached.any():
+            self.legend[f"{text} is reached nowhere"] = _NO_LINE
+        elif reached.all():
+            self.legend[f"{text} is reached everywhere"] = _NO_LINE
 
     def draw_numbers(self, values: Floats, scale: Scale) -> None:
         """Draw numbers as colours beneath the covers, with contours that ``write`` labels."""
-        from matplotlib import colormaps
-
-        fields, norm, colours = self.fields, scale.norm, colormaps[scale.colours]
+        fields, norm, colours = self.fields, scale.norm, colours_of(scale)
         self._has_numbers = True
         self.axes.set_facecolor(NO_ANSWER_FACE)
         # A mesh of so many cells draws slowly, and so does mapping numbers to colours pixel by pixel. On a
@@ -289,13 +305,16 @@ class MapLayers:
                 look = {"color": ink_on(ground), "linewidth": 0.6 * self._scale, "zorder": 1.5}
                 line = self._line(pieces, gid=f"contour {level:g}", **look)
                 self._contours.append(_Contour(number_text(level), pieces, ground, line))
+            ends = [piece[end] for piece in pieces for end in (0, -1)]
+            if ends and np.any(fields.at(fields.smooth, np.array(ends)) < _CUT_OFF):
+                self.legend[CONTOURS_STOP_LABEL] = _NO_LINE
 
-    def _is_long(self, piece: Floats) -> bool:
-        """Whether a piece of a contour is more than a speck."""
+    def _is_long(self, piece: Floats, least: float = _SPECK) -> bool:
+        """Whether a piece of a contour is more than a speck, or as long as asked for."""
         width, height = np.ptp(
             self.axes.transAxes.inverted().transform(self.axes.transData.transform(piece)), 0
         )
-        return bool(np.hypot(width, height) >= _SPECK)
+        return bool(np.hypot(width, height) >= least)
 
     def write(self, *, avoid: Floats) -> None:
         """Write the words that fit, replacing those of an earlier call; others go to the legend.
@@ -349,7 +368,9 @@ class MapLayers:
         # Numbers of contours lie in the order of covers: hatches over the line go over the number too.
         style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
         size = 8.0 * self._scale
-        fits = labeller.along(contour.text, contour.pieces, fontsize=size, **style)
+        long = [piece for piece in contour.pieces if self._is_long(piece, _NUMBERED)]
+        written = [labeller.along(contour.text, [piece], fontsize=size, **style) for piece in long]
+        fits = any(written) or labeller.along(contour.text, contour.pieces, fontsize=size, **style)
         contour.artist.set_visible(fits)
         return fits
 
@@ -359,7 +380,10 @@ class MapLayers:
         return bool(erode(inside, math.ceil(_HATCHED * min(inside.shape)), beyond=False).any())
 
     def _explain_curve(self, style: CurveStyle) -> None:
-        self.legend[style.label] = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
+        self.legend[style.label] = {
+            "color": style.colour, "linestyle": style.dashes, "linewidth": style.width,
+            "path_effects": self._halo(style, style.width),
+        }  # fmt: skip
 
     def _cover(self, field: Floats, label: str, **style: Any) -> None:
         """Cover the area in which a field is positive, and label its visible part."""

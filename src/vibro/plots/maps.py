@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.frame import map_frame, mark_operating_point, operating_points, settle
+from vibro.plots.frame import legend_height, map_frame, mark_operating_point, operating_points, settle
 from vibro.plots.layers import MapLayers
 from vibro.plots.peaks import draw_peaks
-from vibro.plots.scales import Scale, scale_of, time_scale
-from vibro.plots.style import BACKWARDS_HATCH, BACKWARDS_LABEL, CURVES, number_text
+from vibro.plots.scales import Scale, colours_of, scale_of, time_scale
+from vibro.plots.style import BACKWARDS_FACE, BACKWARDS_HATCH, BACKWARDS_LABEL, CURVES, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -112,7 +112,8 @@ def traverse_map(result: SweepResult, fields: list[Fields]) -> Figure:
     for layers, f in zip(maps, fields, strict=True):
         layers.hatch_unanswered(regimes_show=False)
         layers.cover_rest()
-        layers.hatch(np.nan_to_num(-f.velocity, nan=-1.0), BACKWARDS_LABEL, BACKWARDS_HATCH)
+        backwards = np.nan_to_num(-f.velocity, nan=-1.0)
+        layers.hatch(backwards, BACKWARDS_LABEL, BACKWARDS_HATCH, BACKWARDS_FACE)
         times.append(length / (_MILLIMETRE * np.maximum(f.velocity, _LEAST_VELOCITY)))
     seen = _seen(maps, times)
     scale = time_scale(seen)
@@ -142,11 +143,10 @@ def _seen(
 
 def colour_bar(figure: Figure, maps: list[MapLayers], scale: Scale, label: str) -> None:
     """Draw the scale of the numbers beside the maps, its numbers in full."""
-    from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
 
     axes = [layers.axes for layers in maps]
-    numbers = ScalarMappable(scale.norm, colormaps[scale.colours])
+    numbers = ScalarMappable(scale.norm, colours_of(scale))
     bar = figure.colorbar(numbers, ax=axes, label=label, extend=scale.extend, pad=0.02, aspect=28)
     if scale.ticks is not None:
         bar.set_ticks(list(scale.ticks), labels=[number_text(tick) for tick in scale.ticks])
@@ -196,7 +196,9 @@ def place_words(
     # Words are placed in the final layout. But the legend lists those that do not fit, and is part of the
     # layout: repeat both until the legend no longer changes.
     legend = _legend(maps) | marked
+    width, height = figure.get_size_inches()
     while True:
+        figure.set_figheight(height + legend_height([*legend], width))
         settle(figure, legend)
         for layers, point in zip(maps, points, strict=True):
             layers.write(avoid=point)

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from matplotlib.colors import Normalize
+    from matplotlib.colors import Colormap, Normalize
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Scale", "even_levels", "log_levels", "scale_of", "time_scale"]
+__all__ = ["Scale", "colours_of", "even_levels", "log_levels", "scale_of", "time_scale"]
 
 _NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
 _BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would trace its rounding errors
@@ -30,6 +30,8 @@ _MOST_DECADES: Final = 5.0  # of a logarithmic scale
 _DENSE_DECADES: Final = 3.0  # up to which contours lie at 1, 2 and 5 of each
 _LINEAR_SHARE: Final = 0.25  # of the numbers in contact, up to which an asinh scale is nearly even
 _WIDE: Final = 5.0  # ratio of the longest to the shortest time above which contours are at 1, 2, 5, 10 ...
+_DIVERGING: Final = "RdBu"
+_PALE: Final = 0.14  # of the diverging colours, on either side of their middle: as good as white
 
 
 class Scale(NamedTuple):
@@ -80,12 +82,12 @@ def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> 
     if reverses:
         if not uneven:
             levels = even_levels(*ends)
-            return Scale(CenteredNorm(0.0, most), "RdBu", levels[levels != 0.0], None, "neither")
+            return Scale(CenteredNorm(0.0, most), _DIVERGING, levels[levels != 0.0], None, "neither")
         width = _LINEAR_SHARE * (usual or float(np.median(np.abs(seen))))
         sizes = log_levels(width, most)
         ticks = np.concatenate([-sizes[::-1], [0.0], sizes])
         within = ticks[(ticks > ends[0]) & (ticks < _BELOW_TOP * ends[1]) & (ticks != 0.0)]
-        return Scale(AsinhNorm(width, -most, most), "RdBu", within, ticks, "neither")
+        return Scale(AsinhNorm(width, -most, most), _DIVERGING, within, ticks, "neither")
     below = "min" if low < 0.0 else "neither"  # a few bounces of irregular motion, or an uncertain mean
     if not uneven:
         levels = even_levels(max(ends[0], 0.0), ends[1])
@@ -95,6 +97,20 @@ def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> 
     ticks = log_levels(foot, high)
     levels = ticks[ticks < _BELOW_TOP * ends[1]]
     return Scale(LogNorm(foot, high), "cividis", levels, ticks, "min" if low < foot else "neither")
+
+
+def colours_of(scale: Scale) -> Colormap:
+    """Return the colours of a scale: none of them is white, which is the colour of bodies at rest."""
+    from matplotlib import colormaps
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colours = colormaps[scale.colours]
+    if scale.colours != _DIVERGING:
+        return colours
+    backwards, forwards = np.linspace(0.0, 0.5 - _PALE, 128), np.linspace(0.5 + _PALE, 1.0, 128)
+    return LinearSegmentedColormap.from_list(
+        scale.colours, colours(np.concatenate([backwards, forwards])), N=256
+    )
 
 
 def time_scale(seen: Floats) -> Scale:

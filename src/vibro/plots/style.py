@@ -21,12 +21,13 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
 
 __all__ = [
-    "AVERAGED_AREA_LABEL",
     "AVERAGED_LABEL",
+    "BACKWARDS_FACE",
     "BACKWARDS_HATCH",
     "BACKWARDS_LABEL",
     "COEXISTS_HATCH",
     "COEXISTS_LABEL",
+    "CONTOURS_STOP_LABEL",
     "CURVES",
     "ERROR_LABEL",
     "INK",
@@ -68,13 +69,14 @@ NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
     Status.INDETERMINATE: "---",
     Status.UNRESOLVED: "+++",
 }
+BACKWARDS_FACE: Final = "#F4A582"  # where there is no number: one of the colours of speeds below 0
 BACKWARDS_HATCH: Final = "|"
 BACKWARDS_LABEL: Final = "moves backwards"
 COEXISTS_HATCH: Final = "..."
 COEXISTS_LABEL: Final = "another motion exists"
-AVERAGED_LABEL: Final = "mean of motion without a short period"
-ERROR_LABEL: Final = "its standard error"
-AVERAGED_AREA_LABEL: Final = "means of motion without a short period, at least in part"
+AVERAGED_LABEL: Final = "irregular motion: mean over many flights"
+ERROR_LABEL: Final = "standard error of this mean"
+CONTOURS_STOP_LABEL: Final = "contours stop where speed no longer rises with load, or motion is irregular"
 
 
 class CurveStyle(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -164,6 +164,9 @@ class SweepResult:
         Values of the axes in the scene file, in the user's units; None unless it gives all of them.
     title : str
         Description of the sweep, in one line.
+    places : mapping of str to array, optional
+        Values of axes for which the cells were solved, where they are others than their own: cells of a
+        table stand for those around. Arrays of the grid's shape.
     """
 
     axes: Mapping[str, Axis]
@@ -173,6 +176,7 @@ class SweepResult:
     length: float | None
     operating_point: Mapping[str, float] | None
     title: str
+    places: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def shape(self) -> tuple[int, ...]:

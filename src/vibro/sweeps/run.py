@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.axes import Axis
-from vibro.core.codes import Status
+from vibro.core.codes import Regime, Status
 from vibro.drives import Ability
 from vibro.limits import critical_loads
 from vibro.motion.arrivals import arrival_time
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["limits_of", "solved_picture", "sweep_blocks", "sweep_picture"]
+__all__ = ["DrawnCells", "limits_of", "solved_picture", "sweep_blocks", "sweep_picture"]
 
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2
@@ -41,6 +41,10 @@ _WALKED_BLOCK: Final = 8_192
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
 # Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show.
 _COARSER: Final = 2
+# [values of each range] of a table that is fine enough for maps of bodies that bounce: cells of 4 % of
+# the side of a map, or 5 % of that of a facet, which is smaller.
+_FINE: Final = 25
+_FINE_FACET: Final = 20
 # A curve of several is read less closely than one alone, in a facet still less, and all have to be solved.
 _CURVES_COARSER: Final = 4
 
@@ -73,8 +77,55 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
             )
 
 
+class DrawnCells:
+    """Cells of a table that its pictures show too.
+
+    Parameters
+    ----------
+    grid : Grid
+        Of the table.
+    indices : mapping of str to int array
+        Places of these cells along every axis, ascending.
+    """
+
+    def __init__(self, grid: Grid, indices: Mapping[str, NDArray[np.intp]]) -> None:
+        self.axes = {name: (grid.axes[name], kept) for name, kept in indices.items()}
+        places = np.ravel_multi_index(np.ix_(*indices.values()), grid.shape)
+        self._cells = places.reshape(-1)
+        self.results: dict[str, NDArray[Any]] = {r.name: np.empty(places.shape, r.dtype) for r in RESULTS}
+        self._seen = 0
+
+    @classmethod
+    def of(cls, grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> DrawnCells | None:
+        """Choose the cells, if pictures need any; that depends on the grid alone.
+
+        They are needed on maps of bodies that bounce, or whose other motions are searched for, of tables that
+        are fine enough; ``drawn`` is that of ``sweep_picture``.
+        """
+        ranges = [len(axis) for name, axis in grid.axes.items() if name not in drawn]
+        facets = any(len(indices) > 1 for indices in drawn.values())
+        costly = grid.flight and (grid.coexistence or _bounces(grid.fixed))
+        if not costly or len(ranges) != 2 or min(ranges) < (_FINE_FACET if facets else _FINE):
+            return None
+        return cls(grid, _solved_indices(grid, drawn))
+
+    def add(self, block: Block) -> None:
+        """Look at the next block of the table."""
+        stop = self._seen + block.cycle.status.size
+        first, last = np.searchsorted(self._cells, [self._seen, stop])
+        here = self._cells[first:last] - self._seen
+        for name, values in self.results.items():
+            values.reshape(-1)[first:last] = getattr(block.cycle, name).reshape(-1)[here]
+        self._seen = stop
+
+
 def sweep_picture(
-    grid: Grid, drawn: Mapping[str, tuple[int, ...]], operating_point: Mapping[str, float] | None, title: str
+    grid: Grid,
+    drawn: Mapping[str, tuple[int, ...]],
+    operating_point: Mapping[str, float] | None,
+    title: str,
+    cells: DrawnCells | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> SweepResult:
     """Solve a grid for pictures, with a resolution of their own.
 
@@ -89,6 +140,11 @@ def sweep_picture(
         The scene's own values.
     title : str
         Title of the sweep.
+    cells : DrawnCells, optional
+        Cells of the table, all added. Where some of those around move irregularly, the nearest is shown;
+        everything else is solved.
+    progress : callable, optional
+        As for ``vibro.solve``; it may begin again.
 
     Returns
     -------
@@ -97,13 +153,65 @@ def sweep_picture(
     """
     part = _grid_at(grid, drawn)
     ranges = [name for name in part.axes if name not in drawn]
-    bounces = part.fixed.get("restitution", 1.0) > 0.0
-    count = _resolution(len(ranges), len(part.axes) - len(ranges), bounces=bounces)
+    count = _resolution(len(ranges), len(part.axes) - len(ranges), bounces=_bounces(part.fixed))
     axes = {name: _resolved(axis, count) if name in ranges else axis for name, axis in part.axes.items()}
     part = replace(part, axes=axes)
     point = grid.operating_point(operating_point)
     values = part.values()
-    return SweepResult(axes, part.fixed, part.solve(values), limits_of(values), grid.length, point, title)
+    places: dict[str, Floats] = {}
+    if cells is None:
+        cycle = part.solve(values, progress=progress)
+    else:
+        cycle, places = _solved_around(part, values, cells, progress)
+    return SweepResult(axes, part.fixed, cycle, limits_of(values), grid.length, point, title, places)
+
+
+def _solved_around(
+    part: Grid,
+    values: Mapping[str, Floats],
+    cells: DrawnCells,
+    progress: Callable[[int, int], None] | None,
+) -> tuple[SteadyCycle, dict[str, Floats]]:
+    """Solve the cells of a picture, but for flights amid irregular ones of the table; return also where."""
+    searched, part = part.coexistence, replace(part, coexistence=False)
+    contact = replace(part, flight=False).solve(values)
+    found = {name: x.copy() for name, x in contact.arrays().items()}
+    near, irregular = cells.results, cells.results["status"] == Status.AVERAGED
+    at, place = {}, 0
+    for name, (axis, kept) in cells.axes.items():
+        if len(kept) == 1:
+            near = {result: x.take(0, place) for result, x in near.items()}
+            irregular = irregular.take(0, place)
+            continue
+        left, right, nearest = _neighbours(axis.on_paper[kept], part.axes[name].on_paper)
+        near = {result: x.take(nearest, place) for result, x in near.items()}
+        irregular = irregular.take(left, place) | irregular.take(right, place)
+        across = [-1 if i == place else 1 for i in range(len(part.axes))]
+        at[name] = axis.values[kept][nearest].reshape(across)
+        place += 1
+    hops = contact.status == Status.FLIGHT_NOT_MODELLED
+    alike = hops & (near["regime"] == Regime.HOPPING)
+    taken = alike & irregular
+    for name, x in found.items():  # ratios of loads are known without a flight
+        unknown = taken & np.isnan(x) if x.dtype.kind == "f" else taken
+        x[unknown] = near[name][unknown]
+    anew = np.flatnonzero(hops & ~taken)
+    if anew.size:
+        solved = part.solve(part.picked(anew), progress=progress)
+        for name, x in solved.arrays().items():
+            found[name].reshape(-1)[anew] = x
+    if searched:
+        found["coexists"][alike] = near["coexists"][alike]
+    return SteadyCycle(**found), {name: np.where(taken, x, values[name]) for name, x in at.items()}
+
+
+def _neighbours(cells: Floats, at: Floats) -> tuple[NDArray[np.intp], ...]:
+    """Return which of some ascending values lie to the left and the right of others, and the nearest."""
+    right = np.clip(np.searchsorted(cells, at), 1, len(cells) - 1)
+    left = right - 1
+    nearest = np.where(at - cells[left] < cells[right] - at, left, right)
+    same = cells[nearest] == at  # it is its own neighbour
+    return np.where(same, nearest, left), np.where(same, nearest, right), nearest
 
 
 def solved_picture(
@@ -174,6 +282,11 @@ def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:
     """Find the critical loads of cells; None for drives whose classes may end and begin again."""
     scene = scene_of(values)
     return critical_loads(scene) if scene.arrays().can(Ability.ONE_HARMONIC) else None
+
+
+def _bounces(fixed: Mapping[str, float]) -> bool:
+    """Whether bodies of a sweep may bounce."""
+    return fixed.get("restitution", 1.0) > 0.0
 
 
 def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:

@@ -174,6 +174,7 @@ def sweep(
     accuracy: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
     coexistence: bool = False,
+    progress: Callable[[int, int], None] | None = None,
     **quantities: Any,
 ) -> Sweep:
     """Solve all combinations of the axes, as ``vibro map`` does, in memory.
@@ -182,7 +183,7 @@ def sweep(
     ----------
     scene_file : path, optional
         A scene file; its table ``[map]`` counts.
-    accuracy, flight, coexistence : optional
+    accuracy, flight, coexistence, progress : optional
         As for ``vibro.solve``.
     **quantities
         Keys and values as in a scene file, which they override: ``amplitude_mm`` or ``stroke_mm``, and
@@ -224,7 +225,7 @@ def sweep(
     check_memory(
         grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
     )
-    return Sweep(grid, request.own, request.name or "", grid.solve(grid.values()))
+    return Sweep(grid, request.own, request.name or "", grid.solve(grid.values(), progress=progress))
 
 
 def request_of_call(

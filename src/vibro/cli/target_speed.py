@@ -1,0 +1,108 @@
+"""How much of a sweep reaches the speed that ``--speed`` asks for, and, of a map of both frictions, which."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.cli.answer import count, peak_text
+from vibro.core.codes import Status
+from vibro.quantities import LENGTH, QUANTITIES
+from vibro.results.sweep import spread
+from vibro.sweeps.one_scene import number
+from vibro.sweeps.tally import Tally
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.axes import Axis
+    from vibro.results.sweep import Block, SweepResult
+
+__all__ = ["TargetSpeed", "target_in_pictures"]
+
+_FRICTIONS: Final = ({"static_friction", "friction_ratio"}, {"static_friction", "kinetic_friction"})
+
+
+@dataclass(frozen=True, eq=False)
+class TargetSpeed:
+    """Cells of a sweep that are at least so fast.
+
+    Attributes
+    ----------
+    axes : mapping of str to Axis
+        Of the sweep.
+    speed : float
+        [mm/s].
+    among : str, optional
+        What the cells are called in the text.
+    """
+
+    axes: Mapping[str, Axis]
+    speed: float
+    among: str = "possible cells"
+    _tally: Tally = field(default_factory=Tally)
+    _counts: Counter[str] = field(default_factory=Counter)
+    _fast: list[NDArray[np.bool_]] = field(default_factory=list)
+    _possible: list[NDArray[np.bool_]] = field(default_factory=list)
+
+    @property
+    def is_of_frictions(self) -> bool:
+        """Whether both frictions are the axes, so that the text tells which keep the speed."""
+        return self.axes.keys() in _FRICTIONS
+
+    def add(self, block: Block) -> None:
+        """Look at the next cells."""
+        cycle = block.cycle
+        fast = np.nan_to_num(LENGTH.from_si(cycle.mean_velocity).ravel(), nan=-np.inf) >= self.speed
+        status = cycle.status.ravel()
+        self._tally.add(block)
+        self._counts["fast"] += int(fast.sum())
+        self._counts["irregular"] += int((fast & (status == Status.AVERAGED)).sum())
+        if self.is_of_frictions:
+            self._fast.append(fast)
+            self._possible.append(status != Status.INFEASIBLE)
+
+    def text(self) -> str:
+        """Say how many cells are fast enough, or how fast the fastest is; of frictions, within which."""
+        fast, irregular = self._counts["fast"], self._counts["irregular"]
+        possible = self._tally.status.total() - self._tally.status[Status.INFEASIBLE]
+        said = f"at least {number(self.speed, 'mm/s')}: {count(fast)} of {count(possible)} {self.among}"
+        if not fast:
+            fastest = self._tally.peaks.get("fastest")
+            return f"{said}; " + (
+                f"the fastest: {peak_text(fastest, self.axes)}" if fastest else "none moves forwards"
+            )
+        said += f" ({100.0 * fast / possible:.1f} %)"
+        if irregular:
+            said += f", {count(irregular)} of them by the mean of irregular motion"
+        return said + (f"; {self._frictions()}" if self.is_of_frictions else "")
+
+    def _frictions(self) -> str:
+        shape = [len(axis) for axis in self.axes.values()]
+        fast, possible = (np.concatenate(x).reshape(shape) for x in (self._fast, self._possible))
+        inside = [np.flatnonzero(fast.any(axis=across)) for across in (1, 0)]
+        ranges = []
+        for axis, cells in zip(self.axes.values(), inside, strict=True):
+            low, high = float(axis.values[cells[0]]), float(axis.values[cells[-1]])
+            ranges.append(f"{QUANTITIES[axis.name].label} {number(low)} ... {number(high)}")
+        box: Any = np.ix_(*(np.arange(cells[0], cells[-1] + 1) for cells in inside))
+        whole = fast[box].sum() == possible[box].sum()
+        which = "all" if whole else f"{100.0 * fast[box].sum() / possible[box].sum():.1f} %"
+        return f"they lie within {' and '.join(ranges)}, where {which} of the possible cells do it"
+
+
+def target_in_pictures(result: SweepResult, axes: Mapping[str, Axis], speed: float) -> str:
+    """Say the same of the cells of pictures, which may be others than those of a table with these axes."""
+    from vibro.results.sweep import Block
+
+    same = all(np.array_equal(axis.values, axes[name].values) for name, axis in result.axes.items())
+    same = same and len(result.axes) == len(axes)
+    among = TargetSpeed.among if same else "possible cells of the pictures"
+    target = TargetSpeed(result.axes, speed, among)
+    target.add(Block(spread(result.axes, result.fixed), result.cycle, None))
+    return target.text()
