@@ -72,6 +72,11 @@ class Axis:
         """The values as pictures space them: of a logarithmic axis their logarithms."""
         return np.log(self.values) if self.spacing == "log" else self.values
 
+    @property
+    def in_stroke(self) -> Axis:
+        """The same axis told in strokes, if it is of amplitudes of a line."""
+        return replace(self, name="stroke", values=2.0 * self.values) if self.name == "amplitude" else self
+
     def __len__(self) -> int:
         return len(self.values)
 

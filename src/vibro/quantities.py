@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from vibro.errors import InputError, cut, shown
 from vibro.units import (
@@ -39,10 +39,10 @@ if TYPE_CHECKING:
 __all__ = [
     "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
     "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS",
-    "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED",
+    "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SIZES", "SPEED",
     "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
-    "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "catalogue_hint", "checked_number", "counted_harmonics",
-    "drive_of", "exact_number",
+    "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "as_given", "catalogue_hint", "checked_number",
+    "counted_harmonics", "drive_of", "exact_number",
     "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
 ]  # fmt: skip
 
@@ -240,6 +240,8 @@ SCALE: Final = "motion_scale"
 DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC, SCALE)
 #: The amplitudes of a drive, with all of which its load grows.
 AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
+#: What the load of a drive grows with, as a drive's size may be given.
+SIZES: Final = ("stroke", *AMPLITUDES)
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
 #: What is taken where nothing is given, in the units outside.
@@ -257,6 +259,8 @@ STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
 DURATION: Final = Quantity("duration", TIME)
 START_PHASE: Final = Quantity("start_phase", ANGLE)
 START_VELOCITY: Final = Quantity("start_velocity", SPEED)
+
+_Value = TypeVar("_Value")
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
 _NUMBER = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d_].*|[\u00b0%])?")
@@ -282,6 +286,29 @@ def find_quantity(text: str) -> Quantity | None:
 def of_part(quantity: Quantity, *, is_clamped: bool) -> Quantity:
     """Return a quantity with the range that it may have of a part that lies on the trough, or is clamped."""
     return _CLAMPED_TROUGH if is_clamped and quantity.name == _CLAMPED_TROUGH.name else quantity
+
+
+def as_given(values: Mapping[str, _Value], *, in_stroke: bool) -> dict[str, _Value]:
+    """Tell the size of a drive along a line by the quantity in which it was given.
+
+    Parameters
+    ----------
+    values : mapping of str to float or array
+        Quantities in the unit outside, by name; an amplitude or a stroke may be among them.
+    in_stroke : bool
+        Whether strokes were given, not amplitudes.
+
+    Returns
+    -------
+    dict
+        The same in the same order, with ``stroke`` in the place of ``amplitude``, or the other way round: one
+        is twice the other, which rounds nothing.
+    """
+    wanted, other, factor = ("stroke", "amplitude", 2.0) if in_stroke else ("amplitude", "stroke", 0.5)
+    return {
+        wanted if name == other else name: factor * value if name == other else value
+        for name, value in values.items()
+    }
 
 
 def drive_of(names: Collection[str]) -> tuple[str, ...]:
@@ -328,10 +355,11 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     values : mapping of str to float or array
-        By name; ``friction_ratio`` may stand for the kinetic friction. A trough length is left out. Under
-        ``motion`` a ``Motion`` may stand, or an array of one.
+        By name; ``stroke`` may stand for the amplitude, and ``friction_ratio`` for the kinetic friction. A
+        trough length is left out. Under ``motion`` a ``Motion`` may stand, or an array of one.
     """
-    given = {name: value for name, value in values.items() if name != "trough_length"}
+    given = as_given(values, in_stroke=False)
+    given.pop("trough_length", None)
     if "friction_ratio" in given:
         ratio = given.pop("friction_ratio")
         if "kinetic_friction" not in given:

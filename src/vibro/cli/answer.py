@@ -94,7 +94,7 @@ def make_grid(
     follows = level is Level.EXACT and flight is Flight.ON
     grid = request.grid(level, flight=follows, coexistence=coexistence, arrivals=arrivals)
     if console is not None:
-        for axis in grid.axes.values():
+        for axis in grid.told_axes.values():
             console.echo(str(axis))
     return grid
 
@@ -322,7 +322,8 @@ def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
     """Tell which cells of a sweep are conveyed fastest, forwards and backwards."""
     for name, peak in tally.peaks.items():
         speed = estimate(peak.speed, peak.error, "mm/s")
-        place = [f"{axis.label} {number(peak.values[axis.name], axis.unit)}" for axis in grid.axes.values()]
+        values = grid.told(peak.values)
+        place = [f"{axis.label} {number(values[of], axis.unit)}" for of, axis in grid.told_axes.items()]
         console.echo(f"{name.replace('_', ' ')}: {speed} at {', '.join(place)}")
 
 

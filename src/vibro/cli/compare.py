@@ -192,7 +192,7 @@ def compare_command(
 
             return {
                 "": comparison_figure(
-                    comparison, title, request.fixed, compare(found.scene, observation) if found else None
+                    comparison, title, request.told, compare(found.scene, observation) if found else None
                 )
             }
 

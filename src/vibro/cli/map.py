@@ -101,6 +101,7 @@ def map_command(
         typer.Option(
             "--speed",
             metavar="SPEED",
+            rich_help_panel="Pictures",
             help="Draw where this speed is reached; in a map of both frictions, tell which keep it [mm/s].",
             show_default=False,
         ),
@@ -180,8 +181,9 @@ def map_command(
     written = table_of(
         usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part
     )
-    held = held_axes(at or [], request.varying)
-    view = choose_view(grid.axes, x and axis_name(x), y and axis_name(y), held, grid.fixed)
+    axes, fixed = grid.told_axes, grid.told(grid.fixed)
+    held = grid.told(held_axes(at or [], axes))
+    view = choose_view(axes, x and axis_name(x), y and axis_name(y), held, fixed)
     name = request.name or "vibro-map"
 
     def draw() -> dict[str, Figure]:
@@ -197,7 +199,7 @@ def map_command(
     pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
     if pictures:
         check_drawable(view)
-        tell_choices(view, grid.axes, held, console)
+        tell_choices(view, axes, held, console)
     window = None if level is None else friction_window(grid.axes, level)
     if sharding is not None:
         if window:
@@ -208,7 +210,7 @@ def map_command(
         plan = sharding.plan(grid, written, request.name or "", request.own)
         code, tally = write_sharded(plan, sharding, options, context.obj, console, name, pictures)
         if tally.at_rest and shards is None:
-            console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
+            console.echo(where_motion_begins(axes, fixed, limits_of(grid.values())))
         return code
     style = None
     if table != CSV:  # a workbook has maps of its own
@@ -227,5 +229,5 @@ def map_command(
     if window:
         console.echo(window.text())
     if not moves:
-        console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
+        console.echo(where_motion_begins(axes, fixed, limits_of(grid.values())))
     return code

@@ -197,9 +197,8 @@ def _figure(
     phases = [p for p in history.phases if p.end > since and p.start < until]
     seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
     rows = trace(history, since=since, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
-    given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
     period = 1.0 / float(history.scene.frequency)
-    return history_figure(phases, rows, seen, request.name or "Motion", given, part, period=period)
+    return history_figure(phases, rows, seen, request.name or "Motion", request.told, part, period=period)
 
 
 def _part(since: float, until: float, history: History) -> str:

@@ -165,7 +165,7 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     ratio = float(one.scene.load) / load
     if not 0.0 < ratio < math.inf:  # beyond the range of doubles
         return told
-    which = f" ({one.all_amplitudes})" if one.all_amplitudes else ""
+    which = f" ({one.all_amplitudes})" if one.all_amplitudes else " stroke" * (one.size == "stroke")
     beginning = f"{told}: {edge} above {one.amplitudes(ratio)}{which}"
     if not isinstance(one.scene.motion, PiecewiseMotion):  # whose accelerations do not depend on it
         beginning += f" or {number(float(one.scene.frequency) / math.sqrt(ratio), 'Hz')}"

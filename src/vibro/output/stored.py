@@ -184,7 +184,8 @@ class StoredSweep(SolvedGrid):
 
     def _told(self, peak: Peak) -> str:
         at = ", ".join(
-            f"{axis.label} {amount(peak.values[name], axis.unit)}" for name, axis in self._grid.axes.items()
+            f"{axis.label} {amount(self._grid.told(peak.values)[name], axis.unit)}"
+            for name, axis in self._grid.told_axes.items()
         )
         return f"{amount(peak.speed, SPEED.unit)}" + (f" at {at}" if at else "")
 

@@ -23,6 +23,7 @@ from vibro.quantities import (
     STANDS_FOR,
     SWEPT,
     TWO_AXIS,
+    as_given,
     drive_of,
     of_part,
     scene_fields,
@@ -87,12 +88,15 @@ class Request:
         Values of the scene file's table ``[scene]``, in the user's units.
     motion : GivenMotion or None
         Of its table ``[motion]``, if that gives steps or samples.
+    in_stroke : bool
+        Whether the amplitude of a drive along a line was given as its stroke.
     """
 
     name: str | None
     specs: Mapping[str, AxisSpec]
     own: Mapping[str, float]
     motion: GivenMotion | None = None
+    in_stroke: bool = False
 
     @property
     def varying(self) -> tuple[str, ...]:
@@ -108,6 +112,11 @@ class Request:
     def drive(self) -> tuple[str, ...]:
         """Names of the drive's quantities."""
         return drive_of(self.specs)
+
+    @property
+    def told(self) -> dict[str, float]:
+        """``fixed`` in the quantities that were given: what people are told."""
+        return as_given(self.fixed, in_stroke=self.in_stroke)
 
     @property
     def is_waveform(self) -> bool:
@@ -156,7 +165,17 @@ class Request:
         self, level: Level, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
     ) -> Grid:
         """Make the grid of all combinations."""
-        return Grid(self.axes(), self.fixed, self.length, level, flight, coexistence, arrivals, self.motion)
+        return Grid(
+            self.axes(),
+            self.fixed,
+            self.length,
+            level,
+            flight,
+            coexistence,
+            arrivals,
+            self.motion,
+            self.in_stroke,
+        )
 
 
 class _Problems(Problems):
@@ -277,7 +296,8 @@ def gather(
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
     specs = {name: named[name] for name in QUANTITIES if name in named}
-    return Request(file.name or None, specs, values, motion)
+    in_stroke = any(spec.quantity.name == "stroke" for spec in merged.values())
+    return Request(file.name or None, specs, values, motion, in_stroke)
 
 
 def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:
