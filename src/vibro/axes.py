@@ -30,8 +30,8 @@ _REPEATED: Final = 40  # characters of a number that a hint repeats
 
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
-_WHOLE_NUMBERS = re.compile(r"\s*([+-]?\d{1,20}),(\d{1,20}[^,:\d.]*)")
-_DECIMAL_COMMA = re.compile(r"\s*([+-]?0),(\d+[^,:\d.]*)")
+_WHOLE_NUMBERS = re.compile(r"\s*([+-]?[0-9]{1,20}),([0-9]{1,20}[^,:0-9.]*)")
+_DECIMAL_COMMA = re.compile(r"\s*([+-]?0),([0-9]+[^,:0-9.]*)")
 
 
 @dataclass(frozen=True, eq=False)

@@ -263,7 +263,9 @@ START_VELOCITY: Final = Quantity("start_velocity", SPEED)
 _Value = TypeVar("_Value")
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
-_NUMBER = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d_].*|[\u00b0%])?")
+_NUMBER = re.compile(
+    r"([+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+)\s*+([^\W\d_].*|[\u00b0%])?"
+)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
 _CATALOGUED: Final = ("static_friction", "kinetic_friction")
 # More digits than this are no number that somebody measured or computed: those of every double fit.
@@ -493,7 +495,7 @@ def _not_finite(text: str, quantity: Quantity) -> InputError:
 
 
 def _number_hint(text: str, quantity: Quantity) -> str:
-    comma = re.fullmatch(r"([+-]?\d+),(\d+)\s*(\D*)", text)
+    comma = re.fullmatch(r"([+-]?[0-9]+),([0-9]+)\s*(\D*)", text)
     if comma and text.isprintable() and len(text) <= _HINTED:
         return f"write a decimal point: {comma[1]}.{comma[2]}{comma[3]}"
     if quantity.unit:

@@ -81,7 +81,7 @@ def test_pictures_and_workbooks_are_in_strokes(run: Run, scene: Path) -> None:
     cells = [cell for sheet in sheets for row in sheet.iter_rows(values_only=True) for cell in row if cell]
     assert "amplitude" not in cells
     assert "stroke [mm]" in "".join(map(str, cells))
-    down = [row[0] for row in sheets["speed"].iter_rows(min_row=4, max_row=8, values_only=True)]
+    down = [row[0] for row in sheets["Speed"].iter_rows(min_row=4, max_row=8, values_only=True)]
     assert down == [1, 1.5, 2, 2.5, 3]
     assert "stroke = 3 mm" in "".join(map(str, cells))
 

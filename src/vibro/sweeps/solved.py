@@ -12,6 +12,7 @@ from vibro.axes import axis_of
 from vibro.core.codes import Level
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.quantities import BY_COLUMN, QUANTITIES, as_given, find_quantity
+from vibro.reals import shielded
 from vibro.sweeps.run import solved_picture
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ class SolvedGrid(ABC):
         axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
         return f"<{type(self).__name__} of {' x '.join(axes) or 'one operating point'}>"
 
+    @shielded
     def _repr_html_(self) -> str:
         """Return axes, fixed quantities and a summary of the cells as a table for notebooks."""
         from vibro.html_tables import amount, html_table
@@ -69,6 +71,7 @@ class SolvedGrid(ABC):
         fixed = {QUANTITIES[name].column: value for name, value in self._grid.fixed.items()}
         return fixed if self._grid.length is None else {**fixed, "trough_length_mm": self._grid.length}
 
+    @shielded
     def draw(
         self,
         name: Literal["regime", "speed", "traverse", "impact", "flight"],
