@@ -67,7 +67,7 @@ def accuracy_command(
     """
     from vibro.cli.answer import count
     from vibro.cli.console import Console
-    from vibro.cli.request import plain_number, whole_number
+    from vibro.cli.request import plain_number, question, whole_number
     from vibro.cli.series import SeriesOutput
     from vibro.output.record import json_text
 
@@ -80,6 +80,7 @@ def accuracy_command(
     if limit <= 0.0:
         raise InputError(f"--tolerance {limit:g}: must be > 0")
     request = _request(options, context.obj)
+    question(request, options)
     with SeriesOutput(
         f"{request.name or 'vibro'}-accuracy",
         ("",),

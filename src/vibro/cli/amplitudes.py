@@ -12,7 +12,7 @@ import numpy as np
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.report import aligned
-from vibro.cli.request import request_of
+from vibro.cli.request import question, request_of
 from vibro.core.codes import Regime
 from vibro.errors import InputError
 from vibro.inverse.extremes import counted
@@ -97,6 +97,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     """
     speed = checked_number(text, LEAST_SPEED)
     request = request_of(options, argv, asked_for=("amplitude", SCALE))
+    question(request, options)
     unit, size = given_unit(text, LEAST_SPEED)
     drive = _Drive.of(request, hopping=hopping, unit=unit, size=size)
     with Console(quiet=options.quiet).progress("searching", None):

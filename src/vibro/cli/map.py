@@ -143,7 +143,7 @@ def map_command(
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.answer import Pictures, make_grid, write_sweep
     from vibro.cli.friction_window import friction_window
-    from vibro.cli.request import question_length, request_of
+    from vibro.cli.request import question, request_of
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED, checked_number
@@ -175,7 +175,7 @@ def map_command(
         resume=resume,
     )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
-    question_length(request, options)
+    question(request, options)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of(grid.axes, *throughput_of(part), drive=grid.drive, made_with=grid.made_with)
     written = table_of(

@@ -88,7 +88,7 @@ def solve_command(
     which scales of a motion, with --hopping also those at which the body hops.
     """
     from vibro.cli.answer import answer_one, make_grid
-    from vibro.cli.request import question_length, request_of
+    from vibro.cli.request import question, request_of
     from vibro.quantities import STAND_RATIO, checked_number
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, standing
@@ -120,7 +120,7 @@ def solve_command(
         extra += standing(part[STAND_RATIO.column])
     refuse_without_table(options, columns, digits)
     request = request_of(options, context.obj)
-    question_length(request, options)
+    question(request, options)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of((), *extra, drive=grid.drive, made_with=grid.made_with)
     table = table_of(usual, columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part)

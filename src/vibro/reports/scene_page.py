@@ -140,11 +140,10 @@ def _highlights(
 
 
 def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Iterator[Section]:
-    doubt, _, remedy = report.point.doubt().partition(": ")
     yield Section(
         title="Operating point",
         is_half=True,
-        texts=[f"Is this meant? {doubt.capitalize()}; {remedy}."] if doubt else [],
+        texts=[_questioned(doubt) for doubt in report.point.doubts()],
         tables=[Table("The drive, the trough and the part", (), [*_inputs(report, one, facts)])],
     )
     yield Section(
@@ -176,6 +175,11 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
         or ["Nothing: trough angle, gravity and restitution were given."],
     )
     yield Section(title="Limits of the model", items=LIMITS)
+
+
+def _questioned(doubt: str) -> str:
+    said, _, remedy = doubt.partition(": ")
+    return f"Is this meant? {said[:1].upper()}{said[1:]}; {remedy}."
 
 
 def _inputs(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Iterator[tuple[str, ...]]:
