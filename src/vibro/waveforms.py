@@ -232,13 +232,11 @@ class PiecewiseMotion(Motion):
     pieces: Floats
 
     @cached_property
-    @shielded
     def largest_acceleration(self) -> float:
         """Largest size of the acceleration [m/s^2]."""
         return farthest(self.pieces)
 
     @property
-    @shielded
     def unit(self) -> float:
         """Bound of both accelerations, their largest Bernstein coefficient; 1 where nothing moves [m/s^2]."""
         a, b, c, d = np.moveaxis(self.pieces, -1, 0)
@@ -263,13 +261,11 @@ class PiecewiseMotion(Motion):
         return integral(self.velocities, np.diff(self.breaks))
 
     @cached_property
-    @shielded
     def reach(self) -> float:
         """Largest distance from the mean position at 1 Hz [m]."""
         return farthest(self.positions)
 
     @cached_property
-    @shielded
     def stroke(self) -> float:
         """Largest distance between two points of the path at 1 Hz [m]."""
         moving = [x for x in self.positions if np.any(x)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,16 @@ def test_the_answer_about_a_scene_is_told_in_strokes(run: Run, scene: Path) -> N
     assert "forward slip begins with the stroke above 1.20439 mm (1.204 x)" in resting
     upright = run("solve", scene, "--stand-ratio", "0.2").stdout
     assert "mm stroke or" in upright
+
+
+def test_the_strokes_that_reach_a_speed(run: Run, scene: Path) -> None:
+    strokes = run("solve", scene, "--speed", "20mm/s").stdout
+    assert "stroke from [mm]" in strokes
+    assert "amplitude" not in strokes
+    found = json.loads(run("solve", scene, "--speed", "20mm/s", "--json").stdout)["amplitudes"][0]
+    low = float(strokes.splitlines()[-1].split()[0])
+    assert low == pytest.approx(2 * found["amplitude_low_mm"], rel=1e-5)
+    assert "no stroke does it" in run("solve", scene, "--speed", "100m/s").stdout
 
 
 def test_what_was_given_is_told_whichever_the_scene_file_has(run: Run, scene: Path) -> None:

@@ -279,8 +279,8 @@ def gather(
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
 
+    dropped = [own.pop(name) for name in asked_for if name in own]
     for name in asked_for:
-        own.pop(name, None)
         if name in typed:
             label = typed.pop(name).quantity.label
             problems.add(f"{label} is given, and asked for", "leave it out", name)
@@ -321,8 +321,8 @@ def gather(
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
     specs = {name: named[name] for name in QUANTITIES if name in named}
-    in_stroke = any(spec.quantity.name == "stroke" for spec in merged.values())
-    return Request(file.name or None, specs, values, motion, in_stroke)
+    is_stroke = any(spec.quantity.name == "stroke" for spec in (*merged.values(), *dropped))
+    return Request(file.name or None, specs, values, motion, is_stroke and drive is LINEAR)
 
 
 def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:
