@@ -6,12 +6,15 @@ import dataclasses
 import inspect
 import math
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+import vibro
+from vibro.axes import axis_of, parse_axis
 from vibro.drives import Ellipse, Line, Piecewise
 from vibro.errors import InputError
 from vibro.quantities import (
@@ -31,7 +34,9 @@ from vibro.quantities import (
     find_quantity,
     given_unit,
     kinetic_friction,
+    nearest_double,
 )
+from vibro.records.reading import read_record
 from vibro.scene import Scene
 
 
@@ -80,6 +85,8 @@ def test_a_number_is_read_in_the_default_unit(name: str, text: str, expected: fl
         (LEAST_SPEED, "6m/min", 100.0),
         (LEAST_SPEED, "600 MM/min", 10.0),
         (LEAST_SPEED, "60in/min", 25.4),
+        (LEAST_SPEED, "20ft/min", 101.6),
+        (LEAST_SPEED, "0.1ft/s", 30.48),
     ],
 )
 def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expected: float) -> None:
@@ -100,7 +107,7 @@ def test_the_unit_of_a_number_is_found(text: str, unit: str, size: Fraction) -> 
 @pytest.mark.parametrize(
     ("name", "text", "problem", "hint"),
     [
-        ("amplitude", "3Hz", "'Hz' is no unit of amplitude", "its units are mm, um, \u00b5m, cm, m, in"),
+        ("amplitude", "3Hz", "'Hz' is no unit of amplitude", "its units are mm, um, \u00b5m, cm, m, in, ft"),
         ("frequency", "3mm", "'mm' is no unit of frequency", "its units are Hz, kHz, rpm, U/min"),
         ("static_friction", "0.5mm", "'mm' is no unit of static friction", "it is a pure number"),
         ("drive_angle", "20grad", "'grad' is no unit of drive angle", "its units are deg, \u00b0, rad"),
@@ -230,3 +237,27 @@ def test_a_swept_ratio_may_exceed_1() -> None:
     assert [bool(q.allows(1.5)) for q in (ratio, ratio.swept)] == [False, True]
     assert not ratio.swept.allows(-0.1)
     assert QUANTITIES["amplitude"].swept is QUANTITIES["amplitude"]
+
+
+@pytest.mark.parametrize(
+    "digits", ["\u0661\u0662", "\uff11\uff12", "\u0967", "1\u0660", "1e\u0662", "1_0", "\u00b2"]
+)
+def test_the_digits_of_numbers_are_ascii(digits: str, tmp_path: Path) -> None:
+    """Everywhere: in options, in texts of files, along axes, in cells of records."""
+    for read in (exact_number, nearest_double, checked_number, parse_axis, axis_of):
+        with pytest.raises(InputError, match=r"not a number|is no unit"):
+            read(digits, QUANTITIES["amplitude"])
+    for axis in (f"1:{digits}9", f"1:9:{digits}", f"1,2{digits}", f"1:9:step={digits}"):
+        with pytest.raises(InputError):
+            parse_axis(axis, QUANTITIES["amplitude"])
+    record = tmp_path / "record.csv"
+    record.write_text(f"t [s];X [mm]\n0;{digits}\n1;2\n", encoding="utf-8")
+    with pytest.raises(InputError, match="is not a number"):
+        read_record(record)
+
+
+def test_no_pattern_of_numbers_takes_other_digits() -> None:
+    r"""In Python ``\d`` is any of 700 digits; it may stand where digits are excluded alone."""
+    sources = Path(vibro.__file__).parent.rglob("*.py")
+    lines = [line for source in sources for line in source.read_text(encoding="utf-8").splitlines()]
+    assert not [line for line in lines if r"\d" in line.replace(r"\W\d", "").replace(r"\W_\d", "")]

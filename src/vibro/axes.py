@@ -30,8 +30,8 @@ _REPEATED: Final = 40  # characters of a number that a hint repeats
 
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
-_WHOLE_NUMBERS = re.compile(r"\s*([+-]?\d{1,20}),(\d{1,20}[^,:\d.]*)")
-_DECIMAL_COMMA = re.compile(r"\s*([+-]?0),(\d+[^,:\d.]*)")
+_WHOLE_NUMBERS = re.compile(r"\s*([+-]?[0-9]{1,20}),([0-9]{1,20}[^,:0-9.]*)")
+_DECIMAL_COMMA = re.compile(r"\s*([+-]?0),([0-9]+[^,:0-9.]*)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +71,11 @@ class Axis:
     def on_paper(self) -> NDArray[np.float64]:
         """The values as pictures space them: of a logarithmic axis their logarithms."""
         return np.log(self.values) if self.spacing == "log" else self.values
+
+    @property
+    def in_stroke(self) -> Axis:
+        """The same axis told in strokes, if it is of amplitudes of a line."""
+        return replace(self, name="stroke", values=2.0 * self.values) if self.name == "amplitude" else self
 
     def __len__(self) -> int:
         return len(self.values)

@@ -12,7 +12,7 @@ from vibro.core.compiled import doors
 from vibro.core.scales import CLASSES
 from vibro.drives import Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError
-from vibro.reals import NotRealError, real_array
+from vibro.reals import NotRealError, real_array, shielded
 from vibro.solver import Grid, over_cells
 from vibro.steady import solve
 
@@ -114,6 +114,7 @@ class Transition(NamedTuple):
         return self.load, end
 
 
+@shielded
 def critical_loads(scene: Scene) -> CriticalLoads:
     """Critical loads G = A w^2 / g, at which the steady cycle from rest changes its regime.
 
@@ -208,6 +209,7 @@ def _as_loads(found: Sequence[Floats], fields: Fields) -> Sequence[Floats]:
         return [np.where(np.isinf(x), x, x * load)[()] for x in found]
 
 
+@shielded
 def transitions(scene: Scene) -> tuple[Transition, ...]:
     """Return where each kind of motion begins and ends, starting from one operating point.
 
@@ -324,6 +326,7 @@ def back_slip_of(fields: Line) -> NDArray[np.bool_]:
     return np.asarray(found.reshape(grid.shape) > 0)
 
 
+@shielded
 def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     """Return the load G = A w^2 / g up to which no edge of a part that starts from rest lifts.
 
@@ -381,6 +384,7 @@ def _tipping_load(fields: Fields, ratio: Floats) -> Floats:
     return np.asarray(_as_loads([found.reshape(grid.shape)[()]], fields)[0])
 
 
+@shielded
 def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
     """Return whether a part that starts from rest keeps its whole base on the trough.
 

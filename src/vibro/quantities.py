@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from vibro.errors import InputError, cut, shown
 from vibro.units import (
@@ -38,11 +38,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
-    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS",
-    "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED",
+    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "LOAD", "MASS", "MASS_FLOW", "MOST_HARMONICS",
+    "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SIZES", "SPEED",
     "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
-    "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "catalogue_hint", "checked_number", "counted_harmonics",
-    "drive_of", "exact_number",
+    "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "as_given", "catalogue_hint", "checked_number",
+    "counted_harmonics", "drive_of", "exact_number",
     "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
 ]  # fmt: skip
 
@@ -86,6 +86,11 @@ class Quantity:
         What it is, for people.
     default : float or None
         Its value where it is not given, in the unit outside; None where it must be given.
+    usual : Range
+        What it is, but for slips; 0 is usual of all.
+    slips : pair of str
+        What to write instead where a value is below, and above: the likely slip of units. ``{0}`` is the
+        value, ``{1}`` a hundredth of it.
     """
 
     name: str
@@ -96,6 +101,8 @@ class Quantity:
     allowed: Range = Range()
     meaning: str = ""
     default: float | None = None
+    usual: Range = Range()
+    slips: tuple[str, str] = ("", "")
 
     @property
     def label(self) -> str:
@@ -123,6 +130,21 @@ class Quantity:
     def swept(self) -> Quantity:
         """The same with what an axis may hold: a friction ratio above 1, whose cells are infeasible."""
         return replace(self, allowed=_ZERO_OR_MORE) if self.name == "friction_ratio" else self
+
+    def doubt(self, first: float | Fraction, last: float | Fraction) -> str:
+        """Return a warning about an axis, or a single value, that is unusual as a whole; else an empty text.
+
+        An axis may run up to an extreme on purpose.
+        """
+        low, high = self.usual.low, self.usual.high
+        if first > high:
+            nearest, side, end, slip = first, "above", self.text(high), self.slips[1]
+        elif last < low and last:
+            nearest, side, end, slip = last, "below", self.text(low), self.slips[0]
+        else:
+            return ""
+        told = slip.format(f"{float(nearest):.15g}", f"{float(nearest) / 100.0:.15g}")
+        return f"{self.label} = {self.text(nearest)} is {side} what is usual, {end}: {told}"
 
     def text(self, value: float | Fraction) -> str:
         """Write a value with its unit, as messages do."""
@@ -177,18 +199,26 @@ def _harmonic(n: int) -> tuple[Quantity, ...]:
     )
 
 
+_LENGTHS: Final = ("for metres write {0}m", "for micrometres write {0}um")
+_FRICTIONS: Final = {"usual": Range(high=2.0), "slips": ("", "for {0} % write {1}")}
 _ALL: Final = (
     Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _POSITIVE,
-             "amplitude of the trough's motion, half of its stroke"),
+             "amplitude of the trough's motion, half of its stroke",
+             usual=Range(0.002, 100.0), slips=_LENGTHS),
     Quantity("stroke", LENGTH, "stroke", "2A", ("--stroke",), _POSITIVE,
-             "stroke of the trough from peak to peak, twice the amplitude"),
+             "stroke of the trough from peak to peak, twice the amplitude",
+             usual=Range(0.004, 200.0), slips=_LENGTHS),
     Quantity("along_amplitude", LENGTH, "X", "X", ("--along",), _ZERO_OR_MORE,
-             "amplitude of an elliptical motion along the trough"),
+             "amplitude of an elliptical motion along the trough",
+             usual=Range(high=100.0), slips=_LENGTHS),
     Quantity("normal_amplitude", LENGTH, "Y", "Y", ("--normal",), _ZERO_OR_MORE,
-             "amplitude of an elliptical motion normal to the trough"),
-    Quantity("frequency", FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive"),
+             "amplitude of an elliptical motion normal to the trough",
+             usual=Range(high=100.0), slips=_LENGTHS),
+    Quantity("frequency", FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive",
+             usual=Range(high=1000.0), slips=("", "for revolutions a minute write {0}rpm")),
     Quantity("drive_angle", ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
-             Range(0.0, 90.0), "angle of the drive's line above the trough's surface"),
+             Range(0.0, 90.0), "angle of the drive's line above the trough's surface",
+             usual=Range(1.0), slips=("for radians write {0}rad", "")),
     Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), _ANY,
              "phase by which the normal motion leads the motion along the trough"),
     Quantity("along_phase", ANGLE, "xi", r"\xi", (), _ANY,
@@ -197,15 +227,15 @@ _ALL: Final = (
     Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), _POSITIVE,
              "factor of a whole motion: of all its amplitudes, or of its accelerations", 1.0),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
-             "coefficient of friction at rest"),
+             "coefficient of friction at rest", **_FRICTIONS),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
              Range(0.0, 1.0, with_high=True), "kinetic over static friction, in place of the kinetic one"),
     Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _ZERO_OR_MORE,
-             "coefficient of friction while sliding, at most the static one"),
+             "coefficient of friction while sliding, at most the static one", **_FRICTIONS),
     Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
              Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
     Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
-             STANDARD_GRAVITY),
+             STANDARD_GRAVITY, Range(1.0, 100.0), 2 * ("it is in m/s^2, 9.81 on Earth",)),
     Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("--normal-acceleration",), _POSITIVE,
              "constant normal force on a clamped part over its mass"),
     Quantity("restitution", PURE, "e", "e", ("--restitution",), Range(0.0, 1.0),
@@ -240,6 +270,8 @@ SCALE: Final = "motion_scale"
 DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC, SCALE)
 #: The amplitudes of a drive, with all of which its load grows.
 AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
+#: What the load of a drive grows with, as a drive's size may be given.
+SIZES: Final = ("stroke", *AMPLITUDES)
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
 #: What is taken where nothing is given, in the units outside.
@@ -248,6 +280,14 @@ DEFAULTS: Final[Mapping[str, float]] = {
 }
 #: The trough angle of a clamped part, which may hang on a vertical trough.
 _CLAMPED_TROUGH: Final = replace(QUANTITIES["trough_angle"], allowed=Range(-90.0, 90.0, with_high=True))
+
+#: Acceleration of the drive over that of gravity.
+LOAD: Final = Quantity(
+    "acceleration",
+    IN_GRAVITIES,
+    usual=Range(high=20.0),
+    slips=("", "is the amplitude in um (800um), or the frequency in rpm (900rpm)?"),
+)
 
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS, allowed=_POSITIVE)
@@ -258,8 +298,12 @@ DURATION: Final = Quantity("duration", TIME)
 START_PHASE: Final = Quantity("start_phase", ANGLE)
 START_VELOCITY: Final = Quantity("start_velocity", SPEED)
 
+_Value = TypeVar("_Value")
+
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
-_NUMBER = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d_].*|[\u00b0%])?")
+_NUMBER = re.compile(
+    r"([+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+)\s*+([^\W\d_].*|[\u00b0%])?"
+)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
 _CATALOGUED: Final = ("static_friction", "kinetic_friction")
 # More digits than this are no number that somebody measured or computed: those of every double fit.
@@ -282,6 +326,29 @@ def find_quantity(text: str) -> Quantity | None:
 def of_part(quantity: Quantity, *, is_clamped: bool) -> Quantity:
     """Return a quantity with the range that it may have of a part that lies on the trough, or is clamped."""
     return _CLAMPED_TROUGH if is_clamped and quantity.name == _CLAMPED_TROUGH.name else quantity
+
+
+def as_given(values: Mapping[str, _Value], *, in_stroke: bool) -> dict[str, _Value]:
+    """Tell the size of a drive along a line by the quantity in which it was given.
+
+    Parameters
+    ----------
+    values : mapping of str to float or array
+        Quantities in the unit outside, by name; an amplitude or a stroke may be among them.
+    in_stroke : bool
+        Whether strokes were given, not amplitudes.
+
+    Returns
+    -------
+    dict
+        The same in the same order, with ``stroke`` in the place of ``amplitude``, or the other way round: one
+        is twice the other, which rounds nothing.
+    """
+    wanted, other, factor = ("stroke", "amplitude", 2.0) if in_stroke else ("amplitude", "stroke", 0.5)
+    return {
+        wanted if name == other else name: factor * value if name == other else value
+        for name, value in values.items()
+    }
 
 
 def drive_of(names: Collection[str]) -> tuple[str, ...]:
@@ -328,10 +395,11 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     values : mapping of str to float or array
-        By name; ``friction_ratio`` may stand for the kinetic friction. A trough length is left out. Under
-        ``motion`` a ``Motion`` may stand, or an array of one.
+        By name; ``stroke`` may stand for the amplitude, and ``friction_ratio`` for the kinetic friction. A
+        trough length is left out. Under ``motion`` a ``Motion`` may stand, or an array of one.
     """
-    given = {name: value for name, value in values.items() if name != "trough_length"}
+    given = as_given(values, in_stroke=False)
+    given.pop("trough_length", None)
     if "friction_ratio" in given:
         ratio = given.pop("friction_ratio")
         if "kinetic_friction" not in given:
@@ -465,7 +533,7 @@ def _not_finite(text: str, quantity: Quantity) -> InputError:
 
 
 def _number_hint(text: str, quantity: Quantity) -> str:
-    comma = re.fullmatch(r"([+-]?\d+),(\d+)\s*(\D*)", text)
+    comma = re.fullmatch(r"([+-]?[0-9]+),([0-9]+)\s*(\D*)", text)
     if comma and text.isprintable() and len(text) <= _HINTED:
         return f"write a decimal point: {comma[1]}.{comma[2]}{comma[3]}"
     if quantity.unit:

@@ -17,7 +17,7 @@ __all__ = ["order_hint", "spelling_hint"]
 
 _REPEATED: Final = 40  # characters of a text that a hint repeats
 _BARE = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
-_NUMBER: Final = r"([+-]?(?:\d+(?:\.\d+)?|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d_]+|\u00b0)?"
+_NUMBER: Final = r"([+-]?(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*([^\W\d_]+|\u00b0)?"
 _OTHERWISE = re.compile(rf"\s*{_NUMBER}\s*(\.{{2,}}|[-\u2013\u2014\u2026;]|to)\s*{_NUMBER}\s*", re.IGNORECASE)
 
 

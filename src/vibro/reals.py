@@ -1,4 +1,4 @@
-"""Conversion of arguments of any type to doubles."""
+"""Doubles: arguments of any type become such, and what callers ask of NumPy about them stays outside."""
 
 from __future__ import annotations
 
@@ -17,11 +17,15 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["NotRealError", "real_array", "real_number"]
+__all__ = ["NotRealError", "real_array", "real_number", "shielded"]
 
 _ALLOWED: Final = "a real number or an array of real numbers"
 _A_NUMBER: Final = "one real number"
 _FINITE: Final = "finite"
+#: Decorator of what is called from outside. Numbers may underflow or be undefined on the way to an answer, or
+#: to its status. A caller's ``np.errstate(all="raise")`` is about the caller's own arithmetic: here NumPy
+#: treats these as it does by default.
+shielded: Final = np.errstate(divide="warn", over="warn", under="ignore", invalid="warn")
 # Sequences of these alone are converted at once.
 _PLAIN: Final = {int, float, np.int64, np.float64}
 

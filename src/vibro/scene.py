@@ -11,7 +11,7 @@ import numpy as np
 from vibro.drives import KINDS, Ellipse, Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError, shown
 from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY, of_part
-from vibro.reals import NotRealError, real_array
+from vibro.reals import NotRealError, real_array, shielded
 from vibro.waveforms import HarmonicMotion, Motion, PiecewiseMotion, harmonic_motion
 
 if TYPE_CHECKING:
@@ -175,6 +175,7 @@ class Scene:
     gravity: Floats
     restitution: Floats
 
+    @shielded
     def __init__(
         self,
         *,
@@ -221,6 +222,7 @@ class Scene:
         return html_table(caption, rows)
 
     @classmethod
+    @shielded
     def allowing_infeasible(cls, **values: ArrayLike) -> Scene:
         """Make a scene whose fields are valid but whose combinations may be infeasible.
 
@@ -249,6 +251,7 @@ class Scene:
         return self.arrays().shape
 
     @property
+    @shielded
     def load(self) -> Floats:
         """Largest acceleration of the trough over gravity, G; A w^2 / g along a line [1].
 
@@ -260,11 +263,13 @@ class Scene:
             return np.asarray(self.arrays().acceleration_reach * w**2 / self.gravity)
 
     @property
+    @shielded
     def scale(self) -> Floats:
         """Unit of length of the solvers: A, or the largest of all amplitudes [m]."""
         return self.arrays().scale
 
     @property
+    @shielded
     def reach(self) -> Floats:
         """Largest distance of the trough from its middle: A, or the ellipse's larger semi-axis [m]."""
         return self.arrays().reach

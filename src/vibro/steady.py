@@ -13,6 +13,7 @@ from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.errors import InputError, shown
 from vibro.long_patterns import spell_long
+from vibro.reals import shielded
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.solver import Grid, Scratch, over_cells
 
@@ -37,6 +38,7 @@ _MANY_FLIGHTS: Final = 10_000  # [cells] above which plain Python takes minutes
 _MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.dtype) for r in RESULTS)
 
 
+@shielded
 def solve(
     scene: Scene,
     *,

@@ -66,6 +66,7 @@ _MILLIMETRES: Final[Mapping[str, Fraction]] = {
     "cm": Fraction(10),
     "m": Fraction(1000),
     "in": Fraction("25.4"),
+    "ft": Fraction("304.8"),
 }
 # fmt: off
 PURE: Final = Kind("", "", "", {})
@@ -74,7 +75,8 @@ IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration
 LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
 SPEED: Final = Kind("mm/s", "m/s", "_mm_s",
                     {f"{unit}/s": size for unit, size in _MILLIMETRES.items()}
-                    | {f"{unit}/min": _MILLIMETRES[unit] / 60 for unit in ("mm", "m", "in")}, per_si=1000.0)
+                    | {f"{unit}/min": _MILLIMETRES[unit] / 60 for unit in ("mm", "m", "in", "ft")},
+                    per_si=1000.0)
 FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
                         {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60),
                          "U/min": Fraction(1, 60)})

@@ -12,7 +12,7 @@ import numpy as np
 from vibro.errors import Problem, SceneError, shown
 from vibro.paths import extremes, farthest, integral, values_at, widest
 from vibro.quantities import MOST_HARMONICS
-from vibro.reals import NotRealError, real_array
+from vibro.reals import NotRealError, real_array, shielded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -62,6 +62,7 @@ class Motion:
     """
 
     @staticmethod
+    @shielded
     def harmonics(along: GivenPairs | None = None, normal: GivenPairs | None = None) -> Motion:
         """Return a sum of harmonics ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first.
 
@@ -88,6 +89,7 @@ class Motion:
         return harmonic_motion((along, normal), ("along", "normal"))
 
     @staticmethod
+    @shielded
     def steps(along: GivenPairs | None = None, normal: GivenPairs | None = None) -> Motion:
         """Return a motion whose acceleration is constant on each of some shares of the period.
 
@@ -119,6 +121,7 @@ class Motion:
         return step_motion(along, normal, ("along", "normal"))
 
     @staticmethod
+    @shielded
     def samples(
         along: ArrayLike | None = None,
         normal: ArrayLike | None = None,
@@ -163,6 +166,7 @@ class Motion:
         return sampled_motion(along, normal, of, ("along", "normal"))
 
     @staticmethod
+    @shielded
     def measured(path: str | PathLike[str], **columns: Any) -> Motion:
         """Return the harmonics that accelerometers on a trough have measured.
 
@@ -277,6 +281,7 @@ class PiecewiseMotion(Motion):
 
         return widest(path, np.unique(np.concatenate([np.arange(_POINTS) / _POINTS, self.breaks[:-1]])))
 
+    @shielded
     def accelerations(self, shares: ArrayLike) -> Floats:
         """Return accelerations along and normal, of shape (2, ...), at shares of the period [m/s^2]."""
         return values_at(self.pieces, self.breaks, np.mod(shares, 1.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,3 +42,14 @@ def test_the_order_of_the_methods(rows: dict[tuple[str, str], dict[str, str]]) -
     assert drift["vibro", "exact"] == 0.0
     assert 3e-3 < drift["smoothed friction", "width 0.01 A w"] < 3e-2
     assert rows["vibro", "exact"]["wrong_regime_share"] in ("0", "0.0")
+
+
+def test_a_narrow_terminal_loses_no_digit(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.cli.report.line_width", lambda: 80)
+    text = run("accuracy", "--scenes", "12", "-q").stdout
+    *parts, last = text[: text.index("Use vibro")].strip().split("\n\n")
+    assert "99.9 %" in parts[0].splitlines()[0]
+    assert all(len(line) <= 80 for line in (*"\n".join(parts).splitlines(), *last.splitlines()))
+    errors = re.findall(r"(?m)^events.* (\S+)  (\S+)$", parts[0])
+    assert len(errors) > 5
+    assert all(re.fullmatch(r"\d\.\de-\d\d", cell) for row in errors for cell in row)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import io
+import itertools
 import json
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import matplotlib
 import pytest
+from helpers.drawn import sweep
 from PIL import Image
 
-from vibro.plots import save
+from vibro.plots import map_figures, save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -79,3 +84,19 @@ def test_no_window_is_asked_for() -> None:
         timeout=60,
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_threads_draw_and_save_at_once() -> None:
+    """Matplotlib's parser of formulas and its settings are common to all threads."""
+    result = sweep(points=31, amplitude="0.1:3", frequency="5:60")
+
+    def work(_: int) -> None:
+        for name, picture_format in itertools.product(("regime", "speed"), ("png", "svg")):
+            figure = map_figures(result, [name])[name]
+            save(figure, io.BytesIO(), picture_format, {})
+            figure.savefig(io.BytesIO(), format=picture_format)
+
+    before = dict(matplotlib.rcParams)
+    with ThreadPoolExecutor(4) as threads:
+        list(threads.map(work, range(8)))
+    assert dict(matplotlib.rcParams) == before

@@ -136,7 +136,7 @@ def test_the_unit_of_the_header_is_not_changed_by_the_option(tmp_path: Path) -> 
 
 
 def test_a_wrong_unit_is_told_with_those_that_would_do(tmp_path: Path) -> None:
-    units = "mm/s, cm/s, m/s, um/s, µm/s, in/s"
+    units = "mm/s, um/s, µm/s, cm/s, m/s, in/s, ft/s, mm/min, m/min, in/min, ft/min"
     for header, given, problem in (
         ("X [mm]", "X [mm]", "'mm' is no unit of velocity"),
         ("X", "X [mm]", "'mm' is no unit of velocity"),

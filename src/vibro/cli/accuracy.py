@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import sys
+import textwrap
 from dataclasses import asdict, fields, replace
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -67,7 +67,7 @@ def accuracy_command(
     """
     from vibro.cli.answer import count
     from vibro.cli.console import Console
-    from vibro.cli.request import plain_number, whole_number
+    from vibro.cli.request import plain_number, question, whole_number
     from vibro.cli.series import SeriesOutput
     from vibro.output.record import json_text
 
@@ -80,6 +80,7 @@ def accuracy_command(
     if limit <= 0.0:
         raise InputError(f"--tolerance {limit:g}: must be > 0")
     request = _request(options, context.obj)
+    question(request, options)
     with SeriesOutput(
         f"{request.name or 'vibro'}-accuracy",
         ("",),
@@ -124,10 +125,10 @@ def _request(options: Options, argv: Sequence[str]) -> Request:
 def _grid(request: Request, console: Console) -> Grid:
     from vibro.sweeps.grid import Grid
 
-    axes = request.axes(_VALUES)
-    for axis in axes.values():
+    grid = Grid(request.axes(_VALUES), request.fixed, None, in_stroke=request.in_stroke)
+    for axis in grid.told_axes.values():
         console.echo(str(axis))
-    return Grid(axes, request.fixed, None)
+    return grid
 
 
 def _run(grid: Grid, scenes: int, tolerance: float, console: Console) -> Trade:
@@ -182,12 +183,12 @@ _HEADINGS: Final = (
     "method", "setting", "scenes", "time", "max error", "99.9 %", "beyond", "wrong regime", "silent",
     "gave up", "rest drift",
 )  # fmt: skip
-_WIDE: Final = 120  # [characters] that the table takes
 
 
 def _print_table(trade: Trade) -> None:
-    """Print the table and the advice: with rich for a person, as aligned text otherwise."""
+    """Print the table, in parts below each other where it is wider than the terminal, and the advice."""
     from vibro.accuracy.trade import advice
+    from vibro.cli.report import line_width, stacked
 
     cells = [_cells(row) for row in trade.rows]
     legend = (
@@ -195,24 +196,8 @@ def _print_table(trade: Trade) -> None:
         f"{trade.reference}; beyond: the tolerance, {trade.tolerance:g}; silent: misses half the "
         "speed or more without a word"
     )
-    if sys.stdout.isatty():
-        from rich import box
-        from rich.console import Console as RichConsole
-        from rich.table import Table
-
-        table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), caption=legend, caption_justify="left")
-        for heading in _HEADINGS:
-            left = heading in ("method", "setting")
-            table.add_column(heading, justify="left" if left else "right", no_wrap=True)
-        for row in cells:
-            table.add_row(*row)
-        # A number that is cut short is worse than a line that wraps.
-        RichConsole(highlight=False, markup=False, width=_WIDE).print(table, crop=False)
-    else:
-        from vibro.cli.report import aligned
-
-        print(aligned([_HEADINGS, *cells]))
-        print(f"\n{legend}")
+    print(stacked([_HEADINGS, *cells], heads=2, width=line_width()))
+    print("", *textwrap.wrap(legend, line_width() or len(legend)), sep="\n")
     print(advice(trade))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.report import aligned
-from vibro.cli.request import request_of
+from vibro.cli.request import question, request_of
 from vibro.core.codes import Regime
 from vibro.errors import InputError
 from vibro.inverse.extremes import counted
@@ -27,6 +27,7 @@ from vibro.quantities import (
     SCALE,
     SPEED,
     TOLD_HARMONICS,
+    as_given,
     checked_number,
     exact_number,
     given_unit,
@@ -97,6 +98,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     """
     speed = checked_number(text, LEAST_SPEED)
     request = request_of(options, argv, asked_for=("amplitude", SCALE))
+    question(request, options)
     unit, size = given_unit(text, LEAST_SPEED)
     drive = _Drive.of(request, hopping=hopping, unit=unit, size=size)
     with Console(quiet=options.quiet).progress("searching", None):
@@ -135,6 +137,8 @@ class _Drive:
         Unit of speeds, and its size [mm/s].
     hopping : bool
         Whether the body may hop.
+    in_stroke : bool
+        Whether the scene has the stroke of a line, which is then told.
     """
 
     scene: Scene
@@ -143,6 +147,7 @@ class _Drive:
     unit: str
     size: Fraction
     hopping: bool
+    in_stroke: bool = False
 
     @classmethod
     def of(cls, request: Request, *, unit: str, size: Fraction, hopping: bool) -> _Drive:
@@ -168,7 +173,7 @@ class _Drive:
         sizes = {name: float(getattr(scene, name)) for name in names or ["amplitude"]}
         amplitude = next(filter(None, sizes.values()))
         shares = {name: x / amplitude for name, x in sizes.items()}
-        return cls(scene, amplitude, shares, unit, size, hopping)
+        return cls(scene, amplitude, shares, unit, size, hopping, request.in_stroke)
 
     def scenes(self, amplitudes: Floats) -> Scene:
         """Return the scenes of some amplitudes [m]."""
@@ -183,12 +188,12 @@ class _Drive:
         return SCALE in self.shares
 
     @property
-    def told(self) -> list[str]:
-        """Names of the sizes in the table; of a motion with few amplitudes these too."""
+    def told(self) -> dict[str, float]:
+        """The shares of the sizes in the table, as given; of a motion with few amplitudes these too."""
         if not self.is_moved:
-            return [*self.shares]
-        amplitudes = [name for name, share in self.shares.items() if share and name != SCALE]
-        return [SCALE, *(amplitudes if len(amplitudes) <= _MOST_AMPLITUDES else ())]
+            return as_given(self.shares, in_stroke=self.in_stroke)
+        amplitudes = {name: share for name, share in self.shares.items() if share and name != SCALE}
+        return {SCALE: 1.0, **(amplitudes if len(amplitudes) <= _MOST_AMPLITUDES else {})}
 
     def intervals(self, speed: float) -> list[Interval]:
         """Return the amplitudes that reach a speed [m/s]."""
@@ -235,14 +240,13 @@ class _Drive:
     @property
     def sizes(self) -> str:
         """What is listed."""
-        return "scales" if self.is_moved else "amplitudes"
+        return "scales" if self.is_moved else "strokes" if self.in_stroke else "amplitudes"
 
     def at(self, amplitude: float) -> str:
         """Write all amplitudes for people, or the scale of a motion."""
         texts = [
-            f"{_word(name)}{QUANTITIES[name].from_si(amplitude * self.shares[name]):.4g}"
-            f" {QUANTITIES[name].unit}".rstrip()
-            for name in (self.told[:1] if self.is_moved else self.told)
+            f"{_word(name)}{QUANTITIES[name].from_si(amplitude * share):.4g} {QUANTITIES[name].unit}".rstrip()
+            for name, share in [*self.told.items()][: 1 if self.is_moved else None]
         ]
         return ", ".join(texts)
 
@@ -266,7 +270,7 @@ class _Drive:
         for interval in found:
             if interval not in kept:
                 continue
-            ends_told = (_rounded(interval, name, self.shares[name]) for name in self.told)
+            ends_told = (_rounded(interval, name, share) for name, share in self.told.items())
             lows, highs = zip(*ends_told, strict=True)
             last = ends[interval.high_set_by] if math.isfinite(interval.high) else "-"
             rows.append((*lows, *highs, _BEGINS[interval.low_set_by], last))

@@ -20,7 +20,7 @@ from vibro.output.record import json_text, sweep_record
 from vibro.output.run import write_table
 from vibro.output.sinks import new_sink
 from vibro.output.staging import Staging
-from vibro.quantities import QUANTITIES
+from vibro.quantities import QUANTITIES, as_given
 from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import records
 from vibro.sweeps.one_scene import OneScene, bounce_text, estimate, number
@@ -109,7 +109,7 @@ def make_grid(
     follows = level is Level.EXACT and flight is Flight.ON
     grid = request.grid(level, flight=follows, coexistence=coexistence, arrivals=arrivals)
     if console is not None:
-        for axis in grid.axes.values():
+        for axis in grid.told_axes.values():
             console.echo(str(axis))
     return grid
 
@@ -337,12 +337,13 @@ def byte_count(number: float) -> str:
 def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
     """Tell which cells of a sweep are conveyed fastest, forwards and backwards."""
     for name, peak in tally.peaks.items():
-        console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.axes)}")
+        console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.told_axes)}")
 
 
 def peak_text(peak: Peak, axes: Mapping[str, Axis]) -> str:
     """Write how fast the fastest cell of a sweep is, and where it lies."""
-    place = [f"{axis.label} {number(peak.values[axis.name], axis.unit)}" for axis in axes.values()]
+    values = as_given(peak.values, in_stroke="stroke" in axes)
+    place = [f"{axis.label} {number(values[name], axis.unit)}" for name, axis in axes.items()]
     return f"{estimate(peak.speed, peak.error, 'mm/s')} at {', '.join(place)}"
 
 

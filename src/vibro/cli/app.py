@@ -24,6 +24,7 @@ from vibro.cli.design import design_command
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
+from vibro.cli.help import GroupedCommand
 from vibro.cli.map import map_command
 from vibro.cli.motion import motion_command
 from vibro.cli.options import print_version, shares_options
@@ -161,9 +162,9 @@ _OTHERS: dict[str, Callable[..., int]] = {
     "schema": schema_command,
 }
 for _name, _command in _SCENES.items():
-    app.command(_name)(shares_options(_command))
+    app.command(_name, cls=GroupedCommand)(shares_options(_command))
 for _name, _command in _OTHERS.items():
-    app.command(_name)(_command)
+    app.command(_name, cls=GroupedCommand)(_command)
 
 
 def main() -> None:

@@ -99,9 +99,9 @@ def compare_command(
     STEM-summary.csv, STEM.json and a picture.
     """
     from vibro.cli.compare_report import comparison_report
-    from vibro.cli.request import request_of
+    from vibro.cli.request import question, request_of
     from vibro.cli.series import SeriesOutput, scene_record
-    from vibro.quantities import MASS, exact_number
+    from vibro.quantities import DRIVES, MASS, exact_number
     from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
     from vibro.records.comparison_tables import ComparisonTables
@@ -148,6 +148,7 @@ def compare_command(
             raise _two_motions()
         for warning in drive.warnings:
             console.warn(warning)
+    question(request, options, measured=() if trough is None else (*DRIVES, "frequency"))
     scene = request.scene()
     check_scene(scene)
     observation = Observation.of(
@@ -192,7 +193,7 @@ def compare_command(
 
             return {
                 "": comparison_figure(
-                    comparison, title, request.fixed, compare(found.scene, observation) if found else None
+                    comparison, title, request.told, compare(found.scene, observation) if found else None
                 )
             }
 

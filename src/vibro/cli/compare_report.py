@@ -94,7 +94,7 @@ class _Report:
         """Name the scene file, and say what it comes to."""
         given = (
             f"{QUANTITIES[name].label} {number(value, QUANTITIES[name].unit)}"
-            for name, value in self.request.fixed.items()
+            for name, value in self.request.told.items()
             if value != DEFAULTS.get(name)
         )
         return ": ".join(filter(None, (printable(self.request.name or ""), ", ".join(given))))

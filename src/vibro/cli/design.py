@@ -75,6 +75,8 @@ def design_command(
     wanted = picture_formats(formats)
     count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))
     spec = read_spec(source)
+    for doubt in spec.doubts():
+        console.warn(doubt)
     with SeriesOutput(
         f"{spec.name}-design",
         ("",),

@@ -45,7 +45,7 @@ def explore_command(
     pip install 'vibro[explore]'.
     """
     from vibro.cli.console import Console, print_unexpected, tell_traceback
-    from vibro.cli.request import question_length, whole_number
+    from vibro.cli.request import question, whole_number
 
     console = Console(quiet=options.quiet)
     wanted = whole_number("--port", port)
@@ -57,7 +57,7 @@ def explore_command(
         raise InputError(f"--port {wanted}: must be in [{PORTS.start}, {PORTS.stop - 1}]")
     request = _request(options, context.obj)
     if request:
-        question_length(request, options)
+        question(request, options)
 
     def announce(url: str, bound: int) -> None:
         if bound != wanted:

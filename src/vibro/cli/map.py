@@ -103,6 +103,7 @@ def map_command(
         typer.Option(
             "--speed",
             metavar="SPEED",
+            rich_help_panel="Pictures",
             help="Draw where this speed is reached, and tell by which share of the cells; in a map of both"
             " frictions, by which [mm/s].",
             show_default=False,
@@ -144,7 +145,7 @@ def map_command(
     if options.scene is not None and options.scene.suffix == ".parquet":
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.answer import Pictures, make_grid, write_sweep
-    from vibro.cli.request import question_length, request_of
+    from vibro.cli.request import question, request_of
     from vibro.cli.target_speed import TargetSpeed, target_in_pictures
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
@@ -177,17 +178,18 @@ def map_command(
         resume=resume,
     )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
-    question_length(request, options)
+    question(request, options)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of(grid.axes, *throughput_of(part), drive=grid.drive, made_with=grid.made_with)
     written = table_of(
         usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part
     )
-    held = held_axes(at or [], request.varying)
-    view = choose_view(grid.axes, x and axis_name(x), y and axis_name(y), held, grid.fixed)
+    axes, fixed = grid.told_axes, grid.told(grid.fixed)
+    held = grid.told(held_axes(at or [], axes))
+    view = choose_view(axes, x and axis_name(x), y and axis_name(y), held, fixed)
     name = request.name or "vibro-map"
 
-    target = None if level is None else TargetSpeed(grid.axes, level)
+    target = None if level is None else TargetSpeed(axes, level)
     cells = None if sharding or options.output == "-" else DrawnCells.of(grid, view.drawn)
     reached = ""
 
@@ -201,7 +203,7 @@ def map_command(
             lambda done, size: show(0, f"solving {done / size:.0%}"),
         )  # fmt: skip
         if target and sharding:
-            reached = target_in_pictures(result, grid.axes, target.speed)
+            reached = target_in_pictures(result, axes, target.speed)
         y_name = view.y.name if view.y else None
         return map_figures(
             result, names, x=view.x.name, y=y_name, level=level, progress=lambda done, size: show(done)
@@ -213,7 +215,7 @@ def map_command(
     pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
     if pictures:
         check_drawable(view)
-        tell_choices(view, grid.axes, held, console)
+        tell_choices(view, axes, held, console)
     if sharding is not None:
         if target and target.is_of_frictions:
             raise InputError(
@@ -225,7 +227,7 @@ def map_command(
         if reached:
             console.echo(reached)
         if tally.at_rest and shards is None:
-            console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
+            console.echo(where_motion_begins(axes, fixed, limits_of(grid.values())))
         return code
     style = None
     if table != CSV:  # a workbook has maps of its own
@@ -246,5 +248,5 @@ def map_command(
     if target:
         console.echo(target.text())
     if not moves:
-        console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
+        console.echo(where_motion_begins(axes, fixed, limits_of(grid.values())))
     return code

@@ -75,6 +75,7 @@ def motion_command(
     the motion goes to a scene file, for vibro solve, vibro map and others.
     """
     from vibro.cli.motion_report import MotionReport
+    from vibro.cli.request import question
     from vibro.output.record import json_text
     from vibro.quantities import DRIVES, QUANTITIES, checked_number, scene_fields
     from vibro.records.measured_speeds import speeds_of, throw_number
@@ -88,7 +89,11 @@ def motion_command(
         raise InputError("--json and -o - both want stdout", hint="leave one of them out")
     angle = None
     if drive_angle is not None:
-        angle = float(QUANTITIES["drive_angle"].to_si(checked_number(drive_angle, QUANTITIES["drive_angle"])))
+        quantity = QUANTITIES["drive_angle"]
+        told = checked_number(drive_angle, quantity)
+        if doubt := quantity.doubt(told, told):
+            console.warn(doubt)
+        angle = float(quantity.to_si(told))
     request, has_friction = _rest_of_scene(options, context.obj)
     given = {"time": time, "trough_along": trough_along, "trough_normal": trough_normal}
     columns = {name: text for name, text in given.items() if text is not None}
@@ -100,6 +105,7 @@ def motion_command(
         for warning in measured.warnings:
             console.warn(warning)
 
+        question(request, options, measured=(*DRIVES, "frequency"))
         rest = {name: value for name, value in request.fixed.items() if name not in (*DRIVES, "frequency")}
         if not has_friction:
             rest = {name: value for name, value in rest.items() if name not in _FRICTIONS}

@@ -71,7 +71,7 @@ def _remedy(given: Iterable[str], part: Mapping[str, float]) -> str:
 
 def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, float], console: Console) -> int:
     from vibro.cli.answer import make_grid
-    from vibro.cli.request import question_length, request_of
+    from vibro.cli.request import question, request_of
     from vibro.cli.series import scene_record
     from vibro.core.codes import Status
     from vibro.quantities import STANDS_FOR
@@ -83,7 +83,7 @@ def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, floa
     from vibro.sweeps.run import sweep_blocks
 
     request = request_of(options, argv)
-    question_length(request, options)
+    question(request, options)
     swept = request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
     grid = make_grid(request)
     with _placed(request.name or "vibro-report", options, argv, console) as write:
@@ -106,6 +106,8 @@ def _report_design(source: Path, options: Options, argv: Sequence[str], console:
     from vibro.reports.page import page_html
 
     spec = read_spec(source)
+    for doubt in spec.doubts():
+        console.warn(doubt)
     with _placed(spec.name or "vibro-report", options, argv, console) as write:
         with console.progress("searching", None) as report:
             result = find_designs(spec, lambda done, total, what: report(done, what, total))

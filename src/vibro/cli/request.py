@@ -12,12 +12,12 @@ from vibro.quantities import QUANTITIES, Quantity, exact_number
 from vibro.sweeps.request import gather
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from vibro.cli.options import Options
     from vibro.sweeps.request import Request
 
-__all__ = ["plain_number", "question_length", "request_of", "whole_number"]
+__all__ = ["plain_number", "question", "request_of", "whole_number"]
 
 
 class _CommandLine(NamedTuple):
@@ -85,7 +85,7 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
     return gather(options.given, file, _CommandLine(argv), **wanted)
 
 
-def question_length(request: Request, options: Options) -> None:
-    """Question on stderr what is possible but likely a slip: a trough shorter than the stroke."""
-    if doubt := request.doubt():
+def question(request: Request, options: Options, measured: Collection[str] = ()) -> None:
+    """Question on stderr what is possible but likely a slip of units."""
+    for doubt in request.doubts(measured):
         Console(quiet=options.quiet).warn(doubt)

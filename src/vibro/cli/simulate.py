@@ -94,7 +94,7 @@ def simulate_command(
     The phases are printed. With -o they go to STEM-phases.csv too, the sampled motion to STEM.csv, forces per
     unit mass, and its picture to STEM.png.
     """
-    from vibro.cli.request import plain_number, request_of, whole_number
+    from vibro.cli.request import plain_number, question, request_of, whole_number
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
@@ -104,6 +104,7 @@ def simulate_command(
     wanted = picture_formats(formats)
     choose_panels(panels, flies=True)
     request = request_of(options, context.obj)
+    question(request, options)
     scene = request.scene()
     frequency = float(scene.frequency)
     time = None if duration is None else float(exact_number(duration, DURATION))
@@ -197,9 +198,8 @@ def _figure(
     phases = [p for p in history.phases if p.end > since and p.start < until]
     seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
     rows = trace(history, since=since, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
-    given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
     period = 1.0 / float(history.scene.frequency)
-    return history_figure(phases, rows, seen, request.name or "Motion", given, part, period=period)
+    return history_figure(phases, rows, seen, request.name or "Motion", request.told, part, period=period)
 
 
 def _part(since: float, until: float, history: History) -> str:

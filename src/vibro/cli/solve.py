@@ -88,7 +88,7 @@ def solve_command(
     which scales of a motion, with --hopping also those at which the body hops.
     """
     from vibro.cli.answer import answer_one, make_grid
-    from vibro.cli.request import question_length, request_of
+    from vibro.cli.request import question, request_of
     from vibro.quantities import STAND_RATIO, checked_number
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, standing
@@ -120,7 +120,7 @@ def solve_command(
         extra += standing(part[STAND_RATIO.column])
     refuse_without_table(options, columns, digits)
     request = request_of(options, context.obj)
-    question_length(request, options)
+    question(request, options)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of((), *extra, drive=grid.drive, made_with=grid.made_with)
     table = table_of(usual, columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part)
@@ -165,7 +165,7 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     ratio = float(one.scene.load) / load
     if not 0.0 < ratio < math.inf:  # beyond the range of doubles
         return told
-    which = f" ({one.all_amplitudes})" if one.all_amplitudes else ""
+    which = f" ({one.all_amplitudes})" if one.all_amplitudes else " stroke" * (one.size == "stroke")
     beginning = f"{told}: {edge} above {one.amplitudes(ratio)}{which}"
     if not isinstance(one.scene.motion, PiecewiseMotion):  # whose accelerations do not depend on it
         beginning += f" or {number(float(one.scene.frequency) / math.sqrt(ratio), 'Hz')}"

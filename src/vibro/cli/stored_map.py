@@ -83,17 +83,17 @@ def map_stored(
     shards = open_shards(folder)
     plan, grid = shards.plan, shards.plan.grid
     _refuse_unsolved(grid, folder, shown, speed)
-    for axis in grid.axes.values():
+    for axis in grid.told_axes.values():
         console.echo(str(axis))
-    held = held_axes(at, grid.axes)
-    view = choose_view(grid.axes, x and axis_name(x), y and axis_name(y), held, grid.fixed)
+    axes, held = grid.told_axes, grid.told(held_axes(at, grid.told_axes))
+    view = choose_view(axes, x and axis_name(x), y and axis_name(y), held, grid.told(grid.fixed))
     names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
     if grid.level is not Level.EXACT:
         names = [name for name in names if name == "regime"]
     if not names:
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
     check_drawable(view)
-    tell_choices(view, grid.axes, held, console)
+    tell_choices(view, axes, held, console)
 
     said = ""
 
@@ -101,7 +101,7 @@ def map_stored(
         nonlocal said
         result = stored_picture(shards, view.drawn, names)
         if level is not None:
-            said = target_in_pictures(result, grid.axes, level)
+            said = target_in_pictures(result, axes, level)
         y_name = view.y.name if view.y else None
         return map_figures(
             result, names, x=view.x.name, y=y_name, level=level, progress=lambda done, size: show(done)

@@ -40,13 +40,13 @@ def traverse_time_command(
     """
     from vibro.cli.answer import answer_one, answer_sweep, make_grid
     from vibro.cli.console import Console
-    from vibro.cli.request import question_length, request_of
+    from vibro.cli.request import question, request_of
     from vibro.quantities import QUANTITIES
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.derived import WITH_ARRIVAL, WITH_STROKES
 
     request = request_of(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
-    question_length(request, options)
+    question(request, options)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     if sweep and not request.varying:
         option = QUANTITIES[request.drive[0]].options[0]

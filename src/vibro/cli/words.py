@@ -35,7 +35,7 @@ _ARGUMENT: Final = re.compile(
     (?: True\b
       | "(?P<text>[^"]*)"
       | math\.radians\((?P<angle>[^()]*)\)
-      | (?P<number>-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)(?![\w/\\-]|\.\w)
+      | (?P<number>-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?)(?![\w/\\-]|\.\w)
       | (?=[\s,;:.)]|$)
     )""",
     re.VERBOSE,

@@ -25,12 +25,12 @@ __all__ = ["ABSENT", "Table", "kind_of", "read_toml", "refuse_other_kinds", "ref
 ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
 
 _DECIMAL_COMMA: Final = re.compile(
-    r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?\d{1,20}),(\d{1,20})[ \t]*(#.*)?$", re.MULTILINE
+    r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?[0-9]{1,20}),([0-9]{1,20})[ \t]*(#.*)?$", re.MULTILINE
 )
 _REASON: Final = 200  # characters of the parser's message
 # Matches whole numbers that may be too long for Python (4300 digits), and the digits that are kept: more than
 # the 309 of the largest double, even if every other character were an underscore.
-_LONG_NUMBER: Final = re.compile(r"\d[\d_]{4000,}")
+_LONG_NUMBER: Final = re.compile(r"[0-9][0-9_]{4000,}")
 _KEPT: Final = 1000
 
 

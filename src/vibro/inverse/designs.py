@@ -14,6 +14,7 @@ from vibro.inverse.reading import read_spec
 from vibro.inverse.rounding import DIGITS, MOST_DIGITS
 from vibro.inverse.rows import KINDS, SEARCHED, find
 from vibro.quantities import SPEED
+from vibro.reals import shielded
 from vibro.results.designs import DesignResult
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ __all__ = ["Chosen", "at_most", "checked_digits", "chosen_of", "design", "find_d
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 
 
+@shielded
 def design(
     spec: str | os.PathLike[str] | Mapping[str, Any],
     *,

@@ -24,6 +24,7 @@ from vibro.inverse.extremes import (
 )
 from vibro.inverse.proofs import back_slip_load, is_braked, steeper_is_slower
 from vibro.inverse.tolerances import TOLERANCES
+from vibro.reals import shielded
 from vibro.results.designs import Guarantee
 from vibro.scene import Scene
 
@@ -57,6 +58,7 @@ _JUMPS: Final = {
 }
 
 
+@shielded
 def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     """Return bounds on speed and regime over a box of bands, for bodies that start from rest.
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from vibro.core.codes import Regime
 from vibro.inverse.spaces import SPACES, MotionSpace
-from vibro.quantities import STANDARD_GRAVITY
+from vibro.quantities import LOAD, QUANTITIES, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from vibro.drives import Ellipse, Harmonics, Line, Piecewise
     from vibro.inverse.spaces import Space
@@ -173,7 +173,25 @@ class Spec:
     stand_ratio: float = math.inf
     name: str = ""
 
+    def doubts(self) -> list[str]:
+        """Return warnings about ranges that are possible, but as a whole likely slips of units."""
+        told = [QUANTITIES[name].doubt(*_outside(name, (span,))) for name, span in self.bands.items()]
+        for drive in self.drives:
+            for name, knob in zip(drive.told, drive.space.knobs, strict=True):
+                scale = drive.told_per_amplitude if name == "stroke" else 1.0
+                told.append(QUANTITIES[name].doubt(*_outside(name, drive.choices[knob], scale)))
+            gentle = float(f"{drive.accelerations[0] / self.gravity:.4g}")
+            told.append(LOAD.doubt(gentle, gentle))
+        return [text for text in dict.fromkeys(told) if text]
+
     @property
     def has_bands(self) -> bool:
         """Whether any band has a width or any quantity drifts."""
         return self.drift != Drift() or any(low < high for low, high in self.bands.values())
+
+
+def _outside(name: str, spans: Sequence[Span], scale: float = 1.0) -> Span:
+    """Return the ends of ranges in the unit outside, as they were given."""
+    ends = (min(low for low, _ in spans), max(high for _, high in spans))
+    first, last = (float(f"{float(QUANTITIES[name].from_si(scale * end)):.15g}") for end in ends)
+    return first, last

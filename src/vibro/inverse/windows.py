@@ -23,7 +23,7 @@ from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.spaces import inside
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.quantities import AMPLITUDES, SCALE
-from vibro.reals import NotRealError, real_number
+from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.designs import Interval
 from vibro.roots import close_in
 from vibro.scene import Scene
@@ -117,6 +117,7 @@ def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
     return x
 
 
+@shielded
 def feasible_amplitudes(
     scene: Scene,
     speed: float,

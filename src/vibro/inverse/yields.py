@@ -9,6 +9,7 @@ import numpy as np
 
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.windows import positive, regime_of
+from vibro.reals import shielded
 from vibro.scene import Scene
 from vibro.steady import solve
 
@@ -28,6 +29,7 @@ _LAST: Final = 20
 _ERROR: Final = 3e-4
 
 
+@shielded
 def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any) -> tuple[float, float]:
     """Return the share of a box of bands that reaches a speed without exceeding a regime.
 

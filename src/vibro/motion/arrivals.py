@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.compiled import doors
+from vibro.reals import shielded
 from vibro.results.steady import lengths_of
 from vibro.solver import Grid, Scratch, over_cells
 from vibro.steady import solve
@@ -23,6 +24,7 @@ __all__ = ["arrival_time", "arrivals"]
 _CELLS: Final = 64  # of a range: an interrupt is noticed between two, and a slow transient takes a second
 
 
+@shielded
 def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     """First time at which a body has moved by a length, from rest at trough phase 0.
 

@@ -14,7 +14,7 @@ from vibro.core.compiled import doors
 from vibro.core.motions import EXTREME
 from vibro.errors import Problem, SceneError, VibroError
 from vibro.motion.arrivals import arrivals
-from vibro.reals import NotRealError, real_number
+from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.history import History, Legs, Motion
 from vibro.solver import Grid, Scratch
 from vibro.steady import solve
@@ -30,6 +30,7 @@ _MORE: Final = 4  # factor by which that grows
 _STARTS: Final = MOST_BOUNCES + LONGEST_CYCLE  # flights of a cycle, at most
 
 
+@shielded
 def simulate(
     scene: Scene,
     *,

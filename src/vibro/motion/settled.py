@@ -12,6 +12,7 @@ from vibro.core.codes import LETTERS, Mode, Regime, Status
 from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.histories import follow, is_followed, simulate
+from vibro.reals import shielded
 from vibro.results.history import Legs
 from vibro.slopes import slides_of
 from vibro.solver import Grid
@@ -57,6 +58,7 @@ class CyclePhase:
     displacement: float
 
 
+@shielded
 def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
     """Phases of the steady cycle that a body at rest settles into.
 

@@ -23,7 +23,7 @@ from vibro.parallel import BLOCK
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.derived import throughput
-from vibro.sweeps.grid import Grid
+from vibro.sweeps.grid import GIVEN_IN, Grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,7 +42,7 @@ _FORMATS: Final = "vibro sweep "
 _FORMAT: Final = f"{_FORMATS}2"
 _OLD_FORMAT: Final = f"{_FORMATS}1"
 # Keys left out of the fingerprint: command line, settings of pictures, values that follow from others.
-_BESIDE: Final = ("argv", "name", "own", "parts", "fingerprint")
+_BESIDE: Final = ("argv", "name", "own", "parts", "fingerprint", GIVEN_IN)
 
 
 def check_arrow() -> None:
@@ -229,7 +229,8 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     length = scene.pop("trough_length", None)
     motion = motion_of(content["motion"]) if "motion" in content else None
     solved = Level(content["accuracy"]), content["flight"], content["coexistence"]
-    grid = Grid(axes, scene, length, *solved, motion=motion)
+    in_stroke = content.get(GIVEN_IN) == QUANTITIES["stroke"].column
+    grid = Grid(axes, scene, length, *solved, motion=motion, in_stroke=in_stroke)
     part = content.get("part", {})
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
     columns = chosen(list(content["columns"]), columns_of(axes, *extra, drive=grid.drive))

@@ -35,7 +35,7 @@ SUCCESS: Final = "_SUCCESS"
 MOST_SHARDS: Final = 1_000_000  # that six digits can number
 
 _OURS: Final = re.compile(
-    rf"part-\d{{6}}\.parquet|_?manifest\.json|{SUCCESS}|_?({'|'.join(PICTURES)})\.({'|'.join(PICTURE_FORMATS)})"
+    rf"part-[0-9]{{6}}\.parquet|_?manifest\.json|{SUCCESS}|_?({'|'.join(PICTURES)})\.({'|'.join(PICTURE_FORMATS)})"
 )
 _ALL: Final = "shards"
 

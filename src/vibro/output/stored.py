@@ -21,6 +21,7 @@ from vibro.output.selection import Selection
 from vibro.output.shard_files import ShardFiles, open_shards
 from vibro.plots.view import index_of
 from vibro.quantities import QUANTITIES, SPEED
+from vibro.reals import shielded
 from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import listed
 from vibro.sweeps.datasets import block_sizes, check_xarray, dataset, results_among
@@ -67,6 +68,7 @@ class StoredSweep(SolvedGrid):
         """Names of the columns of its cells."""
         return tuple(self._shards.columns)
 
+    @shielded
     def to_frame(
         self, filters: Mapping[str, Any] | None = None, columns: Sequence[str] | None = None
     ) -> pd.DataFrame:
@@ -107,6 +109,7 @@ class StoredSweep(SolvedGrid):
         found = shards.read(names, cells)
         return pd.DataFrame({name: found[name].of_frame(shards.columns[name]) for name in names})
 
+    @shielded
     def to_xarray(
         self,
         filters: Mapping[str, Any] | None = None,
@@ -184,7 +187,8 @@ class StoredSweep(SolvedGrid):
 
     def _told(self, peak: Peak) -> str:
         at = ", ".join(
-            f"{axis.label} {amount(peak.values[name], axis.unit)}" for name, axis in self._grid.axes.items()
+            f"{axis.label} {amount(self._grid.told(peak.values)[name], axis.unit)}"
+            for name, axis in self._grid.told_axes.items()
         )
         return f"{amount(peak.speed, SPEED.unit)}" + (f" at {at}" if at else "")
 
@@ -194,6 +198,7 @@ class StoredSweep(SolvedGrid):
         return _cells(self._shards, results, indices)
 
 
+@shielded
 def open_sweep(path: str | PathLike[str]) -> StoredSweep:
     """Open a folder that ``vibro map --table parquet`` or ``vibro.write_sweep`` has written.
 

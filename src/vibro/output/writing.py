@@ -16,6 +16,7 @@ from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, manifest_o
 from vibro.output.shards import Job, Progress, check_workers, make_shards
 from vibro.output.stored import open_sweep
 from vibro.output.workers import workers_of
+from vibro.reals import shielded
 from vibro.steady import check_switch, level_of
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.whole import request_of_call
@@ -30,10 +31,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Sharding", "shard_folder", "write_sweep"]
 
-_ADDRESS: Final = re.compile(r"(tcp|tls|wss?)://\S+:\d+")
+_ADDRESS: Final = re.compile(r"(tcp|tls|wss?)://\S+:[0-9]+")
 _MOST_WORKERS: Final = 1024
 _MOST_CELLS: Final = 100_000_000  # [cells] of a shard: more would cost hours of work at a fault
-_RANGE: Final = re.compile(r"(\d{1,7}):(\d{1,7})")
+_RANGE: Final = re.compile(r"([0-9]{1,7}):([0-9]{1,7})")
 _ANEW: Final = "ask for the same, choose another name, or start anew with force=True"
 
 
@@ -246,6 +247,7 @@ def write_sweep(
 def write_sweep(
     folder: str | PathLike[str], scene_file: str | PathLike[str] | None = None, *, shards: str, **more: Any
 ) -> None: ...
+@shielded
 def write_sweep(
     folder: str | PathLike[str],
     scene_file: str | PathLike[str] | None = None,

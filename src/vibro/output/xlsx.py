@@ -137,7 +137,7 @@ class Xlsx:
             )
         self._file, self._grid, self._table = file, grid, table
         x, y, at = self._asked
-        self._view = choose_view(grid.axes, x, y, at, grid.fixed) if grid.axes else None
+        self._view = choose_view(grid.told_axes, x, y, at, grid.told(grid.fixed)) if grid.axes else None
 
     def write(self, block: Block) -> None:
         """Keep a block, in the order of the grid's cells."""
@@ -412,19 +412,20 @@ class _Workbook:
         """Write what was solved, what was found, and how to read it."""
         page = _Page(self, sheet)
         name = _text(name)
-        axes = " x ".join(axis.label for axis in grid.axes.values())
+        axes = " x ".join(axis.label for axis in grid.told_axes.values())
         page.title(f"Sweep {name}" if name else f"Sweep of {axes or 'one operating point'}")
         self.book.set_properties({"title": name, "created": datetime(2000, 1, 1)})  # equal runs, equal bytes
 
         page.section("Scene", "value", "unit", "meaning")
-        for column, value in record["scene"].items():
-            quantity = _QUANTITIES[column]
+        scene = {_QUANTITIES[column].name: value for column, value in record["scene"].items()}
+        for of, value in grid.told(scene).items():
+            quantity = QUANTITIES[of]
             page.line(quantity.label, value, quantity.unit or "1", quantity.meaning)
         for key, value in {**record.get("motion", {}), **record.get("part", {})}.items():
             page.line(key, value if isinstance(value, int | float) else json.dumps(value))
 
         page.section("Solved")
-        for axis in grid.axes.values():
+        for axis in grid.told_axes.values():
             page.line(axis.label, str(axis).partition(": ")[2])
         page.line("cells", record["cells"])
         page.line("accuracy", record["accuracy"])
@@ -447,8 +448,9 @@ class _Workbook:
         if record["peaks"]:
             page.section("Fastest cells", "speed", "unit", "at")
         for label, cell in record["peaks"].items():
+            place = grid.told({of: cell[axis.column] for of, axis in grid.axes.items()})
             at = ", ".join(
-                f"{axis.label} = {number(cell[axis.column], axis.unit)}" for axis in grid.axes.values()
+                f"{axis.label} = {number(place[of], axis.unit)}" for of, axis in grid.told_axes.items()
             )
             speed, error = cell[_SPEED.column], cell["mean_velocity_error_mm_s"]
             known = f"standard error {error:.3g} mm/s" if error else ""
@@ -549,10 +551,10 @@ class _Shown:
     def cut(self, values: NDArray[Any], facet_index: int) -> NDArray[Any]:
         """Cut the matrix of a facet out of values of the grid's shape: down, across."""
         held = self._held(facet_index)
-        part = values[tuple(held.get(name, slice(None)) for name in self._grid.axes)]
+        part = values[tuple(held.get(name, slice(None)) for name in self._grid.told_axes)]
         if self.across is None:
             return part[:, np.newaxis]
-        first = next(name for name in self._grid.axes if name not in held)
+        first = next(name for name in self._grid.told_axes if name not in held)
         return part if first == self.down.name else part.T
 
     def _held(self, facet_index: int) -> dict[str, int]:
@@ -584,7 +586,7 @@ class _Shown:
     def subject(self, facet_index: int) -> str:
         """Say what a sheet shows over what, and at which values of the other axes."""
         over = [self.down, *([self.across] if self.across else [])]
-        axes = self._grid.axes
+        axes = self._grid.told_axes
         at = [
             f"{axes[name].label} = {value_of(axes[name], i)}" for name, i in self._held(facet_index).items()
         ]

@@ -76,10 +76,11 @@ def comparison_figure(
     names = list(comparison.observation.signals)
     models = [(comparison, _COMPUTED)] + ([(fitted, _FITTED)] if fitted else [])
     with house_style():
-        from matplotlib.figure import Figure as NewFigure
         from matplotlib.lines import Line2D
 
-        figure = NewFigure(figsize=(10.0, 1.4 + _ROW * len(names)), layout="constrained")
+        from vibro.plots.picture import Picture
+
+        figure = Picture(figsize=(10.0, 1.4 + _ROW * len(names)), layout="constrained")
         grid = figure.subplots(len(names), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
         for row, name in zip(grid, names, strict=True):
             label, unit, size = _SIGNALS[name]

@@ -226,9 +226,9 @@ def _below(result: SweepResult, view: View, facets: list[list[_Curve]]) -> str:
 
 def _stack(view: View, heights: list[float]) -> tuple[Figure, list[Axes]]:
     """Make a figure of panels one above the other, over the same x."""
-    from matplotlib.figure import Figure
+    from vibro.plots.picture import Picture
 
-    figure = Figure(figsize=(_WIDTH, _AROUND + sum(heights)))
+    figure = Picture(figsize=(_WIDTH, _AROUND + sum(heights)))
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)
     axes = list(grid.flat)
     _scale_x(axes[-1], view, _WIDTH)

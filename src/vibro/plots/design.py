@@ -299,9 +299,9 @@ def _finish(figure: Figure, layers: _Layers, settings: Settings) -> Figure:
 
 def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     """Speeds from the slowest to the fastest part over the amplitude, with the goal and what keeps it."""
-    from matplotlib.figure import Figure
+    from vibro.plots.picture import Picture
 
-    figure = Figure(figsize=_SIZE)
+    figure = Picture(figsize=_SIZE)
     strip, axes = figure.subplots(2, 1, sharex=True, height_ratios=[0.09, 1.0])
     set_heading(figure, _headline(settings, "Speed of all parts"), _question(settings, frequency=True))
     low, high = float(band.amplitude[0]), float(band.amplitude[-1])

@@ -65,7 +65,8 @@ _SMOOTH_AROUND: Final = 5
 # which closes gaps and makes single points visible: cells without a hatch are exact.
 _SEEN: Final = 0.01  # of the side of the map
 
-_LOADING: Final = ("amplitude", "frequency")  # the load grows with these quantities of the drive only
+# The load grows with these quantities of the drive only.
+_LOADING: Final = ("amplitude", "stroke", "frequency")
 
 _ROUNDING: Final = 1e-9  # of the largest speed: less counts as none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
@@ -184,7 +185,7 @@ class Fields:
         advance = self.panel.cycle.get("displacement_per_cycle")
         if not drives or advance is None:
             return np.zeros((len(self.y), len(self.x)), np.bool_)
-        if "amplitude" in drives:
+        if not drives.keys() <= {"frequency"}:
             advance = advance / self._scene.scale
         rise = np.gradient(advance, axis=min(drives.values()))
         return np.asarray((self.log_ratio["hop"] > 0.0) & (advance > 0.0) & (rise < 0.0))
@@ -323,11 +324,11 @@ def _even_values(axis: Axis) -> Floats:
 
 
 def _straightened(axis: Axis, values: Floats) -> Floats:
-    return np.log(values) if axis.name in ("amplitude", "frequency") else values
+    return np.log(values) if axis.name in _LOADING else values
 
 
 def _unstraightened(axis: Axis, values: Floats) -> Floats:
-    return np.exp(values) if axis.name in ("amplitude", "frequency") else values
+    return np.exp(values) if axis.name in _LOADING else values
 
 
 def zero_region(fields: Fields, field: Floats) -> Path | None:

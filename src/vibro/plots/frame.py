@@ -81,14 +81,14 @@ def renderer_of(figure: Figure) -> Any:
 
 def facet_frame(n: int) -> tuple[Figure, list[Axes], int]:
     """Make a figure with so many empty panels; return also how many are in a row."""
-    from matplotlib.figure import Figure
+    from vibro.plots.picture import Picture
 
     columns = _FACET_COLUMNS[n]
     rows = math.ceil(n / columns)
     size = _SINGLE_SIZE
     if n > 1:
         size = (columns * _FACET_SIZE[0] + _EXTRA_SIZE[0], rows * _FACET_SIZE[1] + _EXTRA_SIZE[1])
-    figure = Figure(figsize=size)
+    figure = Picture(figsize=size)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=n > 1, sharey=n > 1)
     for unused in list(grid.flat)[n:]:
         unused.remove()
@@ -118,9 +118,9 @@ def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[F
 
 def single_frame(x: Axis, y: Axis, headline: str, below: str) -> tuple[Figure, Axes]:
     """Make a figure with one empty map, its axes named and scaled."""
-    from matplotlib.figure import Figure
+    from vibro.plots.picture import Picture
 
-    figure = Figure(figsize=_SINGLE_SIZE)
+    figure = Picture(figsize=_SINGLE_SIZE)
     axes = figure.subplots()
     for axis, of in ((axes.xaxis, x), (axes.yaxis, y)):
         scale_axis(axis, of)

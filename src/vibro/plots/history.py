@@ -190,10 +190,10 @@ def history_figure(
     phases = [phase for phase in phases if phase.end > first + edge and phase.start < last - edge]
     heights = [panel.height for panel in shown.values()]
     with house_style():
-        from matplotlib.figure import Figure as NewFigure
+        from vibro.plots.picture import Picture
 
         rows = [*heights, *[_PATH] * elliptical]
-        figure = NewFigure(figsize=(9.0, 1.5 + _ROW * sum(rows)), layout="constrained")
+        figure = Picture(figsize=(9.0, 1.5 + _ROW * sum(rows)), layout="constrained")
         cells = figure.add_gridspec(len(rows), 2, height_ratios=rows, width_ratios=(1.0, _BESIDE))
         grid = [figure.add_subplot(cells[0, :])]
         grid += [figure.add_subplot(cells[i, :], sharex=grid[0]) for i in range(1, len(shown))]

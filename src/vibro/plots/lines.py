@@ -121,10 +121,10 @@ def numbers_of(picture: str, length: float | None) -> tuple[str, Mapping[str, Ca
 
 def line_figure(picture: str, result: SweepResult, fields: Fields, level: float | None = None) -> Figure:
     """Draw numbers over a range, as ``numbers_of`` names them; a level of speed is marked [mm/s]."""
-    from matplotlib.figure import Figure
+    from vibro.plots.picture import Picture
 
     heading, rows = numbers_of(picture, result.length)
-    figure = Figure(figsize=(7.4, 2.2 + 2.1 * len(rows)))
+    figure = Picture(figsize=(7.4, 2.2 + 2.1 * len(rows)))
     strip, *axes = figure.subplots(1 + len(rows), 1, sharex=True, height_ratios=[0.13, *[1.0] * len(rows)])
     set_heading(figure, headline(heading, result), below(result, fields.panel.values))
     bands = stretches(fields)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import threading
 import unicodedata
 from bisect import bisect_right
 from contextlib import contextmanager, suppress
@@ -29,6 +30,7 @@ __all__ = [
     "COEXISTS_LABEL",
     "CONTOURS_STOP_LABEL",
     "CURVES",
+    "DRAWING",
     "ERROR_LABEL",
     "INK",
     "NO_ANSWER_FACE",
@@ -139,12 +141,16 @@ _LETTER: Final = 0.56  # width of a letter of a formula, over the size of the ty
 _EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and white are about as legible
 
 
+#: Held by the thread that draws or saves: matplotlib has one set of settings, and one parser of formulas.
+DRAWING: Final = threading.RLock()
+
+
 @contextmanager
 def house_style() -> Iterator[None]:
     """Draw or save in this style over matplotlib's own defaults: the same on every machine.
 
-    A user's configuration (matplotlibrc, style sheets, MPLBACKEND) is ignored without a warning, and does not
-    change outside.
+    One thread does so at a time. A user's configuration (matplotlibrc, style sheets, MPLBACKEND) is ignored
+    without a warning, and does not change outside.
 
     Raises
     ------
@@ -154,17 +160,18 @@ def house_style() -> Iterator[None]:
     import logging
 
     # matplotlib logs a bad matplotlibrc, or a folder for its cache that it cannot write: silence that.
-    logger = logging.getLogger("matplotlib")
-    level = logger.level
-    logger.setLevel(max(level, logging.ERROR))
-    try:
-        mpl = _matplotlib()
-        # The context restores every setting but the backend, which no figure here needs.
-        defaults = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"}
-        with mpl.rc_context({**defaults, **_RC}):
-            yield
-    finally:
-        logger.setLevel(level)
+    with DRAWING:
+        logger = logging.getLogger("matplotlib")
+        level = logger.level
+        logger.setLevel(max(level, logging.ERROR))
+        try:
+            mpl = _matplotlib()
+            # The context restores every setting but the backend, which no figure here needs.
+            defaults = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"}
+            with mpl.rc_context({**defaults, **_RC}):
+                yield
+        finally:
+            logger.setLevel(level)
 
 
 def _matplotlib() -> Any:

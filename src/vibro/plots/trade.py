@@ -63,9 +63,9 @@ def trade_figure(trade: Trade) -> Figure:
         Every point is labelled.
     """
     with house_style():
-        from matplotlib.figure import Figure
+        from vibro.plots.picture import Picture
 
-        figure = Figure(figsize=_SIZE, layout="constrained")
+        figure = Picture(figsize=_SIZE, layout="constrained")
         axes = figure.subplots()
         axes.set_xscale("log")
         axes.set_yscale("log")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError
-from vibro.quantities import AMPLITUDES, kinetic_friction
+from vibro.quantities import SIZES, as_given, kinetic_friction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -133,7 +133,8 @@ def choose_view(
         The axes that vary. One that is a list of at most ``MAX_FACETS`` values is discrete; any other is a
         range here.
     x, y : str, optional
-        Names of the axes to draw across and up. Without them x is the frequency and y the amplitude
+        Names of the axes to draw across and up; an amplitude may be called so where the axis is its stroke,
+        and the other way round, here and in ``at``. Without them x is the frequency and y the amplitude
         where both are ranges, and no other amplitude is; else the first two ranges that are not held; of
         discrete axes alone, x is the longest.
     at : mapping of str to float, optional
@@ -155,7 +156,9 @@ def choose_view(
         If a name is no axis of the sweep, or is used twice, a value is not one of its axis, or a discrete
         axis is asked for as an axis of a map.
     """
-    at = at or {}
+    in_stroke = "stroke" in axes
+    x, y = (name and next(iter(as_given({name: 0.0}, in_stroke=in_stroke))) for name in (x, y))
+    at = as_given(at or {}, in_stroke=in_stroke)
     _check_names(axes, x, y, at)
     free = [name for name in axes if name not in at]
     if not free:
@@ -163,7 +166,7 @@ def choose_view(
     lists = [name for name in free if is_discrete(axes[name])]
     ranges = [name for name in free if name not in lists]
     _check_map(axes, x, y, lists, ranges)
-    amplitudes = [name for name in AMPLITUDES if name in ranges]
+    amplitudes = [name for name in SIZES if name in ranges]
     if x is None and y is None and len(amplitudes) == 1 and "frequency" in ranges:
         x, y = "frequency", amplitudes[0]
     ranges = [name for name in ranges if name not in (x, y)]

@@ -27,7 +27,7 @@ __all__ = ["Record", "read_record"]
 Flags = NDArray[np.bool_]
 
 # Possessive quantifiers: the time for a cell is proportional to its length.
-_NUMBER: Final = re.compile(r"[+-]?+(?:\d++[.,]?+\d*+|[.,]\d++)(?:[eE][+-]?+\d++)?+")
+_NUMBER: Final = re.compile(r"[+-]?+(?:[0-9]++[.,]?+[0-9]*+|[.,][0-9]++)(?:[eE][+-]?+[0-9]++)?+")
 # What programs write instead of a number: without a value, and after an error.
 _NO_VALUE: Final = re.compile(r"[+-]?nan|#?n/?a|null|none|[-?*]+", re.IGNORECASE)
 _WRONG: Final = re.compile(r"[+-]?inf(inity)?|error|overflow|#.*", re.IGNORECASE)

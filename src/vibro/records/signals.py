@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import LENGTH
+from vibro.quantities import LENGTH, SPEED
 from vibro.records.tolerances import TOL
 
 __all__ = [
@@ -37,7 +37,7 @@ def _per_time(suffix: str) -> dict[str, float]:
 SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\u00b5s": 1e-6, "min": 60.0},
     "displacement": _per_time(""),
-    "velocity": _per_time("/s"),
+    "velocity": {unit: float(size / 1000) for unit, size in SPEED.sizes.items()},
     "acceleration": {"m/s^2": 1.0, "g": 9.80665} | _per_time("/s^2"),
     "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
     "voltage": {"V": 1.0, "mV": 1e-3},
@@ -133,9 +133,9 @@ class Sensitivity(NamedTuple):
 
 
 # Possessive quantifiers: the time for a text is proportional to its length, not to the square of it.
-_NUMBER: Final = r"[+-]?+(?:(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+|(?i:nan|inf))"
+_NUMBER: Final = r"[+-]?+(?:(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+|(?i:nan|inf))"
 _SENSITIVITY: Final = re.compile(rf"({_NUMBER})\s*+([^\W\d].*|\(.*)")
-_DECIMAL_COMMA: Final = re.compile(r"([+-]?\d{1,20}),(\d.{0,20})")
+_DECIMAL_COMMA: Final = re.compile(r"([+-]?[0-9]{1,20}),([0-9].{0,20})")
 _HINT: Final = f"write it like {', '.join(EXAMPLES.values())} or 125mm/s/V"
 
 

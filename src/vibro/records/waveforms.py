@@ -19,6 +19,7 @@ from scipy.special import fdtrc
 
 from vibro.errors import InputError, shown
 from vibro.quantities import MOST_HARMONICS, QUANTITIES
+from vibro.reals import shielded
 from vibro.records.folding import Estimate, Floats, harmonics
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import read_sensitivities
@@ -290,6 +291,7 @@ class HarmonicDrive(NamedTuple):
     moved: list[tuple[dict[str, Any], dict[str, Any]]]
 
 
+@shielded
 def measured_motion(
     path: str | PathLike[str],
     *,

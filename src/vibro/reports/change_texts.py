@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vibro.core.codes import Regime, Status
 from vibro.inverse.costs import changed_cycles
-from vibro.quantities import LENGTH, QUANTITIES
+from vibro.quantities import LENGTH, QUANTITIES, as_given
 from vibro.reports.scene_texts import DOES, pattern_text
 from vibro.sweeps.one_scene import estimate
 
@@ -53,7 +53,8 @@ def change_texts(one: OneScene) -> tuple[list[str], list[tuple[str, ...]]]:
         why = "it gains speed in every cycle" if one.runs else one.status.message
         return [f"The part has no known speed that could change: {why}."], []
     names, cycle = changed_cycles(one.scene)
-    which = one.all_amplitudes or "amplitude"
+    names = tuple(as_given(dict.fromkeys(names, 1.0), in_stroke=one.size == "stroke"))
+    which = one.all_amplitudes or one.size
     rests = (cycle.regime == Regime.NO_SLIP) | (cycle.status == Status.INFEASIBLE)
     if rests.all():
         return [f"The part rests with a little more of any input too, and with 10 % more {which}."], []

@@ -15,7 +15,7 @@ from vibro.motion.histories import simulate
 from vibro.motion.trace import trace
 from vibro.plots import map_figures
 from vibro.plots.history import choose_panels, history_figure
-from vibro.quantities import LENGTH, QUANTITIES, SCALE, counted_harmonics
+from vibro.quantities import LENGTH, QUANTITIES, SCALE, STANDS_FOR, counted_harmonics
 from vibro.reports.change_texts import change_texts
 from vibro.reports.page import Page, Section, Table
 from vibro.reports.pictures import picture
@@ -79,7 +79,7 @@ class SceneReport(NamedTuple):
     swept : Request
         The same with the axes of the scene file's ``[map]``, if any.
     given : frozenset of str
-        Names of the quantities that were given.
+        Names of the quantities that were given; of a stroke the amplitude.
     part : mapping of str to float
         As for ``throughput_text``.
     grid : Grid
@@ -140,11 +140,10 @@ def _highlights(
 
 
 def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Iterator[Section]:
-    doubt, _, remedy = report.point.doubt().partition(": ")
     yield Section(
         title="Operating point",
         is_half=True,
-        texts=[f"Is this meant? {doubt.capitalize()}; {remedy}."] if doubt else [],
+        texts=[_questioned(doubt) for doubt in report.point.doubts()],
         tables=[Table("The drive, the trough and the part", (), [*_inputs(report, one, facts)])],
     )
     yield Section(
@@ -154,7 +153,7 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
     )
     if said := transition_texts(one):
         has_frequencies = not any(math.isnan(t.frequency) for t in one.transitions())
-        at = "; the frequency is that at the present amplitude" if has_frequencies else ""
+        at = f"; the frequency is that at the present {one.size}" if has_frequencies else ""
         yield Section(
             title="What comes next, and how far it is",
             is_half=True,
@@ -178,6 +177,11 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
     yield Section(title="Limits of the model", items=LIMITS)
 
 
+def _questioned(doubt: str) -> str:
+    said, _, remedy = doubt.partition(": ")
+    return f"Is this meant? {said[:1].upper()}{said[1:]}; {remedy}."
+
+
 def _inputs(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Iterator[tuple[str, ...]]:
     """List the quantities of the scene, and what follows from them at once."""
     shown, lists = one.given, {} if report.point.motion is None else report.point.motion.table
@@ -189,13 +193,16 @@ def _inputs(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Ite
         quantity = QUANTITIES[name]
         if name == SCALE and value == 1.0:
             continue
-        source = "given" if name in report.given else "assumed"
+        source = "given" if STANDS_FOR.get(name, name) in report.given else "assumed"
         if name == "kinetic_friction" and "friction_ratio" in one.given:
             source = "from the ratio"
         yield quantity.label, valued(name, value), source
     if report.point.length is not None:
         yield "trough length", valued("trough_length", report.point.length), "given"
-    yield "stroke", number(one.value(WITH_STROKE), LENGTH.unit), "peak to peak, at most"
+    if "stroke" in shown:
+        yield "amplitude", valued("amplitude", 0.5 * shown["stroke"]), "half of the stroke"
+    else:
+        yield "stroke", number(one.value(WITH_STROKE), LENGTH.unit), "peak to peak, at most"
     size, _, where = facts["acceleration"].partition(" g ")
     yield "acceleration", f"{size} g", where.replace("A w^2/g", "Aω²/g")
     size, _, where = facts["throw number"].partition(" ")
@@ -226,10 +233,11 @@ def _maps(report: SceneReport, one: OneScene) -> Section:
     """Draw what the drive would do elsewhere, over the axes with which ``vibro explore`` begins."""
     point = initial_state(report.point).point
     grid = replace(initial_state(report.swept), point=point).grid()
+    grid = replace(grid, in_stroke=report.point.in_stroke)
     own = {**grid.fixed, **{name: point.fixed.get(name, 1.0) for name in grid.axes}}
     if "friction_ratio" in grid.axes:
         own["friction_ratio"] = point.fixed["kinetic_friction"] / point.fixed["static_friction"]
-    names = " and ".join(QUANTITIES[name].label for name in grid.axes)
+    names = " and ".join(axis.label for axis in grid.told_axes.values())
     inside = all(axis.values[0] <= own[name] <= axis.values[-1] for name, axis in grid.axes.items())
     mark = "The circle is the operating point." if inside else "The operating point lies outside."
     result = sweep_picture(grid, {}, own, report.point.name or "")
@@ -305,6 +313,5 @@ def _history(history: History, since: float, report: SceneReport) -> Figure:
     flies = any(p.kind == "H" for p in phases)
     rows = trace(history, since=since, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
     panels = choose_panels(_PANELS + ",gap" * flies, flies=flies)
-    given = {name: spec.value for name, spec in report.point.specs.items() if name != "trough_length"}
-    period = 1.0 / float(history.scene.frequency)
-    return history_figure(phases, rows, panels, report.point.name or "Motion", given, period=period)
+    title, period = report.point.name or "Motion", 1.0 / float(history.scene.frequency)
+    return history_figure(phases, rows, panels, title, report.point.told, period=period)

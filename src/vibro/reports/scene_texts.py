@@ -179,7 +179,7 @@ def _today(one: OneScene) -> str:
     """Name what is scaled: the amplitude of a line, all amplitudes of others."""
     if SCALE in one.driven:
         return "present motion scale"
-    return "present amplitudes" if len(one.driven) > 1 else "present amplitude"
+    return "present amplitudes" if len(one.driven) > 1 else f"present {one.size}"
 
 
 def _where(one: OneScene, ratio: float) -> str:

@@ -27,7 +27,7 @@ from vibro.core.motions import Moments
 from vibro.errors import VibroError, cut, shown
 from vibro.html_tables import amount, html_table
 from vibro.quantities import LENGTH
-from vibro.reals import NotRealError, real_array
+from vibro.reals import NotRealError, real_array, shielded
 from vibro.results.phase_tables import phase_table
 from vibro.waveforms import PiecewiseMotion
 
@@ -189,11 +189,13 @@ class History:
     _motion: Motion
     _grid: Grid
 
+    @shielded
     def __repr__(self) -> str:
         """Say how long it is: ``<History of 0.667 s: 21 phases, of which F_ repeat>``."""
         repeats = f", of which {cut(self.pattern)} repeat" if self.pattern else ""
         return f"<History of {amount(self.end, 's')}: {self._count} phases{repeats}>"
 
+    @shielded
     def _repr_html_(self) -> str:
         """Return its duration, its phases and what repeats as a table for notebooks."""
         period = self.period_cycles
@@ -221,6 +223,7 @@ class History:
         return "".join(LETTERS[mode] for mode in self._motion.legs.mode[self._motion.first :])
 
     @property
+    @shielded
     def settles_at(self) -> float:
         """Time of the first phase that repeats [s]."""
         if not self._motion.period:
@@ -233,6 +236,7 @@ class History:
         return self._motion.period
 
     @property
+    @shielded
     def cycle_displacement(self) -> float:
         """Displacement per drive cycle once the phases repeat [m]."""
         if not self._motion.period:
@@ -240,6 +244,7 @@ class History:
         return float(self.scene.scale) * self._motion.advance / self._motion.period
 
     @cached_property
+    @shielded
     def phases(self) -> tuple[Phase, ...]:
         """Every phase until the end, the last one cut there; repeated cycles are spelt out."""
         places = np.arange(self._count)
@@ -261,6 +266,7 @@ class History:
         numbers = zip(*(x.tolist() for x in columns), strict=True)
         return tuple(Phase(kind, *values) for kind, values in zip(kinds, numbers, strict=True))
 
+    @shielded
     def to_frame(self) -> pd.DataFrame:
         """Return the phases as a data frame.
 
@@ -287,6 +293,7 @@ class History:
 
         return pd.DataFrame(phase_table(self, self.phases))
 
+    @shielded
     def sample(self, times: ArrayLike, side: Literal["left", "right"] = "right") -> Sample:
         """Motion and forces at any times.
 

@@ -13,7 +13,7 @@ import numpy as np
 from vibro.core.codes import MODELS, Regime, Status, pattern_texts
 from vibro.errors import Problem, SceneError
 from vibro.quantities import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, SPEED, TIME, Kind
-from vibro.reals import NotRealError, real_array
+from vibro.reals import NotRealError, real_array, shielded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -217,6 +217,7 @@ class SteadyCycle:
     long_patterns: dict[int, str] = field(default_factory=dict)
 
     @property
+    @shielded
     def pattern(self) -> Any:
         """Phases of the cycle as text: H flight, F forward slide, B back slide, _ rest; empty if none.
 
@@ -230,6 +231,7 @@ class SteadyCycle:
         """The cheapest exact model that gave the answer, as text."""
         return np.array(MODELS)[self.model_code]
 
+    @shielded
     def _repr_html_(self) -> str:
         """Return the results as a table for notebooks, in the units of tables."""
         from vibro.html_tables import html_table
@@ -242,6 +244,7 @@ class SteadyCycle:
         """Results by name, each of the scene's shape."""
         return {result.name: getattr(self, result.name) for result in RESULTS}
 
+    @shielded
     def traverse_time(self, length: Any) -> Any:
         """Time to convey over a length at the mean speed.
 

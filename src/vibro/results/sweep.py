@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.quantities import AMPLITUDES, QUANTITIES, SPEED, scene_fields
+from vibro.quantities import QUANTITIES, SIZES, SPEED, scene_fields
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Block", "Column", "Peak", "SweepResult", "at_rest", "peaks", "spread", "where_motion_begins"]
 
-# The load grows with the first two; critical loads depend on none of these.
-_LAST_MOVES_FIRST: Final = ("amplitude", "frequency", "restitution")
+# The load grows with the first three; critical loads depend on none of these.
+_LAST_MOVES_FIRST: Final = ("amplitude", "stroke", "frequency", "restitution")
 _SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 _WAYS: Final = {"fastest": 1.0, "fastest_backwards": -1.0}
 
@@ -111,12 +111,15 @@ class Block:
         Length of the trough [mm].
     arrival : array or None
         Time from rest to the arrival, inf or NaN where there is none, if asked for [s].
+    in_stroke : bool
+        Whether people are told the stroke of a drive along a line, in place of its amplitude.
     """
 
     values: Mapping[str, Floats]
     cycle: SteadyCycle
     length: float | None
     arrival: Floats | None = None
+    in_stroke: bool = False
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -148,7 +151,8 @@ class SweepResult:
     ----------
     axes : mapping of str to Axis
         The axes that vary, in the order of ``quantities.SWEPT``; values in the user's units. They are the
-        dimensions of ``cycle``, in this order.
+        dimensions of ``cycle``, in this order. Where strokes were given, ``stroke`` is in the place of
+        ``amplitude``, here and below.
     fixed : mapping of str to float
         Every other quantity of the scene, by name, in the user's units, with gravity. It has
         kinetic_friction or, where that was given instead, friction_ratio.
@@ -271,12 +275,14 @@ def where_motion_begins(
     if not passed > 0.0:
         return "at rest everywhere"
     here = {name: float(np.broadcast_to(value, ratio.shape)[nearest]) for name, value in values.items()}
-    amplitudes = [here[name] for name in AMPLITUDES if name in here]
+    amplitudes = [here[name] for name in SIZES if name in here]
     frequency, fast = here["frequency"], here["frequency"] / math.sqrt(passed)
     begins = "at rest everywhere: motion begins at"
     if len(amplitudes) > 1:
         return f"{begins} {fast:.4g} Hz, or at {frequency:.4g} Hz with {1.0 / passed:.4g} x both amplitudes"
     (given,) = amplitudes
+    what = " stroke" if "stroke" in here else ""
     return (
-        f"{begins} {given / passed:.4g} mm with {frequency:.4g} Hz, or at {fast:.4g} Hz with {given:.4g} mm"
+        f"{begins} {given / passed:.4g} mm{what} with {frequency:.4g} Hz,"
+        f" or at {fast:.4g} Hz with {given:.4g} mm{what}"
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Level
-from vibro.quantities import QUANTITIES, drive_of, kinetic_friction, scene_fields
+from vibro.quantities import QUANTITIES, as_given, drive_of, kinetic_friction, scene_fields
 from vibro.results.sweep import spread
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Grid", "scene_of"]
+__all__ = ["GIVEN_IN", "Grid", "scene_of"]
+
+#: Key of a description: the quantity in which the amplitude was given, if that is another one.
+GIVEN_IN: Final = "amplitude_given_as"
 
 _LEAST_ROW: Final = 24  # [cells] Shorter rows save little (benchmarks/sweeps.py --encodings).
 _LEAST_ROWS: Final = 32  # With fewer, the extra cells of whole rows would outweigh the saving.
@@ -49,6 +52,9 @@ class Grid:
         Whether bodies are followed from rest to their arrival.
     motion : GivenMotion, optional
         Of a drive by steps or samples, which has neither amplitudes nor angles.
+    in_stroke : bool, optional
+        Whether people are told the stroke of a drive along a line, as they gave it, in place of its
+        amplitude; tables have the amplitude.
     """
 
     axes: Mapping[str, Axis]
@@ -59,6 +65,17 @@ class Grid:
     coexistence: bool = False
     arrivals: bool = False
     motion: GivenMotion | None = None
+    in_stroke: bool = False
+
+    @property
+    def told_axes(self) -> dict[str, Axis]:
+        """The axes in the quantities that were given, by their names: what people are told."""
+        axes = [axis.in_stroke if self.in_stroke else axis for axis in self.axes.values()]
+        return {axis.name: axis for axis in axes}
+
+    def told(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return quantities as they were given, by their names: what people are told."""
+        return as_given(values, in_stroke=self.in_stroke)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -233,7 +250,8 @@ class Grid:
         if self.length is not None:
             scene[QUANTITIES["trough_length"].column] = self.length
         motion = {} if self.motion is None else {"motion": dict(self.motion.table)}
-        return {"scene": scene, **motion, "axes": axes}
+        given = {GIVEN_IN: QUANTITIES["stroke"].column} if self.in_stroke else {}
+        return {"scene": scene, **motion, "axes": axes, **given}
 
     def _completed(self, values: dict[str, Floats]) -> dict[str, Floats]:
         """Add the kinetic friction, where its ratio to the static one is given, and the motion."""

@@ -14,12 +14,13 @@ from vibro.limits import transitions
 from vibro.motion.histories import simulate
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import (
-    AMPLITUDES,
     DEFAULTS,
     LENGTH,
     QUANTITIES,
     SCALE,
+    SIZES,
     TOLD_HARMONICS,
+    as_given,
     counted_harmonics,
     scene_fields,
 )
@@ -75,7 +76,8 @@ class OneScene:
     Attributes
     ----------
     given : dict of str to float
-        Every quantity of the scene, in the units outside.
+        Every quantity of the scene, in the units outside; the stroke in place of the amplitude if it was
+        given.
     scene : Scene
         The same.
     length : float
@@ -87,7 +89,8 @@ class OneScene:
     """
 
     def __init__(self, block: Block) -> None:
-        self.given = {name: float(value.item()) for name, value in block.values.items() if name in QUANTITIES}
+        values = {name: float(value.item()) for name, value in block.values.items() if name in QUANTITIES}
+        self.given = as_given(values, in_stroke=block.in_stroke)
         moved = {name: value for name, value in block.values.items() if name not in QUANTITIES}
         self.scene = Scene(**scene_fields({**self.given, **moved}))
         self.length = math.nan if block.length is None else block.length
@@ -169,6 +172,9 @@ class OneScene:
         if "amplitude" in given:
             stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
             given["amplitude"] += f" (stroke {stroke} peak to peak)"
+        elif "stroke" in given:
+            amplitude = QUANTITIES["amplitude"].text(0.5 * self.given["stroke"])
+            given["stroke"] += f" peak to peak (amplitude {amplitude})"
         else:
             stroke = f"stroke {number(self.value(WITH_STROKE), LENGTH.unit)} peak to peak"
             if "normal_phase" in given:
@@ -257,12 +263,17 @@ class OneScene:
             return "never: the body rests"
         frequency, factor = begins.frequency, f"{1.0 / begins.ratio:.4g} x"
         by_amplitude = f"{self.amplitudes(begins.ratio)} ({factor})" if len(self.driven) <= 2 else factor
-        which = self.all_amplitudes or "the amplitude"
+        which = self.all_amplitudes or f"the {self.size}"
         told = f"never: the body rests; {begins.name} begins with {which} above {by_amplitude}"
         if math.isnan(frequency):
             return told
         by_frequency = f"above {number(frequency, 'Hz')} ({frequency / self.given['frequency']:.4g} x)"
         return f"{told} or with the frequency {by_frequency}"
+
+    @property
+    def size(self) -> str:
+        """What the drive is scaled by, as it was given: ``amplitude``, ``stroke`` or ``scale``."""
+        return "scale" if SCALE in self.driven else "stroke" if "stroke" in self.driven else "amplitude"
 
     @property
     def all_amplitudes(self) -> str:
@@ -273,8 +284,8 @@ class OneScene:
 
     @property
     def driven(self) -> dict[str, float]:
-        """What scales the drive, in the units outside: one amplitude of a line, all others, or the scale."""
-        amplitudes = {name: value for name, value in self.given.items() if name in AMPLITUDES}
+        """What scales the drive, in the units outside: the size of a line, all amplitudes, or the scale."""
+        amplitudes = {name: value for name, value in self.given.items() if name in SIZES}
         return amplitudes or {SCALE: self.given[SCALE]}
 
     def amplitudes(self, ratio: float) -> str:
@@ -288,7 +299,7 @@ class OneScene:
     @property
     def is_two_axis(self) -> bool:
         """Whether the drive moves along an ellipse, or has harmonics."""
-        return "amplitude" not in self.driven
+        return self.driven.keys().isdisjoint(("amplitude", "stroke"))
 
     def transitions(self) -> tuple[Transition, ...]:
         """Return where each class of motion begins."""
@@ -345,27 +356,28 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     speed = one.result("mean_velocity")
     if math.isnan(speed):
         return []
-    raised_amplitudes = {name: _RAISED * value for name, value in one.driven.items()}
-    if not all(map(math.isfinite, raised_amplitudes.values())):  # beyond the range of doubles
+    raised = as_given({name: _RAISED * value for name, value in one.driven.items()}, in_stroke=False)
+    if not all(map(math.isfinite, raised.values())):  # beyond the range of doubles
         return []
-    (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised_amplitudes}, coexistence=False))
-    raised = OneScene(block)
-    then = raised.result("mean_velocity")
+    (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised}, coexistence=False))
+    more = OneScene(block)
+    then = more.result("mean_velocity")
     if math.isnan(then):
-        told = f"speed unknown ({raised.status.message})"
+        told = f"speed unknown ({more.status.message})"
     elif not one.is_still and then / speed > 0.0:
         gain = then / speed
-        error = 100.0 * gain * math.hypot(one.relative_error, raised.relative_error)
+        error = 100.0 * gain * math.hypot(one.relative_error, more.relative_error)
         told = f"{round(100.0 * (gain - 1.0), _TOLD):+z.3g} % speed"
         told += f" +- {error:.2g} % (standard error)" if error else ""
     else:
-        told = estimate(then, raised.result("mean_velocity_error"), "mm/s")
-    if raised.regime is not one.regime:
-        told += f", {raised.regime.label}"
+        told = estimate(then, more.result("mean_velocity_error"), "mm/s")
+    if more.regime is not one.regime:
+        told += f", {more.regime.label}"
     exponent = one.value(WITH_EXPONENT)
-    size = "scale" if SCALE in one.driven else "amplitude"
-    power = "" if math.isnan(exponent) else f" (d ln speed / d ln {size} = {number(round(exponent, _TOLD))})"
-    return [("sensitivity", f"+10 % {one.all_amplitudes or 'amplitude'}: {told}{power}")]
+    power = (
+        "" if math.isnan(exponent) else f" (d ln speed / d ln {one.size} = {number(round(exponent, _TOLD))})"
+    )
+    return [("sensitivity", f"+10 % {one.all_amplitudes or one.size}: {told}{power}")]
 
 
 def beginnings(one: OneScene) -> list[tuple[str, ...]]:
@@ -373,13 +385,16 @@ def beginnings(one: OneScene) -> list[tuple[str, ...]]:
 
     Under a given motion classes may end and begin again: there the table tells where each ends too.
     """
-    which = one.all_amplitudes if one.is_two_axis else "amplitude [mm]"
+    which = one.all_amplitudes if one.is_two_axis else f"{one.size} [mm]"
     head = ["begins", "load now / then", which, "frequency [Hz]"]
+    per_amplitude = 2.0 if one.size == "stroke" else 1.0
     rows = [
         [
             t.name,
             number(t.ratio),
-            one.amplitudes(t.ratio) if one.is_two_axis else number(LENGTH.from_si(t.amplitude)),
+            one.amplitudes(t.ratio)
+            if one.is_two_axis
+            else number(per_amplitude * LENGTH.from_si(t.amplitude)),
             number(t.frequency),
         ]
         for t in one.transitions()

@@ -18,11 +18,14 @@ from vibro.quantities import (
     DRIVES,
     HARMONIC,
     LINEAR,
+    LOAD,
     QUANTITIES,
     SCALE,
+    SIZES,
     STANDS_FOR,
     SWEPT,
     TWO_AXIS,
+    as_given,
     drive_of,
     of_part,
     scene_fields,
@@ -87,12 +90,15 @@ class Request:
         Values of the scene file's table ``[scene]``, in the user's units.
     motion : GivenMotion or None
         Of its table ``[motion]``, if that gives steps or samples.
+    in_stroke : bool
+        Whether the amplitude of a drive along a line was given as its stroke.
     """
 
     name: str | None
     specs: Mapping[str, AxisSpec]
     own: Mapping[str, float]
     motion: GivenMotion | None = None
+    in_stroke: bool = False
 
     @property
     def varying(self) -> tuple[str, ...]:
@@ -110,6 +116,11 @@ class Request:
         return drive_of(self.specs)
 
     @property
+    def told(self) -> dict[str, float]:
+        """``fixed`` in the quantities that were given: what people are told."""
+        return as_given(self.fixed, in_stroke=self.in_stroke)
+
+    @property
     def is_waveform(self) -> bool:
         """Whether the drive has harmonics, steps or samples, or its part is clamped."""
         names = {*HARMONIC, "normal_acceleration"}
@@ -124,11 +135,34 @@ class Request:
             if not spec.varies and name != "trough_length"
         }
 
-    def doubt(self) -> str:
-        """Return a warning about a trough that is shorter than the largest stroke, else an empty text.
+    def doubts(self, measured: Collection[str] = ()) -> list[str]:
+        """Return warnings about what is possible, but likely a slip of units; the remedy follows a colon.
 
-        Its length is in millimetres, where people may expect metres.
+        These are values beyond what is usual, of axes only where all of them are; else an acceleration that
+        is, which they would explain; and a trough that is shorter than the largest stroke. Quantities that
+        were measured, by their names, are no slips.
         """
+        first, last = (
+            as_given({name: spec.values[i] for name, spec in self.specs.items()}, in_stroke=self.in_stroke)
+            for i in (0, -1)
+        )
+        doubts = {name: QUANTITIES[name].doubt(value, last[name]) for name, value in first.items()}
+        if not any(doubts.get(name) for name in (*SIZES, "frequency", "gravity")):
+            doubts["frequency"] = self._doubted_load()
+        doubts |= dict.fromkeys(measured, "")
+        return [text for text in (*doubts.values(), self._short_trough()) if text]
+
+    def _doubted_load(self) -> str:
+        """Question the acceleration of the drive, where quantities vary the least one."""
+        moved = {} if self.motion is None else {MOTION: self.motion.motion}
+        least = {name: float(spec.values[0]) for name, spec in self.specs.items()}
+        if least.keys().isdisjoint((*SIZES, SCALE)):  # it is asked for
+            return ""
+        load = float(f"{float(Scene.allowing_infeasible(**scene_fields({**least, **moved})).load):.4g}")
+        return LOAD.doubt(load, load)
+
+    def _short_trough(self) -> str:
+        """Question a trough that is shorter than the largest stroke: people may expect metres."""
         amplitude = self.specs.get("amplitude", self.specs.get("along_amplitude"))
         if self.length is None or amplitude is None:
             return ""
@@ -156,7 +190,17 @@ class Request:
         self, level: Level, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
     ) -> Grid:
         """Make the grid of all combinations."""
-        return Grid(self.axes(), self.fixed, self.length, level, flight, coexistence, arrivals, self.motion)
+        return Grid(
+            self.axes(),
+            self.fixed,
+            self.length,
+            level,
+            flight,
+            coexistence,
+            arrivals,
+            self.motion,
+            self.in_stroke,
+        )
 
 
 class _Problems(Problems):
@@ -235,8 +279,8 @@ def gather(
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
 
+    dropped = [own.pop(name) for name in asked_for if name in own]
     for name in asked_for:
-        own.pop(name, None)
         if name in typed:
             label = typed.pop(name).quantity.label
             problems.add(f"{label} is given, and asked for", "leave it out", name)
@@ -277,7 +321,8 @@ def gather(
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
     specs = {name: named[name] for name in QUANTITIES if name in named}
-    return Request(file.name or None, specs, values, motion)
+    is_stroke = any(spec.quantity.name == "stroke" for spec in (*merged.values(), *dropped))
+    return Request(file.name or None, specs, values, motion, is_stroke and drive is LINEAR)
 
 
 def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:

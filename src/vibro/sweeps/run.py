@@ -74,6 +74,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
                 replace(cycle, **{name: x[piece] for name, x in cycle.arrays().items()}),
                 grid.length,
                 None if arrival is None else arrival[piece],
+                grid.in_stroke,
             )
 
 
@@ -102,6 +103,7 @@ class DrawnCells:
         They are needed on maps of bodies that bounce, or whose other motions are searched for, of tables that
         are fine enough; ``drawn`` is that of ``sweep_picture``.
         """
+        drawn = _of_grid(drawn)
         ranges = [len(axis) for name, axis in grid.axes.items() if name not in drawn]
         facets = any(len(indices) > 1 for indices in drawn.values())
         costly = grid.flight and (grid.coexistence or _bounces(grid.fixed))
@@ -134,8 +136,8 @@ def sweep_picture(
     grid : Grid
         The whole grid.
     drawn : mapping of str to tuple of int
-        Indices to keep of an axis, by name; a single one holds the axis at that value. Every other axis, of
-        at most two, is resolved evenly between its ends.
+        Indices to keep of an axis, by its name in pictures; a single one holds the axis at that value. Every
+        other axis, of at most two, is resolved evenly between its ends.
     operating_point : mapping of str to float, or None
         The scene's own values.
     title : str
@@ -151,6 +153,7 @@ def sweep_picture(
     SweepResult
         Of at most three axes.
     """
+    drawn = _of_grid(drawn)
     part = _grid_at(grid, drawn)
     ranges = [name for name in part.axes if name not in drawn]
     count = _resolution(len(ranges), len(part.axes) - len(ranges), bounces=_bounces(part.fixed))
@@ -163,7 +166,7 @@ def sweep_picture(
         cycle = part.solve(values, progress=progress)
     else:
         cycle, places = _solved_around(part, values, cells, progress)
-    return SweepResult(axes, part.fixed, cycle, limits_of(values), grid.length, point, title, places)
+    return _result(part, cycle, limits_of(values), point, title, places)
 
 
 def _solved_around(
@@ -242,7 +245,7 @@ def solved_picture(
     """
     from vibro.plots import results_drawn  # imported late: tables need no pictures
 
-    indices = _solved_indices(grid, drawn)
+    indices = _solved_indices(grid, _of_grid(drawn))
     part = _grid_at(grid, indices)
     limits, point = limits_of(part.values()), grid.operating_point(operating_point)
     found = cells(results_drawn(pictures, has_limits=limits is not None), list(indices.values()))
@@ -250,7 +253,34 @@ def solved_picture(
         r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS
     }
     results |= {name: values.reshape(part.shape) for name, values in found.items()}
-    return SweepResult(part.axes, part.fixed, SteadyCycle(**results), limits, grid.length, point, title)
+    return _result(part, SteadyCycle(**results), limits, point, title)
+
+
+def _result(
+    part: Grid,
+    cycle: SteadyCycle,
+    limits: CriticalLoads | None,
+    point: Mapping[str, float] | None,
+    title: str,
+    places: Mapping[str, Floats] | None = None,
+) -> SweepResult:
+    """Hand a solved grid to pictures, in the quantities that were given."""
+    told = None if point is None else part.told(point)
+    return SweepResult(
+        part.told_axes,
+        part.told(part.fixed),
+        cycle,
+        limits,
+        part.length,
+        told,
+        title,
+        part.told(places or {}),
+    )
+
+
+def _of_grid(drawn: Mapping[str, tuple[int, ...]]) -> dict[str, tuple[int, ...]]:
+    """Call the axes of a picture as the grid does."""
+    return {"amplitude" if name == "stroke" else name: indices for name, indices in drawn.items()}
 
 
 def _grid_at(grid: Grid, indices: Mapping[str, Sequence[int] | NDArray[np.intp]]) -> Grid:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from vibro.axes import axis_of
 from vibro.core.codes import Level
 from vibro.errors import InputError, did_you_mean, shown
-from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
+from vibro.quantities import BY_COLUMN, QUANTITIES, as_given, find_quantity
+from vibro.reals import shielded
 from vibro.sweeps.run import solved_picture
 
 if TYPE_CHECKING:
@@ -40,12 +41,13 @@ class SolvedGrid(ABC):
         axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
         return f"<{type(self).__name__} of {' x '.join(axes) or 'one operating point'}>"
 
+    @shielded
     def _repr_html_(self) -> str:
         """Return axes, fixed quantities and a summary of the cells as a table for notebooks."""
         from vibro.html_tables import amount, html_table
 
-        rows = [tuple(str(axis).split(": ", 1)) for axis in self._grid.axes.values()]
-        fixed = dict(self._grid.fixed)
+        rows = [tuple(str(axis).split(": ", 1)) for axis in self._grid.told_axes.values()]
+        fixed = self._grid.told(self._grid.fixed)
         if self._grid.length is not None:
             fixed["trough_length"] = self._grid.length
         if self._grid.motion is not None:
@@ -69,6 +71,7 @@ class SolvedGrid(ABC):
         fixed = {QUANTITIES[name].column: value for name, value in self._grid.fixed.items()}
         return fixed if self._grid.length is None else {**fixed, "trough_length_mm": self._grid.length}
 
+    @shielded
     def draw(
         self,
         name: Literal["regime", "speed", "traverse", "impact", "flight"],
@@ -109,7 +112,7 @@ class SolvedGrid(ABC):
         if not self.shape:
             raise _no_picture(name, "there are none")
         held = _held({} if at is None else at)
-        view = choose_view(grid.axes, _axis_name(x), _axis_name(y), held, grid.fixed)
+        view = choose_view(grid.told_axes, _axis_name(x), _axis_name(y), held, grid.told(grid.fixed))
         known = picture_names(view, has_length=grid.length is not None)
         if grid.level is Level.REGIMES:
             known = [picture for picture in known if picture == "regime"]
@@ -144,17 +147,18 @@ def _axis_name(called: str | None) -> str | None:
 def _held(at: Mapping[str, Any]) -> dict[str, float]:
     held: dict[str, float] = {}
     for called, value in at.items():
-        quantity = axis_called(called, "at")
-        if quantity.name in held:
+        quantity = axis_called(called, "at", strokes=True)
+        given = as_given({quantity.name: one_value(value, quantity, "at")}, in_stroke=False)
+        if held.keys() & given.keys():
             raise InputError(f"at: {quantity.label} is given twice", hint="give it once")
-        held[quantity.name] = one_value(value, quantity, "at")
+        held |= given
     return held
 
 
-def axis_called(called: object, argument: str) -> Quantity:
-    """Find the quantity that an argument names by key, name or letter."""
+def axis_called(called: object, argument: str, *, strokes: bool = False) -> Quantity:
+    """Find the quantity that an argument names by key, name or letter; its axis may be told in strokes."""
     quantity = find_quantity(str(called))
-    if quantity is None or quantity.name == "stroke":
+    if quantity is None or (quantity.name == "stroke" and not strokes):
         raise InputError(
             f"{argument}: {shown(called)} is no axis",
             hint=did_you_mean(called, BY_COLUMN) or "axes are called by key, such as amplitude_mm, or letter",

@@ -14,6 +14,7 @@ from vibro.core.codes import Level
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.reals import shielded
 from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
@@ -85,6 +86,7 @@ class Sweep(SolvedGrid):
 
     cycle: SteadyCycle
 
+    @shielded
     def to_frame(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return the cells as a data frame.
 
@@ -108,6 +110,7 @@ class Sweep(SolvedGrid):
         """
         return to_frame(self._columns(columns), self._block)
 
+    @shielded
     def to_xarray(self, columns: Sequence[str] | None = None) -> xr.Dataset:
         """Return the cells as labelled arrays.
 
@@ -168,6 +171,7 @@ class Sweep(SolvedGrid):
         return {name: getattr(self.cycle, name)[box] for name in results}
 
 
+@shielded
 def sweep(
     scene_file: str | PathLike[str] | None = None,
     *,
@@ -265,6 +269,7 @@ def _read(path: str | PathLike[str]) -> SceneFile:
     return read_scene_file(Path(path))
 
 
+@shielded
 def read_scene(path: str | PathLike[str]) -> Scene:
     """Read the operating point of a scene file: its table ``[scene]``.
 

@@ -1,0 +1,20 @@
+"""The figures that are drawn here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from vibro.plots.style import DRAWING
+
+__all__ = ["Picture"]
+
+
+class Picture(Figure):
+    """A figure that several threads may save at once, while others draw: one does so at a time."""
+
+    def savefig(self, *args: Any, **more: Any) -> None:
+        """Write the picture to a file, as matplotlib does."""
+        with DRAWING:
+            super().savefig(*args, **more)

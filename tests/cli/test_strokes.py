@@ -1,0 +1,168 @@
+"""A stroke that is given is what people are told; tables keep the amplitude."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import openpyxl
+import pytest
+from helpers.commands import NUT_ANGLE_AND_FRICTION, rows_of
+from helpers.drawn import only_map
+from helpers.reports import ReadPage
+
+import vibro
+from vibro.axes import parse_axis
+from vibro.plots import map_figures
+from vibro.quantities import QUANTITIES, as_given
+from vibro.sweeps.grid import Grid
+from vibro.sweeps.run import sweep_picture
+
+if TYPE_CHECKING:
+    from helpers.commands import Run
+
+SCENE = """
+[scene]
+stroke_mm = 1.7
+frequency_hz = 16
+drive_angle_deg = 20
+static_friction = 0.74
+kinetic_friction = 0.57
+trough_length_mm = 600
+"""
+
+
+@pytest.fixture
+def scene() -> Path:
+    path = Path("feeder.toml")
+    path.write_text(SCENE)
+    return path
+
+
+def test_the_answer_about_a_scene_is_told_in_strokes(run: Run, scene: Path) -> None:
+    told = run("solve", scene).stdout
+    assert "stroke 1.7 mm peak to peak (amplitude 0.85 mm), frequency 16 Hz" in told
+    assert "+10 % stroke: +42.5 % speed (d ln speed / d ln stroke = 4.03474)" in told
+    head, slip, *_ = told[told.index("begins ") :].splitlines()
+    assert "stroke [mm]" in head
+    assert "1.20439" in slip.split()  # twice 0.602195 mm
+    resting = run("traverse-time", scene, "--stroke", "1").stdout
+    assert "forward slip begins with the stroke above 1.20439 mm (1.204 x)" in resting
+    upright = run("solve", scene, "--stand-ratio", "0.2").stdout
+    assert "mm stroke or" in upright
+
+
+def test_the_strokes_that_reach_a_speed(run: Run, scene: Path) -> None:
+    strokes = run("solve", scene, "--speed", "20mm/s").stdout
+    assert "stroke from [mm]" in strokes
+    assert "amplitude" not in strokes
+    found = json.loads(run("solve", scene, "--speed", "20mm/s", "--json").stdout)["amplitudes"][0]
+    low = float(strokes.splitlines()[-1].split()[0])
+    assert low == pytest.approx(2 * found["amplitude_low_mm"], rel=1e-5)
+    assert "no stroke does it" in run("solve", scene, "--speed", "100m/s").stdout
+
+
+def test_what_was_given_is_told_whichever_the_scene_file_has(run: Run, scene: Path) -> None:
+    told = run("solve", scene, "-A", "0.85").stdout
+    assert "amplitude 0.85 mm (stroke 1.7 mm peak to peak)" in told
+    assert "amplitude [mm]" in told
+
+
+def test_a_swept_stroke_is_echoed_and_its_table_has_amplitudes(
+    run: Run, scene: Path, no_pictures: None
+) -> None:
+    result = run("map", scene, "--stroke", "1,2,3", "-f", "10:30:3", "-o", "swept")
+    assert result.stderr.startswith("stroke: 3 values, 1, 2, 3 mm\n")
+    assert "at stroke 3 mm, frequency 30 Hz" in result.stderr
+    assert "amplitude" not in result.stderr
+    rows = rows_of(Path("swept.csv").read_text(encoding="utf-8"))
+    assert {row["amplitude_mm"] for row in rows} == {"0.5", "1", "1.5"}
+    rest = run("map", scene, "--stroke", "0.2:0.4:3", "-f", "5:10:3", "-o", "rest").stderr
+    assert "motion begins at 3.083 mm stroke with 10 Hz, or at 27.76 Hz with 0.4 mm stroke" in rest
+
+
+def test_pictures_and_workbooks_are_in_strokes(run: Run, scene: Path) -> None:
+    args = ("map", scene, "--stroke", "1:3:5", "-f", "10:30:5", "-a", "20,25")
+    result = run(*args, "--table", "xlsx", "-o", "book", "--at", "stroke=2.5,alpha=20")
+    assert result.exit_code == 0, result.stderr
+    result = run(*args[:-2], "--table", "xlsx", "-o", "book", "--force")
+    sheets = openpyxl.load_workbook("book.xlsx")
+    cells = [cell for sheet in sheets for row in sheet.iter_rows(values_only=True) for cell in row if cell]
+    assert "amplitude" not in cells
+    assert "stroke [mm]" in "".join(map(str, cells))
+    down = [row[0] for row in sheets["Speed"].iter_rows(min_row=4, max_row=8, values_only=True)]
+    assert down == [1, 1.5, 2, 2.5, 3]
+    assert "stroke = 3 mm" in "".join(map(str, cells))
+
+
+def test_a_stored_sweep_remembers_in_what_it_was_asked(run: Run, scene: Path) -> None:
+    pytest.importorskip("pyarrow")
+    run("map", scene, "--stroke", "1:3:5", "-f", "10:30:5", "--table", "parquet", "-o", "cells")
+    result = run("map", "cells", "-o", "again")
+    assert result.exit_code == 0, result.stderr
+    assert result.stderr.startswith("stroke: 5 values, 1 ... 3 mm")
+    assert "at stroke 3 mm" in result.stderr
+    # The cells are the same ones in amplitudes: such a run has nothing left to solve.
+    amplitudes = ("-A", "0.5:1.5:5", "-f", "10:30:5", "--table", "parquet", "-o", "cells", "--resume")
+    assert run("map", scene, *amplitudes).exit_code == 0
+
+
+def picture(*, in_stroke: bool) -> Any:
+    axes = {
+        name: parse_axis(text, QUANTITIES[name]).axis(20)
+        for name, text in (("amplitude", "0.1:3"), ("frequency", "5:60"))
+    }
+    fixed = {"drive_angle": 20.0, "static_friction": 0.74, "kinetic_friction": 0.57, "gravity": 9.81}
+    grid = Grid(axes, {**fixed, "restitution": 0.0, "trough_angle": 0.0}, None, in_stroke=in_stroke)
+    own = {"amplitude": 0.85, "frequency": 16.0, **fixed}
+    result = sweep_picture(grid, {}, own, "")
+    y = "stroke" if in_stroke else "amplitude"
+    return result, only_map(map_figures(result, ["speed"], x="frequency", y=y)["speed"])
+
+
+def test_a_map_of_strokes_is_that_of_amplitudes_at_twice_the_height() -> None:
+    (_, amplitudes), (result, strokes) = (picture(in_stroke=told) for told in (False, True))
+    assert strokes.get_ylabel() == "stroke $2A$ [mm]"
+    assert strokes.get_ylim() == (0.2, 6)
+    assert result.operating_point == {"stroke": 1.7, "frequency": 16}
+    for gid in ("operating point", "fastest"):
+        one, other = (
+            next(line for line in a.lines if line.get_gid() == gid).get_ydata() for a in (amplitudes, strokes)
+        )
+        assert np.allclose(2 * np.asarray(one), other)
+    here, there = (next(p for p in a.patches if p.get_gid() == "no-slip") for a in (amplitudes, strokes))
+    expected = here.get_path().vertices * [1, 2]
+    assert np.allclose(there.get_path().vertices, expected, rtol=1e-9)
+
+
+def test_a_curve_s_caption_and_a_held_stroke() -> None:
+    nut = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
+    swept = vibro.sweep(stroke_mm=[1, 2, 3], frequency_hz="10:30:21", **nut)
+    speed = swept.draw("speed", x="f", at={"stroke_mm": 2})
+    assert "$2A$ = 2 mm" in speed.get_suptitle()
+    assert swept.draw("speed", x="f", at={"A": 1}).get_suptitle() == speed.get_suptitle()
+    assert "stroke" in swept._repr_html_()
+    assert list(swept.axes) == ["amplitude_mm", "frequency_hz"]  # as in tables
+
+
+def test_the_report_names_the_stroke_as_given(run: Run, scene: Path) -> None:
+    pytest.importorskip("jinja2")
+    page = ReadPage(run("report", scene).stdout)
+    assert ["stroke", "1.7 mm", "given"] in page.rows
+    assert [cells[0] for cells in page.rows].count("amplitude") == 1
+    assert page.row("amplitude")[:2] == ["0.85 mm", "half of the stroke"]
+    assert ["stroke", "+4.06 %"] in page.rows  # of 1 % more
+    assert "the present stroke" in page.text
+    assert "Map over stroke and frequency" in page.text
+    page = ReadPage(
+        run("report", *NUT_ANGLE_AND_FRICTION[:4], "--mu-ratio", "0.8", "-A", "1", "-f", "15").stdout
+    )
+    assert page.row("friction ratio")[1] == "given"
+
+
+def test_strokes_and_amplitudes_are_exact_in_each_other() -> None:
+    for stroke in (1.7, 0.1, 1e-300, 5.3):
+        amplitude = as_given({"stroke": stroke}, in_stroke=False)
+        assert as_given(amplitude, in_stroke=True) == {"stroke": stroke}
