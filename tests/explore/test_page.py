@@ -44,7 +44,8 @@ def test_the_main_parts_have_roles_and_names(open_page: Open) -> None:
         - paragraph:
           - button "PNG"
           - button "SVG"
-          - link "CSV"
+          - button "CSV"
+          - status
     """)
     expect(page.get_by_role("form", name="Settings")).to_match_aria_snapshot("""
       - form "Settings":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 from xml.etree import ElementTree
 
@@ -140,11 +140,11 @@ def test_a_server_that_is_gone_is_told_and_awaited(open_page: Open) -> None:
 
 def test_a_server_that_was_started_anew_is_told_and_awaited(open_page: Open) -> None:
     page = open_page()
-    cookies: Any = page.context.cookies()
-    page.context.clear_cookies()
+    secret = page.evaluate("localStorage.getItem('vibro-session')")
+    page.evaluate("localStorage.setItem('vibro-session', 'of the last one')")
     enter(page, FREQUENCY, "20")
     expect(page.locator("#gone")).to_contain_text("vibro was started anew")
-    page.context.add_cookies(cookies)
+    page.evaluate("(secret) => localStorage.setItem('vibro-session', secret)", secret)
     expect(page.locator("#gone")).to_be_empty()
     expect(page.locator("#tables")).to_contain_text("frequency 20 Hz")
 
@@ -176,6 +176,13 @@ def test_pictures_and_texts_can_be_saved(open_page: Open, tmp_path: Path) -> Non
     assert {path.name for path in tmp_path.iterdir()} == {
         "vibro-speed.svg", "vibro-speed.png", "vibro-map.csv", "scene.toml"
     }  # fmt: skip
+
+
+def test_a_table_that_cannot_be_had_is_told(open_page: Open) -> None:
+    page = open_page()
+    page.route("**/table.csv?*", lambda route: route.abort())
+    page.locator("#csv").click()
+    expect(page.locator("#saving")).to_have_text("There is no CSV: mend what is refused above, or ask again.")
 
 
 def test_the_command_line_can_be_copied(open_page: Open) -> None:

@@ -56,13 +56,15 @@ class Answers:
         Returns
         -------
         dict
-            ``initial``, the state at the start; ``idle``, for each drive the keys of quantities that it does
-            not have; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of marks on cells.
+            ``initial``, the state at the start; ``form``, the settings as HTML; ``idle``, for each drive the
+            keys of quantities that it does not have; ``regimes`` and ``statuses`` of cells; ``marks``, the
+            bits of marks on cells.
         """
         drives = self._initial.drives
         columns = {name: QUANTITIES[name].column for name in CONTROLS if name != "friction_ratio"}
         return {
             "initial": dict(self._initial.texts),
+            "form": form_html(self._initial),
             "idle": {
                 drive: [column for name, column in columns.items() if drive not in drives_of(name, drives)]
                 for drive in drives
@@ -71,10 +73,6 @@ class Answers:
             "statuses": [{"code": int(s), "message": "" if s is Status.OK else s.message} for s in Status],
             "marks": MARKS,
         }
-
-    def form(self) -> str:
-        """Return the form of the page, as ``form_html`` does."""
-        return form_html(self._initial)
 
     def map(self, state: State, *, advance: bool = False) -> bytes:
         """Return a map as ``packed_map`` does, as it is or after some more work."""

@@ -31,6 +31,7 @@ from vibro.explore.state import read_state
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator, Mapping
+    from threading import Event
 
     from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -137,7 +138,7 @@ class _Routes:
     def __init__(self, answers: Answers, read: Callable[[Mapping[str, str]], State]) -> None:
         self._answers = answers
         self._read = read
-        self._files = _page_files(answers.form())
+        self._files = _page_files()
         self._quick, self._advancing, self._tables = _Turns(_QUICK), _Turns(1), _Turns(1)
         self._searches = _Turns(1)
 
@@ -203,17 +204,14 @@ def _missing() -> RefusedError:
     return RefusedError(HTTPStatus.NOT_FOUND, "there is nothing here")
 
 
-def _page_files(form: str) -> dict[str, tuple[bytes, str]]:
-    """Read the files of the page, with their types; the form goes into the page."""
+def _page_files() -> dict[str, tuple[bytes, str]]:
+    """Read the files of the page, with their types."""
     folder = files("vibro.explore") / "static"
-    page = {
+    return {
         file.name: (file.read_bytes(), _TYPES[PurePath(file.name).suffix])
         for file in folder.iterdir()
         if file.is_file()
     }
-    index, kind = page["index.html"]
-    page["index.html"] = (index.replace(b"<!-- form -->", form.encode()), kind)
-    return page
 
 
 def create_app(
@@ -221,7 +219,7 @@ def create_app(
     read: Callable[[Mapping[str, str]], State],
     *,
     port: int,
-    token: str,
+    session: Session,
     report: Callable[[Exception], None],
 ) -> ASGIApp:
     """Make the ASGI application of one session.
@@ -234,8 +232,8 @@ def create_app(
         Makes the state of a query.
     port : int
         Where the server listens.
-    token : str
-        Of the first URL.
+    session : Session
+        Whose requests are answered.
     report : callable
         Called with every unexpected exception.
     """
@@ -244,7 +242,7 @@ def create_app(
         raise _missing()
 
     router = Router(_Routes(answers, read).routes(), redirect_slashes=False, default=nothing)
-    return Guarded(router, Session(port, token), port, report)
+    return Guarded(router, session, port, report)
 
 
 def bind(port: int) -> socket.socket:
@@ -300,7 +298,7 @@ def serve(
     initial: State,
     *,
     port: int,
-    announce: Callable[[str, int], None],
+    announce: Callable[[str, int, Event], None],
     report: Callable[[Exception], None],
 ) -> None:
     """Serve the explorer until a signal ends the process.
@@ -312,7 +310,8 @@ def serve(
     port : int
         Where to listen, or the first of those to try.
     announce : callable
-        Called with the first URL and the port, once the server listens.
+        Called with the first address, the port, and what is set once the address is used, when the server
+        listens.
     report : callable
         Called with every unexpected exception.
 
@@ -324,8 +323,13 @@ def serve(
     with bind(port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(32)
+        session = Session(token)
         app = create_app(
-            Answers(initial), lambda query: read_state(query, initial), port=port, token=token, report=report
+            Answers(initial),
+            lambda query: read_state(query, initial),
+            port=port,
+            session=session,
+            report=report,
         )
         config = uvicorn.Config(
             app,
@@ -339,5 +343,5 @@ def serve(
             server_header=False,
             timeout_keep_alive=_KEPT_ALIVE,
         )
-        announce(f"http://127.0.0.1:{port}/?token={token}", port)
+        announce(f"http://127.0.0.1:{port}/#token={token}", port, session.begun)
         asyncio.run(_Server(config).serve(sockets=[listening]))

@@ -6,8 +6,7 @@ import { html, input, place, set } from "./draw.js";
 /** @typedef {import("./state.js").Store} Store */
 const BANDS = ["static_friction_band", "kinetic_friction_band", "friction_ratio_band"];
 const NO_BANDS = Object.fromEntries(BANDS.map((key) => [key, ""]));
-const boxes = /** @type {Box[]} */ ([...document.forms[0].elements]).filter((box) => box.name);
-const ofDrives = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-drives]"));
+let boxes = /** @type {Box[]} */ ([]);
 
 /** What a box changes. @param {Box} box @param {Store} store @returns {State} */
 function patchOf(box, store) {
@@ -44,8 +43,11 @@ function axisPatch(axis, other, column, state) {
   return { [axis]: column, [other]: state[axis], ...ranges };
 }
 
-/** @param {Store} store @param {(patch: State, control: string, isFinished: boolean) => void} change */
-export function bindControls(store, change) {
+/** @param {string} form @param {Store} store @param {(patch: State, control: string, isFinished: boolean) => void} change */
+export function bindControls(form, store, change) {
+  place("controls").innerHTML = form;
+  boxes = /** @type {Box[]} */ ([...document.forms[0].elements]).filter((box) => box.name);
+  const ofDrives = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-drives]"));
   let edited = /** @type {EventTarget | null} */ (null); // the box that somebody types in
   for (const type of ["input", "change"]) document.addEventListener(type, ({ target }) => {
     const box = /** @type {Box} */ (target);
