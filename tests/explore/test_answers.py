@@ -130,6 +130,24 @@ def test_a_table_of_a_map_that_is_not_done_is_exact(answers: Answers) -> None:
     assert table_of(answers, state) == before
 
 
+def test_a_table_is_solved_in_turns(answers: Answers) -> None:
+    """Between which others have theirs, and those who left are noticed."""
+    state = state_of(restitution="0.5", x="drive_angle_deg", y="static_friction", frequency_hz="30")
+    pieces = answers.table(state)
+    assert next(pieces).startswith(b"amplitude_mm,")
+    assert [next(pieces) for _ in range(2)] == [b"", b""]
+    share = unpacked(answers.map(state))[0]["progress"]["share"]  # what is solved is not solved again
+    assert 0.0 < share < 1.0
+
+
+def test_a_table_may_have_decimal_commas(answers: Answers) -> None:
+    state = state_of(trough_length_mm="600.5", x_range="5:14")  # in contact: no pattern has points
+    plain = table_of(answers, state)
+    commas = b"".join(answers.table(state, decimal_comma=True)).decode()
+    assert commas == plain.replace(",", ";").replace(".", ",")
+    assert ";600,5;" in commas
+
+
 def test_maps_are_kept_between_requests(answers: Answers) -> None:
     state = state_of(restitution="0.4", x="drive_angle_deg")
     shares = [unpacked(answers.map(state, advance=True))[0]["progress"]["share"] for _ in range(2)]

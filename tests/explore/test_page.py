@@ -45,6 +45,7 @@ def test_the_main_parts_have_roles_and_names(open_page: Open) -> None:
           - button "PNG"
           - button "SVG"
           - button "CSV"
+          - button "CSV with decimal commas"
           - status
     """)
     expect(page.get_by_role("form", name="Settings")).to_match_aria_snapshot("""

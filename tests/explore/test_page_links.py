@@ -172,6 +172,7 @@ def test_pictures_and_texts_can_be_saved(open_page: Open, tmp_path: Path) -> Non
     assert picture.startswith(b"\x89PNG")
     assert struct.unpack(">II", picture[16:24]) == (2 * width, 2 * height)
     assert saved("csv").startswith(b"amplitude_mm,frequency_hz,")
+    assert saved("csv-comma").startswith(b"amplitude_mm;frequency_hz;")
     assert saved("save-toml").decode().startswith("[scene]")
     assert {path.name for path in tmp_path.iterdir()} == {
         "vibro-speed.svg", "vibro-speed.png", "vibro-map.csv", "scene.toml"

@@ -45,7 +45,7 @@ class HeldAnswers(FakeAnswers):
         self._wait("guarantee")
         return {}
 
-    def table(self, state: Any) -> Iterator[bytes]:
+    def table(self, state: Any, *, decimal_comma: bool = False) -> Iterator[bytes]:
         for number in range(3):
             self._wait(f"table {number}")
             yield b"a row\n"
@@ -117,10 +117,11 @@ def test_wrong_states_are_refused_before_anything_is_asked(path: str) -> None:
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(("path", "switch"), [("/map", "advance"), ("/table.csv", "decimal_comma")])
 @pytest.mark.parametrize("text", ["", "2", "yes"])
-def test_a_map_is_advanced_or_not(known: TestClient, text: str) -> None:
-    response = known.get("/map", params={"advance": text})
-    assert (response.status_code, response.json()["problems"][0]["field"]) == (400, "advance")
+def test_switches_are_on_or_off(known: TestClient, path: str, switch: str, text: str) -> None:
+    response = known.get(path, params={switch: text})
+    assert (response.status_code, response.json()["problems"][0]["field"]) == (400, switch)
 
 
 def test_tables_are_downloads(known: TestClient) -> None:
@@ -129,6 +130,7 @@ def test_tables_are_downloads(known: TestClient) -> None:
     assert response.headers["content-type"] == "text/csv; charset=utf-8"
     assert response.headers["content-disposition"] == 'attachment; filename="vibro-map.csv"'
     assert "content-length" not in response.headers  # nobody knows it yet
+    assert known.get("/table.csv?decimal_comma=1").text == "a;b\n1;2\n"
 
 
 def test_types_are_told(known: TestClient) -> None:
@@ -281,7 +283,7 @@ def test_nothing_is_done_for_those_who_have_left() -> None:
 
 def test_a_table_that_fails_on_the_way_does_not_end_well() -> None:
     class Failing(FakeAnswers):
-        def table(self, state: Any) -> Iterator[bytes]:
+        def table(self, state: Any, *, decimal_comma: bool = False) -> Iterator[bytes]:
             yield b"a row\n"
             raise ZeroDivisionError
 
@@ -301,7 +303,7 @@ def test_a_table_that_fails_on_the_way_does_not_end_well() -> None:
 
 def test_a_table_that_fails_at_once_is_an_error() -> None:
     class Failing(FakeAnswers):
-        def table(self, state: Any) -> Iterator[bytes]:
+        def table(self, state: Any, *, decimal_comma: bool = False) -> Iterator[bytes]:
             yield from map(int.to_bytes, [-1])
 
     assert guest(application(Failing())).get("/table.csv").status_code == 500

@@ -44,9 +44,10 @@ class FakeAnswers:
     def history(self, state: Any) -> bytes:
         return repr(state).encode()
 
-    def table(self, state: Any) -> Iterator[bytes]:
-        yield b"a,b\n"
-        yield b"1,2\n"
+    def table(self, state: Any, *, decimal_comma: bool = False) -> Iterator[bytes]:
+        yield b"a;b\n" if decimal_comma else b"a,b\n"
+        yield b""  # it takes a while
+        yield b"1;2\n" if decimal_comma else b"1,2\n"
 
 
 def read_query(query: Mapping[str, str]) -> Any:

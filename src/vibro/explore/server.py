@@ -104,10 +104,11 @@ class _Download(Response):
     name : str
         Of the file.
     more : callable
-        Awaited for one piece after the other; empty after the last.
+        Awaited for one piece after the other; None after the last. An empty piece says that the next is still
+        being made.
     """
 
-    def __init__(self, name: str, first: bytes, more: Callable[[], Awaitable[bytes]]) -> None:
+    def __init__(self, name: str, first: bytes | None, more: Callable[[], Awaitable[bytes | None]]) -> None:
         super().__init__(
             media_type="text/csv", headers={"Content-Disposition": f'attachment; filename="{name}"'}
         )
@@ -118,8 +119,9 @@ class _Download(Response):
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
         piece = self._first
-        while piece:
-            await send({"type": "http.response.body", "body": piece, "more_body": True})
+        while piece is not None:
+            if piece:
+                await send({"type": "http.response.body", "body": piece, "more_body": True})
             piece = await self._more()
         await send({"type": "http.response.body", "body": b"", "more_body": False})
 
@@ -166,13 +168,9 @@ class _Routes:
         return JSONResponse(await self._quick.take(request, self._answers.schema))
 
     async def _map(self, request: Request) -> Response:
-        query = query_of(request.scope)
-        advance = query.pop("advance", "0")
-        if advance not in ("0", "1"):
-            raise InputError(f"advance = {shown(advance)}: must be 1 or 0", fields=["advance"])
-        state = self._read(query)
-        turns = self._advancing if advance == "1" else self._quick
-        return _binary(await turns.take(request, lambda: self._answers.map(state, advance=advance == "1")))
+        state, advance = self._switched(request, "advance")
+        turns = self._advancing if advance else self._quick
+        return _binary(await turns.take(request, lambda: self._answers.map(state, advance=advance)))
 
     async def _point(self, request: Request) -> Response:
         state = self._read(query_of(request.scope))
@@ -187,13 +185,21 @@ class _Routes:
         return _binary(await self._quick.take(request, lambda: self._answers.history(state)))
 
     async def _table(self, request: Request) -> Response:
-        state = self._read(query_of(request.scope))
-        pieces = await self._tables.take(request, lambda: iter(self._answers.table(state)))
+        state, decimal_comma = self._switched(request, "decimal_comma")
+        pieces = iter(self._answers.table(state, decimal_comma=decimal_comma))
 
-        async def more() -> bytes:
-            return await self._tables.take(request, lambda: next(pieces, b""))
+        async def more() -> bytes | None:
+            return await self._tables.take(request, lambda: next(pieces, None))
 
         return _Download("vibro-map.csv", await more(), more)
+
+    def _switched(self, request: Request, name: str) -> tuple[State, bool]:
+        """Read the state of a query, and a switch beside it."""
+        query = query_of(request.scope)
+        text = query.pop(name, "0")
+        if text not in ("0", "1"):
+            raise InputError(f"{name} = {shown(text)}: must be 1 or 0", fields=[name])
+        return self._read(query), text == "1"
 
 
 def _binary(content: bytes) -> Response:

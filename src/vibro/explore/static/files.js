@@ -61,7 +61,7 @@ async function copy(id, say) {
 /** @param {MapView} view @param {() => string} query @param {Say} say */
 export function offerFiles(view, query, say) {
   const acts = {
-    csv: () => saveCsv(query(), say),
+    csv: () => saveCsv(query(), say), "csv-comma": () => saveCsv(`${query()}&decimal_comma=1`, say),
     png: () => savePng(view), svg: () => save(figure(view), `${nameOf(view)}.svg`),
     "save-toml": () => save(new Blob([place("toml").textContent ?? ""]), "scene.toml"),
     "copy-command": () => copy("command", say), "copy-toml": () => copy("toml", say),
