@@ -22,7 +22,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, Router
-from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 
 from vibro.errors import FileError, InputError, shown
 from vibro.explore.answers import Answers
@@ -280,7 +280,29 @@ def bind(port: int) -> socket.socket:
 
 
 class _Connection(H11Protocol):
-    """A connection that refuses what is no HTTP with the headers of all responses."""
+    """A connection that refuses what is no HTTP with the headers of all responses, and is closed when idle.
+
+    The clock of uvicorn runs from an answer to the next byte alone: a socket that says nothing, or never ends
+    what it asks, would stay open for ever. Here one that has asked nothing new since the last look, and waits
+    for no answer, is closed.
+    """
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._look_again()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._next_look.cancel()
+        super().connection_lost(exc)
+
+    def _look_again(self) -> None:
+        self._next_look = self.loop.call_later(_KEPT_ALIVE, self._close_if_silent, self.cycle)
+
+    def _close_if_silent(self, last: RequestResponseCycle | None) -> None:
+        if self.cycle is last and getattr(last, "response_complete", True):  # there may have been no request
+            self.transport.close()
+        else:
+            self._look_again()
 
     def send_400_response(self, msg: str) -> None:
         body = msg.encode()
