@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 from xml.etree import ElementTree
 
+import pytest
 from helpers.pages import AMPLITUDE, CONTACT, FREQUENCY, asked, enter, expect, speed, until
 
 if TYPE_CHECKING:
@@ -83,6 +84,15 @@ def test_a_bad_link_says_so_and_shows_the_initial_state(open_page: Open) -> None
     page.evaluate("location.hash = '#amplitude_mm=2'")
     expect(alert).to_be_empty()
     expect(page.locator(AMPLITUDE)).to_have_value("2")
+
+
+@pytest.mark.parametrize("name", ["toString", "constructor", "__proto__", "hasOwnProperty"])
+def test_names_that_every_object_knows_are_refused_as_any_other(open_page: Open, name: str) -> None:
+    page = open_page(f"#drive={name}&{name}=&x={name}&view={name}")
+    expect(page.get_by_role("alert")).to_contain_text(
+        f"This link could not be read: drive = '{name}': must be line, ellipse, harmonics"
+    )
+    speed(page, "16.2635 mm/s")
 
 
 def test_one_question_at_a_time_and_the_newest_wins(open_page: Open) -> None:
