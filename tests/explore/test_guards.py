@@ -247,7 +247,7 @@ def test_every_response_has_the_headers() -> None:
     app = application(FailingAnswers(ZeroDivisionError("secret")))
     responses = [stranger(app).get("/schema"), stranger(app).get("/session", headers=bearer(TOKEN))]
     client = stranger(app)
-    client.headers |= bearer(responses[1].text)
+    client.headers.update(bearer(responses[1].text))
     responses += [client.get(path) for path in (*EVERYWHERE, "/map?a=1&a=1", "/map?wrong=1")]
     responses += [client.post("/"), client.get("/", headers={"Host": "evil.example"})]
     assert {response.status_code for response in responses} == {200, 400, 403, 404, 405, 500}

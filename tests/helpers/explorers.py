@@ -77,7 +77,7 @@ def guest(app: ASGIApp) -> TestClient:
     client = stranger(app)
     begun = client.get("/session", headers=bearer(TOKEN))
     assert begun.status_code == 200
-    client.headers |= bearer(begun.text)
+    client.headers.update(bearer(begun.text))
     return client
 
 
