@@ -146,7 +146,8 @@ def main() -> None:
         context = browser.new_context(viewport=WINDOW)
         page = context.new_page()
         page.goto(first)
-        url = first.partition("?")[0]
+        page.wait_for_selector("#tables caption")
+        url = first.partition("#")[0]
         shown(page, url, "")
         print(f"{'from a change to its picture [ms]':46} {'median':>7} {'90 %':>7} {'most':>7}")
         for name, case in CHANGES.items():

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from types import FrameType
     from typing import NoReturn
 
-__all__ = ["EXIT_CODE", "OnEnd", "end_on_signals", "ignore_signals"]
+__all__ = ["EXIT_CODE", "OnEnd", "end_on_signals", "ignore_signals", "tidy_up"]
 
 EXIT_CODE = 130
 
@@ -44,17 +44,23 @@ def ignore_signals() -> None:
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
     ignore_signals()
-    said = ["error: interrupted"]
+    said = ["error: interrupted", *tidy_up()]
+    try:
+        os.write(2, "".join(f"{line}\n" for line in said).encode(errors="backslashreplace"))
+    finally:
+        os._exit(EXIT_CODE)
+
+
+def tidy_up() -> list[str]:
+    """Do what was asked for the end of the process, and end its children; return the hints of that."""
+    said = []
     for act in (*reversed(_acts), _kill_children):
         try:
             hint = act()
             said += [f"hint: {hint}"] if hint else []
         except Exception:
             pass
-    try:
-        os.write(2, "".join(f"{line}\n" for line in said).encode(errors="backslashreplace"))
-    finally:
-        os._exit(EXIT_CODE)
+    return said
 
 
 def _kill_children() -> None:

@@ -7,18 +7,22 @@ import json
 import re
 import signal
 import socket
+import stat
 import subprocess
 import sys
 import threading
 import time
 import webbrowser
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import pytest
 from helpers.commands import NUT, POSIX, started
+from helpers.explorers import bearer
 from helpers.made_records import EXAMPLES
 
 from vibro.explore import server
@@ -29,17 +33,19 @@ if TYPE_CHECKING:
     from helpers.commands import Run
 
 SCENE = str(EXAMPLES / "safety_nut.toml")
-URL = "http://127.0.0.1:8765/?token=t"
+URL = "http://127.0.0.1:8765/#token=t"
 
 
 @pytest.fixture
 def served(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """States that would be served; the command believes that it was at port 8765."""
+    """States that would be served; the command believes that it was at port 8765, and that somebody came."""
     states: list[Any] = []
+    begun = threading.Event()
+    begun.set()
 
-    def serve(initial: Any, *, port: int, announce: Callable[[str, int], None], report: object) -> None:
+    def serve(initial: Any, *, port: int, announce: Callable[..., None], report: object) -> None:
         states.append(initial)
-        announce(URL, 8765)
+        announce(URL, 8765, begun)
 
     monkeypatch.setattr(server, "serve", serve)
     return states
@@ -50,20 +56,23 @@ class Page:
 
     def __init__(self, run: subprocess.Popen[str]) -> None:
         assert run.stdout is not None
-        found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)(/\?token=[\w-]{40,})\n", run.stdout.readline())
+        found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/#token=([\w-]{40,})\n", run.stdout.readline())
         assert found
-        self.port, self._headers = int(found[1]), dict[str, str]()
-        status, headers, _ = self.get(found[2])
-        assert (status, headers["location"]) == (303, "/")
-        self._headers["Cookie"] = headers["set-cookie"].split(";")[0]
+        self.port, self.token = int(found[1]), found[2]
+        self._headers = dict[str, str]()
+
+    def begin(self) -> Page:
+        self._headers = bearer(self.token)
+        status, _, secret = self.get("/session")
+        assert status == 200
+        self._headers = bearer(secret.decode())
+        return self
 
     def get(self, path: str) -> tuple[int, http.client.HTTPMessage, bytes]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
-        connection.request("GET", path, headers=self._headers)
-        response = connection.getresponse()
-        content = response.read()
-        connection.close()
-        return response.status, response.headers, content
+        with closing(http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)) as connection:
+            connection.request("GET", path, headers=self._headers)
+            with connection.getresponse() as response:
+                return response.status, response.headers, response.read()
 
     def ask(self, path: str) -> None:
         """Ask for what may never come."""
@@ -74,7 +83,7 @@ class Page:
 @contextmanager
 def running(folder: Path, *args: str) -> Iterator[subprocess.Popen[str]]:
     """Run the program, and end it whatever happens."""
-    run = started("explore", *args, "--no-open", cwd=folder)
+    run = started("explore", *args, cwd=folder)
     try:
         yield run
     finally:
@@ -84,8 +93,11 @@ def running(folder: Path, *args: str) -> Iterator[subprocess.Popen[str]]:
 
 @POSIX
 def test_the_program_serves_until_it_is_interrupted(tmp_path: Path) -> None:
-    with running(tmp_path, SCENE) as first, running(tmp_path, SCENE, "-A", "2") as second:
-        pages = [Page(first), Page(second)]
+    with (
+        running(tmp_path, SCENE, "--no-open") as first,
+        running(tmp_path, SCENE, "-A", "2", "--no-open") as second,
+    ):
+        pages = [Page(first).begin(), Page(second).begin()]
         assert pages[0].port != pages[1].port
         for page, amplitude in zip(pages, ("1", "2"), strict=True):
             status, headers, content = page.get("/schema")
@@ -190,23 +202,106 @@ def test_notes_go_to_stderr(run: Run, served: list[Any]) -> None:
     assert run("explore", "--no-open", "-q").stderr == ""
 
 
-@pytest.mark.parametrize(("opens", "said"), [(True, False), (False, True)])
-def test_a_browser_is_opened(
-    run: Run, served: list[Any], monkeypatch: pytest.MonkeyPatch, opens: bool, said: bool
-) -> None:
-    opened = []
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[tuple[Path, str]]:
+    """The files that a browser is opened with, and what they hold."""
+    pages: list[tuple[Path, str]] = []
 
-    def open_(url: str) -> bool:
-        opened.append(url)
-        return opens
+    def open_(address: str) -> bool:
+        file = Path(url2pathname(urlsplit(address).path))
+        pages.append((file, file.read_text(encoding="utf-8")))
+        return True
 
+    for name in ("HOME", "USERPROFILE"):
+        monkeypatch.setenv(name, str(tmp_path))
     monkeypatch.setattr(webbrowser, "open", open_)
     monkeypatch.setattr(threading, "Thread", AtOnce)
     monkeypatch.setenv("BROWSER", "firefox")
+    return pages
+
+
+def test_a_browser_is_opened(run: Run, served: list[Any], opened: list[tuple[Path, str]]) -> None:
     result = run("explore")
-    assert opened == [URL]
-    assert ("no browser could be opened" in result.stderr) == said
+    ((file, page),) = opened
+    assert f'content="0; url={URL}"' in page
+    assert not file.exists()  # once it was used
+    assert not file.parent.exists()
+    assert "open the address above" not in result.stderr
     assert "ssh" not in result.stderr
+
+
+def test_that_no_browser_can_be_opened_is_told(
+    run: Run, served: list[Any], opened: list[tuple[Path, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(webbrowser, "open", lambda _: False)
+    assert "no browser could be opened: open the address above in one\n" in run("explore").stderr
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.mkdtemp", full)
+    told = "no browser could be opened (No space left on device): open the address above in one\n"
+    assert told in run("explore").stderr
+
+
+def test_a_browser_that_cannot_read_the_file_is_told_of(
+    run: Run, opened: list[tuple[Path, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Such as one of Windows that is opened from its Linux."""
+
+    class Late(threading.Event):
+        def wait(self, timeout: float | None = None) -> bool:
+            assert opened[0][0].exists()  # it may still come
+            return timeout is None
+
+    def serve(*_: object, announce: Callable[..., None], **__: object) -> None:
+        announce(URL, 8765, Late())
+
+    monkeypatch.setattr(server, "serve", serve)
+    told = "no browser has shown the page yet: open the address above in one\n"
+    assert told in run("explore").stderr
+    assert not opened[0][0].exists()
+
+
+@POSIX
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, None])
+def test_the_token_is_in_no_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: signal.Signals | None
+) -> None:
+    """What everybody may read of the browser's process leads to a file that its owner alone may read.
+
+    It is in the home folder and not hidden: browsers in a sandbox see no other.
+    """
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/part && mv {tmp_path}/part {tmp_path}/seen\n')
+    browser.chmod(0o700)
+    home = tmp_path / "home"
+    home.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setenv("BROWSER", f"{browser} %s")
+    with running(tmp_path) as run:
+        page, seen = Page(run), tmp_path / "seen"
+        until(seen.exists)
+        (folder,) = home.glob("vibro-*")
+        (file,) = folder.iterdir()
+        assert seen.read_text().split() == [file.as_uri()]
+        assert [stat.S_IMODE(path.stat().st_mode) for path in (folder, file)] == [0o700, 0o600]
+        assert page.token in file.read_text()
+        if end is None:
+            page.begin()
+        else:
+            run.send_signal(end)
+            run.communicate(timeout=60)
+        until(lambda: not [*home.glob("vibro-*")])
+
+
+def until(holds: Callable[[], object]) -> None:
+    """Wait until something holds; a test that it never does ends at a limit."""
+    for _ in range(6000):
+        if holds():
+            return
+        time.sleep(0.01)
+    pytest.fail("it never does")
 
 
 @pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="there is always a screen")

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import threading
-from queue import Queue
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from helpers.browsers import PATIENCE, axe, browser
-
-from vibro.explore.server import serve
-from vibro.explore.state import initial_state
+from helpers.explorers import serve_explorer
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -22,15 +18,13 @@ __all__ = ["axe", "browser"]
 
 @pytest.fixture(scope="module")
 def session(browser: Browser) -> tuple[str, Any]:
-    """Serve the explorer, and return its address with the cookies of the browser that opened it first."""
-    announced: Queue[str] = Queue()
-    reported: list[Exception] = []
-    job = {"port": 8800, "announce": lambda url, port: announced.put(url), "report": reported.append}
-    threading.Thread(target=serve, args=(initial_state(),), kwargs=job, daemon=True).start()
-    url = announced.get(timeout=60)
+    """Serve the explorer, and return its address with what the browser that opened it first has stored."""
+    url, _ = serve_explorer()
     with browser.new_context() as context:
-        context.new_page().goto(url)
-        return url.partition("?")[0], context.storage_state()
+        page = context.new_page()
+        page.goto(url)
+        page.locator("#tables caption").first.wait_for(state="attached")
+        return url.partition("#")[0], context.storage_state()
 
 
 @pytest.fixture(scope="module")

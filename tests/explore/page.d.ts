@@ -5,7 +5,7 @@ type Problem = { field: string; text: string };
 type Refusal = { problems: Problem[]; hint?: string };
 
 type Schema = {
-  initial: State; idle: Record<string, string[]>; marks: Record<string, number>;
+  initial: State; form: string; idle: Record<string, string[]>; marks: Record<string, number>;
   regimes: { code: number; label: string }[]; statuses: { code: number; message: string }[];
 };
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.commands import rows_of
+from helpers.explorers import application, guest
 from helpers.packed import state_of, table_of, unpacked
 
 import vibro
@@ -130,6 +132,24 @@ def test_a_table_of_a_map_that_is_not_done_is_exact(answers: Answers) -> None:
     assert table_of(answers, state) == before
 
 
+def test_a_table_is_solved_in_turns(answers: Answers) -> None:
+    """Between which others have theirs, and those who left are noticed."""
+    state = state_of(restitution="0.5", x="drive_angle_deg", y="static_friction", frequency_hz="30")
+    pieces = answers.table(state)
+    assert next(pieces).startswith(b"amplitude_mm,")
+    assert [next(pieces) for _ in range(2)] == [b"", b""]
+    share = unpacked(answers.map(state))[0]["progress"]["share"]  # what is solved is not solved again
+    assert 0.0 < share < 1.0
+
+
+def test_a_table_may_have_decimal_commas(answers: Answers) -> None:
+    state = state_of(trough_length_mm="600.5", x_range="5:14")  # in contact: no pattern has points
+    plain = table_of(answers, state)
+    commas = b"".join(answers.table(state, decimal_comma=True)).decode()
+    assert commas == plain.replace(",", ";").replace(".", ",")
+    assert ";600,5;" in commas
+
+
 def test_maps_are_kept_between_requests(answers: Answers) -> None:
     state = state_of(restitution="0.4", x="drive_angle_deg")
     shares = [unpacked(answers.map(state, advance=True))[0]["progress"]["share"] for _ in range(2)]
@@ -175,6 +195,23 @@ def test_a_history_is_what_simulate_gives(answers: Answers) -> None:
     assert flies.any()
     assert np.isnan(arrays["inertial"][flies]).all()
     assert {curve["array"] for panel in header["panels"] for curve in panel["curves"]} <= {*arrays}
+
+
+@pytest.mark.parametrize(
+    ("query", "said"),
+    [
+        ({"amplitude_mm": "1e39", "frequency_hz": "5e-19"}, r"trough = 3\.\d+e\+38 mm"),
+        ({"drive": "ellipse", "along_amplitude_mm": "1e40", "frequency_hz": "6.6e-24"}, "trough, along"),
+        ({"static_friction": "1e40"}, r"limits of static friction = 9.81e\+40 m/s²"),
+        ({"amplitude_mm": "1e300", "frequency_hz": "1e-150"}, r"time = \S+ ms"),
+    ],
+)
+def test_a_history_beyond_single_precision_is_told(query: dict[str, str], said: str) -> None:
+    client = guest(application(Answers(initial_state()), read=lambda query: state_of(**query)))
+    response = client.get("/history", params=query)
+    assert response.status_code == 400
+    (problem,) = response.json()["problems"]
+    assert re.match(f"the motion is not drawn: {said}.*: at most 3.4e\\+38 can be drawn", problem["text"])
 
 
 def test_histories_of_other_drives(answers: Answers) -> None:

@@ -6,7 +6,18 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from helpers.explorers import HOST, PORT, ROUTES, TOKEN, FakeAnswers, application, guest, stranger
+from helpers.explorers import (
+    GUARDED,
+    HOST,
+    PORT,
+    ROUTES,
+    TOKEN,
+    FakeAnswers,
+    application,
+    bearer,
+    guest,
+    stranger,
+)
 from starlette.websockets import WebSocketDisconnect
 
 from vibro.errors import InputError, VibroError
@@ -15,7 +26,7 @@ from vibro.explore.guards import LONGEST_QUERY
 if TYPE_CHECKING:
     from starlette.testclient import TestClient
 
-EVERYWHERE = (*ROUTES, "/nowhere", "/static/nothing.js")
+EVERYWHERE = (*ROUTES, "/nowhere", "/static/nothing.js", "/session")
 HEADERS = {
     "referrer-policy": "no-referrer",
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self';"
@@ -64,8 +75,7 @@ def test_foreign_hosts_are_refused_everywhere(known: TestClient, path: str, host
 
 @pytest.mark.parametrize("host", [HOST, f"localhost:{PORT}", f"LocalHost:{PORT}"])
 def test_own_hosts_are_answered(known: TestClient, host: str) -> None:
-    cookie = "; ".join(f"{name}={value}" for name, value in known.cookies.items())
-    assert known.get("/schema", headers={"Host": host, "Cookie": cookie}).status_code == 200
+    assert known.get("/schema", headers={"Host": host}).status_code == 200
 
 
 def test_two_hosts_are_refused(known: TestClient) -> None:
@@ -115,76 +125,83 @@ def test_web_sockets_are_refused(known: TestClient, path: str, origin: str) -> N
     assert refused.value.code == 1008
 
 
-@pytest.mark.parametrize("path", EVERYWHERE)
-def test_without_the_cookie_nothing_is_answered(path: str) -> None:
+@pytest.mark.parametrize("path", [*GUARDED, "/session", "/nowhere"])
+def test_without_the_secret_nothing_is_answered(path: str) -> None:
     response = stranger(application()).get(path)
     assert response.status_code == 403
     assert "open the address that vibro explore printed" in text_of(response)
-    kind = "text/plain" if path == "/" else "application/json"
-    assert response.headers["content-type"].startswith(kind)
 
 
-def test_the_token_counts_once_and_becomes_a_cookie() -> None:
+@pytest.mark.parametrize("path", ["/", "/static/index.html", "/static/main.js"])
+def test_everybody_gets_the_page_which_knows_nothing(known: TestClient, path: str) -> None:
+    response = stranger(application()).get(path)
+    assert response.status_code == 200
+    assert response.content == known.get(path).content == stranger(application()).get(path).content
+
+
+def test_the_token_counts_once_and_becomes_a_secret() -> None:
     app = application()
     first, second = stranger(app), stranger(app)
-    begun = first.get("/", params={"token": TOKEN})
-    assert (begun.status_code, begun.headers["location"], begun.text) == (303, "/", "")
-    cookie = re.fullmatch(
-        r"vibro-8765=([\w-]{40,}); HttpOnly; SameSite=Strict; Path=/", begun.headers["set-cookie"]
-    )
-    assert cookie
-    assert cookie[1] != TOKEN
-    again = second.get("/", params={"token": TOKEN})
+    begun = first.get("/session", headers=bearer(TOKEN))
+    assert begun.status_code == 200
+    assert re.fullmatch(r"[\w-]{40,}", begun.text)
+    again = second.get("/session", headers=bearer(TOKEN))
     assert again.status_code == 403
-    assert "set-cookie" not in again.headers
-    assert "start vibro explore again" in again.text
-    assert second.get("/schema").status_code == 403
-    assert first.get("/schema").status_code == 200
-    # The first browser may go back to the first URL.
-    back = first.get("/", params={"token": TOKEN})
-    assert (back.status_code, back.headers["location"]) == (303, "/")
-    assert "set-cookie" not in back.headers
+    assert "start vibro explore again" in text_of(again)
+    assert second.get("/schema", headers=bearer(TOKEN)).status_code == 403
+    assert first.get("/schema", headers=bearer(begun.text)).status_code == 200
 
 
-def test_every_session_has_a_cookie_of_its_own() -> None:
-    one, other = (guest(application()).cookies["vibro-8765"] for _ in range(2))
+def test_no_cookie_is_set_and_none_lets_in() -> None:
+    """A browser sends cookies to every port of this host, among them those of other users' servers."""
+    app = application()
+    client = stranger(app)
+    begun = client.get("/session", headers=bearer(TOKEN))
+    assert "set-cookie" not in begun.headers
+    for cookie in (f"vibro-{PORT}={begun.text}", begun.text):
+        assert client.get("/schema", headers={"Cookie": cookie}).status_code == 403
+
+
+def test_every_session_has_a_secret_of_its_own() -> None:
+    one, other = (guest(application()).headers["Authorization"] for _ in range(2))
     assert one != other
 
 
-@pytest.mark.parametrize("token", ["", "the-toke", "the-tokenn", "The-token", "ü", "%FF"])
+@pytest.mark.parametrize("token", ["", "the-toke", "the-tokenn", "The-token", "ü"])
 def test_wrong_tokens_are_refused_and_use_nothing_up(token: str) -> None:
     client = stranger(application())
-    assert client.get(f"/?token={token}").status_code in (400, 403)
-    assert client.cookies == {}
-    assert client.get("/", params={"token": TOKEN}).status_code == 303
+    header = {b"Authorization": f"Bearer {token}".encode()}
+    assert client.get("/session", headers=header).status_code == 403
+    assert client.get("/session", headers=bearer(TOKEN)).status_code == 200
 
 
-def test_only_opening_the_page_uses_the_token_up() -> None:
-    """What looks at links asks for the head, and other paths begin nothing."""
-    client = stranger(application())
-    assert client.head("/", params={"token": TOKEN}).status_code == 403
-    assert client.get("/schema", params={"token": TOKEN}).status_code == 403
-    assert client.get("/", params={"token": TOKEN}, headers={"Host": "evil.example"}).status_code == 403
-    assert client.get("/", params={"token": TOKEN}, headers={"Origin": "null"}).status_code == 403
-    assert client.get("/", params={"token": TOKEN}).status_code == 303
+def test_only_beginning_the_session_uses_the_token_up() -> None:
+    """What looks at addresses asks for the head, and other paths and sites begin nothing."""
+    client, shown = stranger(application()), bearer(TOKEN)
+    assert client.head("/session", headers=shown).status_code == 403
+    assert client.get("/schema", headers=shown).status_code == 403
+    assert client.get("/", headers=shown).status_code == 200
+    for foreign in ({"Host": "evil.example"}, {"Origin": "null"}, {"Sec-Fetch-Site": "same-site"}):
+        assert client.get("/session", headers={**shown, **foreign}).status_code == 403
+    assert client.get("/session", headers=shown).status_code == 200
 
 
-def test_only_the_cookie_itself_lets_in() -> None:
+def test_only_the_secret_itself_lets_in() -> None:
     app = application()
-    value = guest(app).cookies["vibro-8765"]
-    for cookies, status in (
-        (f"vibro-8765={value}", 200),
-        (f"a=b; c; =; vibro-8765=old; vibro-8765={value};;", 200),  # other programs set cookies too
-        (f"vibro-8765={TOKEN}", 403),
-        (f"vibro-8766={value}", 403),
-        (f"vibro-8765={value}x", 403),
-        (f"vibro-8765={value[:-1]}", 403),
-        ("vibro-8765=", 403),
-        ("vibro-8765=\xfc", 403),
-        (value, 403),
+    shown = guest(app).headers["Authorization"]
+    secret = shown.removeprefix("Bearer ")
+    for given, status in (
+        (shown, 200),
+        (f"Bearer {TOKEN}", 403),
+        (f"{shown}x", 403),
+        (shown[:-1], 403),
+        ("Bearer ", 403),
+        ("Bearer \xfc", 403),
+        (secret, 403),
     ):
-        headers = {b"Cookie": cookies.encode("latin-1")}
-        assert stranger(app).get("/schema", headers=headers).status_code == status, cookies
+        headers = {b"Authorization": given.encode("latin-1")}
+        assert stranger(app).get("/schema", headers=headers).status_code == status, given
+    assert stranger(app).get(f"/schema?session={secret}").status_code == 403
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "BREW"])
@@ -228,11 +245,12 @@ def test_queries_are_read(known: TestClient) -> None:
 
 def test_every_response_has_the_headers() -> None:
     app = application(FailingAnswers(ZeroDivisionError("secret")))
+    responses = [stranger(app).get("/schema"), stranger(app).get("/session", headers=bearer(TOKEN))]
     client = stranger(app)
-    responses = [client.get("/"), client.get("/", params={"token": TOKEN})]
+    client.headers.update(bearer(responses[1].text))
     responses += [client.get(path) for path in (*EVERYWHERE, "/map?a=1&a=1", "/map?wrong=1")]
     responses += [client.post("/"), client.get("/", headers={"Host": "evil.example"})]
-    assert {response.status_code for response in responses} == {200, 303, 400, 403, 404, 405, 500}
+    assert {response.status_code for response in responses} == {200, 400, 403, 404, 405, 500}
     for response in responses:
         assert {name: response.headers.get_list(name) for name in HEADERS} == {
             name: [value] for name, value in HEADERS.items()

@@ -44,7 +44,9 @@ def test_the_main_parts_have_roles_and_names(open_page: Open) -> None:
         - paragraph:
           - button "PNG"
           - button "SVG"
-          - link "CSV"
+          - button "CSV"
+          - button "CSV with decimal commas"
+          - status
     """)
     expect(page.get_by_role("form", name="Settings")).to_match_aria_snapshot("""
       - form "Settings":
@@ -176,6 +178,34 @@ def test_units_are_read_and_bad_input_is_told_beside_its_field(open_page: Open) 
     speed(page, "16.2635 mm/s")
 
 
+def test_a_decimal_comma_is_read_and_the_point_does_not_jump(open_page: Open) -> None:
+    page = open_page()
+    x, y = middle(point(page))
+    page.route("**/point?*", lambda route: None)  # nothing but the page itself reads what is typed
+    enter(page, FREQUENCY, "15,5")
+    right, _ = middle(point(page))
+    assert x + 1 < right < x + 20
+    enter(page, AMPLITUDE, "800um")
+    enter(page, AMPLITUDE, "bla")
+    assert middle(point(page)) == pytest.approx((right, y), abs=0.01)
+    expect(page.get_by_role("slider", name="amplitude, slider")).to_have_value("1")
+    page.unroute("**/point?*")
+    enter(page, AMPLITUDE, "0,8mm")
+    expect(page.locator(AMPLITUDE)).to_have_value("0.8")
+    enter(page, "#static_friction", "0,37")
+    expect(page.locator("#kinetic_friction")).to_have_value("0.285")
+    enter(page, "#x-to", "40,5")
+    expect(page).to_have_url(re.compile("x_range=5:40.5"))
+    enter(page, "#target", "20,5")
+    expect(page.locator("#target")).to_have_value("20.5")
+    page.locator("#bands").check()
+    enter(page, "#static_friction_band-least", "0,35")
+    expect(page).to_have_url(re.compile("static_friction_band=0.35:"))
+    expect(page.get_by_role("alert")).to_be_empty()
+    enter(page, AMPLITUDE, "1,250")  # a thousand, or a decimal?
+    expect(page.get_by_role("alert")).to_contain_text("write 1.25 or 1250, not 1,250")
+
+
 def test_what_is_being_typed_stays(open_page: Open) -> None:
     page = open_page()
     page.locator(AMPLITUDE).press_sequentially("5")
@@ -233,6 +263,8 @@ def test_where_no_speed_is_proved_the_operating_point_is_searched(open_page: Ope
     expect(told).to_have_text(bounds)
     expect(page.locator("#stage")).to_contain_text("not proved here")
     expect(page.locator("#notes")).to_contain_text("Largest that is proved here: ")
+    expect(page.locator("#notes")).to_contain_text("move the operating point there, and its speeds")
+    expect(page.locator("body")).not_to_contain_text(re.compile(r"vibro\.[a-z]"))  # no name of Python
     searches = asked(page, "guarantee")
     enter(page, FREQUENCY, "13")
     expect(told).to_have_text(re.compile(r"^forward-slip, at least [\d.]+ mm/s$"))

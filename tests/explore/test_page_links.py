@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 from xml.etree import ElementTree
 
+import pytest
 from helpers.pages import AMPLITUDE, CONTACT, FREQUENCY, asked, enter, expect, speed, until
 
 if TYPE_CHECKING:
@@ -85,6 +86,15 @@ def test_a_bad_link_says_so_and_shows_the_initial_state(open_page: Open) -> None
     expect(page.locator(AMPLITUDE)).to_have_value("2")
 
 
+@pytest.mark.parametrize("name", ["toString", "constructor", "__proto__", "hasOwnProperty"])
+def test_names_that_every_object_knows_are_refused_as_any_other(open_page: Open, name: str) -> None:
+    page = open_page(f"#drive={name}&{name}=&x={name}&view={name}")
+    expect(page.get_by_role("alert")).to_contain_text(
+        f"This link could not be read: drive = '{name}': must be line, ellipse, harmonics"
+    )
+    speed(page, "16.2635 mm/s")
+
+
 def test_one_question_at_a_time_and_the_newest_wins(open_page: Open) -> None:
     page = open_page(CONTACT)
     held: list[Route] = []
@@ -140,11 +150,11 @@ def test_a_server_that_is_gone_is_told_and_awaited(open_page: Open) -> None:
 
 def test_a_server_that_was_started_anew_is_told_and_awaited(open_page: Open) -> None:
     page = open_page()
-    cookies: Any = page.context.cookies()
-    page.context.clear_cookies()
+    secret = page.evaluate("localStorage.getItem('vibro-session')")
+    page.evaluate("localStorage.setItem('vibro-session', 'of the last one')")
     enter(page, FREQUENCY, "20")
     expect(page.locator("#gone")).to_contain_text("vibro was started anew")
-    page.context.add_cookies(cookies)
+    page.evaluate("(secret) => localStorage.setItem('vibro-session', secret)", secret)
     expect(page.locator("#gone")).to_be_empty()
     expect(page.locator("#tables")).to_contain_text("frequency 20 Hz")
 
@@ -172,10 +182,18 @@ def test_pictures_and_texts_can_be_saved(open_page: Open, tmp_path: Path) -> Non
     assert picture.startswith(b"\x89PNG")
     assert struct.unpack(">II", picture[16:24]) == (2 * width, 2 * height)
     assert saved("csv").startswith(b"amplitude_mm,frequency_hz,")
+    assert saved("csv-comma").startswith(b"amplitude_mm;frequency_hz;")
     assert saved("save-toml").decode().startswith("[scene]")
     assert {path.name for path in tmp_path.iterdir()} == {
         "vibro-speed.svg", "vibro-speed.png", "vibro-map.csv", "scene.toml"
     }  # fmt: skip
+
+
+def test_a_table_that_cannot_be_had_is_told(open_page: Open) -> None:
+    page = open_page()
+    page.route("**/table.csv?*", lambda route: route.abort())
+    page.locator("#csv").click()
+    expect(page.locator("#saving")).to_have_text("There is no CSV: mend what is refused above, or ask again.")
 
 
 def test_the_command_line_can_be_copied(open_page: Open) -> None:

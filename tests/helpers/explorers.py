@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import threading
+from queue import Queue
 from typing import TYPE_CHECKING, Any
 
 from starlette.testclient import TestClient
 
 from vibro.errors import InputError
-from vibro.explore.server import create_app
+from vibro.explore.guards import Session
+from vibro.explore.server import create_app, serve
+from vibro.explore.state import initial_state
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from starlette.types import ASGIApp
 
@@ -18,7 +22,8 @@ PORT = 8765
 HOST = f"127.0.0.1:{PORT}"
 TOKEN = "the-token"
 STATES = ("/map", "/map?advance=1", "/point", "/guarantee", "/history", "/table.csv")
-ROUTES = ("/", "/static/index.html", "/schema", *STATES)
+GUARDED = ("/schema", *STATES)
+ROUTES = ("/", "/static/index.html", *GUARDED)
 
 
 class FakeAnswers:
@@ -26,9 +31,6 @@ class FakeAnswers:
 
     def schema(self) -> dict[str, Any]:
         return {"version": "0"}
-
-    def form(self) -> str:
-        return "<fieldset>the form</fieldset>"
 
     def map(self, state: Any, *, advance: bool) -> bytes:
         return repr((state, advance)).encode()
@@ -42,9 +44,10 @@ class FakeAnswers:
     def history(self, state: Any) -> bytes:
         return repr(state).encode()
 
-    def table(self, state: Any) -> Iterator[bytes]:
-        yield b"a,b\n"
-        yield b"1,2\n"
+    def table(self, state: Any, *, decimal_comma: bool = False) -> Iterator[bytes]:
+        yield b"a;b\n" if decimal_comma else b"a,b\n"
+        yield b""  # it takes a while
+        yield b"1;2\n" if decimal_comma else b"1,2\n"
 
 
 def read_query(query: Mapping[str, str]) -> Any:
@@ -53,20 +56,44 @@ def read_query(query: Mapping[str, str]) -> Any:
     return query
 
 
-def application(answers: object = None, reported: list[Exception] | None = None) -> ASGIApp:
+def application(
+    answers: object = None,
+    reported: list[Exception] | None = None,
+    read: Callable[[Mapping[str, str]], Any] = read_query,
+) -> ASGIApp:
     """Make the application; what it reports goes into a list."""
     reported = [] if reported is None else reported
     chosen: Any = answers or FakeAnswers()
-    return create_app(chosen, read_query, port=PORT, token=TOKEN, report=reported.append)
+    return create_app(chosen, read, port=PORT, session=Session(TOKEN), report=reported.append)
 
 
 def stranger(app: ASGIApp) -> TestClient:
-    """Make a client that has no cookie yet."""
+    """Make a client that has no secret yet."""
     return TestClient(app, base_url=f"http://{HOST}", follow_redirects=False)
 
 
 def guest(app: ASGIApp) -> TestClient:
     """Make the client that has shown the token."""
     client = stranger(app)
-    assert client.get("/", params={"token": TOKEN}).status_code == 303
+    begun = client.get("/session", headers=bearer(TOKEN))
+    assert begun.status_code == 200
+    client.headers.update(bearer(begun.text))
     return client
+
+
+def bearer(secret: str) -> dict[str, str]:
+    """Return the header that shows a token or a secret."""
+    return {"Authorization": f"Bearer {secret}"}
+
+
+def serve_explorer() -> tuple[str, threading.Event]:
+    """Serve the explorer; return its first address, and what is set once that was used."""
+    announced: Queue[tuple[str, threading.Event]] = Queue()
+    reported: list[Exception] = []
+    job = {
+        "port": 8800,
+        "announce": lambda url, port, begun: announced.put((url, begun)),
+        "report": reported.append,
+    }
+    threading.Thread(target=serve, args=(initial_state(),), kwargs=job, daemon=True).start()
+    return announced.get(timeout=60)

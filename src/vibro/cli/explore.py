@@ -14,6 +14,7 @@ import typer
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options  # typer reads the annotations
 from vibro.errors import FileError, InputError
+from vibro.interrupts import tidy_up
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["explore_command"]
 
 _GOODBYE: Final = b"goodbye: the page gets no more answers\n"
+_PATIENCE: Final = 20.0  # [s] until somebody is told that no browser has come
 _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the environment
 
 
@@ -59,7 +61,7 @@ def explore_command(
     if request:
         question(request, options)
 
-    def announce(url: str, bound: int) -> None:
+    def announce(url: str, bound: int, begun: threading.Event) -> None:
         if bound != wanted:
             console.echo(f"port {wanted} is taken: {bound} it is")
         print(url, flush=True)
@@ -68,7 +70,7 @@ def explore_command(
             console.echo(f"from elsewhere: ssh -L {bound}:127.0.0.1:{bound} host")
         else:
             # Some browsers are waited for until they end.
-            threading.Thread(target=_open, args=(url, console), daemon=True).start()
+            threading.Thread(target=_open, args=(url, begun, console), daemon=True).start()
 
     def report(exc: Exception) -> None:
         if options.debug:
@@ -88,6 +90,7 @@ def _ended_by_ctrl_c(*, quiet: bool) -> Iterator[None]:
     """
 
     def end(*_: object) -> None:
+        tidy_up()
         with contextlib.suppress(OSError):
             os.write(2, b"" if quiet else _GOODBYE)
         os._exit(ExitCode.DONE)
@@ -124,11 +127,21 @@ def _request(options: Options, argv: Sequence[str]) -> Request | None:
     return request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
 
 
-def _open(url: str, console: Console) -> None:
-    """Open the page in the user's browser."""
+def _open(url: str, begun: threading.Event, console: Console) -> None:
+    """Open the page in the user's browser, and wait until it has begun the session."""
     import webbrowser
+
+    from vibro.explore.handover import handed_over
 
     # Without a screen, Python would open a browser of text in this terminal.
     has_screen = sys.platform in ("win32", "darwin") or not os.environ.keys().isdisjoint(_SCREENS)
-    if not has_screen or not webbrowser.open(url):
-        console.echo("no browser could be opened: open the address above in one")
+    try:
+        with contextlib.ExitStack() as end:
+            if not has_screen or not webbrowser.open(end.enter_context(handed_over(url)).as_uri()):
+                console.echo("no browser could be opened: open the address above in one")
+                return
+            if not begun.wait(_PATIENCE):  # one that cannot read the file: of another system, or in a sandbox
+                console.echo("no browser has shown the page yet: open the address above in one")
+            begun.wait()
+    except OSError as exc:
+        console.echo(f"no browser could be opened ({exc.strerror}): open the address above in one")

@@ -56,13 +56,15 @@ class Answers:
         Returns
         -------
         dict
-            ``initial``, the state at the start; ``idle``, for each drive the keys of quantities that it does
-            not have; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of marks on cells.
+            ``initial``, the state at the start; ``form``, the settings as HTML; ``idle``, for each drive the
+            keys of quantities that it does not have; ``regimes`` and ``statuses`` of cells; ``marks``, the
+            bits of marks on cells.
         """
         drives = self._initial.drives
         columns = {name: QUANTITIES[name].column for name in CONTROLS if name != "friction_ratio"}
         return {
             "initial": dict(self._initial.texts),
+            "form": form_html(self._initial),
             "idle": {
                 drive: [column for name, column in columns.items() if drive not in drives_of(name, drives)]
                 for drive in drives
@@ -71,10 +73,6 @@ class Answers:
             "statuses": [{"code": int(s), "message": "" if s is Status.OK else s.message} for s in Status],
             "marks": MARKS,
         }
-
-    def form(self) -> str:
-        """Return the form of the page, as ``form_html`` does."""
-        return form_html(self._initial)
 
     def map(self, state: State, *, advance: bool = False) -> bytes:
         """Return a map as ``packed_map`` does, as it is or after some more work."""
@@ -93,15 +91,14 @@ class Answers:
         """Return the motion of the operating point, as ``packed_history`` does."""
         return packed_history(state)
 
-    def table(self, state: State) -> Iterator[bytes]:
-        """Yield the cells of a map as CSV, piece by piece; unless all are exact already, it is solved anew.
+    def table(self, state: State, *, decimal_comma: bool = False) -> Iterator[bytes]:
+        """Yield the cells of a map as CSV, piece by piece; while it is solved, empty pieces.
 
-        The columns are those of ``vibro map``; with bands the axes and the guarantees of every cell.
+        The columns are those of ``vibro map``; with bands the axes and the guarantees of every cell. Its
+        cells are those of the page's map, solved in turns: if the client leaves, the rest is not.
         """
         grid = state.grid()
         values = grid.values()
-        shown = self._kept(state).cells(0.0).shown
-        cycle = shown.cycle if shown.exact.all() else grid.solve(values)
         found = certain_of(state, scene_of(values))
         columns = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
         if found is not None:
@@ -115,9 +112,12 @@ class Answers:
                 Column("highest_regime", "", lambda block: found.highest, labels),
                 Column("guaranteed_speed_mm_s", "mm/s", lambda block: np.asarray(1e3 * found.speed_min)),
             )
-        form = CsvFormat()
+        form = CsvFormat(decimal_comma=decimal_comma)
         yield form.header(columns).encode()
-        yield form.rows(columns, Block(values, cycle, grid.length)).encode()
+        kept = self._kept(state)
+        while not (shown := kept.cells(_TURN).shown).exact.all():
+            yield b""
+        yield form.rows(columns, Block(values, shown.cycle, grid.length)).encode()
 
     def _kept(self, state: State) -> _Kept:
         """Return the cells of a state's map, partly solved if it was asked for before."""

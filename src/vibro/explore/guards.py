@@ -2,7 +2,11 @@
 
 The server listens on 127.0.0.1, but so can be reached by any page of the browser and by every user of the
 machine. Host and Origin keep other sites out, also those whose names resolve to 127.0.0.1; a token, which is
-in the first URL alone, and the cookie that it is exchanged for keep out everybody else.
+in the first address alone, and the secret that it is exchanged for keep out everybody else. A browser sends a
+cookie to every port of a host, and with it to the servers of other users: the page sends the secret in a
+header instead, and keeps it where pages of this port alone can read it. What begins with # in an address, as
+the token does, is not sent at all. The page itself and its scripts are the same for everybody and know no
+secret: they are answered before there is a session.
 """
 
 from __future__ import annotations
@@ -10,12 +14,13 @@ from __future__ import annotations
 import secrets
 from http import HTTPStatus
 from itertools import chain, repeat
+from threading import Event
 from typing import TYPE_CHECKING, Final
 from urllib.parse import parse_qsl
 
 from starlette.datastructures import Headers
 from starlette.requests import ClientDisconnect
-from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.responses import JSONResponse, PlainTextResponse, Response
 
 from vibro.errors import InputError, VibroError, cut, printable
 
@@ -68,45 +73,45 @@ class RefusedError(VibroError):
 
 
 class Session:
-    """The only browser that is served: it showed the token first and has kept the cookie since.
+    """The only browser that is served: it showed the token first and has kept the secret since.
 
     Parameters
     ----------
-    port : int
-        Of the server, part of the cookie's name: browsers share cookies among the ports of a host.
     token : str
-        In the first URL; valid once.
+        In the first address; valid once.
+
+    Attributes
+    ----------
+    begun : threading.Event
+        Set once the token was shown.
     """
 
-    def __init__(self, port: int, token: str) -> None:
-        self.name = f"vibro-{port}"
-        self._token: str | None = token
-        self._value = secrets.token_urlsafe(32)
+    def __init__(self, token: str) -> None:
+        self.begun = Event()
+        self._token = token
+        self._secret = secrets.token_urlsafe(32)
 
-    def begins(self, token: str) -> bool:
-        """Return whether this is the token, which becomes invalid then."""
-        if self._token is None or not _same(token, self._token):
-            return False
-        self._token = None
-        return True
+    def begin(self, headers: Headers) -> str | None:
+        """Return the secret for the token, which counts once; None if a request does not show it."""
+        if self.begun.is_set() or not _shows(headers, self._token):
+            return None
+        self.begun.set()
+        return self._secret
 
-    @property
-    def cookie(self) -> str:
-        """The cookie for the browser to keep."""
-        return f"{self.name}={self._value}; HttpOnly; SameSite=Strict; Path=/"
-
-    def has(self, cookies: str) -> bool:
-        """Return whether the session's cookie is among those of a request.
-
-        Other programs on this host may set cookies of any form and of the same name: all of them are checked.
-        """
-        pairs = (pair.strip().partition("=") for pair in cookies.split(";"))
-        return any(_same(value, self._value) for name, _, value in pairs if name == self.name)
+    def has(self, headers: Headers) -> bool:
+        """Return whether a request shows the secret."""
+        return _shows(headers, self._secret)
 
 
-def _same(given: str, wanted: str) -> bool:
-    """Compare in a time that does not depend on where texts differ."""
-    return secrets.compare_digest(given.encode(), wanted.encode())
+def _shows(headers: Headers, wanted: str) -> bool:
+    """Compare what a request shows in a time that does not depend on where texts differ."""
+    given = headers.get("authorization", "")
+    return secrets.compare_digest(given.encode(), f"Bearer {wanted}".encode())
+
+
+def _is_open(path: str) -> bool:
+    """Whether a path is answered without a session: the page and its files, which everybody may have."""
+    return path == "/" or path.startswith("/static/")
 
 
 def query_of(scope: Scope) -> dict[str, str]:
@@ -178,10 +183,7 @@ class Guarded:
             await send(message)
 
         try:
-            if redirect := self._check(scope):
-                await redirect(scope, receive, send_guarded)
-            else:
-                await self._app(scope, receive, send_guarded)
+            await (self._check(scope) or self._app)(scope, receive, send_guarded)
         except ClientDisconnect:  # the client has gone
             return
         except Exception as exc:
@@ -205,18 +207,13 @@ class Guarded:
             raise RefusedError(
                 HTTPStatus.METHOD_NOT_ALLOWED, "only GET and HEAD are answered", Allow="GET, HEAD"
             )
-        known = self._session.has(";".join(headers.getlist("cookie")))
-        query = query_of(scope)
-        if scope["path"] == "/" and "token" in query:
-            if known:
-                return RedirectResponse("/", HTTPStatus.SEE_OTHER)
-            # Previews of links send HEAD, which must not use up the token.
-            if scope["method"] == "GET" and self._session.begins(query["token"]):
-                cookie = {"Set-Cookie": self._session.cookie}
-                return RedirectResponse("/", HTTPStatus.SEE_OTHER, headers=cookie)
-        if not known:
-            raise RefusedError(HTTPStatus.FORBIDDEN, _NO_SESSION)
-        return None
+        if _is_open(scope["path"]) or self._session.has(headers):
+            return None
+        # What only looks at addresses sends HEAD, which must not use up the token.
+        begins = (scope["method"], scope["path"]) == ("GET", "/session")
+        if begins and (secret := self._session.begin(headers)):
+            return PlainTextResponse(secret)
+        raise RefusedError(HTTPStatus.FORBIDDEN, _NO_SESSION)
 
     def _check_source(self, scope: Scope, headers: Headers) -> None:
         """Refuse requests of other sites, also those that they cause the browser to make."""

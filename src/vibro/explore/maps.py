@@ -318,6 +318,9 @@ class _Drawn:
         notes = []
         if np.isfinite(self.seen).any():
             notes.append(self._best(self.seen))
+        unproved = self.marks().get("unproved")
+        if unproved is not None and unproved.any():
+            notes.append("Not proved here: move the operating point there, and its speeds are searched for.")
         if self.certain is not None and is_outside(self._state):
             notes.append("The operating point's own friction lies outside of its bands.")
         if self.certain is not None:

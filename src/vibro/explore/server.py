@@ -22,7 +22,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, Router
-from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 
 from vibro.errors import FileError, InputError, shown
 from vibro.explore.answers import Answers
@@ -31,6 +31,7 @@ from vibro.explore.state import read_state
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator, Mapping
+    from threading import Event
 
     from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -103,10 +104,11 @@ class _Download(Response):
     name : str
         Of the file.
     more : callable
-        Awaited for one piece after the other; empty after the last.
+        Awaited for one piece after the other; None after the last. An empty piece says that the next is still
+        being made.
     """
 
-    def __init__(self, name: str, first: bytes, more: Callable[[], Awaitable[bytes]]) -> None:
+    def __init__(self, name: str, first: bytes | None, more: Callable[[], Awaitable[bytes | None]]) -> None:
         super().__init__(
             media_type="text/csv", headers={"Content-Disposition": f'attachment; filename="{name}"'}
         )
@@ -117,8 +119,9 @@ class _Download(Response):
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
         piece = self._first
-        while piece:
-            await send({"type": "http.response.body", "body": piece, "more_body": True})
+        while piece is not None:
+            if piece:
+                await send({"type": "http.response.body", "body": piece, "more_body": True})
             piece = await self._more()
         await send({"type": "http.response.body", "body": b"", "more_body": False})
 
@@ -137,7 +140,7 @@ class _Routes:
     def __init__(self, answers: Answers, read: Callable[[Mapping[str, str]], State]) -> None:
         self._answers = answers
         self._read = read
-        self._files = _page_files(answers.form())
+        self._files = _page_files()
         self._quick, self._advancing, self._tables = _Turns(_QUICK), _Turns(1), _Turns(1)
         self._searches = _Turns(1)
 
@@ -165,13 +168,9 @@ class _Routes:
         return JSONResponse(await self._quick.take(request, self._answers.schema))
 
     async def _map(self, request: Request) -> Response:
-        query = query_of(request.scope)
-        advance = query.pop("advance", "0")
-        if advance not in ("0", "1"):
-            raise InputError(f"advance = {shown(advance)}: must be 1 or 0", fields=["advance"])
-        state = self._read(query)
-        turns = self._advancing if advance == "1" else self._quick
-        return _binary(await turns.take(request, lambda: self._answers.map(state, advance=advance == "1")))
+        state, advance = self._switched(request, "advance")
+        turns = self._advancing if advance else self._quick
+        return _binary(await turns.take(request, lambda: self._answers.map(state, advance=advance)))
 
     async def _point(self, request: Request) -> Response:
         state = self._read(query_of(request.scope))
@@ -186,13 +185,21 @@ class _Routes:
         return _binary(await self._quick.take(request, lambda: self._answers.history(state)))
 
     async def _table(self, request: Request) -> Response:
-        state = self._read(query_of(request.scope))
-        pieces = await self._tables.take(request, lambda: iter(self._answers.table(state)))
+        state, decimal_comma = self._switched(request, "decimal_comma")
+        pieces = iter(self._answers.table(state, decimal_comma=decimal_comma))
 
-        async def more() -> bytes:
-            return await self._tables.take(request, lambda: next(pieces, b""))
+        async def more() -> bytes | None:
+            return await self._tables.take(request, lambda: next(pieces, None))
 
         return _Download("vibro-map.csv", await more(), more)
+
+    def _switched(self, request: Request, name: str) -> tuple[State, bool]:
+        """Read the state of a query, and a switch beside it."""
+        query = query_of(request.scope)
+        text = query.pop(name, "0")
+        if text not in ("0", "1"):
+            raise InputError(f"{name} = {shown(text)}: must be 1 or 0", fields=[name])
+        return self._read(query), text == "1"
 
 
 def _binary(content: bytes) -> Response:
@@ -203,17 +210,14 @@ def _missing() -> RefusedError:
     return RefusedError(HTTPStatus.NOT_FOUND, "there is nothing here")
 
 
-def _page_files(form: str) -> dict[str, tuple[bytes, str]]:
-    """Read the files of the page, with their types; the form goes into the page."""
+def _page_files() -> dict[str, tuple[bytes, str]]:
+    """Read the files of the page, with their types."""
     folder = files("vibro.explore") / "static"
-    page = {
+    return {
         file.name: (file.read_bytes(), _TYPES[PurePath(file.name).suffix])
         for file in folder.iterdir()
         if file.is_file()
     }
-    index, kind = page["index.html"]
-    page["index.html"] = (index.replace(b"<!-- form -->", form.encode()), kind)
-    return page
 
 
 def create_app(
@@ -221,7 +225,7 @@ def create_app(
     read: Callable[[Mapping[str, str]], State],
     *,
     port: int,
-    token: str,
+    session: Session,
     report: Callable[[Exception], None],
 ) -> ASGIApp:
     """Make the ASGI application of one session.
@@ -234,8 +238,8 @@ def create_app(
         Makes the state of a query.
     port : int
         Where the server listens.
-    token : str
-        Of the first URL.
+    session : Session
+        Whose requests are answered.
     report : callable
         Called with every unexpected exception.
     """
@@ -244,7 +248,7 @@ def create_app(
         raise _missing()
 
     router = Router(_Routes(answers, read).routes(), redirect_slashes=False, default=nothing)
-    return Guarded(router, Session(port, token), port, report)
+    return Guarded(router, session, port, report)
 
 
 def bind(port: int) -> socket.socket:
@@ -276,7 +280,29 @@ def bind(port: int) -> socket.socket:
 
 
 class _Connection(H11Protocol):
-    """A connection that refuses what is no HTTP with the headers of all responses."""
+    """A connection that refuses what is no HTTP with the headers of all responses, and is closed when idle.
+
+    The clock of uvicorn runs from an answer to the next byte alone: a socket that says nothing, or never ends
+    what it asks, would stay open for ever. Here one that has asked nothing new since the last look, and waits
+    for no answer, is closed.
+    """
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._look_again()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._next_look.cancel()
+        super().connection_lost(exc)
+
+    def _look_again(self) -> None:
+        self._next_look = self.loop.call_later(_KEPT_ALIVE, self._close_if_silent, self.cycle)
+
+    def _close_if_silent(self, last: RequestResponseCycle | None) -> None:
+        if self.cycle is last and getattr(last, "response_complete", True):  # there may have been no request
+            self.transport.close()
+        else:
+            self._look_again()
 
     def send_400_response(self, msg: str) -> None:
         body = msg.encode()
@@ -300,7 +326,7 @@ def serve(
     initial: State,
     *,
     port: int,
-    announce: Callable[[str, int], None],
+    announce: Callable[[str, int, Event], None],
     report: Callable[[Exception], None],
 ) -> None:
     """Serve the explorer until a signal ends the process.
@@ -312,7 +338,8 @@ def serve(
     port : int
         Where to listen, or the first of those to try.
     announce : callable
-        Called with the first URL and the port, once the server listens.
+        Called with the first address, the port, and what is set once the address is used, when the server
+        listens.
     report : callable
         Called with every unexpected exception.
 
@@ -324,8 +351,13 @@ def serve(
     with bind(port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(32)
+        session = Session(token)
         app = create_app(
-            Answers(initial), lambda query: read_state(query, initial), port=port, token=token, report=report
+            Answers(initial),
+            lambda query: read_state(query, initial),
+            port=port,
+            session=session,
+            report=report,
         )
         config = uvicorn.Config(
             app,
@@ -339,5 +371,5 @@ def serve(
             server_header=False,
             timeout_keep_alive=_KEPT_ALIVE,
         )
-        announce(f"http://127.0.0.1:{port}/?token={token}", port)
+        announce(f"http://127.0.0.1:{port}/#token={token}", port, session.begun)
         asyncio.run(_Server(config).serve(sockets=[listening]))

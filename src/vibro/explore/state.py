@@ -79,7 +79,7 @@ class _Page:
     """How messages name the inputs of the page."""
 
     gives = "the page"
-    takes_one_value = ("it takes one value", "a decimal is written with a point; axes are chosen at the map")
+    takes_one_value = ("it takes one value", "write 1.25 or 1250, not 1,250; axes are chosen at the map")
 
     def axis(self, quantity: Quantity) -> str:
         return f"{quantity.label} 0.1:3"

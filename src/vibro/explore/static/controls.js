@@ -6,13 +6,19 @@ import { html, input, place, set } from "./draw.js";
 /** @typedef {import("./state.js").Store} Store */
 const BANDS = ["static_friction_band", "kinetic_friction_band", "friction_ratio_band"];
 const NO_BANDS = Object.fromEntries(BANDS.map((key) => [key, ""]));
-const boxes = /** @type {Box[]} */ ([...document.forms[0].elements]).filter((box) => box.name);
-const ofDrives = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-drives]"));
+let boxes = /** @type {Box[]} */ ([]);
+
+/** A decimal comma as a point, which every box takes as each holds one number; 1,250 may be a thousand, and stays.
+ * @param {string} text */
+function withPoint(text) {
+  if (/^[+-]?[1-9]\d{0,2},\d{3}(?!\d)/.test(text)) return text;
+  return text.replace(/^([+-]?\d+),(\d+)(?![\d,.:])/, "$1.$2");
+}
 
 /** What a box changes. @param {Box} box @param {Store} store @returns {State} */
 function patchOf(box, store) {
   const { name, type } = box;
-  const text = box.value.trim();
+  const text = withPoint(box.value.trim());
   const patch = box instanceof HTMLSelectElement && box.selectedOptions[0]?.dataset.patch;
   if (typeof patch === "string") return Object.fromEntries(new URLSearchParams(patch));
   if (name === "x" || name === "y") return axisPatch(name, name === "x" ? "y" : "x", text, store.state);
@@ -44,8 +50,11 @@ function axisPatch(axis, other, column, state) {
   return { [axis]: column, [other]: state[axis], ...ranges };
 }
 
-/** @param {Store} store @param {(patch: State, control: string, isFinished: boolean) => void} change */
-export function bindControls(store, change) {
+/** @param {string} form @param {Store} store @param {(patch: State, control: string, isFinished: boolean) => void} change */
+export function bindControls(form, store, change) {
+  place("controls").innerHTML = form;
+  boxes = /** @type {Box[]} */ ([...document.forms[0].elements]).filter((box) => box.name);
+  const ofDrives = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-drives]"));
   let edited = /** @type {EventTarget | null} */ (null); // the box that somebody types in
   for (const type of ["input", "change"]) document.addEventListener(type, ({ target }) => {
     const box = /** @type {Box} */ (target);
@@ -71,6 +80,7 @@ export function bindControls(store, change) {
     for (const box of boxes) {
       const text = textOf(box);
       if (box.type === "checkbox") /** @type {HTMLInputElement} */ (box).checked = text === "1" || text === "log";
+      else if (box.type === "range" && Number.isNaN(Number(text))) continue; // its handle stays, as the point on the map
       else if (box !== edited && box.value !== text) box.value = text;
       if (box.dataset.unit !== undefined) set(box, { "aria-valuetext": `${text} ${box.dataset.unit}`.trim() });
     }

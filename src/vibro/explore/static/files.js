@@ -1,6 +1,7 @@
-/** Downloads and copies: pictures of the map, and texts. */
+/** Downloads and copies: pictures of the map, its cells, and texts. */
 
 import { FONT, INK, place, set, svg } from "./draw.js";
+import { ask } from "./session.js";
 
 const COPIED = 2000; // [ms] that a button says so
 
@@ -38,6 +39,15 @@ async function savePng(view) {
   canvas.toBlob((blob) => save(blob, `${nameOf(view)}.png`));
 }
 
+/** Save the cells of the map, which may take long to compute, and say so. @param {string} query @param {Say} say */
+async function saveCsv(query, say) {
+  say("computing the CSV …", "saving");
+  const response = await ask(`/table.csv?${query}`).catch(() => null);
+  const table = response?.ok ? await response.blob().catch(() => null) : null; // null if it is cut short
+  save(table, "vibro-map.csv");
+  say(table ? "" : "There is no CSV: mend what is refused above, or ask again.", "saving");
+}
+
 /** Copy a text, and say so, on its button too for a while. @param {string} id @param {Say} say */
 async function copy(id, say) {
   getSelection()?.selectAllChildren(place(id)); // to be copied by hand where that is refused
@@ -48,9 +58,10 @@ async function copy(id, say) {
   }, () => say("selected"));
 }
 
-/** @param {MapView} view @param {Say} say */
-export function offerFiles(view, say) {
+/** @param {MapView} view @param {() => string} query @param {Say} say */
+export function offerFiles(view, query, say) {
   const acts = {
+    csv: () => saveCsv(query(), say), "csv-comma": () => saveCsv(`${query()}&decimal_comma=1`, say),
     png: () => savePng(view), svg: () => save(figure(view), `${nameOf(view)}.svg`),
     "save-toml": () => save(new Blob([place("toml").textContent ?? ""]), "scene.toml"),
     "copy-command": () => copy("command", say), "copy-toml": () => copy("toml", say),

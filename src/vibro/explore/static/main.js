@@ -1,11 +1,12 @@
 /** Order of updates: changes go to the address and to the server, its answers to the page. */
 
 import { bindControls, showRefused } from "./controls.js";
-import { place, set } from "./draw.js";
+import { place } from "./draw.js";
 import { offerFiles } from "./files.js";
 import { drawHistory } from "./history.js";
 import { MapView } from "./map.js";
 import { createLane, pause, unpack } from "./requests.js";
+import { begin, isInvited } from "./session.js";
 import { createStore } from "./state.js";
 
 const TEXTS = /** @type {const} */ (["regime", "speed", "guaranteed", "command", "apart", "toml"]); // of the point
@@ -19,7 +20,7 @@ function say(/** @type {string} */ text, where = "says") {
 function start(/** @type {Schema} */ schema) {
   const store = createStore(schema);
   const view = new MapView(schema, store.value, (patch, isFinished) => change(patch, "map", isFinished));
-  const renderControls = bindControls(store, change);
+  const renderControls = bindControls(schema.form, store, change);
   let asked = /** @type {string | null} */ (null); // what the map depends on that was asked last
   let isLinked = true; // the state comes from the address
   let badLink = ""; // message on an address without a valid state
@@ -53,7 +54,6 @@ function start(/** @type {Schema} */ schema) {
     changed = performance.now();
     renderControls();
     view.put();
-    set(place("csv"), { href: `/table.csv?${store.query()}` });
     refine();
     const isDue = asked !== store.mapKey();
     asked = store.mapKey();
@@ -112,14 +112,17 @@ function start(/** @type {Schema} */ schema) {
 
   /** Take over the state of the address. */
   function follow() {
+    if (isInvited()) return; // the page is loaded anew
     leave(true);
     store.read(location.hash);
     update();
   }
   window.addEventListener("popstate", follow);
   new ResizeObserver(() => motion && drawHistory(motion)).observe(place("history"));
-  offerFiles(view, say);
+  offerFiles(view, store.query, say);
   follow();
 }
 const schema = createLane("schema", (response) => response.json(), start, () => say(schema.trouble, "gone"));
+window.addEventListener("popstate", () => isInvited() && location.reload());
+if (isInvited()) await begin();
 schema.ask("");

@@ -134,10 +134,12 @@ export class MapView {
     if (!this.map) return;
     const { x, y } = this.map.header;
     const { left, top, width, height } = this.box;
-    this.at = [x, y].map((axis) => shareAt(axis, this.numberOf(axis.column)));
+    const numbers = [x, y].map((axis) => this.numberOf(axis.column));
+    // While what somebody typed is no number, or one with a unit, the point stays where it was.
+    this.at = [x, y].map((axis, n) => (Number.isNaN(numbers[n]) ? this.at[n] : shareAt(axis, numbers[n])));
     const [u, v] = this.at.map(within);
     const isOutside = this.at.some((share) => Math.abs(share - 0.5) > 0.5 + 1e-6);
-    const values = [x, y].map((axis) => valueText(axis, this.numberOf(axis.column)));
+    const values = [x, y].map((axis, n) => valueText(axis, numbers[n]));
     this.sign?.replaceChildren(pointText(values));
     set(this.point, {
       transform: `translate(${left + width * u} ${top + height * (1 - v)})`,

@@ -1,9 +1,11 @@
 /** Questions to the server: one under way a kind, the newest waits, the last is never lost. */
 
+import { ask as send } from "./session.js";
+
 const RETRY = 1200; // [ms] after the server gave no answer
 const PATIENCE = 30000; // [ms] for an answer
 const GONE = "vibro does not answer: is it still running? This page keeps its state and tries again.";
-const ANEW = "vibro was started anew: open the address that it printed, in another tab; this page then goes on.";
+const ANEW = "vibro was started anew, or answers another browser: open the address that it printed; this page then goes on.";
 
 export const pause = (/** @type {number} */ time) => new Promise((resume) => setTimeout(resume, time));
 
@@ -43,7 +45,7 @@ export function createLane(kind, read, show, tell) {
   /** Ask, and return what to do with the answer, or why there is none.
    * @param {string} query @returns {Promise<string | (() => void)>} */
   async function askOnce(query) {
-    const response = await fetch(`/${kind}?${query}`, { signal: AbortSignal.timeout(PATIENCE) });
+    const response = await send(`/${kind}?${query}`, AbortSignal.timeout(PATIENCE));
     if (response.status === 403) return ANEW;
     const answer = response.ok ? await read(response) : null;
     const { problems, hint } = answer ? { problems: [] } : /** @type {Refusal} */ (await response.json());

@@ -4,7 +4,8 @@ const PAUSE = 1000; // [ms] after which a further change by the same control get
 const REWRITE = 300; // [ms] between the addresses of a drag: browsers refuse too many of them
 
 /** @typedef {ReturnType<typeof createStore>} Store */
-export function createStore(/** @type {Schema} */ { initial, idle }) {
+export function createStore(/** @type {Schema} */ { initial, ...schema }) {
+  const idle = new Map(Object.entries(schema.idle)); // an address may name anything: objects have constructor and more
   const store = {
     state: /** @type {State} */ ({}), // keys that it lacks are the server's to fill
     bands: /** @type {State[]} */ ([]), // by whether kinetic friction follows, as the server would have them
@@ -18,8 +19,9 @@ export function createStore(/** @type {Schema} */ { initial, idle }) {
 
   /** The state as a query. @param {string[]} without keys that it leaves out @returns {string} */
   function query(without = []) {
-    const unsaid = [...without, ...(idle[store.drive()] ?? [])];
-    const kept = Object.entries(store.state).filter(([key, text]) => (text || initial[key]) && !unsaid.includes(key));
+    const unsaid = [...without, ...(idle.get(store.drive()) ?? [])];
+    const kept = Object.entries(store.state).filter(([key, text]) =>
+      (text || (Object.hasOwn(initial, key) && initial[key])) && !unsaid.includes(key));
     return new URLSearchParams(kept).toString().replaceAll("%3A", ":");
   }
 
