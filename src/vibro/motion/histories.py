@@ -12,10 +12,10 @@ from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
 from vibro.core.motions import EXTREME
-from vibro.errors import Problem, SceneError, VibroError
+from vibro.errors import InputError, Problem, SceneError, VibroError
 from vibro.motion.arrivals import arrivals
 from vibro.reals import NotRealError, real_number
-from vibro.results.history import History, Legs, Motion
+from vibro.results.history import MOST_PHASES, History, Legs, Motion
 from vibro.solver import Grid, Scratch
 from vibro.steady import solve
 
@@ -62,7 +62,7 @@ def simulate(
     ------
     SceneError, VibroError
         If an argument is out of its range, or the motion of the scene cannot be followed, or the body
-        never covers ``length``.
+        never covers ``length``, or its motion has not begun to repeat within 2 million phases.
 
     Notes
     -----
@@ -132,6 +132,11 @@ def follow(grid: Grid, phase: float, velocity: float, cycles: float) -> Motion:
     """Follow the body of one scene until its motion repeats, or for so many drive cycles.
 
     Phase and velocity [A w] are those of the trough and of the body at the start.
+
+    Raises
+    ------
+    InputError
+        If it has more than ``MOST_PHASES`` phases that do not repeat: memory would run out sooner or later.
     """
     solver, scratch = doors(), Scratch()
     first, period, advance = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1)
@@ -139,11 +144,19 @@ def follow(grid: Grid, phase: float, velocity: float, cycles: float) -> Motion:
     cycle, last = (tuple(solver.row(x) for x in part) for part in ((first, period, advance), (row, change)))
     rows, number = _FEW, -1
     while number < 0:
+        rows = min(rows, MOST_PHASES)
         legs = Legs.of_size(rows)
         buffers = tuple(solver.row(x) for x in legs)
         number = solver.history(
             grid.scenes, grid.place(), phase, velocity, cycles, buffers, rows, cycle, last, scratch.flights
         )
+        if number < 0 and rows == MOST_PHASES:
+            known = int(legs.cycle[-1])
+            raise InputError(
+                f"the motion does not begin to repeat within {MOST_PHASES} phases, which end in drive cycle"
+                f" {known} of {cycles:.6g}: no more are kept",
+                hint=f"ask for at most {known} cycles",
+            )
         rows *= _MORE
     return Motion(
         Legs._make(x[:number].copy() for x in legs), int(first[0]), int(period[0]), float(advance[0])
