@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from vibro.core.averages import averages
-from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces
+from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces, normal_multiplier
 from vibro.core.buffers import Bytes
 from vibro.core.codes import IRREGULAR, Status
 from vibro.core.drives import Loads
@@ -63,6 +63,8 @@ class Hopping(NamedTuple):
     coexists : int
         1 where a body that is pushed hard enough downhill never stops; -1 elsewhere, as other cycles are not
         looked for here.
+    multiplier : float
+        Largest of the cycle, by modulus, Eq. (71); NaN where it does not repeat.
     """
 
     status: int
@@ -74,6 +76,7 @@ class Hopping(NamedTuple):
     impact: float
     peak: float
     coexists: int
+    multiplier: float
 
 
 def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> Hopping:
@@ -119,7 +122,7 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
 
 
 def _unanswered(status: int) -> Hopping:
-    return Hopping(status, 0, NAN, NAN, NAN, NAN, NAN, NAN, -1)
+    return Hopping(status, 0, NAN, NAN, NAN, NAN, NAN, NAN, -1, NAN)
 
 
 def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Hopping:
@@ -133,6 +136,7 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
     if orbit.status != Status.OK and orbit.status != Status.BOUNDARY:
         return _unanswered(orbit.status)
     aloft, impact = 0.0, 0.0
+    normal = normal_multiplier(bed_of(track.loads), restitution, flights, motion)
     for row in range(cycle.first, cycle.last):
         aloft += flights.length[row]
         impact = max(impact, flights.impact[row])
@@ -146,6 +150,7 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
         impact=track.loads.weight_normal * impact,
         peak=orbit.cycle.peak,
         coexists=-1,
+        multiplier=max(orbit.cycle.slope, normal),
     )
 
 
@@ -182,6 +187,7 @@ def _means(
         impact=means.impact,
         peak=means.peak,
         coexists=-1,
+        multiplier=NAN,
     )
 
 
