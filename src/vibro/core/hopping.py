@@ -23,7 +23,16 @@ from vibro.core.wave_cycle import canonical
 from vibro.core.waves import SINE
 from vibro.core.windows import is_held_at_limit
 
-__all__ = ["MOST_THROW", "Entry", "Hopping", "enter", "hopping", "write_hopping_letters"]
+__all__ = [
+    "MOST_THROW",
+    "Entry",
+    "Hopping",
+    "cycle_of",
+    "enter",
+    "entered",
+    "hopping",
+    "write_hopping_letters",
+]
 
 #: [1] Throw number above which the phase of a landing is lost to rounding.
 MOST_THROW: Final = 1e6
@@ -131,7 +140,7 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
     motion = entry.motion
     if not motion.repeats:
         return _unanswered(Status.UNRESOLVED)
-    turns, cycle = float(motion.cycles), _cycle_of(track, motion)
+    turns, cycle = float(motion.cycles), cycle_of(track, motion)
     orbit = orbit_from(cycle, hops, entry.velocity)
     if orbit.status != Status.OK and orbit.status != Status.BOUNDARY:
         return _unanswered(orbit.status)
@@ -154,7 +163,7 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
     )
 
 
-def _cycle_of(track: Track, motion: Bounces) -> HoppingCycle:
+def cycle_of(track: Track, motion: Bounces) -> HoppingCycle:
     """Measure the cycle of a normal motion that repeats."""
     last = motion.first + motion.count
     return hopping_cycle(track, motion.first, last, motion.landing, motion.rest, TURN * motion.cycles)
@@ -166,7 +175,7 @@ def write_hopping_letters(
     """Write the legs of a steady cycle that ``hopping`` has found, as ``spell``; return their number."""
     track = track_of(loads, restitution)
     entry = enter(track, restitution, flights, hops)
-    cycle = _cycle_of(track, entry.motion)
+    cycle = cycle_of(track, entry.motion)
     return spell(cycle, hops, orbit_from(cycle, hops, entry.velocity).velocity, out, room).number
 
 
@@ -227,14 +236,14 @@ def enter(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ent
             # the contact at the end is among the hops
             velocity = return_map(track, hops, motion.first, last, 0.0, 0.0, start.velocity).velocity
         elif motion.repeats and _is_sharp(bed, restitution, flights, motion.approach):
-            return _entered(track, motion, start.velocity, flights, hops)
+            return entered(track, motion, start.velocity, flights, hops)
     motion = bounces(bed, restitution, flights, MOST_FLIGHTS, begin, 0.0, True)
     if not known and motion.rest == 0.0:
         return Entry(motion._replace(repeats=False), velocity)
-    return _entered(track, motion, velocity, flights, hops)
+    return entered(track, motion, velocity, flights, hops)
 
 
-def _entered(track: Track, motion: Bounces, velocity: float, flights: Flights, hops: Hops) -> Entry:
+def entered(track: Track, motion: Bounces, velocity: float, flights: Flights, hops: Hops) -> Entry:
     """Follow a body along the trough from its first take-off until the cycle begins, and write its hops."""
     loads = track.loads
     if motion.repeats and (motion.rest == 0.0 or motion.approach > 0):

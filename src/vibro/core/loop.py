@@ -20,7 +20,7 @@ from vibro.core.elementary import NAN, TURN
 from vibro.core.evolution import evolve
 from vibro.core.hopping import hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load
-from vibro.core.motions import arrivals, followed, history, moments
+from vibro.core.motions import arrivals, attractors, followed, history, moments
 from vibro.core.return_map import Hops
 from vibro.core.scales import wave_limits, write_spans
 from vibro.core.scenes import Place, Scenes, no_directions, point_at, prepare, seek, unit_point_at, visit
@@ -29,9 +29,9 @@ from vibro.core.waves import SINE
 from vibro.core.windows import thresholds
 
 __all__ = [
-    "arrivals", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others",
-    "followed", "history", "load_slopes", "moments", "prepare", "slips_back", "solve_contact", "solve_hops",
-    "tipping_loads", "transition_loads", "write_letters",
+    "arrivals", "attractors", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve",
+    "find_others", "followed", "history", "load_slopes", "moments", "prepare", "slips_back",
+    "solve_contact", "solve_hops", "tipping_loads", "transition_loads", "write_letters",
 ]  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.arrival import arrival_cycles
+from vibro.core.attractors import Attractors, list_attractors
 from vibro.core.bounces import Flights
 from vibro.core.buffers import Doubles, Integers
 from vibro.core.codes import Mode
@@ -21,10 +22,12 @@ from vibro.core.drives import (
 from vibro.core.elementary import NAN, TURN, wrap
 from vibro.core.history import LastStarts, Legs, follow, sections_from
 from vibro.core.hopping import MOST_THROW
+from vibro.core.return_map import Hops
 from vibro.core.scenes import Place, Point, Scenes, no_directions, point_at, seek
 from vibro.core.steps import course_of
+from vibro.core.windows import thresholds
 
-__all__ = ["EXTREME", "Cycle", "Moments", "arrivals", "followed", "history", "moments"]
+__all__ = ["EXTREME", "Cycle", "Moments", "arrivals", "attractors", "followed", "history", "moments"]
 
 #: [1] Of loads and frictions, and one over the least: motions form products of up to four of them, and
 #: differences of those.
@@ -153,6 +156,26 @@ def history(
     cycle.first[0] = found.first
     cycle.period[0] = found.period
     cycle.advance[0] = found.advance
+    return found.number
+
+
+def attractors(
+    scenes: Scenes, place: Place, flights: Flights, hops: Hops, out: Attractors, told: Integers, room: int
+) -> int:
+    """List the cycles that coexist in the first cell; return their number.
+
+    ``told`` is written with four numbers: whether the first is that from rest, starts that were followed,
+    those of them that did not lead to a cycle, and whether a body may run away. Normal speeds in A w.
+    """
+    point = _point(scenes, place, 0)
+    at = thresholds(point.loads)
+    found = list_attractors(point.loads, at, point.restitution, flights, hops, out, room)
+    for row in range(found.number):
+        out.rate[row] *= point.loads.weight_normal
+    told[0] = 1 if found.from_rest else 0
+    told[1] = found.starts
+    told[2] = found.lost
+    told[3] = 1 if found.runs_away else 0
     return found.number
 
 

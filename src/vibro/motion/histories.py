@@ -22,7 +22,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from vibro.scene import Scene
 
-__all__ = ["follow", "is_followed", "simulate"]
+__all__ = ["follow", "grid_of", "is_followed", "simulate"]
 
 _TURN: Final = 2.0 * np.pi
 _FEW: Final = 1024  # legs allocated at first; nearly every motion repeats sooner
@@ -97,13 +97,7 @@ def simulate(
         raise VibroError(f"give exactly one of cycles, duration and length; given: {named}")
     start_phase = _number("start_phase", start_phase, "rad")
     start_velocity = _number("start_velocity", start_velocity, "m/s")
-    if scene.shape:
-        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    grid = Grid(scene.arrays())
-    if not is_followed(grid):
-        status = Status(int(solve(scene).status))
-        why = "its loads or frictions are too extreme" if status.answered else status.message
-        raise VibroError(f"no motion to follow: {why}")
+    grid = grid_of(scene)
     frequency = float(scene.frequency)
     velocity = start_velocity / frequency / (float(scene.scale) * _TURN)
     if not abs(velocity) <= EXTREME:
@@ -121,6 +115,24 @@ def simulate(
         (name, value), limit = *given.items(), f"above 0 and at most {MOST_CYCLES:g} drive cycles"
         raise VibroError(f"{name} = {value:.15g}: comes to {cycles:g} drive cycles: must be {limit}")
     return History(scene, end, start_phase, follow(grid, start_phase, velocity, cycles), grid)
+
+
+def grid_of(scene: Scene) -> Grid:
+    """Return the grid of a scene.
+
+    Raises
+    ------
+    SceneError, VibroError
+        If it is no single one, or its motion cannot be followed.
+    """
+    if scene.shape:
+        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    grid = Grid(scene.arrays())
+    if not is_followed(grid):
+        status = Status(int(solve(scene).status))
+        why = "its loads or frictions are too extreme" if status.answered else status.message
+        raise VibroError(f"no motion to follow: {why}")
+    return grid
 
 
 def is_followed(grid: Grid) -> bool:
