@@ -40,7 +40,8 @@ __all__ = [
     "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
     "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS",
     "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED",
-    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
+    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_HEIGHT",
+    "START_NORMAL_VELOCITY", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
     "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "catalogue_hint", "checked_number", "counted_harmonics",
     "drive_of", "exact_number",
     "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
@@ -257,6 +258,8 @@ STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
 DURATION: Final = Quantity("duration", TIME)
 START_PHASE: Final = Quantity("start_phase", ANGLE)
 START_VELOCITY: Final = Quantity("start_velocity", SPEED)
+START_HEIGHT: Final = Quantity("start_height", LENGTH)
+START_NORMAL_VELOCITY: Final = Quantity("start_normal_velocity", SPEED)
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
 _NUMBER = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d_].*|[\u00b0%])?")

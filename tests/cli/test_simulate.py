@@ -302,3 +302,15 @@ def test_numbers_read_back_as_the_same_doubles(run: Run) -> None:
     )
     end = vibro.simulate(scene, cycles=1).phases[1].end
     assert str(end).replace(".", ",") in text
+
+
+def test_a_body_is_dropped_or_thrown(run: Run) -> None:
+    thrown = ("--start-height", "2mm", "--start-normal-velocity", "-0.1m/s", "--json")
+    answer = json.loads(run("simulate", SCENE, *thrown).stdout)
+    assert (answer["start_height_mm"], answer["start_normal_velocity_mm_s"]) == (2, -100)
+    assert answer["phases"][0]["phase"] == "flight"
+    history = vibro.simulate(vibro.read_scene(SCENE), cycles=3, start_height=2e-3, start_normal_velocity=-0.1)
+    assert answer["phases"][0]["end_s"] == history.phases[0].end
+    refused = run("simulate", SCENE, "--start-height", "-2")
+    assert refused.exit_code == 2
+    assert "start_height = -0.002 m: must be a finite number >= 0 m" in refused.stderr

@@ -61,6 +61,20 @@ def simulate_command(
             "--start-velocity", metavar="SPEED", help="Of the body along the trough at the start [mm/s]."
         ),
     ] = "0",
+    start_height: Annotated[
+        str,
+        typer.Option(
+            "--start-height", metavar="LENGTH", help="Of the body above the trough at the start [mm]."
+        ),
+    ] = "0",
+    start_normal_velocity: Annotated[
+        str,
+        typer.Option(
+            "--start-normal-velocity",
+            metavar="SPEED",
+            help="Of the body away from the trough at the start [mm/s]; a negative one lands there.",
+        ),
+    ] = "0",
     samples: Annotated[
         str, typer.Option("--samples-per-cycle", metavar="N", help="Rows a cycle, beside one at every event.")
     ] = str(_SAMPLES),
@@ -102,7 +116,16 @@ def simulate_command(
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
-    from vibro.quantities import DURATION, SPEED, START_PHASE, START_VELOCITY, exact_number
+    from vibro.quantities import (
+        DURATION,
+        LENGTH,
+        SPEED,
+        START_HEIGHT,
+        START_NORMAL_VELOCITY,
+        START_PHASE,
+        START_VELOCITY,
+        exact_number,
+    )
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -118,11 +141,15 @@ def simulate_command(
     window = _window(begin, end, lasting, frequency)
     phase = float(exact_number(start_phase, START_PHASE))
     velocity = float(exact_number(start_velocity, START_VELOCITY))
+    height = float(exact_number(start_height, START_HEIGHT))
+    rate = float(exact_number(start_normal_velocity, START_NORMAL_VELOCITY))
     content = {
         "scene": scene_record(request),
         "cycles": lasting,
         START_PHASE.column: phase,
         START_VELOCITY.column: velocity,
+        START_HEIGHT.column: height,
+        START_NORMAL_VELOCITY.column: rate,
         "samples_per_cycle": rows,
     }
     with SeriesOutput(
@@ -135,7 +162,12 @@ def simulate_command(
         reads=[options.scene],
     ) as output:
         follow = partial(
-            simulate, scene, start_phase=math.radians(phase), start_velocity=SPEED.to_si(velocity)
+            simulate,
+            scene,
+            start_phase=math.radians(phase),
+            start_velocity=SPEED.to_si(velocity),
+            start_height=LENGTH.to_si(height),
+            start_normal_velocity=SPEED.to_si(rate),
         )
         history = follow(cycles=lasting)
         output.write(

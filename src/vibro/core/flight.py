@@ -105,7 +105,8 @@ def bed_of(loads: Loads) -> Bed:
 
 def no_bed(loads: Loads) -> Bed:
     """Stand for the normal motion of a scene that does not hop."""
-    return Bed(loads.drive_normal / loads.weight_normal, INF, Mix(-1.0, 0.0, 0.0), loads.waves)
+    lift = Mix(-1.0, 0.0, 1.0 / loads.weight_normal)
+    return Bed(loads.drive_normal / loads.weight_normal, INF, lift, loads.waves)
 
 
 def bed_load(bed: Bed, phase: float) -> float:

@@ -11,6 +11,7 @@ from vibro.core.codes import LETTERS, PATTERNS, spelt_text
 from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.long_patterns import turned
+from vibro.motion.arrivals import Start
 from vibro.motion.histories import follow, grid_of
 from vibro.results.attractors import Attractor, Attractors
 from vibro.solver import Scratch
@@ -61,8 +62,8 @@ def attractors(scene: Scene) -> Attractors:
     ...                     drive_angle=0.7034, static_friction=0.457783, kinetic_friction=0.0429106)
     >>> vibro.attractors(scene)
     pattern  period  mm a cycle  mm/s     multiplier
-    F_       1       7.14382     107.157  0           from rest
-    FB       1       0.633057    9.49586  0.3949
+    F_       1       7.14373     107.156  0           from rest
+    FB       1       0.633031    9.49547  0.8593
     <all cycles are known>
     """
     grid, solver, scratch = grid_of(scene), doors(), Scratch()
@@ -112,5 +113,5 @@ def _as_named(text: str, *, one_harmonic: bool) -> str:
 
 def _spelt(grid: Grid, phase: float, velocity: float, period: float) -> str:
     """Follow a cycle for its legs, where they are more than a code has room for."""
-    motion = follow(grid, phase, velocity, 3.0 * period)
+    motion = follow(grid, Start(phase, velocity, 0.0, 0.0), 3.0 * period)
     return "".join(LETTERS[mode] for mode in motion.legs.mode[motion.first :])

@@ -175,6 +175,8 @@ class History:
         When the history ends; it begins at 0 [s].
     start_phase : float
         Phase of the trough at time 0 [rad].
+    start_height : float
+        Height of the body above the trough at time 0 [m].
     pattern : str
         Kinds of the phases that repeat, starting at any of them; empty if none repeat before the end, or if
         the body rests for ever.
@@ -189,6 +191,7 @@ class History:
     scene: Scene
     end: float
     start_phase: float
+    start_height: float
     _motion: Motion
     _grid: Grid
 
@@ -400,7 +403,8 @@ class History:
         values, solver = np.empty((len(Moments._fields), since.size)), doors()
         solver.moments(
             self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in self._motion.legs),
-            solver.row(row), solver.row(since), solver.rows(values), since.size,
+            self.start_height / float(self.scene.scale), solver.row(row), solver.row(since),
+            solver.rows(values), since.size,
         )  # fmt: skip
         return dict(zip(Moments._fields, values, strict=True))
 
