@@ -121,3 +121,28 @@ def test_a_body_at_rest_and_what_cannot_be_followed() -> None:
         vibro.attractors(at_load([0.1, 0.2], 20.0, 0.74, 0.57))
     with pytest.raises(VibroError, match="no motion to follow"):
         vibro.attractors(at_load(1e9, 20.0, 0.74, 0.57))
+
+
+def test_the_cycle_of_one_bounce_doubles_where_its_closed_form_says() -> None:
+    """Eq. (72): e = 0.5 doubles at K = 1.5268, where the multiplier passes -1, and is born at pi / 3."""
+    e = 0.5
+    born = math.pi * (1.0 - e) / (1.0 + e)
+    doubles = math.hypot(born, 2.0 * (1.0 + e * e) / (1.0 + e) ** 2)
+    assert doubles == pytest.approx(1.5268, abs=5e-5)
+
+    def flights(throw: float) -> dict[str, vibro.Attractor]:
+        scene = driven(Groups(throw / math.sin(0.5), math.degrees(0.5), 0.6, 0.5), None, e)
+        return {one.pattern: one for one in vibro.attractors(scene) if set(one.pattern) == {"H"}}
+
+    for throw in (born + 1e-4, 1.3, doubles - 1e-6):
+        # the trace and the determinant of (34) over one flight
+        lift = math.sqrt(throw**2 - born**2)
+        trace, determinant = 1.0 + e * e - (1.0 + e) ** 2 * lift, e * e
+        expected = max(abs(np.roots([1.0, -trace, determinant])))
+        slides = flights(throw)["H"].largest_multiplier
+        assert slides == pytest.approx(expected, rel=1e-7)
+    assert flights(doubles - 1e-6)["H"].largest_multiplier == pytest.approx(1.0, abs=1e-5)
+    assert "H" not in flights(born - 1e-4)
+    doubled = flights(doubles + 1e-4)
+    assert "H" not in doubled
+    assert doubled["HH"].period_cycles == 2
