@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibro.limits import critical_loads_of_lines
-from vibro.plots.labels import Labeller
+import vibro
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,16 +35,26 @@ def amplitude_at(load: float, frequency: NDArray[np.float64]) -> NDArray[np.floa
     return 1e3 * load * GRAVITY / (2.0 * math.pi * frequency) ** 2
 
 
+def scene(angle: float, static: float) -> vibro.Scene:
+    """Make a scene of a drive angle [deg]; its critical loads depend on neither amplitude nor frequency."""
+    return vibro.Scene(
+        amplitude=1e-3,
+        frequency=15.0,
+        drive_angle=math.radians(angle),
+        static_friction=static,
+        kinetic_friction=min(static, PAPER_KINETIC),
+        gravity=GRAVITY,
+    )
+
+
 def hop_load(angle: float) -> float:
     """Load above which a body leaves a horizontal trough, at a drive angle [deg]."""
-    return float(critical_loads_of_lines(math.radians(angle), PAPER_STATIC, PAPER_KINETIC).hop)
+    return float(vibro.critical_loads(scene(angle, PAPER_STATIC)).hop)
 
 
 def onset_load(static: float) -> float:
     """Load above which a body at rest slips forward."""
-    return float(
-        critical_loads_of_lines(math.radians(PAPER_ANGLE), static, min(static, PAPER_KINETIC)).forward_onset
-    )
+    return float(vibro.critical_loads(scene(PAPER_ANGLE, static)).forward_onset)
 
 
 def onset_load_as_printed(static: float) -> float:
@@ -63,15 +72,30 @@ def hop_limits() -> Figure:
     axes.fill_between(frequency, curves[PAPER_ANGLE], 3.0, color=RED, alpha=0.4, linewidth=0.0)
     axes.text(0.04, 0.05, f"continuous contact at {PAPER_ANGLE:g}°", transform=axes.transAxes)
     axes.text(0.6, 0.85, f"intermittent contact at {PAPER_ANGLE:g}°", transform=axes.transAxes)
-    lines = {}
     for angle, curve in curves.items():
         axes.plot(frequency, curve, color=INK, linewidth=2.4 if angle == PAPER_ANGLE else 0.9)
-        lines[f"α = {angle:g}°"] = np.column_stack([frequency, curve])[curve < 3.0]
-    labeller = Labeller(axes)
-    labeller.avoid_lines(list(lines.values()))
-    for name, line in lines.items():
-        labeller.along(name, [line], plate="#FFFFFF", color=INK, fontsize=9)
+        label(axes, f"α = {angle:g}°", frequency, curve, height=1.6)
     return figure
+
+
+def label(
+    axes: Axes, name: str, frequency: NDArray[np.float64], amplitude: NDArray[np.float64], height: float
+) -> None:
+    """Write a name on a falling curve where it comes down to a height, along the curve."""
+    at = int(np.argmax(amplitude < height))
+    slope = math.degrees(math.atan(np.gradient(amplitude, frequency)[at]))
+    axes.text(
+        frequency[at],
+        amplitude[at],
+        name,
+        rotation=slope,
+        transform_rotates_text=True,
+        rotation_mode="anchor",
+        ha="center",
+        va="center",
+        fontsize=9,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0},
+    )
 
 
 def forward_onsets() -> Figure:

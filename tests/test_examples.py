@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from collections import Counter
@@ -11,6 +12,7 @@ import pytest
 from helpers.commands import rows_of
 from typer.testing import CliRunner, Result
 
+import vibro
 from vibro.cli.app import app
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -20,6 +22,21 @@ README = (EXAMPLES.parent / "README.md").read_text(encoding="utf-8")
 
 def run(*args: object) -> Result:
     return CliRunner().invoke(app, [str(arg) for arg in args])
+
+
+@pytest.mark.parametrize("name", ["paper_maps.py"])
+def test_what_people_copy_uses_public_names_alone(name: str) -> None:
+    tree = ast.parse((EXAMPLES / name).read_text(encoding="utf-8"))
+    imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    taken = {node.module: node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
+    rooms = [module for module in {*imported, *taken} if module.startswith("vibro")]
+    assert rooms == ["vibro"]
+    read = {
+        node.attr
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "vibro"
+    }
+    assert read <= set(vibro.__all__)
 
 
 # What the README maps is run with its tour (.ci/run).

@@ -40,6 +40,8 @@ _MEASURED = (
 
 # What each public name gives when it is called as its documentation says.
 CALLS = {
+    "Attractor": "isinstance(vibro.attractors(scene)[0], vibro.Attractor)",
+    "Attractors": "isinstance(vibro.attractors(scene), vibro.Attractors)",
     "Certificate": "vibro.guarantee(scene, drive_angle=(0, 1)).certificate_min._fields[2] == 'bound'",
     "DesignResult": "vibro.DesignResult(True, (), ()).met",
     "FileError": "issubclass(vibro.FileError, vibro.VibroError)",
@@ -56,6 +58,7 @@ CALLS = {
     "SteadyCycle": "isinstance(vibro.solve(scene), vibro.SteadyCycle)",
     "VibroError": "issubclass(vibro.VibroError, Exception)",
     "arrival_time": "vibro.arrival_time(scene, 0.1) > 0",
+    "attractors": "vibro.attractors(scene)[0].pattern == 'F_'",
     "critical_loads": "vibro.critical_loads(scene).hop > 1",
     "design": "len(vibro.design(question).designs) == 9",
     "feasible_amplitudes": "len(vibro.feasible_amplitudes(scene, 0.02)) == 1",

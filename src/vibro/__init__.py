@@ -17,10 +17,12 @@ if TYPE_CHECKING:
     from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
+    from vibro.motion.attractors import attractors
     from vibro.motion.histories import simulate
     from vibro.output.stored import open_sweep
     from vibro.output.writing import write_sweep
     from vibro.records.waveforms import MeasuredMotion, measured_motion
+    from vibro.results.attractors import Attractor, Attractors
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
     from vibro.results.history import History
     from vibro.results.steady import SteadyCycle
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
     from vibro.waveforms import Motion
 
 __all__ = [
+    "Attractor",
+    "Attractors",
     "Certificate",
     "DesignResult",
     "FileError",
@@ -46,6 +50,7 @@ __all__ = [
     "SteadyCycle",
     "VibroError",
     "arrival_time",
+    "attractors",
     "critical_loads",
     "design",
     "feasible_amplitudes",
@@ -63,6 +68,8 @@ __all__ = [
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Attractor": "vibro.results.attractors",
+    "Attractors": "vibro.results.attractors",
     "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
@@ -79,6 +86,7 @@ _HOMES = {
     "SteadyCycle": "vibro.results.steady",
     "VibroError": "vibro.errors",
     "arrival_time": "vibro.motion.arrivals",
+    "attractors": "vibro.motion.attractors",
     "critical_loads": "vibro.limits",
     "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.windows",

@@ -40,9 +40,9 @@ __all__ = [
     "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
     "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "LOAD", "MASS", "MASS_FLOW", "MOST_HARMONICS",
     "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SIZES", "SPEED",
-    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
-    "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "as_given", "catalogue_hint", "checked_number",
-    "counted_harmonics", "drive_of", "exact_number",
+    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_HEIGHT", "START_NORMAL_VELOCITY", "START_PHASE",
+    "START_VELOCITY", "SWEPT", "TIME", "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "as_given",
+    "catalogue_hint", "checked_number", "counted_harmonics", "drive_of", "exact_number",
     "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
 ]  # fmt: skip
 
@@ -297,6 +297,8 @@ STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
 DURATION: Final = Quantity("duration", TIME)
 START_PHASE: Final = Quantity("start_phase", ANGLE)
 START_VELOCITY: Final = Quantity("start_velocity", SPEED)
+START_HEIGHT: Final = Quantity("start_height", LENGTH)
+START_NORMAL_VELOCITY: Final = Quantity("start_normal_velocity", SPEED)
 
 _Value = TypeVar("_Value")
 

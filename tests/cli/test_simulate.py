@@ -90,9 +90,27 @@ def test_json_holds_every_phase(run: Run) -> None:
 
 def test_long_runs_print_the_first_phases(run: Run) -> None:
     result = run("simulate", SCENE, "--cycles", "1000", "--samples-per-cycle", "0", *PLAIN, "-o", "nut")
-    assert "... 1977 more phases" in result.stdout
+    assert "... 1977 more phases: --all prints them" in result.stdout
     assert "1084.23 mm along the trough" in result.stdout
     assert len(table_of("nut.csv")) == 2002
+
+
+def test_bounces_that_die_out_are_one_row(run: Run) -> None:
+    bouncing = ("simulate", SCENE, "-A", "5", "--restitution", "0.7")
+    short, long = (run(*bouncing, *more).stdout.splitlines() for more in ((), ("--all",)))
+    assert len(short) <= 24
+    assert not any("more phases" in line for line in (*short, *long))
+    phases = json.loads(run(*bouncing, "--json").stdout)["phases"]
+    assert len(long) == len(phases) + 4
+    chains = [line.split(" bounces, until they die out") for line in short if "die out" in line]
+    counts = [int(count) for count, _ in chains]
+    flights = sum(line.startswith("flight") for line in short)
+    assert flights + sum(counts) == sum(phase["phase"] == "flight" for phase in phases)
+    # the row spans its bounces: it begins where the last long flight ends, and ends where contact begins
+    first, end = (float(text) for text in chains[0][1].split()[:2])
+    inside = [p for p in phases if first <= 1e3 * p["start_s"] + 1e-5 and 1e3 * p["end_s"] <= end + 1e-5]
+    assert len(inside) == counts[0]
+    assert {p["phase"] for p in inside} == {"flight"}
 
 
 def test_a_duration_and_another_start(run: Run) -> None:
@@ -248,6 +266,16 @@ def test_wrong_input_ends_with_code_2(run: Run, args: tuple[str, ...], said: str
     assert list(Path.cwd().iterdir()) == []
 
 
+def test_a_history_has_a_cap_that_says_what_to_do(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.motion.histories.MOST_PHASES", 2000)
+    irregular = ("simulate", SCENE, "-A", "5", "--restitution", "0.8", "--samples-per-cycle", "0")
+    result = run(*irregular, "--cycles", "100000")
+    assert result.exit_code == 2
+    assert "the motion does not begin to repeat within 2000 phases, which end in drive cycle" in result.stderr
+    known = result.stderr.split("hint: ask for at most ")[1].split()[0]
+    assert run(*irregular, "--cycles", known).exit_code == 0
+
+
 def test_existing_files_are_kept(run: Run) -> None:
     assert run("simulate", SCENE, *PLAIN, "-o", "a").exit_code == 0
     before = Path("a.csv").read_bytes()
@@ -274,3 +302,15 @@ def test_numbers_read_back_as_the_same_doubles(run: Run) -> None:
     )
     end = vibro.simulate(scene, cycles=1).phases[1].end
     assert str(end).replace(".", ",") in text
+
+
+def test_a_body_is_dropped_or_thrown(run: Run) -> None:
+    thrown = ("--start-height", "2mm", "--start-normal-velocity", "-0.1m/s", "--json")
+    answer = json.loads(run("simulate", SCENE, *thrown).stdout)
+    assert (answer["start_height_mm"], answer["start_normal_velocity_mm_s"]) == (2, -100)
+    assert answer["phases"][0]["phase"] == "flight"
+    history = vibro.simulate(vibro.read_scene(SCENE), cycles=3, start_height=2e-3, start_normal_velocity=-0.1)
+    assert answer["phases"][0]["end_s"] == history.phases[0].end
+    refused = run("simulate", SCENE, "--start-height", "-2")
+    assert refused.exit_code == 2
+    assert "start_height = -0.002 m: must be a finite number >= 0 m" in refused.stderr

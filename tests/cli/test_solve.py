@@ -14,7 +14,7 @@ import pytest
 from helpers.commands import NUT, Run, rows_of
 
 from vibro.sweeps.columns import columns_of
-from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
+from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER, WITH_STROKE
 
 
 def test_json_has_the_keys_of_a_table(run: Run) -> None:
@@ -22,11 +22,12 @@ def test_json_has_the_keys_of_a_table(run: Run) -> None:
     assert result.exit_code == 0
     assert result.stderr == ""
     answer = json.loads(result.stdout)
-    extra = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
+    extra = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER)
     assert list(answer) == [column.name for column in columns_of((), *extra, made_with=["restitution"])]
     assert answer["mean_velocity_mm_s"] == pytest.approx(16.263456166287, rel=1e-13)
     assert answer["regime"] == "forward-slip"
     assert answer["pattern"] == "F_"
+    assert answer["largest_multiplier"] == 0
     assert answer["status"] == "ok"
     assert answer["traverse_time_s"] is None
     assert answer["amplitude_mm"] == 1

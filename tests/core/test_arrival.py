@@ -14,7 +14,7 @@ from vibro.core.arrival import MOST_CYCLES, arrival_cycles
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads
 from vibro.core.history import Sections, sections_of
-from vibro.core.steps import Course, State, Step, course_of, step
+from vibro.core.steps import Course, Launch, State, Step, course_of, step
 
 STARTS = [(0.0, 0.0), (2.0, -0.8), (-8.0, 0.5)]
 NAN, INF = math.nan, math.inf
@@ -25,7 +25,9 @@ def _arrival(
     steady: float = NAN,
 ) -> float:  # fmt: skip
     course = course_of(loads, restitution)
-    return arrival_cycles(course, sections_of(course, FLIGHTS), length, phase, velocity, steady)
+    return arrival_cycles(
+        course, sections_of(course, FLIGHTS), length, Launch(phase, velocity, 0.0, 0.0), steady
+    )
 
 
 def _first_passage(legs: list[tuple[State, Step]], loads: Loads, length: float) -> float:

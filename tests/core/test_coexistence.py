@@ -15,7 +15,7 @@ from vibro.core.drives import Loads, directions, line_loads, weight_over_load
 from vibro.core.flight import sinusoidal
 from vibro.core.hopping import enter, hopping
 from vibro.core.legs import track_of
-from vibro.core.orbits import HoppingCycle, Orbit, _differ, cycle_from, hopping_cycle
+from vibro.core.orbits import HoppingCycle, Orbit, cycle_from, differ, hopping_cycle
 from vibro.core.return_map import Return, return_map, write_hop
 
 TURN = 2.0 * math.pi
@@ -210,12 +210,12 @@ def test_fixed_points_are_told_apart_beyond_rounding() -> None:
         return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0.0, 0, True), Status.OK)
 
     home = orbit(0.3, 0.0)
-    assert not _differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)
-    assert not _differ(cycle, orbit(0.3 - 0.9e-9, 0.0), home)
-    assert _differ(cycle, orbit(0.3 + 1.1e-9, 0.0), home)
-    assert _differ(cycle, orbit(0.3 - 1.1e-9, 0.0), home)
+    assert not differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)
+    assert not differ(cycle, orbit(0.3 - 0.9e-9, 0.0), home)
+    assert differ(cycle, orbit(0.3 + 1.1e-9, 0.0), home)
+    assert differ(cycle, orbit(0.3 - 1.1e-9, 0.0), home)
     # near a slope of one rounding moves a fixed point far: 8 * 16 eps * forces / (1 - slope)
     blur = 128.0 * 2.0**-52 * cycle.forces / 1e-9
-    assert not _differ(cycle, orbit(0.3 + 0.9 * blur, 1.0 - 1e-9), home)
-    assert _differ(cycle, orbit(0.3 + 1.1 * blur, 1.0 - 1e-9), home)
-    assert not _differ(cycle, orbit(0.9, 1.0), home)
+    assert not differ(cycle, orbit(0.3 + 0.9 * blur, 1.0 - 1e-9), home)
+    assert differ(cycle, orbit(0.3 + 1.1 * blur, 1.0 - 1e-9), home)
+    assert not differ(cycle, orbit(0.9, 1.0), home)

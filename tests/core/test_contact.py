@@ -284,7 +284,7 @@ def test_equality_is_rest(groups: Groups, line_too: bool) -> None:
         near = heavier(loads, weight * (1.0 + ulps * EPS))._replace(line=line_too)
         cycle = steady(near)
         assert cycle[:4] == (Regime.NO_SLIP, Status.BOUNDARY, Pattern.R, Model.REST)
-        assert cycle[4:] == (0.0, 0.0, 0)
+        assert cycle[4:] == (0.0, 0.0, 0, 0.0)
         alone = regime_alone(near, thresholds(near))
         assert alone == cycle
 
@@ -333,7 +333,7 @@ def test_a_flat_drive_on_a_level_trough_conveys_nothing(loads: Loads) -> None:
 
 def test_drives_that_reach_no_threshold_leave_the_body_at_rest() -> None:
     for loads in (ellipse(0.0, 0.0, 1.0, 1.0, 0.5, 0.4), ellipse(0.0, 1.0, 1.0, 1.1, 0.5, 0.4)):
-        assert steady(loads) == (Regime.NO_SLIP, Status.OK, Pattern.R, Model.REST, 0.0, 0.0, 0)
+        assert steady(loads) == (Regime.NO_SLIP, Status.OK, Pattern.R, Model.REST, 0.0, 0.0, 0, 0.0)
 
 
 # --------------------------------------------------------------------------------------- classes alone

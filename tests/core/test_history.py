@@ -26,7 +26,7 @@ from vibro.core import history
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads
 from vibro.core.history import Followed, Legs, Sections, follow, is_section, sections_of
-from vibro.core.steps import State, course_of, starting, step
+from vibro.core.steps import Launch, State, course_of, starting, step
 
 INF = math.inf
 STARTS = [(0.0, 0.0), (2.0, -0.8), (-8.0, 0.5)]
@@ -277,7 +277,7 @@ def test_a_cycle_of_several_flights_is_compared_flight_by_flight() -> None:
     sections = sections_of(course, FLIGHTS)
     assert sections == Sections(3, lands=False, cycles=3)
     found = [
-        follow(course, sections._replace(lag=lag), 0.0, 0.0, 900.0, legs, 20_000, LAST)
+        follow(course, sections._replace(lag=lag), Launch(0.0, 0.0, 0.0, 0.0), 900.0, legs, 20_000, LAST)
         for lag in (0, 1, 2, 3, 6)
     ]
     assert [f.period for f in found] == [0, 0, 0, 5, 10]
@@ -297,7 +297,7 @@ def test_a_body_that_rounding_holds_stays_where_it_is(monkeypatch: pytest.Monkey
         return leg if steps < 3 else leg._replace(length=0.0, after=now)
 
     monkeypatch.setattr(history, "step", short)
-    found = follow(course, Sections(1, True, 1), 0.0, 0.0, 50.0, room(99), 99, LAST)
+    found = follow(course, Sections(1, True, 1), Launch(0.0, 0.0, 0.0, 0.0), 50.0, room(99), 99, LAST)
     assert found == Followed(2, 2, 0, 0.0)
     assert starting(course, 0.0, 0.0).mode == Mode.REST
     assert 50 < steps < 200

@@ -329,7 +329,8 @@ def test_samples_are_lengthened_until_one_suffices(monkeypatch: pytest.MonkeyPat
         assert asked == [(12, False), (48, False), (240, True)][:suffices]
         if suffices < 4:
             assert found[:4] == (Status.AVERAGED, IRREGULAR, 1.0, 0.1)
-            assert found[5:] == (0.9, 2.0, 3.0, -1)
+            assert found[5:9] == (0.9, 2.0, 3.0, -1)
+            assert math.isnan(found.multiplier)
         else:
             assert found.status == Status.UNRESOLVED
             assert math.isnan(found.displacement)

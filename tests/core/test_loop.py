@@ -122,6 +122,7 @@ def test_contact_cycles_in_si_units(solver: Doors, scene: Scene, classes: bool) 
             "coexists": cycle.coexists,
             "model_code": cycle.model,
             "status": cycle.status,
+            "largest_multiplier": cycle.multiplier,
         }
         if cycle.status == Status.INFEASIBLE:
             expected |= dict.fromkeys(("throw_number", "forward_ratio", "back_ratio"), math.nan)

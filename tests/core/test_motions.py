@@ -17,7 +17,7 @@ from vibro.core.motions import EXTREME, Cycle, Moments, arrivals, followed, hist
 from vibro.core.scenes import ELLIPSE as ELLIPSES
 from vibro.core.scenes import LINE as LINES
 from vibro.core.scenes import Place, Scenes, no_directions, point_at, seek
-from vibro.core.steps import State, course_of
+from vibro.core.steps import Launch, State, course_of
 
 PLACE = Place(view(np.zeros(10, np.int64)), view(np.zeros(1)), view(np.zeros(1, np.int64)))
 LINE = {
@@ -75,9 +75,9 @@ def test_arrivals_of_a_range_are_in_si_units() -> None:
     scenes = _scenes(*cells)
     length, advance = view([0.05, 0.05, 0.01, 0.02]), view(np.full(4, math.nan))
     times = np.full(4, -1.0)
-    arrivals(scenes, PLACE, 0.3, 0.04, length, advance, view(times), FLIGHTS, 0, 3)
+    arrivals(scenes, PLACE, 0.3, 0.04, 0.0, 0.0, length, advance, view(times), FLIGHTS, 0, 3)
     assert times[3] == -1.0
-    arrivals(scenes, PLACE, 0.3, 0.04, length, advance, view(times), FLIGHTS, 3, 4)
+    arrivals(scenes, PLACE, 0.3, 0.04, 0.0, 0.0, length, advance, view(times), FLIGHTS, 3, 4)
     assert math.isnan(times[1])
     for i in (0, 2, 3):
         cell = cells[i]
@@ -85,20 +85,20 @@ def test_arrivals_of_a_range_are_in_si_units() -> None:
         course = course_of(loads, cell["restitution"])
         velocity = 0.04 / (scale * TURN * cell["frequency"])
         cycles = arrival_cycles(
-            course, sections_of(course, FLIGHTS), length[i] / scale, 0.3, velocity, math.nan
+            course, sections_of(course, FLIGHTS), length[i] / scale, Launch(0.3, velocity, 0.0, 0.0), math.nan
         )
         assert times[i] == cycles / cell["frequency"]
         assert 0.0 < times[i] < 20.0
     steady = view([-1.0])
     back = _scenes(LINE | {"trough_angle": 0.3})
-    arrivals(back, PLACE, 0.0, 0.0, view([1.0]), steady, view(times), FLIGHTS, 0, 1)
+    arrivals(back, PLACE, 0.0, 0.0, 0.0, 0.0, view([1.0]), steady, view(times), FLIGHTS, 0, 1)
     assert times[0] == math.inf
 
 
 def _history(scenes: Scenes, cycles: float, phase: float, velocity: float) -> tuple[int, Cycle, Legs]:
     legs = room(4000)
     cycle = Cycle(view([0]), view([0]), view([0.0]))
-    number = history(scenes, PLACE, phase, velocity, cycles, legs, 4000, cycle, LAST, FLIGHTS)
+    number = history(scenes, PLACE, phase, velocity, 0.0, 0.0, cycles, legs, 4000, cycle, LAST, FLIGHTS)
     return number, cycle, legs
 
 
@@ -112,7 +112,7 @@ def test_a_history_is_that_of_the_first_cell() -> None:
     )
     assert (legs.phase[0], legs.velocity[0]) == (0.4, 0.2)
     legs_small = room(3)
-    assert history(_scenes(LINE), PLACE, 0.4, 0.2, 1e9, legs_small, 3, cycle, LAST, FLIGHTS) == -1
+    assert history(_scenes(LINE), PLACE, 0.4, 0.2, 0.0, 0.0, 1e9, legs_small, 3, cycle, LAST, FLIGHTS) == -1
 
 
 CASES: dict[str, Any] = {
@@ -134,7 +134,7 @@ def test_moments_are_those_of_newtons_law(name: str) -> None:
     since = shares * np.asarray(legs.length)[row]
     values = np.full((len(Moments._fields), count), math.nan)
     moments(
-        scenes, PLACE, legs, view(row), view(since), Moments(*map(view, values)), count
+        scenes, PLACE, legs, 0.0, view(row), view(since), Moments(*map(view, values)), count
     )  # fmt: skip
     found = Moments(*values)
     seen = set()
@@ -174,6 +174,6 @@ def test_a_long_rest_is_as_exact_as_a_short_one() -> None:
     values = np.zeros((len(Moments._fields), 2))
     since = np.array([1.0, 1.0 + turns * TURN])
     row = view(np.zeros(2, np.int64))
-    moments(scenes, PLACE, legs, row, view(since), Moments(*map(view, values)), 2)
+    moments(scenes, PLACE, legs, 0.0, row, view(since), Moments(*map(view, values)), 2)
     np.testing.assert_allclose(values[:, 0], values[:, 1], atol=2e-9)
     assert values[0, 0] == pytest.approx(math.sin(1.0))

@@ -250,3 +250,11 @@ def test_scenes_without_a_motion_are_refused() -> None:
         vibro.simulate(infeasible, cycles=3)
     with pytest.raises(VibroError, match=r"length = 1 m: the body never gets so far"):
         vibro.simulate(scene_with(amplitude=5e-4), length=1.0)
+
+
+def test_phases_beyond_memory_are_not_spelt_out() -> None:
+    history = vibro.simulate(at_load(0.9, 20.0, 0.74, 0.57), cycles=1e12)
+    with pytest.raises(VibroError, match="a history of 2000000000001 phases: at most 2000000 are spelt out"):
+        _ = history.phases
+    moved = float(history.sample(history.end).position)
+    assert moved == pytest.approx(1e12 * history.cycle_displacement, rel=1e-9)

@@ -61,6 +61,20 @@ def simulate_command(
             "--start-velocity", metavar="SPEED", help="Of the body along the trough at the start [mm/s]."
         ),
     ] = "0",
+    start_height: Annotated[
+        str,
+        typer.Option(
+            "--start-height", metavar="LENGTH", help="Of the body above the trough at the start [mm]."
+        ),
+    ] = "0",
+    start_normal_velocity: Annotated[
+        str,
+        typer.Option(
+            "--start-normal-velocity",
+            metavar="SPEED",
+            help="Of the body away from the trough at the start [mm/s]; a negative one lands there.",
+        ),
+    ] = "0",
     samples: Annotated[
         str, typer.Option("--samples-per-cycle", metavar="N", help="Rows a cycle, beside one at every event.")
     ] = str(_SAMPLES),
@@ -87,18 +101,31 @@ def simulate_command(
         str | None,
         typer.Option("--to", metavar="TIME", help="Where the picture ends [s].", show_default=False),
     ] = None,
+    every: Annotated[
+        bool,
+        typer.Option("--all", help="Print every phase: each bounce, and more than 24 rows."),
+    ] = False,
     formats: FormatOption = "png",
 ) -> int:
     """Follow a body from its first moment on: phases, motion and forces, exact at any time.
 
-    The phases are printed. With -o they go to STEM-phases.csv too, the sampled motion to STEM.csv, forces per
-    unit mass, and its picture to STEM.png.
+    The phases are printed, the first 24 of them, a chain of bounces that die out as one. With -o all go to
+    STEM-phases.csv, the sampled motion to STEM.csv, forces per unit mass, and its picture to STEM.png.
     """
     from vibro.cli.request import plain_number, question, request_of, whole_number
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
-    from vibro.quantities import DURATION, SPEED, START_PHASE, START_VELOCITY, exact_number
+    from vibro.quantities import (
+        DURATION,
+        LENGTH,
+        SPEED,
+        START_HEIGHT,
+        START_NORMAL_VELOCITY,
+        START_PHASE,
+        START_VELOCITY,
+        exact_number,
+    )
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -115,11 +142,15 @@ def simulate_command(
     window = _window(begin, end, lasting, frequency)
     phase = float(exact_number(start_phase, START_PHASE))
     velocity = float(exact_number(start_velocity, START_VELOCITY))
+    height = float(exact_number(start_height, START_HEIGHT))
+    rate = float(exact_number(start_normal_velocity, START_NORMAL_VELOCITY))
     content = {
         "scene": scene_record(request),
         "cycles": lasting,
         START_PHASE.column: phase,
         START_VELOCITY.column: velocity,
+        START_HEIGHT.column: height,
+        START_NORMAL_VELOCITY.column: rate,
         "samples_per_cycle": rows,
     }
     with SeriesOutput(
@@ -132,7 +163,12 @@ def simulate_command(
         reads=[options.scene],
     ) as output:
         follow = partial(
-            simulate, scene, start_phase=math.radians(phase), start_velocity=SPEED.to_si(velocity)
+            simulate,
+            scene,
+            start_phase=math.radians(phase),
+            start_velocity=SPEED.to_si(velocity),
+            start_height=LENGTH.to_si(height),
+            start_normal_velocity=SPEED.to_si(rate),
         )
         history = follow(cycles=lasting)
         output.write(
@@ -145,7 +181,7 @@ def simulate_command(
     if options.json:
         print(json.dumps({**content, "phases": _records(history)}, indent=2, allow_nan=False))
     else:
-        print(_text(history, follow))
+        print(_text(history, follow, every=every))
     return ExitCode.DONE
 
 
@@ -247,15 +283,21 @@ def _records(history: History) -> list[dict[str, Any]]:
     return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
-def _text(history: History, follow: Callable[..., History]) -> str:
+def _text(history: History, follow: Callable[..., History], *, every: bool) -> str:
     """Return the phases as lines, and what becomes of the body; ``follow`` makes a longer history."""
     import numpy as np
 
     from vibro.cli.report import aligned
-    from vibro.results.phase_tables import phase_table
+    from vibro.core.codes import PHASE_NAMES
+    from vibro.results.phase_tables import phase_table, with_chains
 
     phases = history.phases
-    columns = phase_table(history, phases[:_PRINTED])
+    if every:
+        told = [(PHASE_NAMES[phase.kind], phase) for phase in phases]
+    else:
+        told = with_chains(phases, 1.0 / float(history.scene.frequency))
+    more, told = (0, told) if every else (len(told) - _PRINTED, told[:_PRINTED])
+    columns = phase_table(history, [phase for _, phase in told])
     head = ("phase", "start [ms]", "end [ms]", "from [mm]", "to [mm]", "from [mm/s]", "to [mm/s]")
     numbers = zip(
         *(1e3 * np.asarray(columns[name]) for name in ("start_s", "end_s")),
@@ -266,13 +308,10 @@ def _text(history: History, follow: Callable[..., History]) -> str:
         ),
         strict=True,
     )
-    rows = [
-        (name, *(f"{value:.5f}" for value in row))
-        for name, row in zip(columns["phase"], numbers, strict=True)
-    ]
+    rows = [(name, *(f"{value:.5f}" for value in row)) for (name, _), row in zip(told, numbers, strict=True)]
     lines = [aligned([head, *rows])]
-    if len(phases) > _PRINTED:
-        lines.append(f"... {len(phases) - _PRINTED} more phases")
+    if more > 0:
+        lines.append(f"... {more} more phases: --all prints them")
     lines.append("")
     end = 1e3 * phases[-1].end_position
     lines.append(f"after {history.end:.6g} s: {end:.6g} mm along the trough")

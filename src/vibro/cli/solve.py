@@ -91,7 +91,13 @@ def solve_command(
     from vibro.cli.request import question, request_of
     from vibro.quantities import STAND_RATIO, checked_number
     from vibro.sweeps.columns import columns_of
-    from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, standing
+    from vibro.sweeps.derived import (
+        WITH_ACCELERATION,
+        WITH_EXPONENT,
+        WITH_MULTIPLIER,
+        WITH_STROKE,
+        standing,
+    )
 
     if coexist:
         refuse_without_flight("--coexist", flight, accuracy)
@@ -126,7 +132,7 @@ def solve_command(
     table = table_of(usual, columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part)
     answer = table
     if columns is None:
-        more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
+        more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER)
         every = columns_of((), *extra, *more, drive=grid.drive, made_with=grid.made_with)
         answer = replace(table, columns=every)
     report = partial(_report, grid=grid, part=part)

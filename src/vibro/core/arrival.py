@@ -25,7 +25,7 @@ from vibro.core.elementary import (
 )
 from vibro.core.flight import SHARP, Covariance, Flight, propagate, within
 from vibro.core.history import Sections, is_section
-from vibro.core.steps import Course, State, Step, nearest_turn, starting, step
+from vibro.core.steps import Course, Launch, State, Step, first_step, launched, nearest_turn, step
 from vibro.core.waves import FORCE, KINETIC_FORWARD, SINE, Mix, Waves, depart, moved, nodes_of
 
 __all__ = ["MOST_CYCLES", "arrival_cycles"]
@@ -84,9 +84,7 @@ class Comparison(NamedTuple):
     never: bool
 
 
-def arrival_cycles(
-    course: Course, sections: Sections, length: float, phase: float, velocity: float, steady: float
-) -> float:
+def arrival_cycles(course: Course, sections: Sections, length: float, start: Launch, steady: float) -> float:
     """Count the drive cycles until a body has moved by a length.
 
     Parameters
@@ -95,8 +93,8 @@ def arrival_cycles(
         The scene.
     length : float
         Displacement to be reached, > 0.
-    phase, velocity : float
-        Phase of the trough's motion along itself, and how fast the body slides, at the start.
+    start : Launch
+        Where the body is at the start.
     steady : float
         Displacement per drive cycle of the steady cycle, NaN if it is unknown.
 
@@ -112,8 +110,8 @@ def arrival_cycles(
     1e-7 of it the rest of the transient is summed in closed form. Only the way there is followed. In a
     steady cycle without net advance no later cycle gets farther than the last: it never arrives.
     """
-    at = starting(course, phase, velocity)
-    origin = at.phase
+    at = launched(course, start)
+    origin, thrown = at.phase, start.height > 0.0 or start.rate < 0.0
     memory = Memory(at._replace(mode=0), 0, 1.0, 0.0)
     errors, last = Covariance(0.0, 0.0, 0.0), -1
     most = _MOST_LEGS
@@ -121,7 +119,7 @@ def arrival_cycles(
         most = _MOST_UNCOMPARED
     for _ in range(most):
         never = False
-        if is_section(course, sections, at, last):
+        if not thrown and is_section(course, sections, at, last):
             then, last = memory.then, at.cycle
             same = then.mode == at.mode and (not sections.lands or _same_lift_off(course, then, at))
             # a start after which there was none of its kind for two cycles belongs to the transient: take a
@@ -133,7 +131,8 @@ def arrival_cycles(
                 at, never = _compare(course, length, steady, at, memory)
             if due or (stale and not same):
                 memory = Memory(at, 0, 1.0, at.position)
-        leg = step(course, at)
+        leg = first_step(course, start, at) if thrown else step(course, at)
+        thrown = False
         reach = _reach(course, length, at, leg)
         if at.cycle >= MOST_CYCLES:
             return NAN

@@ -21,8 +21,10 @@ from vibro.core.flight import (
     Bed,
     Covariance,
     Flight,
+    TangentMap,
     after_landing,
     bed_load,
+    chained,
     flight,
     lift_off_flight,
     next_take_off,
@@ -34,7 +36,7 @@ from vibro.core.waves import SINE, at_break, trough_at
 
 __all__ = [
     "LONGEST_CYCLE", "MOST_BOUNCES", "MOST_FLIGHTS", "Bounces", "Flights", "SingleBounce", "bounces",
-    "single_bounce",
+    "largest_eigenvalue", "normal_multiplier", "single_bounce",
 ]  # fmt: skip
 
 #: Flights, short bounces not counted, after which the search for a cycle ends.
@@ -262,7 +264,7 @@ def _close(bed: Bed, restitution: float, flights: Flights, last: int, lag: int) 
     start_phase, start_speed = flights.phase[last], flights.speed[last]
     for _ in range(_NEWTON_STEPS):
         phase, speed, elapsed = start_phase, start_speed, 0.0
-        a, b, c, d = 1.0, 0.0, 0.0, 1.0  # derivatives of the last take-off with respect to the first
+        whole = TangentMap(1.0, 0.0, 0.0, 1.0)  # from the first take-off to the last
         for i in range(lag):
             if speed <= 0.0 and bed_load(bed, phase) >= 0.0:
                 return 0, 0  # the trough would not let go of it
@@ -272,10 +274,10 @@ def _close(bed: Bed, restitution: float, flights: Flights, last: int, lag: int) 
                 return 0, 0
             _write(flights, first + i, phase, speed, flown, after.impulse, elapsed)
             one = tangent_map(bed, restitution, phase, flown)
-            a, c = one.phase_phase * a + one.phase_speed * c, one.speed_phase * a + one.speed_speed * c
-            b, d = one.phase_phase * b + one.phase_speed * d, one.speed_phase * b + one.speed_speed * d
+            whole = chained(whole, one)
             elapsed += flown.length
             phase, speed = at_break(bed.waves, phase + flown.length), after.take_off
+        a, b, c, d = whole.phase_phase, whole.phase_speed, whole.speed_phase, whole.speed_speed
         late, faster = wrap_around(elapsed), speed - start_speed
         determinant = (1.0 - a) * (1.0 - d) - b * c
         if determinant == 0.0:
@@ -293,6 +295,27 @@ def _close(bed: Bed, restitution: float, flights: Flights, last: int, lag: int) 
         start_phase, start_speed = wrap(start_phase + step_phase), max(start_speed + step_speed, 0.0)
         least = _SHRINKS * step
     return 0, 0
+
+
+def normal_multiplier(bed: Bed, restitution: float, flights: Flights, motion: Bounces) -> float:
+    """Return the largest multiplier, by modulus, of a normal motion that repeats: 0 after a contact."""
+    whole, start = TangentMap(1.0, 0.0, 0.0, 1.0), flights.phase[motion.first]
+    if flights.speed[motion.first] == 0.0 and next_take_off(bed, start).phase == start:
+        return 0.0
+    for row in range(motion.first, motion.first + motion.count):
+        if flights.rest[row] > 0.0:
+            return 0.0
+        flown = Flight(flights.length[row], flights.impact[row])
+        whole = chained(whole, tangent_map(bed, restitution, flights.phase[row], flown))
+    return largest_eigenvalue(whole)
+
+
+def largest_eigenvalue(at: TangentMap) -> float:
+    """Return the modulus of the larger eigenvalue."""
+    half = 0.5 * (at.phase_phase + at.speed_speed)
+    determinant = at.phase_phase * at.speed_speed - at.phase_speed * at.speed_phase
+    square = half * half - determinant
+    return abs(half) + math.sqrt(square) if square >= 0.0 else math.sqrt(determinant)
 
 
 def _shortest(flights: Flights, first: int, count: int, period: int) -> tuple[int, int]:

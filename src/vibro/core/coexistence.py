@@ -7,12 +7,12 @@ Lengths in A, speeds in A w, phases in radians.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 from vibro.core.bounces import Flights, bounces, single_bounce
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.drives import Loads
-from vibro.core.elementary import PI, QUARTER, TURN
+from vibro.core.elementary import NAN, PI, QUARTER, TURN
 from vibro.core.flight import Bed, bed_of
 from vibro.core.hopping import enter
 from vibro.core.legs import track_of
@@ -20,9 +20,9 @@ from vibro.core.orbits import hopping_cycle, orbit_from, others_on
 from vibro.core.return_map import Hops
 from vibro.core.waves import NORMAL, SINE, nodes_of
 
-__all__ = ["coexisting"]
+__all__ = ["OTHER", "SearchStart", "coexisting", "most_flights", "number_of_starts", "start_at"]
 
-_OTHER: Final = 1e-6  # [A w n] difference of the largest landing speeds of two cycles of flights
+OTHER: Final = 1e-6  # [A w n] difference of the largest landing speeds of two cycles of flights
 
 # Starts from which other flights are looked for: on the cycles of one bounce each that lasts up to so many
 # turns, and on a grid of phases and speeds.
@@ -64,27 +64,61 @@ def coexisting(
 def _flies_otherwise(bed: Bed, restitution: float, period: float, impact: float, flights: Flights) -> bool:
     """Return whether other flights repeat than those from rest, whose largest landing speed is ``impact``."""
     most = 0
-    if bed.waves.kind != SINE:
-        for i in range(number_of_nodes(bed.waves, NORMAL)):  # bodies that rest until another lift-off
-            lifts = behind(bed.waves, NORMAL, i)
-            phase = bed.waves.number[nodes_of(bed.waves, NORMAL) + i]
-            if lifts and _leads_elsewhere(bed, restitution, phase, 0.0, period, impact, flights):
-                return True
-    for turns in range(1, _LONGEST + 1):
-        bounce = single_bounce(bed, restitution, turns, 0)
-        # where there is no such bounce a start from the crest, with its speed, is as good as any
-        phase, speed = QUARTER, TURN * turns * restitution / (1.0 + restitution)
-        if bounce.exists:
-            phase = bounce.phase
-        if _leads_elsewhere(bed, restitution, phase, speed, period, impact, flights):
-            return True
-        most += 1 if bounce.exists else 0
-    for i in range(_PHASES * _SPEEDS):
-        phase = TURN * (i % _PHASES) / _PHASES
-        speed = (float(i // _PHASES) + 0.5) / _SPEEDS * (max(most, 1) + 0.5) * PI
-        if _leads_elsewhere(bed, restitution, phase, speed, period, impact, flights):
+    for i in range(number_of_starts(bed)):
+        start = start_at(bed, restitution, i, most)
+        most += 1 if start.bounces else 0
+        leaves = not math.isnan(start.phase)
+        if leaves and _leads_elsewhere(bed, restitution, start.phase, start.speed, period, impact, flights):
             return True
     return False
+
+
+class SearchStart(NamedTuple):
+    """A take-off from which other flights are looked for.
+
+    Attributes
+    ----------
+    phase, speed : float
+        Of the take-off [rad, A w n]; NaN where there is none.
+    bounces : bool
+        Whether it is on a cycle of one bounce.
+    """
+
+    phase: float
+    speed: float
+    bounces: bool
+
+
+def number_of_starts(bed: Bed) -> int:
+    """Return how many starts there are: the lift-offs, those of one bounce, and a grid of the others."""
+    lift_offs = number_of_nodes(bed.waves, NORMAL) if bed.waves.kind != SINE else 0
+    return lift_offs + _LONGEST + _PHASES * _SPEEDS
+
+
+def start_at(bed: Bed, restitution: float, index: int, most: int) -> SearchStart:
+    """Return one of the starts; ``most`` is how many before it are on cycles of one bounce."""
+    i = index
+    if bed.waves.kind != SINE:
+        lift_offs = number_of_nodes(bed.waves, NORMAL)
+        if i < lift_offs:  # bodies that rest until another lift-off
+            lifts = behind(bed.waves, NORMAL, i)
+            return SearchStart(
+                bed.waves.number[nodes_of(bed.waves, NORMAL) + i] if lifts else NAN, 0.0, False
+            )
+        i -= lift_offs
+    if i < _LONGEST:
+        bounce = single_bounce(bed, restitution, i + 1, 0)
+        # where there is no such bounce a start from the crest, with its speed, is as good as any
+        speed = TURN * (i + 1) * restitution / (1.0 + restitution)
+        return SearchStart(bounce.phase if bounce.exists else QUARTER, speed, bounce.exists)
+    i -= _LONGEST
+    speed = (float(i // _PHASES) + 0.5) / _SPEEDS * (max(most, 1) + 0.5) * PI
+    return SearchStart(TURN * (i % _PHASES) / _PHASES, speed, False)
+
+
+def most_flights() -> int:
+    """Return after how many flights from a start the search ends."""
+    return _MOST_FLIGHTS
 
 
 def _leads_elsewhere(
@@ -103,7 +137,7 @@ def _leads_elsewhere(
     largest = 0.0
     for row in range(motion.first, motion.first + motion.count):
         largest = max(largest, flights.impact[row])
-    return motion.cycles != period or abs(largest - impact) > _OTHER * (1.0 + largest)
+    return motion.cycles != period or abs(largest - impact) > OTHER * (1.0 + largest)
 
 
 def _slides_otherwise(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> bool:

@@ -16,6 +16,7 @@ from vibro.core.continuous import (
     half_length_root,
     is_sure,
     likely_sliding,
+    multiplier,
     no_cycle,
 )
 from vibro.core.drives import Loads, mirrored, normal_load, phase_difference
@@ -54,6 +55,8 @@ class Steady(NamedTuple):
         Largest relative speed [A w]; NaN without an answer.
     coexists : int
         1 where a disturbed body can settle elsewhere or run away, 0 where it cannot, -1 without an answer.
+    multiplier : float
+        Of the cycle, Eq. (71): 0 where it rests; NaN without an answer.
     """
 
     regime: int
@@ -63,6 +66,7 @@ class Steady(NamedTuple):
     displacement: float
     peak: float
     coexists: int
+    multiplier: float
 
 
 class _Cycle(NamedTuple):
@@ -74,6 +78,7 @@ class _Cycle(NamedTuple):
     coexists: bool
     edge: bool
     settled: bool
+    multiplier: float
 
 
 class Pair(NamedTuple):
@@ -135,7 +140,7 @@ def steady_cycle(loads: Loads, at: Thresholds) -> Steady:
     # where gravity along the trough exceeds kinetic friction a pushed body may slide on for ever
     loose = abs(loads.weight_tangential) > loads.kinetic_friction * loads.weight_normal
     if not (at.forward or at.back):
-        return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(loose))
+        return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(loose), 0.0)
     if not at.back:
         cycle = _one_way(resting_start(loads, at, 1.0).onset, 1.0, Pattern.F_)
     elif not at.forward:
@@ -151,7 +156,7 @@ def steady_cycle(loads: Loads, at: Thresholds) -> Steady:
         status = int(Status.BOUNDARY)
     return Steady(
         regime, status, cycle.pattern, _model_of(cycle.pattern), cycle.displacement, cycle.peak,
-        int(cycle.coexists or loose),
+        int(cycle.coexists or loose), cycle.multiplier,
     )  # fmt: skip
 
 
@@ -180,7 +185,7 @@ def regime_alone(loads: Loads, at: Thresholds) -> Steady:
 
 def unanswered(regime: int, status: int) -> Steady:
     """Form the answer of a scene without numbers."""
-    return Steady(regime, status, Pattern.NONE, Model.NONE, NAN, NAN, -1)
+    return Steady(regime, status, Pattern.NONE, Model.NONE, NAN, NAN, -1, NAN)
 
 
 def without_cycle(loads: Loads, at: Thresholds) -> Steady:
@@ -206,7 +211,7 @@ def _model_of(pattern: int) -> int:
 def _one_way(onset: Onset, way: float, pattern: int) -> _Cycle:
     """Cycle of a scene that slips one way only: one slide."""
     end = slide(onset)
-    return _Cycle(pattern, way * end.displacement, end.peak, False, False, end.settled)
+    return _Cycle(pattern, way * end.displacement, end.peak, False, False, end.settled, 0.0)
 
 
 def _two_way(loads: Loads, at: Thresholds) -> _Cycle:
@@ -226,7 +231,10 @@ def _two_way(loads: Loads, at: Thresholds) -> _Cycle:
         if math.isnan(out.displacement) and not cycle.valid:
             return out  # it runs away, if slowly
         motion = continuous_motion(loads, pair.forward.onset, pair.back.onset, cycle)
-        return _Cycle(Pattern.FB, motion.displacement, motion.peak, True, cycle.edge, cycle.valid)
+        return _Cycle(
+            Pattern.FB, motion.displacement, motion.peak, True, cycle.edge, cycle.valid,
+            multiplier(loads, cycle),
+        )  # fmt: skip
     return out
 
 
@@ -264,7 +272,7 @@ def _forward_first(loads: Loads, pair: Pair) -> _Cycle:
         if not is_sure(loads, cycle):
             cycle = half_length_root(loads, forward, back)
         other = cycle.valid or _settles_in_f_b(loads, pair, b_lasts)
-        return _Cycle(Pattern.F_, f.displacement, f.peak, other, f_lasts == 0, f.settled)
+        return _Cycle(Pattern.F_, f.displacement, f.peak, other, f_lasts == 0, f.settled, 0.0)
     if meets:
         turn = phase_offset(loads, loads.kinetic_friction)
         c = PI + forward.c - 2.0 * f.half_length + turn
@@ -275,7 +283,7 @@ def _forward_first(loads: Loads, pair: Pair) -> _Cycle:
         if rests >= 0:
             return _Cycle(
                 Pattern.FB_, f.displacement - b.displacement, max(f.peak, b.peak), b_lasts > 0, edge,
-                f.settled and b.settled,
+                f.settled and b.settled, 0.0,
             )  # fmt: skip
         if not is_sure(loads, cycle):
             cycle = half_length_root(loads, forward, back)
@@ -285,20 +293,23 @@ def _forward_first(loads: Loads, pair: Pair) -> _Cycle:
     b_meets = reaches(loads, pair.back, pair.forward, -pair.offset)
     edge = edge or b_meets == 0 or b_lasts == 0
     if b_lasts >= 0:
-        return _Cycle(Pattern.B_, -b.displacement, b.peak, False, edge, b.settled)
+        return _Cycle(Pattern.B_, -b.displacement, b.peak, False, edge, b.settled, 0.0)
     pattern = int(Pattern.F_B_)
     if b_meets > 0:
         pattern = int(Pattern.F_B)
         c = PI + back.c - 2.0 * b.half_length - phase_offset(loads, loads.kinetic_friction)
         f = slide(start_inside(c, forward.k, forward.load))
     displacement, peak = f.displacement - b.displacement, max(f.peak, b.peak)
-    return _Cycle(pattern, displacement, peak, False, edge, f.settled and b.settled)
+    return _Cycle(pattern, displacement, peak, False, edge, f.settled and b.settled, 0.0)
 
 
 def _sliding_on(loads: Loads, pair: Pair, cycle: ContinuousSliding, b_lasts: int, edge: bool) -> _Cycle:
     """Form the cycle without rest."""
     motion = continuous_motion(loads, pair.forward.onset, pair.back.onset, cycle)
-    return _Cycle(Pattern.FB, motion.displacement, motion.peak, b_lasts > 0, edge or cycle.edge, True)
+    return _Cycle(
+        Pattern.FB, motion.displacement, motion.peak, b_lasts > 0, edge or cycle.edge, True,
+        multiplier(loads, cycle),
+    )  # fmt: skip
 
 
 def _settles_in_f_b(loads: Loads, pair: Pair, b_lasts: int) -> bool:

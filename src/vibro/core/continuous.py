@@ -23,6 +23,7 @@ __all__ = [
     "is_sure",
     "likely_sliding",
     "middle_phase",
+    "multiplier",
     "no_cycle",
 ]  # fmt: skip
 
@@ -334,6 +335,23 @@ def continuous_motion(loads: Loads, forward: Onset, back: Onset, cycle: Continuo
     rate = a * (rise + lean) - lift * (n_rise + n_lean)
     c = math.atan2(rate, -a * (level - tilt) + lift * (n_level - n_tilt))
     return Sliding(displacement, max(ahead, _peak(back, rate / back.load, c)))
+
+
+def multiplier(loads: Loads, cycle: ContinuousSliding) -> float:
+    """Return the multiplier of a cycle without rest: what is left of a disturbance after both turns."""
+    sine, cosine = _turned(loads, cycle.sin_m, cycle.cos_m)
+    a, b, sin_y, cos_y = loads.drive_tangential, loads.drive_normal, cycle.sin_y, cycle.cos_y
+    # loads where the forward slide ends, and where the back slide does
+    level, tilt = -cycle.cos_m * cos_y, cycle.sin_m * sin_y
+    n_level, n_tilt = cosine * cos_y, sine * sin_y
+    ahead = _kept(loads, loads.weight_tangential - a * (level - tilt), b * (n_level - n_tilt))
+    return ahead * _kept(loads, a * (-level - tilt) - loads.weight_tangential, b * (-n_level - n_tilt))
+
+
+def _kept(loads: Loads, against: float, lift: float) -> float:
+    """Return the ratio of the accelerations after and before a turn, Eq. (26)."""
+    friction = loads.kinetic_friction * (loads.weight_normal - lift)
+    return (against - friction) / (against + friction)
 
 
 def _peak(onset: Onset, sine: float, c: float) -> float:

@@ -41,8 +41,8 @@ from vibro.core.waves import (
 
 __all__ = [
     "ACCUMULATED", "BOUNCE", "LOST", "SHARP", "Bed", "Covariance", "Flight", "Impact", "TangentMap",
-    "after_landing", "bed_load", "bed_of", "flight", "lands_at_jump", "lift_off_flight", "next_take_off",
-    "no_bed", "propagate", "sinusoidal", "tangent_map", "within",
+    "after_landing", "bed_load", "bed_of", "chained", "flight", "lands_at_jump", "lift_off_flight",
+    "next_take_off", "no_bed", "propagate", "sinusoidal", "tangent_map", "within",
 ]  # fmt: skip
 
 #: [rad] Bounces whose remaining total length is below this are summed as if the load were constant; the error
@@ -105,7 +105,8 @@ def bed_of(loads: Loads) -> Bed:
 
 def no_bed(loads: Loads) -> Bed:
     """Stand for the normal motion of a scene that does not hop."""
-    return Bed(loads.drive_normal / loads.weight_normal, INF, Mix(-1.0, 0.0, 0.0), loads.waves)
+    lift = Mix(-1.0, 0.0, 1.0 / loads.weight_normal)
+    return Bed(loads.drive_normal / loads.weight_normal, INF, lift, loads.waves)
 
 
 def bed_load(bed: Bed, phase: float) -> float:
@@ -344,6 +345,16 @@ def tangent_map(bed: Bed, restitution: float, phase: float, flown: Flight) -> Ta
         late_by_speed,
         -restitution * (climb + acceleration * late),
         -restitution * (1.0 + acceleration * late_by_speed),
+    )
+
+
+def chained(before: TangentMap, one: TangentMap) -> TangentMap:
+    """Multiply two maps: ``before`` leads to the take-off at which ``one`` begins."""
+    return TangentMap(
+        one.phase_phase * before.phase_phase + one.phase_speed * before.speed_phase,
+        one.phase_phase * before.phase_speed + one.phase_speed * before.speed_speed,
+        one.speed_phase * before.phase_phase + one.speed_speed * before.speed_phase,
+        one.speed_phase * before.phase_speed + one.speed_speed * before.speed_speed,
     )
 
 

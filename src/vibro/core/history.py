@@ -17,7 +17,7 @@ from vibro.core.codes import Mode
 from vibro.core.continuous import continuous_sliding, middle_phase
 from vibro.core.elementary import INF, NAN, QUARTER, TURN, wrap
 from vibro.core.flight import next_take_off
-from vibro.core.steps import Course, State, Step, nearest_turn, starting, step
+from vibro.core.steps import Course, Launch, State, Step, first_step, launched, nearest_turn, step
 from vibro.core.waves import NORMAL, SINE, nodes_of
 
 __all__ = [
@@ -141,15 +141,17 @@ def sections_of(course: Course, flights: Flights) -> Sections:
     return _sections(bounces(bed, course.restitution, flights, MOST_FLIGHTS, bed.lift_off, 0.0, True))
 
 
-def sections_from(course: Course, phase: float, velocity: float, flights: Flights) -> Sections:
+def sections_from(course: Course, start: Launch, flights: Flights) -> Sections:
     """Choose where to compare the motion of a body with itself that starts as in ``follow``.
 
     Several normal motions may coexist. A body that the trough cannot bear at its start leaves at once, and
-    may come to another one than from a lift-off.
+    may come to another one than from a lift-off; so may one that is thrown.
     """
-    at = starting(course, phase, velocity)
-    if at.mode == Mode.FLIGHT:
-        cycle = bounces(course.bed, course.restitution, flights, MOST_FLIGHTS, at.phase, 0.0, False)
+    at = launched(course, start)
+    if start.height > 0.0 or start.rate < 0.0:
+        at = first_step(course, start, at).after
+    if at.mode == Mode.FLIGHT and math.isfinite(course.track.lift_off):
+        cycle = bounces(course.bed, course.restitution, flights, MOST_FLIGHTS, at.phase, at.rate, False)
         if cycle.repeats:
             return _sections(cycle)
     return sections_of(course, flights)
@@ -192,8 +194,7 @@ def is_section(course: Course, sections: Sections, at: State, last: int) -> bool
 
 
 def follow(
-    course: Course, sections: Sections, phase: float, velocity: float, cycles: float, legs: Legs, rows: int,
-    last: LastStarts,
+    course: Course, sections: Sections, start: Launch, cycles: float, legs: Legs, rows: int, last: LastStarts
 ) -> Followed:  # fmt: skip
     """Follow one body until its motion repeats, ends or has lasted ``cycles`` drive cycles.
 
@@ -201,8 +202,8 @@ def follow(
     ----------
     course, sections : Course, Sections
         The scene.
-    phase, velocity : float
-        Phase of the trough's motion along itself, and how fast the body slides, at the start.
+    start : Launch
+        Where the body is at the start.
     cycles : float
         Drive cycles from the start on; the last leg may end later.
     legs : Legs
@@ -212,12 +213,13 @@ def follow(
     last : LastStarts
         Buffers of ``places(course, sections)`` elements.
     """
-    at = starting(course, phase, velocity)
+    at = launched(course, start)
     origin = at.phase
+    thrown = start.height > 0.0 or start.rate < 0.0
     _forget(last, places(course, sections))
     starts, count, idle, polished, last_cycle = 0, 0, 0, False, -1
     while at.cycle + (at.phase - origin) / TURN < cycles:
-        if is_section(course, sections, at, last_cycle):
+        if not thrown and is_section(course, sections, at, last_cycle):
             place = _place(course, sections, at, starts)
             starts, last_cycle = starts + 1, at.cycle
             row, change = last.row[place], INF
@@ -233,7 +235,8 @@ def follow(
                     _forget(last, _KINDS)
             last.row[place] = count
             last.change[place] = change
-        leg = step(course, at)
+        leg = first_step(course, start, at) if thrown else step(course, at)
+        thrown = False
         idle += 1
         if leg.length > _SHORTEST:
             if count == rows:

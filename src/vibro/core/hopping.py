@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from vibro.core.averages import averages
-from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces
+from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces, normal_multiplier
 from vibro.core.buffers import Bytes
 from vibro.core.codes import IRREGULAR, Status
 from vibro.core.drives import Loads
@@ -23,7 +23,16 @@ from vibro.core.wave_cycle import canonical
 from vibro.core.waves import SINE
 from vibro.core.windows import is_held_at_limit
 
-__all__ = ["MOST_THROW", "Entry", "Hopping", "enter", "hopping", "write_hopping_letters"]
+__all__ = [
+    "MOST_THROW",
+    "Entry",
+    "Hopping",
+    "cycle_of",
+    "enter",
+    "entered",
+    "hopping",
+    "write_hopping_letters",
+]
 
 #: [1] Throw number above which the phase of a landing is lost to rounding.
 MOST_THROW: Final = 1e6
@@ -63,6 +72,8 @@ class Hopping(NamedTuple):
     coexists : int
         1 where a body that is pushed hard enough downhill never stops; -1 elsewhere, as other cycles are not
         looked for here.
+    multiplier : float
+        Largest of the cycle, by modulus, Eq. (71); NaN where it does not repeat.
     """
 
     status: int
@@ -74,6 +85,7 @@ class Hopping(NamedTuple):
     impact: float
     peak: float
     coexists: int
+    multiplier: float
 
 
 def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> Hopping:
@@ -119,7 +131,7 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
 
 
 def _unanswered(status: int) -> Hopping:
-    return Hopping(status, 0, NAN, NAN, NAN, NAN, NAN, NAN, -1)
+    return Hopping(status, 0, NAN, NAN, NAN, NAN, NAN, NAN, -1, NAN)
 
 
 def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Hopping:
@@ -128,11 +140,12 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
     motion = entry.motion
     if not motion.repeats:
         return _unanswered(Status.UNRESOLVED)
-    turns, cycle = float(motion.cycles), _cycle_of(track, motion)
+    turns, cycle = float(motion.cycles), cycle_of(track, motion)
     orbit = orbit_from(cycle, hops, entry.velocity)
     if orbit.status != Status.OK and orbit.status != Status.BOUNDARY:
         return _unanswered(orbit.status)
     aloft, impact = 0.0, 0.0
+    normal = normal_multiplier(bed_of(track.loads), restitution, flights, motion)
     for row in range(cycle.first, cycle.last):
         aloft += flights.length[row]
         impact = max(impact, flights.impact[row])
@@ -146,10 +159,11 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
         impact=track.loads.weight_normal * impact,
         peak=orbit.cycle.peak,
         coexists=-1,
+        multiplier=max(orbit.cycle.slope, normal),
     )
 
 
-def _cycle_of(track: Track, motion: Bounces) -> HoppingCycle:
+def cycle_of(track: Track, motion: Bounces) -> HoppingCycle:
     """Measure the cycle of a normal motion that repeats."""
     last = motion.first + motion.count
     return hopping_cycle(track, motion.first, last, motion.landing, motion.rest, TURN * motion.cycles)
@@ -161,7 +175,7 @@ def write_hopping_letters(
     """Write the legs of a steady cycle that ``hopping`` has found, as ``spell``; return their number."""
     track = track_of(loads, restitution)
     entry = enter(track, restitution, flights, hops)
-    cycle = _cycle_of(track, entry.motion)
+    cycle = cycle_of(track, entry.motion)
     return spell(cycle, hops, orbit_from(cycle, hops, entry.velocity).velocity, out, room).number
 
 
@@ -182,6 +196,7 @@ def _means(
         impact=means.impact,
         peak=means.peak,
         coexists=-1,
+        multiplier=NAN,
     )
 
 
@@ -221,14 +236,14 @@ def enter(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ent
             # the contact at the end is among the hops
             velocity = return_map(track, hops, motion.first, last, 0.0, 0.0, start.velocity).velocity
         elif motion.repeats and _is_sharp(bed, restitution, flights, motion.approach):
-            return _entered(track, motion, start.velocity, flights, hops)
+            return entered(track, motion, start.velocity, flights, hops)
     motion = bounces(bed, restitution, flights, MOST_FLIGHTS, begin, 0.0, True)
     if not known and motion.rest == 0.0:
         return Entry(motion._replace(repeats=False), velocity)
-    return _entered(track, motion, velocity, flights, hops)
+    return entered(track, motion, velocity, flights, hops)
 
 
-def _entered(track: Track, motion: Bounces, velocity: float, flights: Flights, hops: Hops) -> Entry:
+def entered(track: Track, motion: Bounces, velocity: float, flights: Flights, hops: Hops) -> Entry:
     """Follow a body along the trough from its first take-off until the cycle begins, and write its hops."""
     loads = track.loads
     if motion.repeats and (motion.rest == 0.0 or motion.approach > 0):

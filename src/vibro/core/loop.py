@@ -20,7 +20,7 @@ from vibro.core.elementary import NAN, TURN
 from vibro.core.evolution import evolve
 from vibro.core.hopping import hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load
-from vibro.core.motions import arrivals, followed, history, moments
+from vibro.core.motions import arrivals, attractors, followed, history, moments
 from vibro.core.return_map import Hops
 from vibro.core.scales import wave_limits, write_spans
 from vibro.core.scenes import Place, Scenes, no_directions, point_at, prepare, seek, unit_point_at, visit
@@ -29,9 +29,9 @@ from vibro.core.waves import SINE
 from vibro.core.windows import thresholds
 
 __all__ = [
-    "arrivals", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others",
-    "followed", "history", "load_slopes", "moments", "prepare", "slips_back", "solve_contact", "solve_hops",
-    "tipping_loads", "transition_loads", "write_letters",
+    "arrivals", "attractors", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve",
+    "find_others", "followed", "history", "load_slopes", "moments", "prepare", "slips_back",
+    "solve_contact", "solve_hops", "tipping_loads", "transition_loads", "write_letters",
 ]  # fmt: skip
 
 
@@ -53,6 +53,7 @@ class Answers(NamedTuple):
     coexists: Bytes
     model_code: Bytes
     status: Bytes
+    largest_multiplier: Doubles
 
 
 def solve_contact(
@@ -87,7 +88,7 @@ def solve_contact(
         out.peak_velocity[i] = cycle.peak * TURN * point.frequency * point.scale
         out.regime[i], out.status[i], out.model_code[i] = cycle.regime, cycle.status, cycle.model
         out.pattern_code[i], out.coexists[i] = cycle.pattern, cycle.coexists
-        out.period_cycles[i] = 1.0
+        out.period_cycles[i], out.largest_multiplier[i] = 1.0, cycle.multiplier
         if cycle.model == Model.NONE:
             out.flight_fraction[i], out.impact_velocity[i] = NAN, NAN
             out.period_cycles[i], out.mean_velocity_error[i] = NAN, NAN
@@ -113,6 +114,7 @@ def solve_hops(
         out.peak_velocity[i], out.impact_velocity[i] = speed * found.peak, speed * found.impact
         out.flight_fraction[i], out.period_cycles[i] = found.flight_fraction, found.period
         out.status[i], out.coexists[i] = found.status, found.coexists
+        out.largest_multiplier[i] = found.multiplier
         out.pattern_code[i], out.model_code[i] = 0, Model.NONE
         if found.pattern != 0:
             out.pattern_code[i] = found.pattern + SPELT_PATTERNS if found.pattern > 0 else found.pattern

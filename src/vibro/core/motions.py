@@ -6,6 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.arrival import arrival_cycles
+from vibro.core.attractors import Attractors, list_attractors
 from vibro.core.bounces import Flights
 from vibro.core.buffers import Doubles, Integers
 from vibro.core.codes import Mode
@@ -21,10 +22,12 @@ from vibro.core.drives import (
 from vibro.core.elementary import NAN, TURN, wrap
 from vibro.core.history import LastStarts, Legs, follow, sections_from
 from vibro.core.hopping import MOST_THROW
+from vibro.core.return_map import Hops
 from vibro.core.scenes import Place, Point, Scenes, no_directions, point_at, seek
-from vibro.core.steps import course_of
+from vibro.core.steps import Launch, course_of
+from vibro.core.windows import thresholds
 
-__all__ = ["EXTREME", "Cycle", "Moments", "arrivals", "followed", "history", "moments"]
+__all__ = ["EXTREME", "Cycle", "Moments", "arrivals", "attractors", "followed", "history", "moments"]
 
 #: [1] Of loads and frictions, and one over the least: motions form products of up to four of them, and
 #: differences of those.
@@ -93,8 +96,8 @@ def followed(scenes: Scenes, place: Place, cell: int) -> int:
 
 
 def arrivals(
-    scenes: Scenes, place: Place, phase: float, velocity: float, length: Doubles, advance: Doubles,
-    times: Doubles, flights: Flights, begin: int, end: int,
+    scenes: Scenes, place: Place, phase: float, velocity: float, height: float, rate: float, length: Doubles,
+    advance: Doubles, times: Doubles, flights: Flights, begin: int, end: int,
 ) -> None:  # fmt: skip
     """Write the times until bodies have moved by a length; NaN where nobody knows.
 
@@ -104,6 +107,8 @@ def arrivals(
         The cells, and the thread's memory.
     phase, velocity : float
         Phase of the trough's motion along itself [rad], and how fast the bodies slide [m/s], at the start.
+    height, rate : float
+        Of the bodies above the trough [m], and how fast they leave it [m/s], at the start.
     length, advance : Doubles
         Of each cell, where the body shall arrive, and the displacement per drive cycle of its steady cycle,
         NaN where that is unknown [m].
@@ -119,15 +124,17 @@ def arrivals(
         point = _point(scenes, place, i)
         if _is_followed(point.loads):
             course = course_of(point.loads, point.restitution)
-            start = velocity / (point.scale * TURN * point.frequency)
-            sections = sections_from(course, phase, start, flights)
+            speed = point.scale * TURN * point.frequency
+            up = rate / speed / point.loads.weight_normal
+            start = Launch(phase, velocity / speed, height / point.scale, up)
+            sections = sections_from(course, start, flights)
             reach, steady = length[i] / point.scale, advance[i] / point.scale
-            times[i] = arrival_cycles(course, sections, reach, phase, start, steady) / point.frequency
+            times[i] = arrival_cycles(course, sections, reach, start, steady) / point.frequency
 
 
 def history(
-    scenes: Scenes, place: Place, phase: float, velocity: float, cycles: float, legs: Legs, rows: int,
-    cycle: Cycle, last: LastStarts, flights: Flights,
+    scenes: Scenes, place: Place, phase: float, velocity: float, height: float, rate: float, cycles: float,
+    legs: Legs, rows: int, cycle: Cycle, last: LastStarts, flights: Flights,
 ) -> int:  # fmt: skip
     """Follow the body of the first cell; return the number of its legs, -1 if they do not fit.
 
@@ -137,6 +144,8 @@ def history(
         The cells, and the thread's memory.
     phase, velocity : float
         Phase of the trough's motion along itself [rad], and how fast the body slides [A w], at the start.
+    height, rate : float
+        Of the body above the trough [A], and how fast it leaves it [A w], at the start.
     cycles : float
         Drive cycles to be followed.
     legs, rows : Legs, int
@@ -148,25 +157,47 @@ def history(
     """
     point = _point(scenes, place, 0)
     course = course_of(point.loads, point.restitution)
-    sections = sections_from(course, phase, velocity, flights)
-    found = follow(course, sections, phase, velocity, cycles, legs, rows, last)
+    start = Launch(phase, velocity, height, rate / point.loads.weight_normal)
+    sections = sections_from(course, start, flights)
+    found = follow(course, sections, start, cycles, legs, rows, last)
     cycle.first[0] = found.first
     cycle.period[0] = found.period
     cycle.advance[0] = found.advance
     return found.number
 
 
+def attractors(
+    scenes: Scenes, place: Place, flights: Flights, hops: Hops, out: Attractors, told: Integers, room: int
+) -> int:
+    """List the cycles that coexist in the first cell; return their number.
+
+    ``told`` is written with four numbers: whether the first is that from rest, starts that were followed,
+    those of them that did not lead to a cycle, and whether a body may run away. Normal speeds in A w.
+    """
+    point = _point(scenes, place, 0)
+    at = thresholds(point.loads)
+    found = list_attractors(point.loads, at, point.restitution, flights, hops, out, room)
+    for row in range(found.number):
+        out.rate[row] *= point.loads.weight_normal
+    told[0] = 1 if found.from_rest else 0
+    told[1] = found.starts
+    told[2] = found.lost
+    told[3] = 1 if found.runs_away else 0
+    return found.number
+
+
 def moments(
-    scenes: Scenes, place: Place, legs: Legs, row: Integers, since: Doubles, found: Moments, count: int
-) -> None:
+    scenes: Scenes, place: Place, legs: Legs, height: float, row: Integers, since: Doubles, found: Moments,
+    count: int,
+) -> None:  # fmt: skip
     """Evaluate the motion of the first cell's body at moments of its legs.
 
     Parameters
     ----------
     scenes, place : Scenes, Place
         The cells, of which the first is the history's, and the thread's memory.
-    legs : Legs
-        The history.
+    legs, height : Legs, float
+        The history, and the body's height above the trough at its start.
     row, since : Integers, Doubles
         Leg of each moment, and the phase since its start, at most its length [rad].
     found : Moments
@@ -205,4 +236,5 @@ def moments(
                 off = free_normal(loads, start, legs.rate[leg], s)
                 found.path[i] = along.path + friction * off.path
                 found.velocity[i] = along.velocity + friction * off.velocity
-                found.gap[i] = max(off.path, 0.0) if flies else 0.0
+                above = height if leg == 0 else 0.0
+                found.gap[i] = max(above + off.path, 0.0) if flies else 0.0

@@ -31,6 +31,7 @@ __all__ = [
     "attracts_all",
     "between",
     "cycle_from",
+    "differ",
     "followed",
     "has_stop",
     "hopping_cycle",
@@ -553,19 +554,19 @@ def others_on(cycle: HoppingCycle, hops: Hops, start: float, home: Orbit) -> boo
     for index in range(stops_of(cycle)):
         found = stopping(cycle, hops, start, begin, 0.0, index)
         if found.status != Status.UNRESOLVED:
-            if _differ(cycle, found, home):
+            if differ(cycle, found, home):
                 return True
             low, high = min(low, found.velocity), max(high, found.velocity)
     if not has_stop(home.cycle):
         return False
     from_below = between(cycle, hops, -cycle.bound, low)
-    if from_below.status == Status.OK and _differ(cycle, from_below, home):
+    if from_below.status == Status.OK and differ(cycle, from_below, home):
         return True
     from_above = between(cycle, hops, cycle.bound, high)
-    return from_above.status == Status.OK and _differ(cycle, from_above, home)
+    return from_above.status == Status.OK and differ(cycle, from_above, home)
 
 
-def _differ(cycle: HoppingCycle, found: Orbit, home: Orbit) -> bool:
+def differ(cycle: HoppingCycle, found: Orbit, home: Orbit) -> bool:
     """Return whether two fixed points are farther apart than rounding moves them."""
     if found.cycle.slope >= 1.0:
         return False  # of a continuum

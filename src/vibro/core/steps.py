@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.cells import find_nodes
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, free_along, phase_difference
+from vibro.core.drives import Loads, free_along, free_normal, mix_of, phase_difference
 from vibro.core.elementary import INF, NAN, QUARTER, TURN, braked, wrap, wrap_around
 from vibro.core.flight import (
     ACCUMULATED,
@@ -29,10 +30,25 @@ from vibro.core.flight import (
 )
 from vibro.core.legs import Leg, Track, contact_leg, mode_of, next_lift_off, next_onset, track_of
 from vibro.core.slide import Onset, slide, start_inside
-from vibro.core.waves import SINE, at_break
+from vibro.core.waves import FORCE, NORMAL, SINE, at_break, normal_size
 from vibro.core.windows import Start, own_phase, resting_start, thresholds
 
-__all__ = ["Course", "State", "Step", "course_of", "nearest_turn", "starting", "step"]
+__all__ = [
+    "Course",
+    "Launch",
+    "State",
+    "Step",
+    "course_of",
+    "first_step",
+    "launched",
+    "nearest_turn",
+    "starting",
+    "step",
+]
+
+_MOST_FALLS: Final = (
+    100_000  # of the search for a landing; each step is as far as the body cannot have landed
+)
 
 _SAME_ONSET: Final = 1e-6  # [rad] more than an arc sine next to 1 loses
 
@@ -120,6 +136,9 @@ def course_of(loads: Loads, restitution: float) -> Course:
     track = track_of(loads, restitution)
     rests = abs(loads.weight_tangential) < loads.static_friction * loads.weight_normal
     if loads.waves.kind != SINE:
+        if not at.hops:  # bodies may be thrown onto it
+            find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL))
+            find_nodes(loads.waves, FORCE, mix_of(loads, FORCE))
         bed = bed_of(loads) if at.hops else no_bed(loads)
         track = track._replace(lift_off=bed.lift_off)
         return Course(track, _no_start(), _no_start(), rests, bed, restitution)
@@ -172,6 +191,74 @@ def starting(course: Course, phase: float, velocity: float) -> State:
     if math.isfinite(course.track.lift_off) and bed_load(course.bed, phase) < 0.0:
         mode = Mode.FLIGHT
     return State(0, phase, mode, 0.0, velocity, 0.0)
+
+
+class Launch(NamedTuple):
+    """How a body starts.
+
+    Attributes
+    ----------
+    phase : float
+        Of the trough's motion along itself [rad].
+    velocity : float
+        Along the trough, relative to it.
+    height : float
+        Above the trough, >= 0.
+    rate : float
+        Normal speed away from it [A w n].
+    """
+
+    phase: float
+    velocity: float
+    height: float
+    rate: float
+
+
+def launched(course: Course, start: Launch) -> State:
+    """Place a body at its start: in flight, or on the trough as ``starting`` does."""
+    if start.height == 0.0 and start.rate == 0.0:
+        return starting(course, start.phase, start.velocity)
+    loads = course.track.loads
+    phase = at_break(loads.waves, start.phase + phase_difference(loads))
+    return State(0, phase, Mode.FLIGHT, 0.0, start.velocity, start.rate)
+
+
+def first_step(course: Course, start: Launch, now: State) -> Step:
+    """Follow a body through its first leg: from a height, or with an impact where it starts downwards."""
+    if start.height > 0.0:
+        return _landed(course, now, _fall(course, now, start.height))
+    if start.rate < 0.0:
+        return _landed(course, now, Flight(0.0, -start.rate))
+    return step(course, now)
+
+
+def _fall(course: Course, now: State, height: float) -> Flight:
+    """Fly from a height to the first landing.
+
+    The body never accelerates downwards by more than the largest load that it would have on the trough. So it
+    cannot land before a phase that this bounds from below; the bounds tend to the first landing, as Newton's
+    iteration does.
+    """
+    loads = course.track.loads
+    n, most = loads.weight_normal, loads.weight_normal + _largest_push(loads)
+    s = 0.0
+    for _ in range(_MOST_FALLS):
+        off = free_normal(loads, now.phase, now.rate * n, s)
+        left = height + off.path
+        if left <= 0.0 < s:
+            break
+        rate = off.velocity
+        root = math.sqrt(rate * rate + 2.0 * most * left)
+        onward = 2.0 * left / (root - rate) if rate < 0.0 else (rate + root) / most
+        if not s + onward > s:
+            break
+        s += onward
+    return Flight(s, max(-free_normal(loads, now.phase, now.rate * n, s).velocity / n, 0.0))
+
+
+def _largest_push(loads: Loads) -> float:
+    """Return a bound of -B, by which the trough presses a body beyond its weight."""
+    return loads.drive_normal if loads.waves.kind == SINE else normal_size(loads.waves)
 
 
 def nearest_turn(phase: float) -> int:
@@ -231,9 +318,13 @@ def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
 
 
 def _in_flight(course: Course, now: State) -> Step:
-    """Fly to the next landing, through the bounces after it where they accumulate."""
+    """Fly to the next landing."""
+    return _landed(course, now, _flight(course, now))
+
+
+def _landed(course: Course, now: State, hop: Flight) -> Step:
+    """Land, and go through the bounces after it where they accumulate."""
     loads = course.track.loads
-    hop = _flight(course, now)
     touch = now.phase + hop.length
     landed = after_landing(course.bed, touch, hop.impact, course.restitution, ACCUMULATED)
     length = hop.length + landed.length
@@ -254,6 +345,8 @@ def _in_flight(course: Course, now: State) -> Step:
 
 def _flight(course: Course, now: State) -> Flight:
     """Fly; a take-off from contact at the lift-off phase has the sharper solution."""
+    if not math.isfinite(course.track.lift_off):
+        return _fall(course, now, 0.0)
     if now.rate == 0.0 and now.phase == next_take_off(course.bed, now.phase).phase:
         return lift_off_flight(course.bed, now.phase)
     return flight(course.bed, now.phase, now.rate)

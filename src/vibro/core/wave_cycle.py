@@ -77,7 +77,7 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
         return none
     status = int(Status.BOUNDARY) if at.edge else int(Status.OK)
     if not (at.forward or at.back):
-        return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(_is_loose(loads)))
+        return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(_is_loose(loads)), 0.0)
     if _is_heavy(loads):
         return unanswered(Regime.UNDEFINED, Status.UNRESOLVED)
     settled = _settle(loads, at)
@@ -92,7 +92,7 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
     coexists = settled.loose or (not settled.alone and others_on(cycle, no_hops(), settled.start, home))
     return Steady(
         regime, status, _code_of(home.cycle.pattern), Model.SLIDES, home.cycle.displacement, home.cycle.peak,
-        int(coexists),
+        int(coexists), home.cycle.slope,
     )  # fmt: skip
 
 

@@ -17,9 +17,9 @@ __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
     "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value",
     "Waves", "at_break", "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart",
-    "integrals_of", "load_at", "mixed", "moved", "nodes_of", "one_harmonic", "part_of", "prepare_cells",
-    "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin",
-    "value_in_cell", "with_bounds",
+    "integrals_of", "load_at", "mixed", "moved", "nodes_of", "normal_size", "one_harmonic", "part_of",
+    "prepare_cells", "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at",
+    "value_at_cell_begin", "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
 #: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
@@ -50,6 +50,7 @@ _CELLS: Final = 12  # [part] S, its slope, B and its slope where cells of harmon
 # [1] Largest velocity and position of a trough whose acceleration has no mean and is nowhere above 1.
 _MOST_VELOCITY: Final = QUARTER
 _MOST_POSITION: Final = 0.5 * QUARTER * QUARTER
+_ABOVE_ONE: Final = 1e-9  # [1] rounding of accelerations that are nowhere above 1, generously
 
 
 # [rad] Phases of events are rounded, and loads jump at breaks: an event this close to a break is at it.
@@ -218,6 +219,17 @@ def with_bounds(waves: Waves) -> Waves:
         height += size / (order * order)
         steep += size * order
     return waves._replace(velocity=velocity, height=height, steep=steep)
+
+
+def normal_size(waves: Waves) -> float:
+    """Return a bound of B, either way."""
+    if waves.kind == PIECES:
+        return 1.0 + _ABOVE_ONE
+    h, size = waves.size, 0.0
+    for k in range(h):
+        u, w = waves.number[2 * h + k], waves.number[3 * h + k]
+        size += math.sqrt(u * u + w * w)
+    return size
 
 
 def tabulate(waves: Waves) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+import math
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.compiled import doors
-from vibro.reals import shielded
+from vibro.core.motions import EXTREME
+from vibro.errors import Problem, SceneError
+from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.steady import lengths_of
 from vibro.solver import Grid, Scratch, over_cells
 from vibro.steady import solve
@@ -19,14 +22,23 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["arrival_time", "arrivals"]
+__all__ = ["Start", "arrival_time", "arrivals", "number_of", "start_of"]
 
+_LONGEST_FLIGHT: Final = 1e5  # [drive cycles] after which rounding has lost 1e-10 rad of the phase
 _CELLS: Final = 64  # of a range: an interrupt is noticed between two, and a slow transient takes a second
 
 
 @shielded
-def arrival_time(scene: Scene, length: ArrayLike) -> Any:
-    """First time at which a body has moved by a length, from rest at trough phase 0.
+def arrival_time(
+    scene: Scene,
+    length: ArrayLike,
+    *,
+    start_phase: float = 0.0,
+    start_velocity: float = 0.0,
+    start_height: float = 0.0,
+    start_normal_velocity: float = 0.0,
+) -> Any:
+    """First time at which a body has moved by a length, from rest at trough phase 0 unless told otherwise.
 
     Parameters
     ----------
@@ -34,6 +46,8 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
         Operating points of any shape.
     length : array_like
         Displacement relative to the trough, > 0; broadcasts against the scene [m].
+    start_phase, start_velocity, start_height, start_normal_velocity : float, optional
+        How bodies start, as for ``simulate`` [rad, m/s, m, m/s].
 
     Returns
     -------
@@ -46,7 +60,7 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     Raises
     ------
     SceneError
-        If the length is not finite and positive, or does not broadcast.
+        If the length is not finite and positive, or does not broadcast, or a start is out of its range.
 
     Notes
     -----
@@ -64,11 +78,71 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     >>> print(f"{vibro.arrival_time(scene, 0.6):.6f} s")
     36.890432 s
     """
-    return arrivals(scene, lengths_of(length, scene.shape), 0.0, 0.0)[()]
+    lengths = lengths_of(length, scene.shape)
+    start = start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
+    return arrivals(scene, lengths, start)[()]
 
 
-def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Floats:
-    """Arrival times from any start, of the shape of ``length``; velocity in m/s."""
+class Start(NamedTuple):
+    """How a body starts: as the arguments of ``simulate`` [rad, m/s, m, m/s]."""
+
+    phase: float
+    velocity: float
+    height: float
+    normal_velocity: float
+
+
+def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_velocity: Any) -> Start:
+    """Check how bodies start.
+
+    Raises
+    ------
+    SceneError
+        If a value is no finite number, the height is negative, a speed too large for a scene, or a body lands
+        so late that rounding loses the phase of the trough.
+    """
+    start = Start(
+        number_of("start_phase", phase, "rad"),
+        number_of("start_velocity", velocity, "m/s"),
+        number_of("start_height", height, "m", least=0.0, strict=False),
+        number_of("start_normal_velocity", normal_velocity, "m/s"),
+    )
+    w = 2.0 * np.pi * np.asarray(scene.frequency)
+    speed = np.asarray(scene.scale) * w
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        told = {"start_velocity": start.velocity, "start_normal_velocity": start.normal_velocity}
+        for name, value in told.items():
+            if not (np.abs(value) <= EXTREME * speed).all():
+                limit = f"at most {EXTREME:g} times the peak speed of the trough"
+                raise SceneError((Problem(name, f"{value:.15g} m/s", limit),))
+        if start.height or start.normal_velocity > 0.0:
+            weight = np.asarray(scene.gravity) * np.cos(scene.trough_angle)
+            rise = max(start.normal_velocity, 0.0) + speed
+            lasts = (rise + np.sqrt(rise * rise + 2.0 * weight * start.height)) / weight * w / (2.0 * np.pi)
+            throw = speed * w / weight
+            if not (lasts <= _LONGEST_FLIGHT * (1.0 + throw)).all():
+                limit = f"such that the body lands within {_LONGEST_FLIGHT:g} drive cycles"
+                name = "start_height" if start.height else "start_normal_velocity"
+                value = start.height if start.height else start.normal_velocity
+                raise SceneError((Problem(name, f"{value:.15g} {'m' if start.height else 'm/s'}", limit),))
+    return start
+
+
+def number_of(name: str, value: Any, unit: str, least: float = -math.inf, *, strict: bool = True) -> float:
+    """Convert an argument to a finite number above ``least``, or equal to it where that is not ``strict``."""
+    above = f" {'>' if strict else '>='} {least:g}" if least == 0.0 else ""
+    allowed = f"a finite number{above} {unit}".rstrip()
+    try:
+        number = real_number(value)
+    except NotRealError as exc:
+        raise SceneError((Problem(name, exc.value, allowed),)) from None
+    if not (math.isfinite(number) and (number > least or (number == least and not strict))):
+        raise SceneError((Problem(name, f"{number:.15g} {unit}".rstrip(), allowed),))
+    return number
+
+
+def arrivals(scene: Scene, length: Floats, start: Start) -> Floats:
+    """Arrival times from any start, of the shape of ``length``."""
     fields = scene.arrays().changed(lambda x: np.broadcast_to(x, length.shape))
     grid = Grid(fields)
     advance = np.broadcast_to(solve(scene).displacement_per_cycle, length.shape).flatten()
@@ -77,7 +151,7 @@ def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Flo
     grid.hold(reach, advance, times)
 
     def follow(begin: int, end: int) -> None:
-        doors().arrivals(grid.scenes, grid.place(), phase, velocity, *buffers, scratch.flights, begin, end)
+        doors().arrivals(grid.scenes, grid.place(), *start, *buffers, scratch.flights, begin, end)
 
     over_cells(follow, grid.size, _CELLS, None)
     return times.reshape(length.shape)

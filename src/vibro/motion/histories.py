@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,18 +11,17 @@ from vibro.core.arrival import MOST_CYCLES
 from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
-from vibro.core.motions import EXTREME
-from vibro.errors import Problem, SceneError, VibroError
-from vibro.motion.arrivals import arrivals
-from vibro.reals import NotRealError, real_number, shielded
-from vibro.results.history import History, Legs, Motion
+from vibro.errors import InputError, Problem, SceneError, VibroError
+from vibro.motion.arrivals import Start, arrivals, number_of, start_of
+from vibro.reals import shielded
+from vibro.results.history import MOST_PHASES, History, Legs, Motion
 from vibro.solver import Grid, Scratch
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from vibro.scene import Scene
 
-__all__ = ["follow", "is_followed", "simulate"]
+__all__ = ["follow", "grid_of", "is_followed", "simulate"]
 
 _TURN: Final = 2.0 * np.pi
 _FEW: Final = 1024  # legs allocated at first; nearly every motion repeats sooner
@@ -39,6 +38,8 @@ def simulate(
     length: float | None = None,
     start_phase: float = 0.0,
     start_velocity: float = 0.0,
+    start_height: float = 0.0,
+    start_normal_velocity: float = 0.0,
 ) -> History:
     """Follow a body on the trough from its first moment on.
 
@@ -53,6 +54,11 @@ def simulate(
         Phase of the trough at time 0 [rad].
     start_velocity : float, optional
         Velocity of the body relative to the trough at time 0, positive in the conveying direction [m/s].
+    start_height : float, optional
+        Height of the body above the trough at time 0, >= 0 [m].
+    start_normal_velocity : float, optional
+        Normal velocity of the body relative to the trough at time 0, positive away from it [m/s]. On the
+        trough a positive one throws the body, and a negative one is an impact at time 0.
 
     Returns
     -------
@@ -63,15 +69,15 @@ def simulate(
     ------
     SceneError, VibroError
         If an argument is out of its range, or the motion of the scene cannot be followed, or the body
-        never covers ``length``.
+        never covers ``length``, or its motion has not begun to repeat within 2 million phases.
 
     Notes
     -----
-    The body begins on the trough; where the trough falls away under it, it leaves at once. The motion is
-    followed until it repeats. A cycle that rests repeats exactly; one that never rests has converged to
-    rounding, and in contact it is replaced by the closed form, Eqs. (18)-(20) and (59)-(63). Its displacement
-    is that of ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion without a short period is followed
-    to the end; rounding grows in it as in any chaotic motion.
+    A body begins on the trough unless it is thrown or dropped; where the trough falls away under it, it
+    leaves at once. The motion is followed until it repeats. A cycle that rests repeats exactly; one that
+    never rests has converged to rounding, and in contact it is replaced by the closed form, Eqs. (18)-(20)
+    and (59)-(63). Its displacement is that of ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion
+    without a short period is followed to the end; rounding grows in it as in any chaotic motion.
 
     Examples
     --------
@@ -85,7 +91,7 @@ def simulate(
     _ 38.68329 ms to 66.66667 ms
     """
     given = {
-        name: _number(name, value, unit, least=0.0)
+        name: number_of(name, value, unit, least=0.0)
         for name, value, unit in (
             ("cycles", cycles, ""),
             ("duration", duration, "s"),
@@ -96,22 +102,11 @@ def simulate(
     if len(given) != 1:
         named = " and ".join(f"{name} = {value:.15g}" for name, value in given.items()) or "none"
         raise VibroError(f"give exactly one of cycles, duration and length; given: {named}")
-    start_phase = _number("start_phase", start_phase, "rad")
-    start_velocity = _number("start_velocity", start_velocity, "m/s")
-    if scene.shape:
-        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    grid = Grid(scene.arrays())
-    if not is_followed(grid):
-        status = Status(int(solve(scene).status))
-        why = "its loads or frictions are too extreme" if status.answered else status.message
-        raise VibroError(f"no motion to follow: {why}")
+    grid = grid_of(scene)
+    start = start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
     frequency = float(scene.frequency)
-    velocity = start_velocity / frequency / (float(scene.scale) * _TURN)
-    if not abs(velocity) <= EXTREME:
-        limit = f"at most {EXTREME:g} times the peak speed of the trough"
-        raise SceneError((Problem("start_velocity", f"{start_velocity:.15g} m/s", limit),))
     if "length" in given:
-        end = float(arrivals(scene, np.array(given["length"]), start_phase, start_velocity))
+        end = float(arrivals(scene, np.array(given["length"]), start))
         if not math.isfinite(end):
             why = "the body never gets so far" if end > 0.0 else "whether the body gets so far is unknown"
             raise VibroError(f"length = {given['length']:.15g} m: {why}; give cycles or duration instead")
@@ -121,7 +116,32 @@ def simulate(
     if not 0.0 < cycles <= MOST_CYCLES:
         (name, value), limit = *given.items(), f"above 0 and at most {MOST_CYCLES:g} drive cycles"
         raise VibroError(f"{name} = {value:.15g}: comes to {cycles:g} drive cycles: must be {limit}")
-    return History(scene, end, start_phase, follow(grid, start_phase, velocity, cycles), grid)
+    length_unit, speed_unit = float(scene.scale), float(scene.scale) * _TURN * frequency
+    started = Start(
+        start.phase,
+        start.velocity / speed_unit,
+        start.height / length_unit,
+        start.normal_velocity / speed_unit,
+    )
+    return History(scene, end, start.phase, start.height, follow(grid, started, cycles), grid)
+
+
+def grid_of(scene: Scene) -> Grid:
+    """Return the grid of a scene.
+
+    Raises
+    ------
+    SceneError, VibroError
+        If it is no single one, or its motion cannot be followed.
+    """
+    if scene.shape:
+        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    grid = Grid(scene.arrays())
+    if not is_followed(grid):
+        status = Status(int(solve(scene).status))
+        why = "its loads or frictions are too extreme" if status.answered else status.message
+        raise VibroError(f"no motion to follow: {why}")
+    return grid
 
 
 def is_followed(grid: Grid) -> bool:
@@ -129,10 +149,15 @@ def is_followed(grid: Grid) -> bool:
     return bool(doors().followed(grid.scenes, grid.place(), 0))
 
 
-def follow(grid: Grid, phase: float, velocity: float, cycles: float) -> Motion:
+def follow(grid: Grid, start: Start, cycles: float) -> Motion:
     """Follow the body of one scene until its motion repeats, or for so many drive cycles.
 
-    Phase and velocity [A w] are those of the trough and of the body at the start.
+    The start has velocities in A w and a height in A.
+
+    Raises
+    ------
+    InputError
+        If it has more than ``MOST_PHASES`` phases that do not repeat: memory would run out sooner or later.
     """
     solver, scratch = doors(), Scratch()
     first, period, advance = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1)
@@ -140,23 +165,20 @@ def follow(grid: Grid, phase: float, velocity: float, cycles: float) -> Motion:
     cycle, last = (tuple(solver.row(x) for x in part) for part in ((first, period, advance), (row, change)))
     rows, number = _FEW, -1
     while number < 0:
+        rows = min(rows, MOST_PHASES)
         legs = Legs.of_size(rows)
         buffers = tuple(solver.row(x) for x in legs)
         number = solver.history(
-            grid.scenes, grid.place(), phase, velocity, cycles, buffers, rows, cycle, last, scratch.flights
+            grid.scenes, grid.place(), *start, cycles, buffers, rows, cycle, last, scratch.flights
         )
+        if number < 0 and rows == MOST_PHASES:
+            known = int(legs.cycle[-1])
+            raise InputError(
+                f"the motion does not begin to repeat within {MOST_PHASES} phases, which end in drive cycle"
+                f" {known} of {cycles:.6g}: no more are kept",
+                hint=f"ask for at most {known} cycles",
+            )
         rows *= _MORE
     return Motion(
         Legs._make(x[:number].copy() for x in legs), int(first[0]), int(period[0]), float(advance[0])
     )
-
-
-def _number(name: str, value: Any, unit: str, least: float = -math.inf) -> float:
-    allowed = f"a finite number{f' > {least:g}' if least == 0.0 else ''} {unit}".rstrip()
-    try:
-        number = real_number(value)
-    except NotRealError as exc:
-        raise SceneError((Problem(name, exc.value, allowed),)) from None
-    if not (math.isfinite(number) and number > least):
-        raise SceneError((Problem(name, f"{number:.15g} {unit}".rstrip(), allowed),))
-    return number

@@ -11,6 +11,7 @@ import numpy as np
 from vibro.core.codes import LETTERS, Mode, Regime, Status
 from vibro.drives import Ability
 from vibro.errors import VibroError
+from vibro.motion.arrivals import Start
 from vibro.motion.histories import follow, is_followed, simulate
 from vibro.reals import shielded
 from vibro.results.history import Legs
@@ -114,7 +115,7 @@ def _contact_legs(scene: Scene, grid: Grid, cycle: SteadyCycle) -> list[_Leg]:
 
 def _followed_legs(scene: Scene, grid: Grid, most: float) -> list[_Leg]:
     """Legs of the steady cycle, by following a body from rest; none if they do not repeat within ``most``."""
-    motion, drive = follow(grid, 0.0, 0.0, most), scene.arrays()
+    motion, drive = follow(grid, Start(0.0, 0.0, 0.0, 0.0), most), scene.arrays()
     steady = Legs._make(x[motion.first :] for x in motion.legs)
     turns = _TURN * motion.period
     # a drive of one harmonic counts phases from the middle of its motion along the trough

@@ -24,7 +24,7 @@ import numpy as np
 from vibro.core.codes import LETTERS, Mode
 from vibro.core.compiled import doors
 from vibro.core.motions import Moments
-from vibro.errors import VibroError, cut, shown
+from vibro.errors import InputError, VibroError, cut, shown
 from vibro.html_tables import amount, html_table
 from vibro.quantities import LENGTH
 from vibro.reals import NotRealError, real_array, shielded
@@ -40,7 +40,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["History", "Legs", "Motion", "Phase", "Sample"]
+__all__ = ["MOST_PHASES", "History", "Legs", "Motion", "Phase", "Sample"]
+
+#: Phases of a history that do not repeat, and phases that are spelt out: half a gigabyte of them.
+MOST_PHASES: Final = 2_000_000
 
 _TURN: Final = 2.0 * np.pi
 _BESIDE: Final = 1e-9  # [rad] from a jump to the moment that tells the forces on one side of it
@@ -172,6 +175,8 @@ class History:
         When the history ends; it begins at 0 [s].
     start_phase : float
         Phase of the trough at time 0 [rad].
+    start_height : float
+        Height of the body above the trough at time 0 [m].
     pattern : str
         Kinds of the phases that repeat, starting at any of them; empty if none repeat before the end, or if
         the body rests for ever.
@@ -186,6 +191,7 @@ class History:
     scene: Scene
     end: float
     start_phase: float
+    start_height: float
     _motion: Motion
     _grid: Grid
 
@@ -246,7 +252,18 @@ class History:
     @cached_property
     @shielded
     def phases(self) -> tuple[Phase, ...]:
-        """Every phase until the end, the last one cut there; repeated cycles are spelt out."""
+        """Every phase until the end, the last one cut there; repeated cycles are spelt out.
+
+        Raises
+        ------
+        InputError
+            If there are more than 2 million.
+        """
+        if self._count > MOST_PHASES:
+            raise InputError(
+                f"a history of {self._count} phases: at most {MOST_PHASES} are spelt out",
+                hint="follow fewer cycles; sample() and cycle_displacement need no list of phases",
+            )
         places = np.arange(self._count)
         row, count = self._row(places)
         legs = self._motion.legs
@@ -393,7 +410,8 @@ class History:
         values, solver = np.empty((len(Moments._fields), since.size)), doors()
         solver.moments(
             self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in self._motion.legs),
-            solver.row(row), solver.row(since), solver.rows(values), since.size,
+            self.start_height / float(self.scene.scale), solver.row(row), solver.row(since),
+            solver.rows(values), since.size,
         )  # fmt: skip
         return dict(zip(Moments._fields, values, strict=True))
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -19,7 +20,59 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["in_mm", "phase_table", "trough_phase"]
+__all__ = ["in_mm", "phase_table", "trough_phase", "with_chains"]
+
+_SHORT: Final = 0.1  # [drive cycles] a longer flight is told by itself
+_FEWEST: Final = 3  # bounces of a chain
+
+
+def with_chains(phases: Sequence[Phase], period: float) -> list[tuple[str, Phase]]:
+    """Sum up chains of bounces: flights within a tenth of a cycle, each landing slower than the one before.
+
+    Parameters
+    ----------
+    phases : sequence of Phase
+        One after the other.
+    period : float
+        Of the drive [s].
+
+    Returns
+    -------
+    list of tuple of str and Phase
+        What people call each row, and the phase; a chain of three bounces or more is one phase, from its
+        start to its end, with the largest of its impact velocities.
+    """
+    rows: list[tuple[str, Phase]] = []
+    chain: list[Phase] = []
+    for phase in phases:
+        bounces = phase.kind == "H" and phase.end - phase.start < _SHORT * period
+        if chain and not (bounces and phase.impact_velocity < chain[-1].impact_velocity):
+            rows += _summed(chain, dies=phase.kind != "H")
+            chain = []
+        if bounces:
+            chain.append(phase)
+        else:
+            rows.append(_named(phase))
+    return rows + _summed(chain, dies=False)
+
+
+def _named(phase: Phase) -> tuple[str, Phase]:
+    return PHASE_NAMES[phase.kind], phase
+
+
+def _summed(chain: Sequence[Phase], *, dies: bool) -> list[tuple[str, Phase]]:
+    """Return the one row of a chain, or the rows of one that is too short to be summed up."""
+    if len(chain) < _FEWEST:
+        return [_named(bounce) for bounce in chain]
+    first, last = chain[0], chain[-1]
+    whole = replace(
+        first,
+        end=last.end,
+        end_position=last.end_position,
+        end_velocity=last.end_velocity,
+        impact_velocity=max(bounce.impact_velocity for bounce in chain),
+    )
+    return [(f"{len(chain)} bounces{', until they die out' if dies else ''}", whole)]
 
 
 def phase_table(history: History, phases: Sequence[Phase]) -> dict[str, Floats | list[str]]:

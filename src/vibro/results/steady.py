@@ -27,6 +27,7 @@ __all__ = [
     "ACCELERATION",
     "ARRIVAL_TIME",
     "DERIVED",
+    "LARGEST_MULTIPLIER",
     "MASS_RATE",
     "NO_REGIME",
     "PARTS_RATE",
@@ -74,6 +75,8 @@ class Result:
         many to list.
     in_contact : float, optional
         Its value in every cell in contact that is answered, where that is always the same.
+    on_request : bool
+        Whether tables have its column only where it is named.
     """
 
     name: str
@@ -86,6 +89,7 @@ class Result:
     is_flag: bool = False
     decode: Callable[[NDArray[Any], Mapping[int, str]], NDArray[np.object_]] | None = None
     in_contact: float | None = None
+    on_request: bool = False
 
     @property
     def is_number(self) -> bool:
@@ -214,6 +218,14 @@ class SteadyCycle:
             texts=tuple(status.label for status in Status),
         )
     )
+    largest_multiplier: Floats = field(
+        metadata=_described(
+            "largest_multiplier",
+            "modulus of the largest Floquet multiplier of the cycle: a disturbance shrinks by it in a period",
+            symbol=r"\max\lvert\lambda\rvert",
+            on_request=True,
+        )
+    )
     long_patterns: dict[int, str] = field(default_factory=dict)
 
     @property
@@ -318,6 +330,7 @@ def summary(cycle: SteadyCycle) -> list[tuple[str, str]]:
 
 #: Fields of ``SteadyCycle``, in the order of a table's columns.
 RESULTS: Final = tuple(Result(name=f.name, **f.metadata) for f in fields(SteadyCycle) if f.metadata)
+(LARGEST_MULTIPLIER,) = (result for result in RESULTS if result.on_request)
 #: Fields that follow from it and a length.
 TRAVERSE_TIME: Final = Result(
     name="traverse_time",

@@ -20,6 +20,7 @@ from vibro.sweeps.derived import (
     WITH_ACCELERATION,
     WITH_EXPONENT,
     WITH_LENGTH,
+    WITH_MULTIPLIER,
     WITH_STROKE,
     WITH_STROKES,
     column_of,
@@ -73,6 +74,7 @@ _MADE_WITH: Final = {"restitution": _given("restitution"), "trough_length": WITH
 # Columns that every table can have, but has only on request or, of those above, where they matter.
 _ON_REQUEST: Final = (
     WITH_STROKE, *_MADE_WITH.values(), WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKES,
+    WITH_MULTIPLIER,
 )  # fmt: skip
 
 
@@ -100,6 +102,8 @@ def columns_of(
     given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]
     columns: list[Column] = []
     for result in RESULTS:
+        if result.on_request:
+            continue
         columns += [_MADE_WITH[name] for name in made_with] if result.name == "flight_fraction" else []
         columns += extra if result.name == "model_code" else ()
         columns.append(column_of(result, partial(_found, result)))

@@ -14,6 +14,7 @@ from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
+    LARGEST_MULTIPLIER,
     MASS_RATE,
     PARTS_RATE,
     SPEED_EXPONENT,
@@ -41,6 +42,7 @@ __all__ = [
     "WITH_ARRIVAL",
     "WITH_EXPONENT",
     "WITH_LENGTH",
+    "WITH_MULTIPLIER",
     "WITH_STROKE",
     "WITH_STROKES",
     "column_of",
@@ -117,6 +119,10 @@ def _acceleration(block: Block) -> Floats:
     return scene_of(block.values).load
 
 
+def _multiplier(block: Block) -> Floats:
+    return np.asarray(block.cycle.largest_multiplier)
+
+
 def _upright(ratio: float, block: Block) -> NDArray[np.int8]:
     return stays_upright(scene_of(block.values), ratio)
 
@@ -141,6 +147,7 @@ WITH_EXPONENT: Final = column_of(SPEED_EXPONENT, _speed_exponent)
 WITH_LENGTH: Final = Column(
     QUANTITIES["trough_length"].column, LENGTH.unit, _length, meaning=QUANTITIES["trough_length"].meaning
 )
+WITH_MULTIPLIER: Final = column_of(LARGEST_MULTIPLIER, _multiplier)
 WITH_STROKE: Final = Column(
     QUANTITIES["stroke"].column, LENGTH.unit, _stroke, meaning=QUANTITIES["stroke"].meaning
 )

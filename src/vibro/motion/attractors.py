@@ -1,0 +1,117 @@
+"""Steady cycles that coexist on one trough, in SI units."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import LETTERS, PATTERNS, spelt_text
+from vibro.core.compiled import doors
+from vibro.drives import Ability
+from vibro.long_patterns import turned
+from vibro.motion.arrivals import Start
+from vibro.motion.histories import follow, grid_of
+from vibro.results.attractors import Attractor, Attractors
+from vibro.solver import Scratch
+
+if TYPE_CHECKING:
+    from vibro.scene import Scene
+    from vibro.solver import Grid
+
+__all__ = ["attractors"]
+
+_ROOM: Final = (
+    256  # cycles; 64 starts lead to 64 lists of flights at most, nearly all of which have one cycle
+)
+_NUMBERS: Final = 9  # of a cycle, see ``vibro.core.attractors.Attractors``
+
+
+def attractors(scene: Scene) -> Attractors:
+    """Find the steady cycles that coexist: where bodies settle, depending on how they start.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point, of shape ().
+
+    Returns
+    -------
+    Attractors
+        The cycles, that of a body from rest first; a sequence of ``Attractor``. Empty where there is none:
+        bodies run away, or all motion is irregular.
+
+    Raises
+    ------
+    SceneError, VibroError
+        If the scene is no single one, or its motion cannot be followed.
+
+    Notes
+    -----
+    The search is that of ``solve(scene, coexistence=True)``. In contact all cycles under a drive of one
+    harmonic are known (docs/theory.md, section 5). Of bodies that hop all velocities are found that repeat
+    along the flights from rest, and along those to which 64 other starts lead, of which 16 lie on the cycles
+    of one bounce, Eq. (37), within 64 flights each; under other motions also bodies at rest until each of the
+    lift-offs. ``Attractors.unsettled`` counts the starts that led to no cycle.
+
+    Examples
+    --------
+    >>> import vibro
+    >>> scene = vibro.Scene(amplitude=9.81 * 1.49149 / (2 * 3.141592653589793 * 15) ** 2, frequency=15,
+    ...                     drive_angle=0.7034, static_friction=0.457783, kinetic_friction=0.0429106)
+    >>> vibro.attractors(scene)
+    pattern  period  mm a cycle  mm/s     multiplier
+    F_       1       7.14373     107.156  0           from rest
+    FB       1       0.633031    9.49547  0.8593
+    <all cycles are known>
+    """
+    grid, solver, scratch = grid_of(scene), doors(), Scratch()
+    values, pattern, told = np.empty((_NUMBERS, _ROOM)), np.empty(_ROOM, np.int64), np.empty(4, np.int64)
+    number = solver.attractors(
+        grid.scenes, grid.place(), scratch.flights, scratch.hops, (*solver.rows(values), solver.row(pattern)),
+        solver.row(told), _ROOM,
+    )  # fmt: skip
+    from_rest, starts, lost, away = told.tolist()
+    length, frequency = float(scene.scale), float(scene.frequency)
+    speed = length * 2.0 * math.pi * frequency
+    hops, one_harmonic = starts > 1, scene.arrays().can(Ability.ONE_HARMONIC)
+    found = []
+    for i, row in enumerate(values[:, :number].T.tolist()):
+        phase, rate, velocity, displacement, period, multiplier, _, _, flights = row
+        code = int(pattern[i])
+        if rate > 0.0:
+            text = "H" * int(flights)
+        else:
+            text = spelt_text(code) if code > 0 else _spelt(grid, phase, velocity, period)
+        found.append(
+            Attractor(
+                start_phase=phase,
+                start_velocity=speed * velocity + 0.0,
+                start_normal_velocity=speed * rate,
+                period_cycles=int(period),
+                displacement_per_cycle=length * displacement + 0.0,
+                mean_velocity=length * displacement * frequency + 0.0,
+                pattern=_as_named(text, one_harmonic=one_harmonic),
+                largest_multiplier=multiplier,
+                from_rest=bool(from_rest) and i == 0,
+            )
+        )
+    complete = not hops and not scene.restitution and one_harmonic
+    return Attractors(tuple(found), starts, lost, bool(away), complete)
+
+
+def _as_named(text: str, *, one_harmonic: bool) -> str:
+    """Turn the legs of a cycle as ``SteadyCycle.pattern`` has them."""
+    if len(text) > 1 and text[0] == text[-1] != "H":
+        text = text[:-1]  # one leg, amid which the cycle begins
+    turns = (text[i:] + text[:i] for i in range(len(text)))
+    if "H" not in text and (named := next((turn for turn in turns if turn in PATTERNS), "")):
+        return named
+    return text if one_harmonic else "".join(LETTERS[x] for x in turned(bytes(map(LETTERS.index, text))))
+
+
+def _spelt(grid: Grid, phase: float, velocity: float, period: float) -> str:
+    """Follow a cycle for its legs, where they are more than a code has room for."""
+    motion = follow(grid, Start(phase, velocity, 0.0, 0.0), 3.0 * period)
+    return "".join(LETTERS[mode] for mode in motion.legs.mode[motion.first :])
