@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import InputError, cut, shown
 from vibro.units import (
@@ -200,7 +200,7 @@ def _harmonic(n: int) -> tuple[Quantity, ...]:
 
 
 _LENGTHS: Final = ("for metres write {0}m", "for micrometres write {0}um")
-_FRICTIONS: Final = {"usual": Range(high=2.0), "slips": ("", "for {0} % write {1}")}
+_FRICTIONS: Final = ("", "for {0} % write {1}")
 _ALL: Final = (
     Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _POSITIVE,
              "amplitude of the trough's motion, half of its stroke",
@@ -227,11 +227,12 @@ _ALL: Final = (
     Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), _POSITIVE,
              "factor of a whole motion: of all its amplitudes, or of its accelerations", 1.0),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
-             "coefficient of friction at rest", **_FRICTIONS),
+             "coefficient of friction at rest", usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
              Range(0.0, 1.0, with_high=True), "kinetic over static friction, in place of the kinetic one"),
     Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _ZERO_OR_MORE,
-             "coefficient of friction while sliding, at most the static one", **_FRICTIONS),
+             "coefficient of friction while sliding, at most the static one",
+             usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
              Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
     Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
@@ -300,8 +301,6 @@ START_VELOCITY: Final = Quantity("start_velocity", SPEED)
 START_HEIGHT: Final = Quantity("start_height", LENGTH)
 START_NORMAL_VELOCITY: Final = Quantity("start_normal_velocity", SPEED)
 
-_Value = TypeVar("_Value")
-
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
 _NUMBER = re.compile(
     r"([+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+)\s*+([^\W\d_].*|[\u00b0%])?"
@@ -330,7 +329,7 @@ def of_part(quantity: Quantity, *, is_clamped: bool) -> Quantity:
     return _CLAMPED_TROUGH if is_clamped and quantity.name == _CLAMPED_TROUGH.name else quantity
 
 
-def as_given(values: Mapping[str, _Value], *, in_stroke: bool) -> dict[str, _Value]:
+def as_given(values: Mapping[str, Any], *, in_stroke: bool) -> dict[str, Any]:
     """Tell the size of a drive along a line by the quantity in which it was given.
 
     Parameters

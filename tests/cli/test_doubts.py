@@ -41,6 +41,13 @@ def test_a_likely_slip_is_questioned_once(run: Run, args: tuple[str, ...], expec
     assert run("solve", *args, "-q").stderr == ""
 
 
+def test_a_size_that_is_asked_for_is_no_slip(run: Run) -> None:
+    assert (
+        run("solve", "-f", "400", *FRICTION, "--along", "10", "--normal", "1", "--speed", "5m/min").stderr
+        == ""
+    )
+
+
 @pytest.mark.parametrize("args", [NUT, (*NUT, "-a", "0"), ("-A", "0.05", "-f", "300", *REST)])
 def test_what_is_usual_is_not(run: Run, args: tuple[str, ...]) -> None:
     assert run("solve", *args).stderr == ""

@@ -100,13 +100,13 @@ def test_a_map_without_motion_says_where_motion_begins(run: Run) -> None:
     assert "at rest" not in moving.stderr
 
 
-def test_a_stroke_chooses_the_amplitude_that_is_drawn(run: Run) -> None:
+def test_a_stroke_is_chosen_among_strokes(run: Run) -> None:
     sweep = ("-f", "10:30:3", "-a", "20,30", "--mu-s", "0.74", "--mu-d", "0.57", "-o", "x")
     result = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=2.5")
     assert result.exit_code == 0, result.stderr
     assert "pictures:" not in result.stderr
     wrong = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=3", "--force")
-    assert "hint: give the nearest, 1.25 or 2 mm" in wrong.stderr
+    assert "hint: give the nearest, 2.5 or 4 mm" in wrong.stderr
 
 
 def test_pictures_go_into_the_folder_of_a_table_in_shards(run: Run) -> None:

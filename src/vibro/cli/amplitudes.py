@@ -23,6 +23,7 @@ from vibro.output.record import json_text
 from vibro.quantities import (
     DEFAULTS,
     LEAST_SPEED,
+    LOAD,
     QUANTITIES,
     SCALE,
     SPEED,
@@ -98,7 +99,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     """
     speed = checked_number(text, LEAST_SPEED)
     request = request_of(options, argv, asked_for=("amplitude", SCALE))
-    question(request, options)
+    question(request, options, found=(LOAD.name,))
     unit, size = given_unit(text, LEAST_SPEED)
     drive = _Drive.of(request, hopping=hopping, unit=unit, size=size)
     with Console(quiet=options.quiet).progress("searching", None):

@@ -101,7 +101,7 @@ def compare_command(
     from vibro.cli.compare_report import comparison_report
     from vibro.cli.request import question, request_of
     from vibro.cli.series import SeriesOutput, scene_record
-    from vibro.quantities import DRIVES, MASS, exact_number
+    from vibro.quantities import DRIVES, LOAD, MASS, exact_number
     from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
     from vibro.records.comparison_tables import ComparisonTables
@@ -148,7 +148,7 @@ def compare_command(
             raise _two_motions()
         for warning in drive.warnings:
             console.warn(warning)
-    question(request, options, measured=() if trough is None else (*DRIVES, "frequency"))
+    question(request, options, found=() if trough is None else (*DRIVES, "frequency", LOAD.name))
     scene = request.scene()
     check_scene(scene)
     observation = Observation.of(

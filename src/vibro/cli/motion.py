@@ -77,7 +77,7 @@ def motion_command(
     from vibro.cli.motion_report import MotionReport
     from vibro.cli.request import question
     from vibro.output.record import json_text
-    from vibro.quantities import DRIVES, QUANTITIES, checked_number, scene_fields
+    from vibro.quantities import DRIVES, LOAD, QUANTITIES, checked_number, scene_fields
     from vibro.records.measured_speeds import speeds_of, throw_number
     from vibro.records.reading import read_record
     from vibro.records.signals import read_sensitivities
@@ -105,7 +105,7 @@ def motion_command(
         for warning in measured.warnings:
             console.warn(warning)
 
-        question(request, options, measured=(*DRIVES, "frequency"))
+        question(request, options, found=(*DRIVES, "frequency", LOAD.name))
         rest = {name: value for name, value in request.fixed.items() if name not in (*DRIVES, "frequency")}
         if not has_friction:
             rest = {name: value for name, value in rest.items() if name not in _FRICTIONS}

@@ -85,7 +85,7 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
     return gather(options.given, file, _CommandLine(argv), **wanted)
 
 
-def question(request: Request, options: Options, measured: Collection[str] = ()) -> None:
+def question(request: Request, options: Options, found: Collection[str] = ()) -> None:
     """Question on stderr what is possible but likely a slip of units."""
-    for doubt in request.doubts(measured):
+    for doubt in request.doubts(found):
         Console(quiet=options.quiet).warn(doubt)

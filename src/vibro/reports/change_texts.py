@@ -53,7 +53,7 @@ def change_texts(one: OneScene) -> tuple[list[str], list[tuple[str, ...]]]:
         why = "it gains speed in every cycle" if one.runs else one.status.message
         return [f"The part has no known speed that could change: {why}."], []
     names, cycle = changed_cycles(one.scene)
-    names = tuple(as_given(dict.fromkeys(names, 1.0), in_stroke=one.size == "stroke"))
+    names = [*as_given(dict.fromkeys(names, 1.0), in_stroke=one.size == "stroke")]
     which = one.all_amplitudes or one.size
     rests = (cycle.regime == Regime.NO_SLIP) | (cycle.status == Status.INFEASIBLE)
     if rests.all():

@@ -135,29 +135,28 @@ class Request:
             if not spec.varies and name != "trough_length"
         }
 
-    def doubts(self, measured: Collection[str] = ()) -> list[str]:
+    def doubts(self, found: Collection[str] = ()) -> list[str]:
         """Return warnings about what is possible, but likely a slip of units; the remedy follows a colon.
 
         These are values beyond what is usual, of axes only where all of them are; else an acceleration that
         is, which they would explain; and a trough that is shorter than the largest stroke. Quantities that
-        were measured, by their names, are no slips.
+        were measured or are asked for, by their names, are no slips.
         """
         first, last = (
             as_given({name: spec.values[i] for name, spec in self.specs.items()}, in_stroke=self.in_stroke)
             for i in (0, -1)
         )
         doubts = {name: QUANTITIES[name].doubt(value, last[name]) for name, value in first.items()}
-        if not any(doubts.get(name) for name in (*SIZES, "frequency", "gravity")):
-            doubts["frequency"] = self._doubted_load()
-        doubts |= dict.fromkeys(measured, "")
+        explained = any(doubts.get(name) for name in (*SIZES, "frequency", "gravity"))
+        if not explained and LOAD.name not in found:
+            doubts[LOAD.name] = self._doubted_load()
+        doubts |= dict.fromkeys(found, "")
         return [text for text in (*doubts.values(), self._short_trough()) if text]
 
     def _doubted_load(self) -> str:
         """Question the acceleration of the drive, where quantities vary the least one."""
         moved = {} if self.motion is None else {MOTION: self.motion.motion}
         least = {name: float(spec.values[0]) for name, spec in self.specs.items()}
-        if least.keys().isdisjoint((*SIZES, SCALE)):  # it is asked for
-            return ""
         load = float(f"{float(Scene.allowing_infeasible(**scene_fields({**least, **moved})).load):.4g}")
         return LOAD.doubt(load, load)
 
