@@ -297,7 +297,7 @@ def test_a_record_without_a_wave_is_refused() -> None:
 
 def test_sensors_and_drive_angle_must_fit() -> None:
     record = trough_record(noise=0.1)
-    with pytest.raises(InputError, match="two accelerometers measure the drive angle, which is given too"):
+    with pytest.raises(InputError, match="two sensors measure the drive angle, which is given too"):
         motion_of(record, drive_angle=0.3)
     one = trough_record(noise=0.1, columns=("trough_along",))
     with pytest.raises(InputError, match="alone does not tell the motion normal to the trough") as caught:

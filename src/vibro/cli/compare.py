@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -105,6 +106,7 @@ def compare_command(
     from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
     from vibro.records.comparison_tables import ComparisonTables
+    from vibro.records.headers import TroughAloneError
     from vibro.records.reading import read_record
     from vibro.records.signals import read_sensitivities
     from vibro.records.trough import trough_of
@@ -130,7 +132,11 @@ def compare_command(
         "trough_normal": trough_normal,
     }
     columns = {name: text for name, text in given.items() if text is not None}
-    record = read_record(data, columns, read_sensitivities(sensitivity or ()))
+    try:
+        record = read_record(data, columns, read_sensitivities(sensitivity or ()))
+    except TroughAloneError as exc:
+        command = _motion_command(options, data, columns, sensitivity or (), reverse=reverse)
+        raise InputError(*exc.problems, hint=f"what the feeder does: {command}\n{exc.hint}") from None
     for note in record.notes:
         console.echo(note)
     if "friction" in record.signals and body is None:
@@ -206,6 +212,30 @@ def compare_command(
     else:
         print(comparison_report(tables, data, request))
     return ExitCode.DONE
+
+
+def _motion_command(
+    options: Options, data: Path, columns: Mapping[str, str], sensitivity: Sequence[str], *, reverse: bool
+) -> str:
+    """Write the command that measures the trough alone, with what it takes of the options that were given."""
+    from vibro.files.scene_files import read_scene_file
+    from vibro.quantities import DRIVES
+
+    own = read_scene_file(options.scene).scene if options.scene else {}
+    drive = {"stroke", "frequency", "normal_acceleration", *DRIVES}
+    given = {name: text for name, text in options.given.items() if name not in drive}
+    if not {"trough_along", "trough_normal"} <= columns.keys():  # one sensor does not tell the drive's line
+        line = {"drive_angle": f"{float(own['drive_angle'].values[0]):.15g}"} if "drive_angle" in own else {}
+        given |= line | {name: text for name, text in options.given.items() if name == "drive_angle"}
+    typed = [(f"--{name.replace('_', '-')}", text) for name, text in columns.items()]
+    typed += [("--sensitivity", text) for text in sensitivity]
+    typed += [(QUANTITIES[name].options[0], text) for name, text in given.items()]
+    words = [str(path) for path in (options.scene, data) if path]
+    for option, text in typed:
+        # Behind a blank, -60deg would be an option.
+        words += [f"{option}={text}"] if text.startswith("-") else [option, text]
+    words += ["--reverse"] if reverse else []
+    return shlex.join(["vibro", "motion", *words, *(["--json"] if options.json else [])])
 
 
 def _elliptical(options: Options) -> bool:

@@ -170,6 +170,7 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
     needed = SIGNALS if wanted.body else TROUGH
     if not problems and not any(role in found for role in needed):
         if any(role in found for role in TROUGH):
+            _check_use(path, headers, found, wanted)
             raise _trough_alone(path, headers, found)
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")

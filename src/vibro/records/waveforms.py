@@ -426,14 +426,14 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
     """Refuse one sensor without a drive angle, and two with one."""
     if len(record.trough) == 2:
         if drive_angle is not None:
-            both = "two accelerometers measure the drive angle, which is given too"
+            both = "two sensors measure the drive angle, which is given too"
             raise InputError(both, hint="leave out drive_angle=, or one of the sensors")
         return
     (name,) = record.trough
     other = _NORMAL if name == _ALONG else _ALONG
     if drive_angle is None:
         missing = "normal to the trough" if other == _NORMAL else "along it"
-        unknown = f"one accelerometer alone does not tell the motion {missing}"
+        unknown = f"one sensor alone does not tell the motion {missing}"
         hint = f"name {other}= too, or give the angle of the line that the trough moves along:"
         hint += " drive_angle=math.radians(20)"
         raise InputError(unknown, hint=hint)
