@@ -64,7 +64,8 @@ def compare_command(
     ] = None,
     time: TimeOption = None,
     displacement: Annotated[
-        str | None, column_option("displacement", "Column of the displacement relative to the trough.")
+        str | None,
+        column_option("displacement", "Column of the displacement relative to the trough, or --absolute."),
     ] = None,
     velocity: Annotated[str | None, column_option("velocity", "Column of the relative velocity.")] = None,
     acceleration: Annotated[
@@ -81,6 +82,14 @@ def compare_command(
         str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
     ] = None,
     reverse: ReverseOption = False,
+    absolute: Annotated[
+        bool,
+        typer.Option(
+            "--absolute",
+            help="The data are motions over the ground, as a camera on a tripod sees them: the trough's is in"
+            " them.",
+        ),
+    ] = False,
     fit: Annotated[
         str | None,
         typer.Option(
@@ -162,6 +171,7 @@ def compare_command(
         mass=body,
         reverse=reverse,
         clock=drive.clock if drive else None,
+        absolute=absolute,
     )
     with SeriesOutput(
         f"{data.stem}-compare",

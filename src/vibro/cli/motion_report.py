@@ -102,7 +102,8 @@ class MotionReport:
         throw, growth, amplitudes = self.onset
         if not amplitudes:
             return "never: the trough moves along itself alone"
-        at = f"{_told(*growth)} times today's amplitude ({', '.join(described(*pair) for pair in amplitudes.items())})"
+        sizes = ", ".join(described(*pair) for pair in amplitudes.items())
+        at = f"{_told(*growth)} times today's amplitude ({sizes})"
         return f"already, and no more below {at}" if throw.value > 1.0 else f"from {at} on"
 
     def _options(self) -> str:
