@@ -187,7 +187,7 @@ def test_a_picture_of_a_fit_shows_the_track_relative_to_the_trough_of_the_fit() 
     seen = replace(Walked(nut()).observe("displacement", over_ground=True), absolute=True)
     wrong, right = compare(nut(static_friction=0.9, kinetic_friction=0.45), seen), compare(nut(), seen)
     figure = comparison_figure(wrong, "", {}, right)
-    dots = figure.axes[0].lines[0].get_ydata()
+    dots = np.asarray(figure.axes[0].lines[0].get_ydata(), np.float64)
     shown = 1e3 * right.observation.signals["displacement"][: np.size(dots)]
     np.testing.assert_allclose(dots, shown)
     assert np.abs(shown - 1e3 * wrong.observation.signals["displacement"][: np.size(dots)]).max() > 0.01

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from vibro.core.codes import Regime, Status
-from vibro.records.folding import Estimate
+from vibro.records.folding import Estimate, Floats
 from vibro.records.tolerances import TOL
 from vibro.records.waveforms import MeasuredMotion, Motions
 from vibro.scene import Scene
@@ -140,7 +139,7 @@ def hop_onset(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
         solve(Scene(**motion.drive(), **{**others, **frictionless})).throw_number for motion in motions
     )
 
-    def estimate(value: ArrayLike, values: ArrayLike) -> Estimate:
+    def estimate(value: Floats, values: Floats) -> Estimate:
         return Estimate(float(value), float(np.std(values, ddof=1)))
 
     throw = estimate(known, sample)

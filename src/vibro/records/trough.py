@@ -300,7 +300,7 @@ def trough_signals(record: Record, *, reverse: bool) -> dict[str, Floats]:
 def to_accelerations(record: Record, frequency: float, count: int) -> dict[str, NDArray[np.complex128]]:
     """Return what turns the first harmonics of each motion of the trough into those of its acceleration."""
     rates = 2j * math.pi * frequency * np.arange(1, count + 1)
-    return {name: rates**power for name, power in record.trough_derivatives.items()}
+    return {name: np.asarray(rates**power) for name, power in record.trough_derivatives.items()}
 
 
 def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
