@@ -396,3 +396,29 @@ def test_scenes_and_masses_at_the_ends_of_the_doubles(run: Run, args: tuple[str,
     assert result.exit_code == 2, result.stderr
     assert said in result.stderr
     assert len(result.stderr) < 600
+
+
+def test_a_track_of_a_camera_on_a_tripod(run: Run, tmp_path: Path) -> None:
+    """It holds the trough's motion, which is said; with --absolute it gives the figures of a relative one."""
+    walked = Walked(nut())
+    seen, relative = (walked.observe("displacement", over_ground=on) for on in (True, False))
+    table = np.stack([seen.time, *(1e3 * x.signals["displacement"] for x in (seen, relative))], axis=1)
+    np.savetxt("track.csv", table, "%.8g", ",", header="t [s],camera [mm],sensor [mm]", comments="")
+    given = ("compare", SCENE, "track.csv", "--displacement")
+    lacking = run(*given, "camera")
+    assert lacking.exit_code == 0
+    assert re.search(
+        r"warning: the displacement fits \d+ times better over the ground: --absolute if", lacking.stderr
+    )
+    wrong = run(*given, "sensor", "--absolute")
+    assert re.search(r"warning: .* better relative to the trough: leave out --absolute if", wrong.stderr)
+    right, plain = (run(*given, *one, "--json") for one in (("camera", "--absolute"), ("sensor",)))
+    assert "warning" not in right.stderr + plain.stderr
+    content, other = json.loads(right.stdout), json.loads(plain.stdout)
+    assert (content["absolute"], other["absolute"]) == (True, False)
+    for key in ("mean_speed", "peak_speed"):
+        figure = content["figures"][key]
+        assert figure["measured"] == pytest.approx(other["figures"][key]["measured"], rel=0.02)
+    said = "the data are over the ground: the trough's computed motion is taken off them"
+    assert said in run(*given, "camera", "--absolute").stdout
+    assert said not in lacking.stdout

@@ -47,17 +47,20 @@ class Feeder(NamedTuple):
         rate: float = 3200.0,
         density: float = QUIET,
         sensors: int = 2,
+        kind: str = "acceleration",
     ) -> Record:
-        """Sample its accelerations, with offset, trend and noise."""
+        """Sample its accelerations, velocities or displacements, with offset, trend and noise."""
         random = np.random.default_rng([seed, 1])
         time = np.arange(round(seconds * rate) + 1) / rate
         signals = {}
         for name, way in (("trough_along", self.along), ("trough_normal", self.normal))[:sensors]:
             rates = math.tau * self.frequency * np.arange(1, way.size + 1)
-            wave = -(np.exp(1j * np.outer(time, rates)) @ (way * rates**2)).imag
+            derived = way * (1j * rates) ** ("displacement", "velocity", "acceleration").index(kind)
+            wave = (np.exp(1j * np.outer(time, rates)) @ derived).imag
             drift = random.uniform(-3.0, 3.0) + random.uniform(-0.1, 0.1) * time
             signals[name] = wave + drift + noise(time.size, rate, density, random)
-        return Record(time, {}, signals, {name: name for name in signals})
+        names = {name: name for name in signals}
+        return Record(time, {}, signals, names, trough_kinds=dict.fromkeys(signals, kind))
 
 
 def noise(count: int, rate: float, density: float, random: np.random.Generator) -> NDArray[np.float64]:

@@ -126,6 +126,15 @@ class Walked:
             result += self._path(way, start, since) + turns * self._path(way, start, length)
         return np.asarray(result - result[0])
 
+    def trough(self, time: Floats) -> dict[str, Floats]:
+        """Motion of the trough along itself [m, m/s, m/s^2]."""
+        size, phase = self.inertia / self.rate**2, self.rate * time
+        return {
+            "displacement": size * np.sin(phase),
+            "velocity": size * self.rate * np.cos(phase),
+            "acceleration": -self.inertia * np.sin(phase),
+        }
+
     def _path(self, way: int, start: float, since: Any) -> Any:
         """Displacement since the start of a slide [m]."""
         first = self.rate * start + self.lead[way]
@@ -133,15 +142,21 @@ class Walked:
         return self.pull[way] / self.rate * swing - 0.5 * self.drag[way] * since**2
 
     def observe(
-        self, *signals: str, noise: float = 1.0, trigger: float = 0.0137, cycles: int = 20, seed: int = 1
+        self,
+        *signals: str,
+        noise: float = 1.0,
+        trigger: float = 0.0137,
+        cycles: int = 20,
+        seed: int = 1,
+        over_ground: bool = False,
     ) -> Observation:
-        """Sample some signals at 600 1/s, with noise, from a trough time on."""
+        """Sample some signals at 600 1/s, with noise, from a trough time on, maybe over the ground."""
         time = np.arange(cycles * 40 + 1) / 600.0
         random = np.random.default_rng(seed)
         trough = time + trigger
-        values = {}
+        values, moved = {}, self.trough(trough) if over_ground else {}
         for name in signals:
-            exact = getattr(self, name)(trough)
+            exact = getattr(self, name)(trough) + moved.get(name, 0.0)
             values[name] = exact + noise * NOISE[name] * random.standard_normal(time.size)
         return Observation(time, values, FREQUENCY)
 

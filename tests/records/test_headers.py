@@ -9,6 +9,7 @@ import pytest
 from helpers.made_tables import refusal
 
 from vibro.errors import InputError
+from vibro.records.headers import TroughAloneError
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import read_sensitivities
 
@@ -106,7 +107,9 @@ def test_of_several_clocks_that_with_the_word_is_taken(tmp_path: Path, word: str
 def test_a_word_that_only_begins_like_one_does_not_decide(tmp_path: Path) -> None:
     error = told(tmp_path, "t [s];xylem [mm];weggang [mm]", "1;2")
     assert str(error).endswith(": 'xylem [mm]', 'weggang [mm]' could each be the displacement")
-    assert error.hint == 'choose: displacement="xylem [mm]"'
+    assert (
+        error.hint == 'choose: displacement="xylem [mm]" of a part, trough_along="xylem [mm]" of the trough'
+    )
 
 
 def test_a_header_as_it_is_written_goes_before_one_in_other_letters(tmp_path: Path) -> None:
@@ -176,7 +179,33 @@ def test_time_and_no_signal_beside_the_troughs(tmp_path: Path) -> None:
     assert str(error).endswith("data.csv: no signal found among 't [s]', 'n'")
     assert error.hint == 'name one, with its unit: displacement="X [mm]"'
     error = told(tmp_path, "t [s];a [g]", "1", trough_normal="a")
-    assert str(error).endswith("data.csv: no signal of the body found among 't [s]', 'a [g]'")
+    assert isinstance(error, TroughAloneError)
+    assert str(error).endswith("data.csv: 'a [g]': motions of the trough alone, no part to compare")
+    assert error.hint == 'to compare a part, name its signal: displacement="X [mm]"'
+
+
+@pytest.mark.parametrize(
+    ("header", "role", "other"),
+    [("a [g];b [m/s^2]", "acceleration", "b [m/s^2]"), ("a [mm];b [um]", "displacement", "b [um]")],
+)
+def test_a_column_like_one_of_the_troughs_is_not_taken_for_a_part(
+    tmp_path: Path, header: str, role: str, other: str
+) -> None:
+    """It would be the trough, compared with itself; other kinds are taken as ever."""
+    error = told(tmp_path, f"t [s];{header}", "1;2", trough_along="a")
+    assert isinstance(error, TroughAloneError)
+    choice = f'{role}="{other}" of a part, or trough_normal="{other}" of the trough'
+    assert error.hint == f"say what column '{other}' is: {choice}"
+    named = read(tmp_path, f"t [s];{header}", "1;2", trough_along="a", **{role: "b"})
+    assert set(named.signals) == {role}
+    found = read(tmp_path, f"t [s];{header};v [mm/s]", "1;2;3", trough_along="a")
+    assert set(found.signals) == {"velocity"}
+
+
+@pytest.mark.parametrize("unit", ["mm", "mm/s", "m/s^2"])
+def test_the_troughs_motion_may_have_any_kind(tmp_path: Path, unit: str) -> None:
+    record = read(tmp_path, f"t [s];a [{unit}];x [N]", "1;2", trough_along="a")
+    assert record.trough_derivatives == {"trough_along": ["m/s^2", "mm/s", "mm"].index(unit)}
 
 
 @pytest.mark.parametrize("count", [11, 12, 13, 14])

@@ -12,7 +12,7 @@ from helpers.feeders import QUIET, feeder
 from helpers.made_records import trough_record
 
 import vibro
-from vibro.records.measured_speeds import change_by_harmonics, speeds_of, throw_number
+from vibro.records.measured_speeds import change_by_harmonics, hop_onset, speeds_of
 from vibro.records.waveforms import Motions, motion_of
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -93,7 +93,7 @@ def test_draws_in_two_regimes_are_shared_out() -> None:
 def test_draws_without_a_speed_are_counted() -> None:
     """Near the hop, where a drive with harmonics may have no numbers."""
     measured = motion_of(feeder(8).record(8, seconds=0.5, density=30.0 * QUIET))
-    throw = throw_number(measured, {})
+    throw = hop_onset(measured, {}).throw_number
     light = {**FRICTION, "gravity": 9.81 * throw.value}
     speeds = speeds_of(measured, light)
     drawn = vibro.solve(vibro.Scene(**measured.draws(200), **light))
@@ -103,13 +103,34 @@ def test_draws_without_a_speed_are_counted() -> None:
 
 def test_the_throw_number_needs_no_friction() -> None:
     measured = motion_of(trough_record(noise=0.05, cycles=40.0))
-    throw = throw_number(measured, {})
+    throw = hop_onset(measured, {}).throw_number
     exact = 1.02e-3 * math.sin(math.radians(20.5)) * (math.tau * 15.003) ** 2 / 9.81
     assert abs(throw.value - exact) < 3.0 * throw.error < 0.01 * exact
-    assert throw_number(measured, {"gravity": 9.81 / 2.0}).value == pytest.approx(2.0 * throw.value)
+    light = hop_onset(measured, {"gravity": 9.81 / 2.0}).throw_number
+    assert light.value == pytest.approx(2.0 * throw.value)
     feeding = motion_of(feeder(8).record(8))
     cycle = vibro.solve(vibro.Scene(**feeding.drive(), **FRICTION))
-    assert throw_number(feeding, {}).value == pytest.approx(float(cycle.throw_number))
+    assert hop_onset(feeding, {}).throw_number.value == pytest.approx(float(cycle.throw_number))
+
+
+def test_parts_begin_to_hop_at_the_amplitude_that_is_told() -> None:
+    """Just above it and not just below; of a line it has no error from the amplitude of today."""
+    line = motion_of(trough_record(noise=0.05, cycles=40.0))
+    throw, growth, amplitudes = hop_onset(line, {})
+    exact = 9.81 / (math.sin(math.radians(20.5)) * (math.tau * 15.003) ** 2)
+    assert growth.value == pytest.approx(1.0 / throw.value)
+    assert growth.error == pytest.approx(throw.error / throw.value**2, rel=0.05)
+    assert amplitudes.keys() == {"amplitude"}
+    assert abs(amplitudes["amplitude"].value - exact) < 3.0 * amplitudes["amplitude"].error < 0.01 * exact
+
+    three = motion_of(feeder(8).record(8))
+    onset = hop_onset(three, {})
+    for factor, regime in ((1.001, vibro.Regime.HOPPING), (0.999, vibro.Regime.FORWARD_SLIP)):
+        grown = three.motion.scaled(*[factor * onset.growth.value] * 2)
+        hops = vibro.solve(vibro.Scene(**grown.drive(), **FRICTION)).regime == vibro.Regime.HOPPING
+        assert hops == (regime is vibro.Regime.HOPPING)
+    along = motion_of(trough_record(columns=("trough_along",), noise=0.05), drive_angle=0.0)
+    assert hop_onset(along, {}) == ((0.0, 0.0), (math.inf, 0.0), {})
 
 
 def test_the_change_by_harmonics_is_relative_to_the_fundamental_alone() -> None:

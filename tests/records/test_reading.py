@@ -105,7 +105,7 @@ def test_columns_of_text_beside_the_numbers_do_not_matter(tmp_path: Path) -> Non
 def test_ambiguous_columns_are_named(tmp_path: Path) -> None:
     error = refusal(tmp_path, ["t [s],left [mm],right [mm]", "0,1,2", "1,2,3"])
     assert "'left [mm]', 'right [mm]' could each be the displacement" in str(error)
-    assert error.hint == 'choose: displacement="left [mm]"'
+    assert error.hint == 'choose: displacement="left [mm]" of a part, trough_along="left [mm]" of the trough'
 
 
 def test_a_missing_column_suggests_the_nearest(tmp_path: Path) -> None:
@@ -307,7 +307,7 @@ def test_a_column_of_the_trough_is_no_signal_of_the_body(tmp_path: Path) -> None
     record = read(tmp_path, content, trough_along="a")
     assert set(record.signals) == {"displacement"}
     np.testing.assert_array_equal(record.trough["trough_along"], [5.0, 6.0])
-    assert "no signal of the body found" in str(
+    assert "motions of the trough alone" in str(
         refusal(tmp_path, ["t [s],a [g]", "0,1", "1,2"], trough_along="a")
     )
     assert "given as trough along and as trough normal" in str(

@@ -79,6 +79,7 @@ def volts(folder: Path, content: list[str], *texts: str, **columns: str) -> Reco
         ("friction", "50mV/N", 2.0),
         ("trough_along", "100mV/g", 9.80665),
         ("trough_along", "trough-along=0.2V/g", 4.903325),
+        ("trough_along", "trough-along=2V/mm", 5e-5),
     ],
 )
 def test_voltages_have_the_size_that_their_sensitivity_says(
@@ -252,8 +253,9 @@ def test_spellings_of_sensitivities(text: str, role: str, kind: str, per_volt: f
             "signals are displacement, velocity, acceleration, friction, trough-along, trough-normal",
         ),
         (
-            ["trough-normal=1V/mm"],
-            "sensitivity=\"trough-normal=1V/mm\": 'V/mm' is no sensitivity of an acceleration",
+            ["trough-normal=1V/N"],
+            "sensitivity=\"trough-normal=1V/N\": 'V/N' is no sensitivity of an acceleration or velocity or"
+            " displacement",
             "write it like 100mV/g",
         ),
         (

@@ -53,6 +53,25 @@ def test_exact_records_give_exact_harmonics(sensors: int, start: float) -> None:
     assert abs(math.remainder(turns, 1.0)) < 1e-6
 
 
+@pytest.mark.parametrize(("kind", "density"), [("velocity", 2e-5), ("displacement", 1e-7)])
+def test_velocities_and_displacements_give_the_same_motion(kind: str, density: float) -> None:
+    """Exact ones to rounding, and noise as large as the errors say."""
+    true = feeder(3)
+    exact = motion_of(true.record(3, density=0.0, kind=kind))
+    assert exact.order == 3
+    np.testing.assert_allclose(exact.along, true.on_its_clock.along, rtol=1e-6)
+    np.testing.assert_allclose(exact.normal, true.on_its_clock.normal, rtol=1e-6)
+    of_accelerations = motion_of(true.record(3, density=0.0)).trough
+    assert exact.trough.waves[0].harmonics == pytest.approx(of_accelerations.waves[0].harmonics, rel=1e-4)
+    off: list[float] = []
+    for seed in range(40):
+        true = feeder(seed)
+        off += offs(motion_of(true.record(seed, rate=1600.0, density=density, kind=kind)), true)
+    sizes = np.abs(off)
+    assert 0.6 < np.mean(sizes < 1.0) < 0.76
+    assert 0.92 < np.mean(sizes < 2.0) < 0.98
+
+
 @pytest.mark.parametrize(("seconds", "rate", "density"), [(4.0, 1600.0, QUIET), (1.0, 3200.0, 10.0 * QUIET)])
 def test_errors_are_those_of_noise_and_the_order_is_right(
     seconds: float, rate: float, density: float
@@ -273,12 +292,12 @@ def test_a_record_without_a_wave_is_refused() -> None:
     signals = {name: noise(time.size, 600.0, QUIET, random) for name in ("trough_along", "trough_normal")}
     with pytest.raises(InputError, match="no wave stands out in column 'trough_along' and") as caught:
         motion_of(Record(time, {}, signals, {name: name for name in signals}))
-    assert caught.value.hint == "is it the acceleration of a trough that runs?"
+    assert caught.value.hint == "is it the motion of a trough that runs?"
 
 
 def test_sensors_and_drive_angle_must_fit() -> None:
     record = trough_record(noise=0.1)
-    with pytest.raises(InputError, match="two accelerometers measure the drive angle, which is given too"):
+    with pytest.raises(InputError, match="two sensors measure the drive angle, which is given too"):
         motion_of(record, drive_angle=0.3)
     one = trough_record(noise=0.1, columns=("trough_along",))
     with pytest.raises(InputError, match="alone does not tell the motion normal to the trough") as caught:
@@ -353,7 +372,7 @@ def test_sensitivities_may_be_several() -> None:
 
 
 def test_columns_must_be_named() -> None:
-    with pytest.raises(InputError, match="no acceleration of the trough named among 'Zeit in s'") as caught:
+    with pytest.raises(InputError, match="no motion of the trough named among 'Zeit in s'") as caught:
         read(trough_along=None, trough_normal=None, sensitivity=())
     assert "trough_along=" in caught.value.hint
     assert 'sensitivity="100mV/g"' in caught.value.hint
@@ -370,9 +389,11 @@ def test_accelerations_without_voltages_are_hinted_at(tmp_path: Path) -> None:
     path = tmp_path / "r.csv"
     for header, hint in (
         ("t [s],a [m/s^2]", 'trough_along="a [m/s^2]"'),
+        ("t [s],x [mm]", 'trough_along="x [mm]"'),
+        ("t [s],x [mm],u [mV],v [V]", 'trough_along="u [mV]" sensitivity="100mV/g"'),
         ("t [s],b", 'trough_along="ax [m/s^2]" trough_normal="ay [m/s^2]"'),
     ):
         path.write_text(f"{header}\n0,1\n1,2\n", encoding="utf-8")
-        with pytest.raises(InputError, match="no acceleration of the trough named") as caught:
+        with pytest.raises(InputError, match="no motion of the trough named") as caught:
             vibro.measured_motion(path)
         assert caught.value.hint.endswith(hint)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -63,7 +64,8 @@ def compare_command(
     ] = None,
     time: TimeOption = None,
     displacement: Annotated[
-        str | None, column_option("displacement", "Column of the displacement relative to the trough.")
+        str | None,
+        column_option("displacement", "Column of the displacement relative to the trough, or --absolute."),
     ] = None,
     velocity: Annotated[str | None, column_option("velocity", "Column of the relative velocity.")] = None,
     acceleration: Annotated[
@@ -80,6 +82,14 @@ def compare_command(
         str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
     ] = None,
     reverse: ReverseOption = False,
+    absolute: Annotated[
+        bool,
+        typer.Option(
+            "--absolute",
+            help="The data are motions over the ground, as a camera on a tripod sees them: the trough's is in"
+            " them.",
+        ),
+    ] = False,
     fit: Annotated[
         str | None,
         typer.Option(
@@ -105,6 +115,7 @@ def compare_command(
     from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
     from vibro.records.comparison_tables import ComparisonTables
+    from vibro.records.headers import TroughAloneError
     from vibro.records.reading import read_record
     from vibro.records.signals import read_sensitivities
     from vibro.records.trough import trough_of
@@ -130,7 +141,11 @@ def compare_command(
         "trough_normal": trough_normal,
     }
     columns = {name: text for name, text in given.items() if text is not None}
-    record = read_record(data, columns, read_sensitivities(sensitivity or ()))
+    try:
+        record = read_record(data, columns, read_sensitivities(sensitivity or ()))
+    except TroughAloneError as exc:
+        command = _motion_command(options, data, columns, sensitivity or (), reverse=reverse)
+        raise InputError(*exc.problems, hint=f"what the feeder does: {command}\n{exc.hint}") from None
     for note in record.notes:
         console.echo(note)
     if "friction" in record.signals and body is None:
@@ -157,6 +172,7 @@ def compare_command(
         mass=body,
         reverse=reverse,
         clock=drive.clock if drive else None,
+        absolute=absolute,
     )
     with SeriesOutput(
         f"{data.stem}-compare",
@@ -207,6 +223,30 @@ def compare_command(
     else:
         print(comparison_report(tables, data, request))
     return ExitCode.DONE
+
+
+def _motion_command(
+    options: Options, data: Path, columns: Mapping[str, str], sensitivity: Sequence[str], *, reverse: bool
+) -> str:
+    """Write the command that measures the trough alone, with what it takes of the options that were given."""
+    from vibro.files.scene_files import read_scene_file
+    from vibro.quantities import DRIVES
+
+    own = read_scene_file(options.scene).scene if options.scene else {}
+    drive = {"stroke", "frequency", "normal_acceleration", *DRIVES}
+    given = {name: text for name, text in options.given.items() if name not in drive}
+    if not {"trough_along", "trough_normal"} <= columns.keys():  # one sensor does not tell the drive's line
+        line = {"drive_angle": f"{float(own['drive_angle'].values[0]):.15g}"} if "drive_angle" in own else {}
+        given |= line | {name: text for name, text in options.given.items() if name == "drive_angle"}
+    typed = [(f"--{name.replace('_', '-')}", text) for name, text in columns.items()]
+    typed += [("--sensitivity", text) for text in sensitivity]
+    typed += [(QUANTITIES[name].options[0], text) for name, text in given.items()]
+    words = [str(path) for path in (options.scene, data) if path]
+    for option, text in typed:
+        # Behind a blank, -60deg would be an option.
+        words += [f"{option}={text}"] if text.startswith("-") else [option, text]
+    words += ["--reverse"] if reverse else []
+    return shlex.join(["vibro", "motion", *words, *(["--json"] if options.json else [])])
 
 
 def _elliptical(options: Options) -> bool:

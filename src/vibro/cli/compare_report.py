@@ -77,6 +77,9 @@ class _Report:
             ("scene", self._scene()),
             ("computed", f"pattern {self.comparison.motion.pattern}"),
         ]
+        if self.comparison.recorded.absolute:
+            seen = "the data are over the ground: the trough's computed motion is taken off them"
+            facts.insert(1, ("", seen))
         if self.tables.drive is not None:
             facts += _trough(self.tables.drive)
         if not math.isnan(alignment.shift):

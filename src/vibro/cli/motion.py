@@ -1,4 +1,4 @@
-"""``vibro motion``: a drive, measured by accelerometers on the trough."""
+"""``vibro motion``: a drive, measured by sensors on the trough."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def motion_command(
     options: Options,
     data: Annotated[
         Path | None,
-        typer.Argument(metavar="RECORD.csv", help="Accelerations over time.", show_default=False),
+        typer.Argument(metavar="RECORD.csv", help="The trough's motion over time.", show_default=False),
     ] = None,
     time: TimeOption = None,
     trough_along: TroughAlongOption = None,
@@ -51,7 +51,7 @@ def motion_command(
             "-a",
             "--drive-angle",
             metavar="VALUE",
-            help="Angle of the drive's line, which a single accelerometer does not tell [deg].",
+            help="Angle of the drive's line, which a single sensor does not tell [deg].",
             show_default=False,
         ),
     ] = None,
@@ -68,17 +68,18 @@ def motion_command(
     json: JsonOption = False,
     force: ForceOption = False,
 ) -> int:
-    """Measure a trough's motion, with its harmonics, by one or two accelerometers on it.
+    """Measure a trough's motion, with its harmonics, by one or two sensors on it.
 
-    Amplitudes and phases are printed with their standard errors, and with the friction of a part (--mu-s,
-    --mu-d, or SCENE.toml) the speed: what noise, the last harmonic and wrong calibration make of it. With -o
-    the motion goes to a scene file, for vibro solve, vibro map and others.
+    Amplitudes and phases are printed with their standard errors, the throw number and the amplitude at which
+    parts begin to hop, and with the friction of a part (--mu-s, --mu-d, or SCENE.toml) the speed: what noise,
+    the last harmonic and wrong calibration make of it. With -o the motion goes to a scene file, for
+    vibro solve, vibro map and others.
     """
     from vibro.cli.motion_report import MotionReport
     from vibro.cli.request import question
     from vibro.output.record import json_text
     from vibro.quantities import DRIVES, LOAD, QUANTITIES, checked_number, scene_fields
-    from vibro.records.measured_speeds import speeds_of, throw_number
+    from vibro.records.measured_speeds import hop_onset, speeds_of
     from vibro.records.reading import read_record
     from vibro.records.signals import read_sensitivities
     from vibro.records.waveforms import motion_of
@@ -111,9 +112,9 @@ def motion_command(
             rest = {name: value for name, value in rest.items() if name not in _FRICTIONS}
         others = scene_fields(rest)
         speeds = speeds_of(measured, others) if has_friction else None
-        throw = throw_number(measured, others)
+        onset = hop_onset(measured, others)
         lengths = {} if request.length is None else {"trough_length": request.length}
-        report = MotionReport(data, measured, throw, speeds, rest | lengths)
+        report = MotionReport(data, measured, onset, speeds, rest | lengths)
         target.write(report.scene_file())
     if output != "-":
         print(json_text(report.content()) if json else report.text())

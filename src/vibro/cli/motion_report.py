@@ -12,16 +12,17 @@ from vibro.cli.compare_report import uncertain
 from vibro.cli.report import aligned
 from vibro.core.codes import Status
 from vibro.errors import printable
-from vibro.quantities import DEFAULTS, LENGTH, QUANTITIES
+from vibro.quantities import DEFAULTS, ELLIPTICAL, LENGTH, QUANTITIES
+from vibro.records.folding import Estimate
 from vibro.records.tolerances import TOL
+from vibro.records.trough import spelled
 from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from vibro.records.folding import Estimate
-    from vibro.records.measured_speeds import Speeds
+    from vibro.records.measured_speeds import HopOnset, Speeds
     from vibro.records.waveforms import MeasuredMotion
 
 __all__ = ["MotionReport"]
@@ -45,8 +46,8 @@ class MotionReport:
         The record.
     measured : MeasuredMotion
         The motion.
-    throw : Estimate
-        Throw number.
+    onset : HopOnset
+        Throw number, and where parts begin to hop.
     speeds : Speeds or None
         The conveying speed; None without friction.
     others : mapping of str to float
@@ -57,13 +58,13 @@ class MotionReport:
         self,
         data: Path,
         measured: MeasuredMotion,
-        throw: Estimate,
+        onset: HopOnset,
         speeds: Speeds | None,
         others: Mapping[str, float],
     ) -> None:
         self.data = data
         self.measured = measured
-        self.throw = throw
+        self.onset = onset
         self.speeds = speeds
         self.others = others
 
@@ -86,12 +87,35 @@ class MotionReport:
             ("record", f"{printable(str(self.data))}: {record}"),
             ("fundamental", self._fundamental()),
             ("harmonics", f"{stands} (each by chance in one record of {1.0 / TOL.by_chance:.0f})"),
-            ("throw number", _told(*self.throw)),
+            ("throw number", _told(*self.onset.throw_number)),
+            ("hops", self._hops()),
         ]
         if self.speeds is None:
             needed = "unknown without friction: add --mu-s and --mu-d, or a scene file that gives both"
-            return [*facts, ("mean speed", needed)]
-        return facts + self._speed(self.speeds)
+            facts.append(("mean speed", needed))
+        else:
+            facts += self._speed(self.speeds)
+        return [*facts, ("solve with", self._options())]
+
+    def _hops(self) -> str:
+        """Say at which amplitude parts begin to hop."""
+        throw, growth, amplitudes = self.onset
+        if not amplitudes:
+            return "never: the trough moves along itself alone"
+        sizes = ", ".join(described(*pair) for pair in amplitudes.items())
+        at = f"{_told(*growth)} times today's amplitude ({sizes})"
+        return f"already, and no more below {at}" if throw.value > 1.0 else f"from {at} on"
+
+    def _options(self) -> str:
+        """Return the options with which ``vibro solve`` takes the motion, or where else it takes it from."""
+        if self.measured.order > 1:
+            return "-o DRIVE.toml writes all harmonics as a scene file, for vibro solve DRIVE.toml"
+        said = []
+        for name, value in self._quantities().items():
+            option = QUANTITIES[name].options[0]
+            said.append(f"{option}{'=' if option.startswith('--') and value < 0.0 else ' '}{value!r}")
+        friction = "" if self.speeds is not None else ", and --mu-s and --mu-d"
+        return f"vibro solve {' '.join(said)}{friction}"
 
     def _fundamental(self) -> str:
         """Describe the fundamental as a line, or as an ellipse where it leaves one."""
@@ -171,8 +195,9 @@ class MotionReport:
             "harmonics_found": m.significant,
             "harmonics_sought": m.p_values.size,
             "harmonics": harmonics,
-            "throw_number": self.throw.value,
-            "throw_number_error": self.throw.error,
+            "throw_number": self.onset.throw_number.value,
+            "throw_number_error": self.onset.throw_number.error,
+            "hop_onset": self._onset(),
             "scene": self._scene(),
             "speed": None if self.speeds is None else self._speed_content(self.speeds),
             "warnings": list(m.warnings),
@@ -194,17 +219,47 @@ class MotionReport:
             "calibration_mm_s": {name: mm(change) for name, change in speeds.calibrations.items()},
         }
 
+    def _onset(self) -> dict[str, float] | None:
+        """Return the motion at which parts begin to hop, for JSON."""
+        _, growth, amplitudes = self.onset
+        if not amplitudes:
+            return None
+        content = {"times_todays_amplitude": growth.value, "times_todays_amplitude_error": growth.error}
+        for name, size in amplitudes.items():
+            value, error = (float(LENGTH.from_si(x)) for x in size)
+            content |= {f"{name}_mm": value, f"{name}_error_mm": error}
+        return content
+
+    def _quantities(self) -> dict[str, float]:
+        """Return a motion of one harmonic, and the rest of the scene, in users' units: a line or an ellipse.
+
+        What was measured has the digits that the record tells.
+        """
+        m = self.measured
+        if m.drive_angle is not None:
+            found = m.trough.drive_on_line(m.drive_angle).quantities
+            drive = _rounded(found) | {"drive_angle": float(f"{math.degrees(m.drive_angle):.15g}")}
+        else:
+            found = m.measured_drive().quantities
+            phase, zero = found["normal_phase"], found.pop("along_phase")
+            lead = math.remainder(phase.value - zero.value, math.tau)
+            found |= {"normal_phase": Estimate(lead, math.hypot(phase.error, zero.error))}
+            drive = _rounded({name: found[name] for name in (*ELLIPTICAL, "frequency")})
+        return drive | {name: x for name, x in self.others.items() if x != DEFAULTS.get(name)}
+
     def _scene(self) -> dict[str, float | list[float]]:
-        """Return the keys of the scene file: those of an ellipse, or lists of harmonics."""
+        """Return the keys of the scene file: those of a line or an ellipse, or lists of harmonics."""
+        m = self.measured
+        if m.order == 1:
+            return {QUANTITIES[name].column: x for name, x in self._quantities().items()}
+        found = _rounded(m.measured_drive().quantities)
+        ends = ["", *(f"_{k}" for k in range(2, m.order + 1))]
         scene: dict[str, float | list[float]] = {}
-        for name, value in self.measured.drive().items():
-            if not name.endswith("_harmonics"):
-                scene[QUANTITIES[name].column] = float(QUANTITIES[name].from_si(value))
-            elif value:
-                way = name.removesuffix("_harmonics")
-                sizes, phases = ([float(x) for x in part] for part in zip(*value, strict=True))
-                scene[f"{way}_amplitudes_mm"] = [float(LENGTH.from_si(x)) for x in sizes]
-                scene[f"{way}_phases_deg"] = [math.degrees(x) for x in phases]
+        for way, motion in (("along", m.along), ("normal", m.normal)):
+            if motion.any():
+                scene[f"{way}_amplitudes_mm"] = [found[f"{way}_amplitude{end}"] for end in ends]
+                scene[f"{way}_phases_deg"] = [found[f"{way}_phase{end}"] for end in ends]
+        scene[QUANTITIES["frequency"].column] = found["frequency"]
         rest = {name: x for name, x in self.others.items() if x != DEFAULTS.get(name)}
         return scene | {QUANTITIES[name].column: x for name, x in rest.items()}
 
@@ -220,6 +275,14 @@ class MotionReport:
         head.append(f"# Standard error of the frequency: {m.frequency_error:.2g} Hz")
         lines = [f"{key} = {value!r}" for key, value in self._scene().items()]
         return "\n".join([*head, "", "[scene]", *lines, ""])
+
+
+def _rounded(quantities: Mapping[str, Estimate]) -> dict[str, float]:
+    """Return measured quantities in users' units, to two digits below their standard errors."""
+    return {
+        name: float(spelled(*(float(QUANTITIES[name].from_si(x)) for x in estimate)))
+        for name, estimate in quantities.items()
+    }
 
 
 def _told(value: float, error: float) -> str:

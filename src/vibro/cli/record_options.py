@@ -33,7 +33,9 @@ TimeOption = Annotated[str | None, column_option("time", "Column of the time.")]
 TroughAlongOption = Annotated[
     str | None,
     column_option(
-        "trough-along", "Column of the trough's acceleration along its surface: gives amplitude, frequency."
+        "trough-along",
+        "Column of the trough's acceleration (or velocity, or displacement) along its surface: gives"
+        " amplitude, frequency.",
     ),
 ]
 TroughNormalOption = Annotated[

@@ -35,6 +35,7 @@ _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene withi
 _PERIODIC: Final = 1e-6  # relative change between cycles that count as the same
 _LONGEST_RUN: Final = 1000.0  # [drive cycles] from rest in which phases with flights must begin to repeat
 _ROUNDING: Final = 1e-12  # [drive cycles] shorter phases at the ends of a cycle are rounding
+_DIFFERENCE: Final = 1e-5  # [drive cycles] half the time of a difference: ten digits of a speed are left
 _SHORT: Final = 1e-2  # [rad] shorter flights are listed as one phase
 
 
@@ -174,6 +175,18 @@ class SettledMotion:
         within = np.clip(since - turns * self.period, 0.0, self.period)
         sample = self._history.sample(self._since + within)
         return replace(sample, time=time, position=sample.position + turns * self.advance)
+
+    def trough(self, time: Floats) -> dict[str, Floats]:
+        """Displacement, velocity, acceleration of the trough along itself at trough times [m, m/s, m/s^2]."""
+        step = _DIFFERENCE * self.period
+        before, now, after = (self.sample(time + x) for x in (-step, 0.0, step))
+        scene = self._history.scene
+        weight = float(scene.gravity) * math.sin(float(scene.trough_angle))
+        return {
+            "displacement": now.trough_along,
+            "velocity": (after.trough_along - before.trough_along) / (2.0 * step),
+            "acceleration": -(now.inertial + weight),
+        }
 
 
 def settled_motion(scene: Scene) -> SettledMotion:

@@ -75,6 +75,9 @@ def comparison_figure(
     """
     names = list(comparison.observation.signals)
     models = [(comparison, _COMPUTED)] + ([(fitted, _FITTED)] if fitted else [])
+    if fitted and fitted.recorded.absolute:
+        # The trough's motion was subtracted at each scene's place in the cycle: that of the fit is better.
+        comparison = fitted
     with house_style():
         from matplotlib.lines import Line2D
 

@@ -53,14 +53,17 @@ class Observation:
     time : array
         Ascending [s].
     signals : mapping of str to array
-        ``displacement``, ``velocity``, ``acceleration`` relative to the trough and ``friction`` on the body
-        per unit mass, positive in the conveying direction; any subset.
+        ``displacement``, ``velocity``, ``acceleration`` of the body and ``friction`` on it per unit mass,
+        positive in the conveying direction; any subset.
     frequency : float
         Drive frequency [Hz].
     clock : Estimate or None
         Trough time at the clock's zero, in [0, period), if it was measured [s].
     sensitivities : mapping of str to str
         Sensitivities of the signals that are voltages, as typed.
+    absolute : bool
+        Whether the body's motion is that over the ground, which holds the trough's; else it is relative to
+        the trough.
     """
 
     time: Floats
@@ -68,6 +71,7 @@ class Observation:
     frequency: float
     clock: Estimate | None = None
     sensitivities: Mapping[str, str] = field(default_factory=dict)
+    absolute: bool = False
 
     @classmethod
     def of(
@@ -78,6 +82,7 @@ class Observation:
         mass: float | None = None,
         reverse: bool = False,
         clock: Estimate | None = None,
+        absolute: bool = False,
     ) -> Observation:
         """Select the signals of a record that can be compared.
 
@@ -93,6 +98,8 @@ class Observation:
             Whether the record's axis points against the conveying direction.
         clock : Estimate, optional
             Trough time at the clock's zero [s].
+        absolute : bool
+            Whether the record's motions are those over the ground, as a camera on a tripod sees them.
 
         Raises
         ------
@@ -113,7 +120,7 @@ class Observation:
             # record is the sensor's zero, or gravity on a sensor that is not level: subtract it.
             steady = fold(record.time, signals["acceleration"], frequency, _TRENDS["acceleration"])
             signals["acceleration"] = signals["acceleration"] - steady.coefficients[0]
-        return cls(record.time, signals, frequency, clock, record.sensitivities)
+        return cls(record.time, signals, frequency, clock, record.sensitivities, absolute)
 
     @property
     def period(self) -> float:
@@ -143,6 +150,18 @@ class Observation:
         signals = {name: values[part] for name, values in self.signals.items()}
         return replace(self, time=self.time[part], signals=signals)
 
+    def relative_to(self, motion: SettledMotion, shift: float) -> Observation:
+        """Return the record relative to the trough, whose motion at a shift is subtracted if need be."""
+        if not self.absolute:
+            return self
+        trough = motion.trough(self.time + shift)
+        signals = {name: values - trough.get(name, 0.0) for name, values in self.signals.items()}
+        return replace(self, signals=signals, absolute=False)
+
+    def model(self, motion: SettledMotion, time: Floats) -> dict[str, Floats]:
+        """Compute what the record's sensors show at trough times."""
+        return computed_signals(motion, self.signals, time, self.sample_time, absolute=self.absolute)
+
     def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
         """Return the best shift on a grid over the cycle, and the negative log-likelihood of every shift.
 
@@ -150,7 +169,7 @@ class Observation:
         """
         grid = np.arange(TOL.shifts) * self.period / TOL.shifts
         loss = np.zeros(TOL.shifts)
-        models = computed_signals(motion, self.signals, grid, self.sample_time)
+        models = self.model(motion, grid)
         for name, folded in self.folded.items():
             measured, model = folded.periodic(grid), models[name]
             if name == "displacement":
@@ -207,7 +226,7 @@ def check_scene(scene: Scene) -> None:
 
 
 def computed_signals(
-    motion: SettledMotion, names: Iterable[str], time: Floats, window: float
+    motion: SettledMotion, names: Iterable[str], time: Floats, window: float, *, absolute: bool = False
 ) -> dict[str, Floats]:
     """Compute signals of the model at trough times.
 
@@ -224,6 +243,8 @@ def computed_signals(
         Trough times [s].
     window : float
         Width of the averages [s].
+    absolute : bool
+        Whether to add the trough's motion to those of the body, which are relative to it.
     """
     names = list(names)
     jumping = {"acceleration", "friction"} & set(names)
@@ -235,6 +256,9 @@ def computed_signals(
     if jumping:
         signals["acceleration"] = (velocity[n : 2 * n] - velocity[2 * n :]) / window
         signals["friction"] = signals["acceleration"] - sample.inertial[:n]
+    if absolute:
+        trough = motion.trough(time)
+        signals = {name: values + trough.get(name, 0.0) for name, values in signals.items()}
     return {name: signals[name] for name in names}
 
 
@@ -263,7 +287,7 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
         return Alignment(math.nan, math.nan, ())
 
     def residuals(shift: float) -> dict[str, Floats]:
-        model = computed_signals(motion, signals, observation.time + shift, observation.sample_time)
+        model = observation.model(motion, observation.time + shift)
         found = {name: values - model[name] for name, values in signals.items()}
         if "displacement" in found:
             found["displacement"] = detrended(observation.time, found["displacement"], 1)

@@ -11,8 +11,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from vibro.motion.settled import SettledMotion, settled_motion
-from vibro.records.alignment import Alignment, Observation, align, check_scene, computed_signals
+from vibro.records.alignment import Alignment, Observation, align, check_scene
 from vibro.records.folding import Estimate, Floats, Folded, detrended, fold
+from vibro.records.frames import of_another_frame
 from vibro.records.frequencies import foreign_frequency
 from vibro.records.signals import doubt, rounded
 from vibro.records.tolerances import TOL
@@ -55,7 +56,7 @@ class Comparison:
     Attributes
     ----------
     observation : Observation
-        The record.
+        The record, relative to the trough.
     motion : SettledMotion
         The model.
     alignment : Alignment
@@ -72,6 +73,8 @@ class Comparison:
         displacement has the mean of the measured one.
     curve_time, curves : array, mapping of str to array
         Trough times over one cycle, and the model's signals there; the displacement begins at 0.
+    recorded : Observation
+        The record as it was recorded, in absolute coordinates maybe.
     """
 
     observation: Observation
@@ -83,11 +86,12 @@ class Comparison:
     computed: Mapping[str, Floats]
     curve_time: Floats
     curves: Mapping[str, Floats]
+    recorded: Observation
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Reasons to doubt the comparison."""
-        observation, motion, alignment = self.observation, self.motion, self.alignment
+        observation, motion, alignment = self.recorded, self.motion, self.alignment
         warnings = []
         if math.isnan(alignment.shift):
             warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
@@ -98,6 +102,7 @@ class Comparison:
         warnings += _of_another_size(observation, motion)
         warnings += _of_another_frequency(observation)
         warnings += _of_another_clock(observation, motion, alignment)
+        warnings += of_another_frame(observation, motion)
         advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
         if advance * motion.advance < 0.0:
             warnings.append("the data run against the computed direction: reverse=True reverses their axis")
@@ -139,10 +144,10 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     # A body at rest fits with any shift.
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
     trough_time = observation.time + shift
-    step = observation.sample_time
-    signals = computed_signals(motion, observation.signals, trough_time, step)
+    recorded, observation = observation, observation.relative_to(motion, shift)
+    signals = observation.model(motion, trough_time)
     cycle = np.linspace(0.0, motion.period, TOL.curve)
-    curves = computed_signals(motion, observation.signals, cycle, step)
+    curves = observation.model(motion, cycle)
     if "displacement" in signals:
         offset = float((observation.signals["displacement"] - signals["displacement"]).mean())
         signals["displacement"] = signals["displacement"] + offset
@@ -151,11 +156,12 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     folded = observation.folded
     if "velocity" in folded or "displacement" in folded:
         velocity = folded["velocity"] if "velocity" in folded else folded["displacement"].derivative()
-        rows += _speeds(_Clocked(velocity, shift, alignment.error), motion)
+        clocked = _Clocked(velocity, shift, alignment.error, motion if recorded.absolute else None)
+        rows += _speeds(clocked, motion)
     rows += _misfits(observation, signals)
     passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
     seen = (observation, motion, alignment, tuple(rows))
-    return Comparison(*seen, trough_time, passing, signals, cycle, curves)
+    return Comparison(*seen, trough_time, passing, signals, cycle, curves, recorded)
 
 
 def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
@@ -176,24 +182,40 @@ def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
 
 @dataclass(frozen=True, eq=False)
 class _Clocked:
-    """A folded velocity over trough time: the record's time plus a shift with an error [s]."""
+    """A folded velocity over trough time: the record's time plus a shift with an error [s].
+
+    With a ``subtracted`` motion, that of its trough was subtracted at this shift, with the same error.
+    """
 
     folded: Folded
     shift: float
     clock_error: float
+    subtracted: SettledMotion | None = None
 
     def at(self, time: Floats) -> Floats:
         return self.folded.fitted(time - self.shift)
 
     def estimate(self, time: float) -> Estimate:
         at = np.array([time - self.shift])
-        return Estimate(float(self.folded.fitted(at)[0]), float(self.folded.error(at)[0]))
+        late = self._known_clock_error * abs(self._trough_slope(time))
+        return Estimate(float(self.folded.fitted(at)[0]), math.hypot(float(self.folded.error(at)[0]), late))
+
+    @property
+    def _known_clock_error(self) -> float:
+        return 0.0 if math.isnan(self.clock_error) else self.clock_error
+
+    def _trough_slope(self, time: float) -> float:
+        """Return the acceleration of the trough that was subtracted."""
+        return float(self.subtracted.trough(np.array([time]))["acceleration"][0]) if self.subtracted else 0.0
 
     def passing(self, time: float) -> Estimate:
         """Return a time at which a speed is passed, with its error from those of speed and clock."""
-        slope = abs(float(self.folded.derivative().periodic(np.array([time - self.shift]))[0]))
-        error = self.estimate(time).error / slope if slope else math.nan
-        return Estimate(time, math.hypot(error, 0.0 if math.isnan(self.clock_error) else self.clock_error))
+        at = np.array([time - self.shift])
+        slope = float(self.folded.derivative().periodic(at)[0])
+        error = float(self.folded.error(at)[0]) / abs(slope) if slope else math.nan
+        # A clock that is late moves the velocity as it was recorded.
+        late = self._known_clock_error * abs(1.0 + self._trough_slope(time) / slope if slope else 1.0)
+        return Estimate(time, math.hypot(error, late))
 
 
 def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
@@ -268,7 +290,7 @@ def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[R
 def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
     """Warn of signals so much larger or smaller than computed that their unit may be wrong."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
-    model = computed_signals(motion, observation.signals, cycle, observation.sample_time)
+    model = observation.model(motion, cycle)
     found = []
     for name, values in observation.signals.items():
         trend = motion.advance / motion.period * cycle if name == "displacement" else 0.0

@@ -64,7 +64,7 @@ class ComparisonTables:
         return [(p, (quantity.unit, float(quantity.to_si(1.0)))) for p, quantity in found]
 
     def signals(self) -> TableColumns:
-        """Return measured and computed signals over time."""
+        """Return measured and computed signals over time, relative to the trough."""
         comparison, observation = self.comparison, self.comparison.observation
         trough_time = comparison.trough_time % comparison.motion.period
         columns: dict[str, Any] = {"time_s": observation.time, "trough_time_s": trough_time}
@@ -101,6 +101,7 @@ class ComparisonTables:
         comparison, alignment = self.comparison, self.comparison.alignment
         content: dict[str, Any] = {
             "columns": dict(self.record.headers),
+            "absolute": comparison.recorded.absolute,
             "pattern": comparison.motion.pattern,
             "trough_time_at_zero_s": _number(alignment.shift),
             "trough_time_error_s": _number(alignment.error),

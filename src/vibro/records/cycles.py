@@ -50,7 +50,9 @@ class SceneCycles:
     slides: Floats
     followed: Mapping[int, SettledMotion]
 
-    def signals(self, names: Iterable[str], time: Floats, shift: Floats, window: float) -> dict[str, Floats]:
+    def signals(
+        self, names: Iterable[str], time: Floats, shift: Floats, window: float, *, absolute: bool = False
+    ) -> dict[str, Floats]:
         """Sample signals as ``computed_signals`` does.
 
         Parameters
@@ -63,6 +65,8 @@ class SceneCycles:
             Trough time at the clock's zero, for each scene [s].
         window : float
             Width of the averages of accelerations and friction [s].
+        absolute : bool
+            Whether to add the trough's motion to those of the body, which are relative to it.
 
         Returns
         -------
@@ -72,10 +76,15 @@ class SceneCycles:
         names = list(names)
         if self.fields.can(Ability.ONE_HARMONIC):
             result = self._closed_forms(self.fields, names, time, shift, window)
+            if absolute:
+                for name, values in self._trough(time, shift).items():
+                    if name in result:
+                        result[name] = result[name] + values
         else:
             result = {name: np.zeros((shift.size, time.size)) for name in names}
         for scene, motion in self.followed.items():
-            for name, values in computed_signals(motion, names, time + shift[scene], window).items():
+            own = computed_signals(motion, names, time + shift[scene], window, absolute=absolute)
+            for name, values in own.items():
                 result[name][scene] = values
         return {name: result[name] for name in names}
 
@@ -97,6 +106,16 @@ class SceneCycles:
             inertial = fields.along[:, None] * rate**2 * np.sin(phase) - weight[:, None]
             result["friction"] = result["acceleration"] - inertial
         return result
+
+    def _trough(self, time: Floats, shift: Floats) -> dict[str, Floats]:
+        """Return the motions of the trough along itself, of one harmonic."""
+        rate = math.tau * self.fields.frequency[:, None]
+        phase, along = rate * (time + shift[:, None]), self.fields.along[:, None]
+        return {
+            "displacement": along * np.sin(phase),
+            "velocity": along * rate * np.cos(phase),
+            "acceleration": -along * rate**2 * np.sin(phase),
+        }
 
     def _velocities(self, phase: Floats) -> Floats:
         total = np.zeros_like(phase)

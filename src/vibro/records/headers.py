@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.records.signals import (
+    DERIVATIVES,
     EXAMPLES,
     KINDS,
     SIGNAL_UNITS,
@@ -16,11 +17,12 @@ from vibro.records.signals import (
     TROUGH,
     Sensitivity,
     Unit,
+    kinds_of,
     signal_unit,
-)  # fmt: skip
+)
 from vibro.records.tolerances import TOL
 
-__all__ = ["Column", "Columns", "Header", "Wanted", "columns_of"]
+__all__ = ["Column", "Columns", "Header", "TroughAloneError", "Wanted", "columns_of"]
 
 # Words in a header that decide between columns whose units are of the same kind.
 _WORDS: Final = {
@@ -51,7 +53,7 @@ class Header(NamedTuple):
 class Wanted(NamedTuple):
     """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages.
 
-    Signals of the body are needed unless ``body`` is false: then accelerations of the trough are.
+    Signals of the body are needed unless ``body`` is false: then motions of the trough are.
     """
 
     headers: Mapping[str, str]
@@ -60,15 +62,20 @@ class Wanted(NamedTuple):
 
 
 class Column(NamedTuple):
-    """Column of a signal: its header, the size of its unit in SI units, and the sensitivity of a voltage."""
+    """Column of a signal: its header, kind and size of its unit in SI units, sensitivity of a voltage."""
 
     header: Header
+    kind: str
     size: float
     sensitivity: Sensitivity | None = None
 
 
 #: Columns by the keys of ``KINDS``.
 Columns = dict[str, Column]
+
+
+class TroughAloneError(InputError):
+    """A record that is to be compared, of which motions of the trough are named alone."""
 
 
 def _headers(above: list[list[str]]) -> list[Header]:
@@ -129,10 +136,13 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
         Rows above the first one of data; the last one is the header row, or a row of units under it.
     wanted : Wanted
         Columns that a user names. If no signal of the body is among them, every other column whose unit is
-        unambiguous is taken too. Voltages and accelerations of the trough must be named.
+        unambiguous is taken too. Voltages and motions of the trough must be named, and so must a signal of
+        the body that has the kind of one of the trough: it may as well be another one of the trough.
 
     Raises
     ------
+    TroughAloneError
+        If the trough's motion is named and no signal of the body is named or found.
     InputError
         If a column is missing, ambiguous, without a unit, or named twice; if a voltage lacks a sensitivity,
         or a sensitivity a voltage.
@@ -149,7 +159,8 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
                 found[role] = _named(path, headers, role, wanted)
             else:
                 taken = {column.header.place for column in found.values()}
-                found |= _detected(path, [h for h in headers if h.place not in taken], role)
+                if KINDS[role] not in {found[name].kind for name in TROUGH if name in found}:
+                    found |= _detected(path, [h for h in headers if h.place not in taken], role)
         except InputError as exc:
             problems += exc.problems
             hints += [exc.hint]
@@ -158,15 +169,32 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
         hints.append('name it, with its unit: time="t [s]"')
     needed = SIGNALS if wanted.body else TROUGH
     if not problems and not any(role in found for role in needed):
-        of_body = " of the body" if len(found) > 1 else ""
-        what = f"signal{of_body} found" if wanted.body else "acceleration of the trough named"
+        if any(role in found for role in TROUGH):
+            _check_use(path, headers, found, wanted)
+            raise _trough_alone(path, headers, found)
+        what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
         hints.append(_name_one(headers, wanted))
-        hints += ["vibro.measured_motion measures the trough alone"] if of_body else []
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
     _check_use(path, headers, found, wanted)
     return {role: found[role] for role in KINDS if role in found}
+
+
+def _trough_alone(path: Path, headers: list[Header], found: Columns) -> TroughAloneError:
+    """Say that there is nothing to compare with the trough's motion, and how to name what may be."""
+    named = _list([found[role].header for role in TROUGH if role in found])
+    hint = 'to compare a part, name its signal: displacement="X [mm]"'
+    read = {column.header.place for column in found.values()}
+    for role in SIGNALS:
+        free = [h for h in headers if h.place not in read and h.unit and h.unit[0] == KINDS[role]]
+        if free:
+            own = next(
+                (f', or {name}="{free[0].text}" of the trough' for name in TROUGH if name not in found), ""
+            )
+            hint = f'say what column {shown(free[0].text)} is: {role}="{free[0].text}" of a part{own}'
+            break
+    return TroughAloneError(f"{path}: {named}: motions of the trough alone, no part to compare", hint=hint)
 
 
 def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
@@ -194,10 +222,11 @@ def _voltages(headers: list[Header]) -> list[Header]:
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
     """Show how to name a signal, with a sensitivity if the table holds a voltage."""
     if not wanted.body:
-        units = {"voltage": f' sensitivity="{EXAMPLES["acceleration"]}"', "acceleration": ""}
-        for header in headers:
-            if header.unit and header.unit[0] in units:
-                example = f'trough_along="{header.text}"{units[header.unit[0]]}'
+        sensitivities = {"voltage": f' sensitivity="{EXAMPLES["acceleration"]}"'}
+        of_kind = {header.unit[0]: header for header in reversed(headers) if header.unit}
+        for kind in ("voltage", *DERIVATIVES):
+            if kind in of_kind:
+                example = f'trough_along="{of_kind[kind].text}"{sensitivities.get(kind, "")}'
                 return f"name one or both, trough_along= and trough_normal=: {example}"
         return 'name one or both, with the unit: trough_along="ax [m/s^2]" trough_normal="ay [m/s^2]"'
     for header in _voltages(headers):
@@ -229,15 +258,15 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
         raise InputError(several, hint="give them different names in the file")
     (header,) = found
     unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
-    if unit is not None and unit[0] == kind:
-        return Column(header, unit[1])
+    if unit is not None and unit[0] in kinds_of(role):
+        return Column(header, *unit)
     said, example = f"{path}: column {shown(header.text)} for {role}=", EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
         serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
         if serving:
             # A sensitivity of this column has priority over one of its kind.
             sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
-            return Column(header, unit[1] * sensitivity.per_volt, sensitivity)
+            return Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity)
         what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
         idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
         if (other := next(idle, None)) is not None:
@@ -248,7 +277,8 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
                 example = f"{role.replace('_', '-')}={example}"
         raise InputError(f"{said}: {what}", hint=f'{hint} sensitivity="{example}"')
     stated = unit_text or header.stated
-    problem = f"{shown(stated)} is no unit of {kind}" if stated else "it has no unit"
+    kinds = " or ".join(kinds_of(role))
+    problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
     voltage = f', or mV and V with sensitivity="{example}"' if example else ""
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
     hint = f'write the unit in brackets: {role}="{header.name} [{usual}]"; units of {kind} are {units}'
@@ -257,12 +287,15 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
 
 def _detected(path: Path, headers: list[Header], role: str) -> Columns:
     """Find the column whose unit fits, among several the one whose name fits; empty if there is none."""
-    fitting = [Column(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == KINDS[role]]
+    fitting = [Column(h, *h.unit) for h in headers if h.unit and h.unit[0] == KINDS[role]]
     if len(fitting) > 1:
         fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
     if len(fitting) > 1:
         several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
-        raise InputError(several, hint=f'choose: {role}="{fitting[0].header.text}"')
+        first = fitting[0].header.text
+        own = f' of a part, trough_along="{first}" of the trough' if role in DERIVATIVES else ""
+        hint = f'choose: {role}="{first}"{own}'
+        raise InputError(several, hint=hint)
     return {role: fitting[0]} if fitting else {}
 
 

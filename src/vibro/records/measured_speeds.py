@@ -1,21 +1,42 @@
-"""The conveying speed of a measured motion: its standard error, and what else changes it."""
+"""The conveying speed of a measured motion and its distance to the hop, with standard errors."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.records.folding import Estimate
+from vibro.records.folding import Estimate, Floats
 from vibro.records.tolerances import TOL
 from vibro.records.waveforms import MeasuredMotion, Motions
 from vibro.scene import Scene
 from vibro.steady import solve
 
-__all__ = ["Speeds", "change_by_harmonics", "speeds_of", "throw_number"]
+__all__ = ["HopOnset", "Speeds", "change_by_harmonics", "hop_onset", "speeds_of"]
+
+
+class HopOnset(NamedTuple):
+    """How far a measured motion is from lifting parts off the trough.
+
+    Attributes
+    ----------
+    throw_number : Estimate
+        Largest downward acceleration normal to the trough over that of gravity; above 1 parts hop.
+    growth : Estimate
+        Factor of the whole motion, all harmonics alike, at which it is 1; inf of a motion along the trough
+        alone.
+    amplitudes : mapping of str to Estimate
+        Amplitudes of the first harmonic then, by the names of the scene's fields: of a line, or both of an
+        ellipse [m]. Empty where nothing makes parts hop.
+    """
+
+    throw_number: Estimate
+    growth: Estimate
+    amplitudes: Mapping[str, Estimate]
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,18 +128,32 @@ def change_by_harmonics(measured: MeasuredMotion, others: Mapping[str, float]) -
     return (speed - first) / abs(first) if first else math.copysign(math.inf, speed)
 
 
-def throw_number(measured: MeasuredMotion, others: Mapping[str, float], draws: int = TOL.draws) -> Estimate:
-    """Return the throw number of a measured motion, which friction does not change.
+def hop_onset(measured: MeasuredMotion, others: Mapping[str, float], draws: int = TOL.draws) -> HopOnset:
+    """Return the throw number of a measured motion and where it becomes 1; friction changes neither.
 
-    Parameters are those of ``speeds_of``.
+    Parameters are those of ``speeds_of``. Errors are standard deviations of the draws.
     """
     frictionless = {"static_friction": 0.0, "kinetic_friction": 0.0}
-    drawn = measured.drawn(draws)
+    motions = (measured.motion, measured.drawn(draws))
     known, sample = (
-        solve(Scene(**motion.drive(), **{**others, **frictionless})).throw_number
-        for motion in (measured.motion, drawn)
+        solve(Scene(**motion.drive(), **{**others, **frictionless})).throw_number for motion in motions
     )
-    return Estimate(float(known), float(np.std(sample, ddof=1)))
+
+    def estimate(value: Floats, values: Floats) -> Estimate:
+        return Estimate(float(value), float(np.std(values, ddof=1)))
+
+    throw = estimate(known, sample)
+    if not throw.value:
+        return HopOnset(throw, Estimate(math.inf, 0.0), {})
+    now, drawn = (
+        {"along_amplitude": abs(motion.along[0]), "normal_amplitude": abs(motion.normal[0])}
+        for motion in motions
+    )
+    if not measured.trough.on_an_ellipse:
+        now, drawn = ({"amplitude": np.hypot(*sizes.values())} for sizes in (now, drawn))
+    # The throw number is proportional to the whole motion.
+    amplitudes = {name: estimate(now[name] / known, drawn[name] / sample) for name in now}
+    return HopOnset(throw, estimate(1.0 / known, 1.0 / sample), amplitudes)
 
 
 def _miscalibrated(motion: Motions, sensors: int) -> dict[str, list[Motions]]:

@@ -174,7 +174,8 @@ class Problem:
         grid = np.linspace(0.0, 1.0, TOL.rough_shifts + 1)
         unshifted = np.zeros(points.shape[0])
         time = grid * observation.period
-        models = cycles.signals(observation.signals, time, unshifted, observation.sample_time)
+        step, absolute = observation.sample_time, observation.absolute
+        models = cycles.signals(observation.signals, time, unshifted, step, absolute=absolute)
         squares = np.zeros((points.shape[0], TOL.rough_shifts))
         for name, model in models.items():
             model = (model - np.outer(model[:, -1] - model[:, 0], grid))[:, :-1]
@@ -231,7 +232,8 @@ class Problem:
         """Compute the signals at points, delayed by a number of sample times."""
         observation, step = self.observation, self.observation.sample_time
         shift = points[:, -1] * observation.period + lag * step
-        return cycles.signals(observation.signals, observation.time, shift, TOL.jump_window * step)
+        window, absolute = TOL.jump_window * step, observation.absolute
+        return cycles.signals(observation.signals, observation.time, shift, window, absolute=absolute)
 
     def _fields(self, points: Floats) -> dict[str, Any]:
         """Return the fields of the scenes at points, (M, P) or (M, P + 1), clipped to the bounds."""

@@ -19,7 +19,7 @@ from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.nearby import suggestion
 from vibro.records.folding import Floats
 from vibro.records.headers import Columns, Header, Wanted, columns_of
-from vibro.records.signals import SIGNALS, TROUGH, Sensitivity
+from vibro.records.signals import DERIVATIVES, SIGNALS, TROUGH, Sensitivity
 from vibro.records.tolerances import TOL
 
 __all__ = ["Record", "read_record"]
@@ -47,11 +47,13 @@ class Record:
         Relative displacement [m], velocity [m/s], acceleration [m/s^2] and friction [N] at these times, by
         their names in ``SIGNALS``.
     trough : mapping of str to float array
-        Accelerations of the trough [m/s^2] at these times, by their names in ``TROUGH``.
+        Motions of the trough [m/s^2, m/s or m] at these times, by their names in ``TROUGH``.
     headers : mapping of str to str
         The columns' headers in the file, by the same names and ``"time"``.
     sensitivities : mapping of str to str
         Sensitivities of the columns that are voltages, as typed, by the same names.
+    trough_kinds : mapping of str to str
+        What each motion of the trough is, a key of ``DERIVATIVES``; without one an acceleration.
     notes : tuple of str
         How the file was read, for the user.
     """
@@ -62,6 +64,12 @@ class Record:
     headers: Mapping[str, str]
     sensitivities: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    trough_kinds: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def trough_derivatives(self) -> dict[str, int]:
+        """Derivatives over time from each motion of the trough, as recorded, to its acceleration."""
+        return {name: DERIVATIVES[self.trough_kinds.get(name, "acceleration")] for name in self.trough}
 
 
 class _Table(NamedTuple):
@@ -122,7 +130,7 @@ def read_record(
     sensitivities : sequence of Sensitivity
         Sensitivities of the sensors whose voltages the file holds.
     body : bool
-        Whether a signal of the body is needed; else an acceleration of the trough is.
+        Whether a signal of the body is needed; else a motion of the trough is.
 
     Returns
     -------
@@ -157,9 +165,10 @@ def read_record(
     for role, header in headers.items():
         at = f" at {texts[role]}" if role in texts else ""
         notes.append(f"{role.replace('_', ' ')}: column {shown(header)}{at}")
+    kinds = {role: column.kind for role, column in chosen.items() if role in TROUGH}
     signals = {role: x for role, x in values.items() if role in SIGNALS}
     trough = {role: x for role, x in values.items() if role in TROUGH}
-    return Record(values["time"], signals, trough, headers, texts, tuple(notes))
+    return Record(values["time"], signals, trough, headers, texts, tuple(notes), kinds)
 
 
 def _decode(path: Path) -> tuple[str, list[str]]:

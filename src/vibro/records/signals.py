@@ -12,17 +12,19 @@ from vibro.quantities import LENGTH, SPEED
 from vibro.records.tolerances import TOL
 
 __all__ = [
-    "EXAMPLES", "KINDS", "SIGNALS", "SIGNAL_UNITS", "TROUGH", "Sensitivity", "Unit", "doubt",
-    "read_sensitivities", "rounded", "signal_unit",
+    "DERIVATIVES", "EXAMPLES", "KINDS", "SIGNALS", "SIGNAL_UNITS", "TROUGH", "Sensitivity", "Unit", "doubt",
+    "kinds_of", "read_sensitivities", "rounded", "signal_unit",
 ]  # fmt: skip
 
 #: Kind of a unit, a key of ``SIGNAL_UNITS``, and its size in SI units.
 Unit = tuple[str, float]
 #: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.
 SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
-#: Accelerations of the trough that it may hold: along the trough's surface, and normal to it.
+#: Motions of the trough that it may hold: along the trough's surface, and normal to it.
 TROUGH: Final = ("trough_along", "trough_normal")
-#: Kind of unit of each column.
+#: Kinds of unit that a motion of the trough may have, with the derivatives from each to the acceleration.
+DERIVATIVES: Final[Mapping[str, int]] = {"acceleration": 0, "velocity": 1, "displacement": 2}
+#: Kind of unit of each column; of the trough's the usual one.
 KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *SIGNALS)} | {
     "friction": "force",
     **dict.fromkeys(TROUGH, "acceleration"),
@@ -87,6 +89,11 @@ def doubt(sensitivity: str) -> str:
 def rounded(ratio: float) -> str:
     """Write a ratio to two digits, such as 1000, not 1e+03."""
     return f"{float(f'{ratio:.2g}'):g}"
+
+
+def kinds_of(role: str) -> tuple[str, ...]:
+    """Return the kinds of unit that a column may have, the usual one first."""
+    return tuple(DERIVATIVES) if role in TROUGH else (KINDS[role],)
 
 
 def _a(kind: str) -> str:
@@ -189,8 +196,8 @@ def _sensitivity(text: str) -> Sensitivity:
     if unit is None:
         raise InputError(f"{said}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
     kind, size, inverse = unit
-    if role and KINDS[role] != kind:
-        other = f"{said}: {shown(unit_text)} is no sensitivity of {_a(KINDS[role])}"
+    if role and kind not in kinds_of(role):
+        other = f"{said}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(kinds_of(role)))}"
         raise InputError(other, hint=f"write it like {EXAMPLES[KINDS[role]]}")
     if number == 0.0 or not math.isfinite(number):
         raise InputError(f"{said}: must be finite and not 0", hint=_HINT)

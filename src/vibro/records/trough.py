@@ -1,4 +1,8 @@
-"""The trough's motion and the drive of a scene, measured by accelerometers on the trough."""
+"""The trough's motion and the drive of a scene, measured by sensors on the trough.
+
+Accelerations are what parts feel, so that every motion is told as one: a harmonic of a velocity or of a
+displacement is multiplied by i k w once or twice.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibro.errors import InputError, shown
 from vibro.quantities import ELLIPTICAL, QUANTITIES
@@ -19,8 +24,8 @@ from vibro.records.signals import SIGNAL_UNITS, doubt
 from vibro.records.tolerances import TOL
 
 __all__ = [
-    "MeasuredDrive", "Trough", "Wave", "drive_frequency", "refuse_line_down", "spelled", "trough_of",
-    "trough_signals",
+    "MeasuredDrive", "Trough", "Wave", "drive_frequency", "refuse_line_down", "spelled", "to_accelerations",
+    "trough_of", "trough_signals",
 ]  # fmt: skip
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
@@ -252,12 +257,12 @@ class MeasuredDrive(NamedTuple):
 
 
 def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> Trough | None:
-    """Measure the trough's motion from its accelerations; return None for a record without any.
+    """Measure the trough's motion; return None for a record without any.
 
     Parameters
     ----------
     record : Record
-        Record with accelerations of the trough; offsets, such as gravity, have no effect.
+        Record with motions of the trough; offsets, such as gravity, have no effect.
     reverse : bool
         Whether the axis along the trough points against the conveying direction.
     down : bool
@@ -288,12 +293,18 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
 
 
 def trough_signals(record: Record, *, reverse: bool) -> dict[str, Floats]:
-    """Return the accelerations of the trough, positive in the conveying direction and upwards [m/s^2]."""
+    """Return the motions of the trough as recorded, positive in the conveying direction and upwards."""
     return {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
 
 
+def to_accelerations(record: Record, frequency: float, count: int) -> dict[str, NDArray[np.complex128]]:
+    """Return what turns the first harmonics of each motion of the trough into those of its acceleration."""
+    rates = 2j * math.pi * frequency * np.arange(1, count + 1)
+    return {name: np.asarray(rates**power) for name, power in record.trough_derivatives.items()}
+
+
 def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
-    """Return the frequency at which accelerations of the trough repeat [Hz].
+    """Return the frequency at which motions of the trough repeat [Hz].
 
     Raises
     ------
@@ -308,7 +319,7 @@ def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
     frequency = repetition.fundamental()
     if frequency is None:
         columns = " and ".join(shown(record.headers[name]) for name in signals)
-        hint = "is it the acceleration of a trough that runs?"
+        hint = "is it the motion of a trough that runs?"
         raise InputError(f"no wave stands out in column {columns}", hint=hint)
     return frequency
 
@@ -332,15 +343,18 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
     """Return the fundamental of an acceleration, by regression on all harmonics."""
     folded = fold(record.time, values, frequency, _TRENDS)
     cosines, sines = folded.coefficients[_TRENDS:].reshape(2, -1)
+    factors = to_accelerations(record, frequency, len(sines))[name]
     powers = 0.5 * (cosines**2 + sines**2)
     fundamental = max(float(powers[0]), TOL.rounding**2 * float(np.mean(values**2)))
     variances = np.diagonal(folded.covariance)[_TRENDS:].reshape(2, -1).sum(axis=0)
     left = values - folded.fitted(record.time)
+    over_first = np.abs(factors / factors[0]) ** 2
+    harmonics = max(0.0, float(((powers - 0.5 * variances) * over_first)[1:].sum()))
     return Wave(
         record.headers[name],
-        complex(sines[0], cosines[0]),
-        math.sqrt(0.5 * float(variances[0])),
-        math.sqrt(max(0.0, float((powers - 0.5 * variances)[1:].sum())) / fundamental),
+        complex(complex(sines[0], cosines[0]) * factors[0]),
+        math.sqrt(0.5 * float(variances[0])) * float(abs(factors[0])),
+        math.sqrt(harmonics / fundamental),
         math.sqrt(float(np.mean(left**2)) / fundamental),
         record.sensitivities.get(name, ""),
     )

@@ -1,7 +1,8 @@
-"""The trough's motion with all its harmonics, measured by accelerometers on it, and its uncertainty.
+"""The trough's motion with all its harmonics, measured by sensors on it, and its uncertainty.
 
-Everything is done with accelerations, which the loads of a drive are: a displacement by double integration
-would drift by many amplitudes, while a harmonic is divided by (k w)^2.
+Each record is regressed as it was recorded: a displacement by double integration would drift by many
+amplitudes, and an acceleration by differences would be noise. Its harmonics are told as those of the
+acceleration, which the loads of a drive are.
 """
 
 from __future__ import annotations
@@ -24,7 +25,14 @@ from vibro.records.folding import Estimate, Floats, harmonics
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import read_sensitivities
 from vibro.records.tolerances import TOL
-from vibro.records.trough import Trough, Wave, drive_frequency, refuse_line_down, trough_signals
+from vibro.records.trough import (
+    Trough,
+    Wave,
+    drive_frequency,
+    refuse_line_down,
+    to_accelerations,
+    trough_signals,
+)
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -93,7 +101,7 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredMotion:
-    """A trough's periodic motion, as one or two accelerometers on it measured it.
+    """A trough's periodic motion, as one or two sensors on it measured it.
 
     Times count from where the first harmonic along the trough passes its middle forwards, or, where nothing
     moves along it, the first one normal to it passes its middle upwards.
@@ -302,15 +310,16 @@ def measured_motion(
     reverse: bool = False,
     drive_angle: float | None = None,
 ) -> MeasuredMotion:
-    """Measure a trough's motion with its harmonics from a record of one or two accelerometers on it.
+    """Measure a trough's motion with its harmonics from a record of one or two sensors on it.
 
     Parameters
     ----------
     path : str or path
         A text file of columns, as for ``vibro compare``: any separator, decimal points or commas.
     trough_along, trough_normal : str, optional
-        Headers of the columns of the accelerations along the trough's surface, positive in the conveying
-        direction, and normal to it, positive up and away from it [m/s^2, g, or voltages]. One may be missing.
+        Headers of the columns of the motions along the trough's surface, positive in the conveying
+        direction, and normal to it, positive up and away from it: accelerations [m/s^2, g], velocities
+        [mm/s], displacements [mm], or voltages. One may be missing.
     time : str, optional
         Header of the column of the time; without it the only column in a unit of time.
     sensitivity : str or sequence of str
@@ -361,7 +370,7 @@ def measured_motion(
 
 
 def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | None = None) -> MeasuredMotion:
-    """Measure the trough's motion from a record with accelerations of it.
+    """Measure the trough's motion from a record of it.
 
     Parameters and errors are those of ``measured_motion``.
     """
@@ -384,12 +393,16 @@ def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | Non
     sizes, covariance, p_values, bins = _measured(time, values, frequency, count)
     order = min(significant, MOST_HARMONICS)
     sizes, covariance = sizes[:order], covariance[:order]
+    error = _frequency_error(time, values, frequency, sizes, covariance)
     channels = tuple(signals)
 
+    factors = np.stack([to_accelerations(record, frequency, order)[name] for name in channels], axis=1)
+    sizes = sizes * factors
+    covariance = covariance * factors[:, :, None] * factors[:, None, :].conj()
     first = _reference(sizes, covariance)
     phase = float(np.angle(-sizes[0, first]))
-    error = _frequency_error(time, values, frequency, sizes, covariance)
-    trough = _fundamental(record, Estimate(frequency, error), sizes, covariance, channels, values, span)
+    rest = _rest(time, values, frequency, order) * abs(factors[0])
+    trough = _fundamental(record, Estimate(frequency, error), sizes, covariance, rest, span)
     refuse_line_down(trough, reverse=reverse)
     beyond = significant - order
     too_many = f"the motion has {significant} harmonics, a drive has at most {order}: {beyond} are left out"
@@ -415,14 +428,14 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
     """Refuse one sensor without a drive angle, and two with one."""
     if len(record.trough) == 2:
         if drive_angle is not None:
-            both = "two accelerometers measure the drive angle, which is given too"
+            both = "two sensors measure the drive angle, which is given too"
             raise InputError(both, hint="leave out drive_angle=, or one of the sensors")
         return
     (name,) = record.trough
     other = _NORMAL if name == _ALONG else _ALONG
     if drive_angle is None:
         missing = "normal to the trough" if other == _NORMAL else "along it"
-        unknown = f"one accelerometer alone does not tell the motion {missing}"
+        unknown = f"one sensor alone does not tell the motion {missing}"
         hint = f"name {other}= too, or give the angle of the line that the trough moves along:"
         hint += " drive_angle=math.radians(20)"
         raise InputError(unknown, hint=hint)
@@ -574,30 +587,29 @@ def _frequency_error(
     return math.sqrt(6.0 * float(noise)) / (float(power) * float(np.ptp(time)))
 
 
+def _rest(time: Floats, values: Floats, frequency: float, order: int) -> Floats:
+    """Return the root mean square of what harmonics leave of each channel, as recorded."""
+    basis = _basis(time, frequency, order)
+    left = values - basis @ _solved(basis, values, _inverse(basis))
+    return np.asarray(np.sqrt(np.square(left).mean(axis=0)))
+
+
 def _fundamental(
-    record: Record,
-    frequency: Estimate,
-    sizes: Complexes,
-    covariance: Complexes,
-    channels: Sequence[str],
-    values: Floats,
-    span: float,
+    record: Record, frequency: Estimate, sizes: Complexes, covariance: Complexes, rest: Floats, span: float
 ) -> Trough:
-    """Return the fundamental as ``vibro compare`` knows it."""
+    """Return the fundamental as ``vibro compare`` knows it; what is left is ``rest``, by channel [m/s^2]."""
     middle = 0.5 * float(record.time[0] + record.time[-1])
-    basis = _basis(record.time - middle, frequency.value, len(sizes))
     at_zero = np.exp(-1j * math.tau * frequency.value * middle)
-    rest = np.square(values - basis @ _solved(basis, values, _inverse(basis))).mean(axis=0)
     powers = 0.5 * abs(sizes) ** 2
     waves: dict[str, Wave] = {}
-    for i, name in enumerate(channels):
+    for i, name in enumerate(record.trough):
         own = float(powers[0, i]) or 1.0
         waves[name] = Wave(
             record.headers[name],
             complex(sizes[0, i] * at_zero),
             math.sqrt(0.5 * float(covariance[0, i, i].real)),
             math.sqrt(float(powers[1:, i].sum()) / own),
-            math.sqrt(float(rest[i]) / own),
+            float(rest[i]) / math.sqrt(own),
             record.sensitivities.get(name, ""),
         )
     return Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), span)
@@ -614,6 +626,7 @@ def _clipped(record: Record) -> list[str]:
             there = int(np.count_nonzero(off == 0.0))
             beside = int(np.count_nonzero(off <= near)) - there
             if there > TOL.clip_ratio * max(beside, 1):
-                text = f"column {shown(record.headers[name])} stands at {end:.6g} m/s^2 in {there} rows"
+                unit = ("m/s^2", "m/s", "m")[record.trough_derivatives[name]]
+                text = f"column {shown(record.headers[name])} stands at {end:.6g} {unit} in {there} rows"
                 found.append(f"{text}: it looks clipped, and so do its harmonics; record with a larger range")
     return found
