@@ -138,7 +138,7 @@ def test_a_map_of_strokes_is_that_of_amplitudes_at_twice_the_height() -> None:
 
 
 def test_a_curve_s_caption_and_a_held_stroke() -> None:
-    nut = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
+    nut: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
     swept = vibro.sweep(stroke_mm=[1, 2, 3], frequency_hz="10:30:21", **nut)
     speed = swept.draw("speed", x="f", at={"stroke_mm": 2})
     assert "$2A$ = 2 mm" in speed.get_suptitle()
