@@ -121,6 +121,9 @@ ASKED = {
         "solve", "--speed", "5"
     ),
     "`vibro simulate`: history, and its picture": command("simulate", "--cycles", "3", "-o", "{}-history"),
+    "`vibro simulate --start-height`: a part that is dropped, or thrown": command(
+        "simulate", "--start-height", "2"
+    ),
     "`vibro traverse-time`: mean and exact": command("traverse-time"),
     "`vibro map`: tables and pictures": command("map", "-f", "4:9:3", "-o", "{}-map"),
     "`vibro explore`": explored,
@@ -133,6 +136,7 @@ ASKED = {
     "`vibro motion`: the drive that a record tells": command("motion", RECORD, *TROUGH),
     "`vibro accuracy`: other methods": command("accuracy", "--scenes", "2"),
     "`vibro.critical_loads`, `vibro.transitions`": function(vibro.critical_loads, vibro.transitions),
+    "`vibro.attractors`: the cycles that coexist": function(vibro.attractors),
     "`vibro.guarantee`, `vibro.yield_share`": function(
         lambda scene: vibro.guarantee(scene, **BANDS),
         lambda scene: vibro.yield_share(scene, 1e-3, highest_regime="hopping"),

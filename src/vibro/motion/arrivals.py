@@ -107,6 +107,11 @@ def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloci
         number_of("start_height", height, "m", least=0.0, strict=False),
         number_of("start_normal_velocity", normal_velocity, "m/s"),
     )
+    if scene.normal_acceleration is not None and (start.height or start.normal_velocity):
+        name, given = ("start_height", f"{start.height:.15g} m")
+        if not start.height:
+            name, given = ("start_normal_velocity", f"{start.normal_velocity:.15g} m/s")
+        raise SceneError((Problem(name, given, "left out: a clamped part cannot leave the trough"),))
     w = 2.0 * np.pi * np.asarray(scene.frequency)
     speed = np.asarray(scene.scale) * w
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
