@@ -11,6 +11,7 @@ import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.limits import transitions
+from vibro.motion.attractors import attractors
 from vibro.motion.histories import simulate
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import (
@@ -19,13 +20,13 @@ from vibro.quantities import (
     QUANTITIES,
     SCALE,
     SIZES,
+    SPEED,
     TOLD_HARMONICS,
     as_given,
     counted_harmonics,
     scene_fields,
 )
 from vibro.scene import Scene
-from vibro.steady import solve
 from vibro.sweeps.derived import (
     LEAST_DIFFERENCE,
     WITH_ACCELERATION,
@@ -98,10 +99,6 @@ class OneScene:
         self.status = Status(int(block.cycle.status.item()))
         self._block = block
         self._cycle = block.cycle
-        self._coexists = int(self._cycle.coexists)
-        if self.status is Status.AVERAGED and self._coexists < 0:
-            # The mean may be one over several motions: look for those that repeat, at the cost of a few ms.
-            self._coexists = int(solve(self.scene, coexistence=True).coexists)
 
     def value(self, column: Column) -> float:
         """Return the number that a table has in a column."""
@@ -216,15 +213,28 @@ class OneScene:
         return "backwards, down the track" if slope > 0.0 else "forwards, down the trough"
 
     def _other_motions(self) -> str:
-        """Describe other motions of a disturbed body; empty if none exist, or none were searched for."""
-        if self._coexists > 0:
+        """Describe other motions of a disturbed body; empty if none exist, or none were searched for.
+
+        Those that may end irregular motion are looked for, which takes a few ms: a mean over many bodies is
+        of no use to somebody whose body is captured.
+        """
+        if self.status is Status.AVERAGED:
+            speeds = sorted(SPEED.from_si(one.mean_velocity) for one in attractors(self.scene) if one.stable)
+            if not speeds:
+                return ""
+            ends = dict.fromkeys(number(speed) for speed in (speeds[0], speeds[-1]))
+            count = (
+                f"one that repeats, at {number(speeds[0], 'mm/s')},"
+                if len(speeds) == 1
+                else (f"{len(speeds)} that repeat, at {' to '.join(ends)} mm/s,")
+            )
+            return f"several motions exist: {count} may capture the body for good"
+        if self._cycle.coexists > 0:
             slope, mu_d = math.tan(float(self.scene.trough_angle)), float(self.scene.kinetic_friction)
             if abs(slope) > mu_d:
                 return "a body pushed downhill runs away: gravity along the trough exceeds kinetic friction"
-            if self.status is Status.AVERAGED:
-                return "several motions exist: one that repeats may capture a body for good, at another speed"
             return "a disturbed body can settle into another steady motion than one from rest"
-        if self._coexists == 0 and self.hops:
+        if self._cycle.coexists == 0 and self.hops:
             return "no other steady motion was found, within 64 flights from 64 disturbed starts"
         return ""
 
