@@ -358,10 +358,12 @@ def measured_motion(
     return motion_of(record, reverse=reverse, drive_angle=drive_angle)
 
 
-def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | None = None) -> MeasuredMotion:
+def motion_of(
+    record: Record, *, reverse: bool = False, drive_angle: float | None = None, down: bool = False
+) -> MeasuredMotion:
     """Measure the trough's motion from a record with accelerations of it.
 
-    Parameters and errors are those of ``measured_motion``.
+    Parameters and errors are those of ``measured_motion``, and ``down`` of ``trough_of``.
     """
     _check_sensors(record, drive_angle)
     signals = trough_signals(record, reverse=reverse)
@@ -388,7 +390,8 @@ def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | Non
     phase = float(np.angle(-sizes[0, first]))
     error = _frequency_error(time, values, frequency, sizes, covariance)
     trough = _fundamental(record, Estimate(frequency, error), sizes, covariance, channels, values, span)
-    refuse_line_down(trough, reverse=reverse)
+    if not down:
+        refuse_line_down(trough, reverse=reverse)
     beyond = significant - order
     too_many = f"the motion has {significant} harmonics, a drive has at most {order}: {beyond} are left out"
     return MeasuredMotion(
