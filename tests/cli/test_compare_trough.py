@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import runpy
 import shlex
 import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from engines.harmonic_flight import Body, Settled
 from helpers.commands import NUT, Run
-from helpers.made_records import EXAMPLES, STUDY_FILE
+from helpers.made_records import EXAMPLES, STUDY_FILE, trough_record
+from helpers.measured_drives import Drawn, write_record
 
 from vibro.plots.comparison import comparison_figure
 from vibro.records.signals import read_sensitivities
@@ -188,3 +192,96 @@ def test_reverse_leaves_a_sensor_normal_to_the_trough_as_it_is(run: Run) -> None
         assert plain[key] == turned_round[key]
     advances = [content["figures"]["stroke_advance"]["measured"] for content in found]
     assert advances[0] == pytest.approx(-advances[1])
+
+
+# --- a fit on a measured drive -------------------------------------------------------------------------
+
+
+def test_a_bar_says_what_a_fit_searches(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[Any, ...]] = []
+
+    @contextlib.contextmanager
+    def progress(self: Any, label: str, total: int | None) -> Iterator[Callable[..., None]]:
+        yield lambda *done: told.append((label, *done))
+
+    monkeypatch.setattr("vibro.cli.console.Console.progress", progress)
+    assert run("compare", SCENE, FILE, *BOTH, "--fit", "mu_d").exit_code == 0
+    labels, done, whats, totals = zip(*told, strict=True)
+    assert set(labels) == {"fitting"}
+    assert whats[0] == "patterns"
+    assert {"estimates", "intervals", "drive"} < set(whats)
+    assert list(done) == list(range(len(told)))
+    assert all(now < of for now, of in zip(done, totals, strict=True))
+    assert totals[-1] == len(told)
+
+
+def feeder_file(harmonic: float, *, cycles: float = 12.0, ellipse: float = 0.0) -> Path:
+    """Write accelerations of a trough, and the displacement of a body that rests: the drive alone counts."""
+    made = trough_record(cycles=cycles, noise=0.05, harmonic=harmonic, ellipse=ellipse)
+    still = np.random.default_rng(1).standard_normal(made.time.size)
+    columns = {"t [s]": made.time, "x [mm]": 1e-3 * still} | {
+        f"{name} [m/s^2]": values for name, values in made.trough.items()
+    }
+    rows = np.stack(list(columns.values()), axis=1)
+    np.savetxt("feeder.csv", rows, "%.9g", ",", header=",".join(columns), comments="")
+    return Path("feeder.csv")
+
+
+SENSORS = ("--trough-along", "trough_along", "--trough-normal", "trough_normal")
+
+
+def test_a_fit_takes_harmonics_whatever_the_first_scene_makes_of_them(run: Run) -> None:
+    """Frictions with which the body would rest make no difference of speed: they are only a start."""
+    rests = ("--mu-s", "2", "--mu-d", "1.5")
+    for harmonic, order in ((0.05, 3), (0.0, 1)):
+        data = feeder_file(harmonic)
+        plain = run("compare", data, *rests, *SENSORS, "--json")
+        fitted = run("compare", data, *rests, *SENSORS, "--fit", "mu_d", "--json")
+        assert plain.exit_code == fitted.exit_code == 0
+        assert "harmonics" not in plain.stderr
+        assert ("moves with 3 harmonics: they are part of the fit" in fitted.stderr) == (order == 3)
+        assert ("along_amplitude_3_mm" in json.loads(fitted.stdout)["trough"]) == (order == 3)
+
+
+def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
+    """Where a record does not tell them, an estimate would take their effect for its own."""
+    short = feeder_file(0.0, cycles=5.0)
+    assert run("compare", short, *FRICTION, *SENSORS).exit_code == 0
+    result = run("compare", short, *FRICTION, *SENSORS, "--fit", "mu_d")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert (
+        "harmonics, which an estimate would depend on, cannot be measured: the record has 5" in result.stderr
+    )
+    assert "hint: record longer; or leave out --trough-along and --trough-normal, and" in result.stderr
+
+    one = ("--trough-along", "trough_along", "--normal", "0.3mm", "--phase=-60deg", *FRICTION)
+    for harmonic, code in ((0.0, 0), (0.2, 2)):
+        data = feeder_file(harmonic, ellipse=-1.0)
+        assert run("compare", data, *one).exit_code == 0
+        result = run("compare", data, *one, "--fit", "mu_d")
+        assert result.exit_code == code, result.stderr
+        assert ("--fit needs both motions of the trough: it moves with 3 harmonics" in result.stderr) == bool(
+            code
+        )
+
+
+def test_intervals_hold_friction_on_troughs_with_harmonics(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search begins with a body that would rest, where harmonics make no difference of speed."""
+    few = {"static_friction": (0.25, 0.35, 0.5), "kinetic_friction": (-0.7,)}
+    monkeypatch.setattr("vibro.records.problem._GRID", few)
+    true = {"static_friction": 0.35, "kinetic_friction": 0.25}
+    for seed, second in enumerate((0.05, 0.4)):
+        waves = 1.5 * np.array([1.0, second * np.exp(0.7j)])
+        along, normal = (part * waves for part in (np.cos(0.35), np.sin(0.35)))
+        settled = Settled(Body(along, normal, *true.values()), cycles=13)
+        drawn = Drawn(
+            25.0, 0.35, 0.0, along, normal, settled, true, "slides", "displacement", "white", 10, False
+        )
+        arguments = write_record(Path("record.csv"), np.random.default_rng(seed), drawn)
+        for option, start in (("--mu-s", "2"), ("--mu-d", "1.5")):
+            arguments[arguments.index(option) + 1] = start
+        result = run("compare", *arguments, "--json")
+        assert result.exit_code == 0, result.stderr
+        ((low, high),) = json.loads(result.stdout)["fit"]["kinetic_friction"]["intervals"]
+        assert high - low < 0.1
+        assert low < 0.25 < high

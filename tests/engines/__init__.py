@@ -15,6 +15,9 @@ harmonic_walk
 step_walk
     Steady cycle in contact of a trough whose acceleration is constant on steps: one uniform acceleration of
     the body after the other. Shares nothing.
+harmonic_flight
+    Motion, flights included, of a drive with harmonics, at restitution 0: event after event; closed forms
+    between them, zeros bracketed on a mesh and found by Brent's method. Shares nothing.
 integrated
     Motion, flights and bounces included, of a drive along a line or an ellipse: ``scipy.integrate.solve_ivp``
     with an event for every change, no closed form. Shares nothing.

@@ -17,6 +17,7 @@ Scenes and loads:
 Records and questions:
     made_records      records of motions that the engines walk (shares the records' containers)
     feeders           troughs with harmonics, and their accelerations with coloured noise
+    measured_drives   records of such a body and of accelerometers on its trough, drawn at random
     made_tables       small tables of measurements, as text
     boxed             boxes of bands for inverse design, drawn and sampled
     certificates      a checker of certificates that computes its own bounds (shares nothing)

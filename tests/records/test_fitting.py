@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers.made_records import (
     FREQUENCY,
+    NOISE,
     ON_ELLIPSES,
     PERIOD,
     STUDY,
@@ -19,6 +20,7 @@ from helpers.made_records import (
     trough_record,
 )
 from scipy import stats
+from scipy.signal import lfilter
 
 import vibro
 from vibro.errors import InputError
@@ -116,7 +118,7 @@ def test_an_offset_and_a_drift_of_the_sensor_are_fitted_too() -> None:
 
 @pytest.mark.usefixtures("own_start_alone")
 def test_late_and_correlated_samples_widen_the_intervals() -> None:
-    """Jitter of the clock is large where the speed changes; correlated noise is worth fewer samples."""
+    """Jitter of the clock is large where the speed changes; slow noise hides the end of a slide."""
     walked = Walked(nut())
     quiet = walked.observe("velocity", cycles=6, noise=0.1)
     random = np.random.default_rng(5)
@@ -136,8 +138,9 @@ def test_late_and_correlated_samples_widen_the_intervals() -> None:
         assert_contains(found, nut(), *SLIP, within=0.2)
         widths.append([p.high - p.low for p in found.parameters])
     plain, correlated, jittered, quietest = np.array(widths)
-    # an AR(1) process of 0.8 has a ninth of the independent samples
-    assert (correlated > 1.8 * plain).all()
+    # An AR(1) process of 0.8 has little power where a slide starts, whose edge is sharp.
+    assert correlated[0] < plain[0]
+    assert correlated[1] > 1.1 * plain[1]
     assert (jittered > 2.0 * quietest).all()
 
 
@@ -500,6 +503,22 @@ def test_a_body_that_hops_is_fitted_and_told_so() -> None:
     assert_contains(found, nut(4.0), "kinetic_friction", within=0.01)
 
 
+def test_a_body_that_hops_is_not_taken_for_one_that_slides() -> None:
+    """Four quantities let a body in contact follow the record nearly; its intervals took 20 s, and lied."""
+    true = {"amplitude": 1.5052e-3, "frequency": 25.0, "drive_angle": math.radians(25.0)}
+    true |= {"static_friction": 0.4, "kinetic_friction": 0.3}
+    motion = settled_motion(vibro.Scene(**true))
+    time = np.arange(320) * motion.period / 40.0
+    exact = motion.sample(time + 0.3 * motion.period).position
+    size = 0.02 * float(np.ptp(exact[:40]))
+    values = exact + size * np.random.default_rng(5).standard_normal(time.size)
+    start = vibro.Scene(**true | {"static_friction": 0.48, "kinetic_friction": 0.36})
+    names = (*SLIP, "amplitude", "drive_angle")
+    found = fit(start, Observation(time, {"displacement": values}, 25.0), names)
+    assert found.statements[0].startswith("the body hops")
+    assert_contains(found, vibro.Scene(**true), *names[1:], within=0.3)
+
+
 @pytest.mark.usefixtures("own_start_alone")
 def test_patterns_of_a_resting_body_are_not_guessed_from_noise() -> None:
     """A scene that moves a little may follow the noise a little better than one at rest."""
@@ -512,10 +531,11 @@ def test_patterns_of_a_resting_body_are_not_guessed_from_noise() -> None:
 # --- how wide intervals are ---------------------------------------------------------------------------
 
 
-def linear_half_width(names: tuple[str, ...], noise: float, cycles: int) -> list[float]:
+def linear_half_width(names: tuple[str, ...], noise: float, cycles: int, lasting: float = 0.0) -> list[float]:
     """Student's t times standard errors, by differences of another solver's speeds.
 
-    Unknown beside the quantities are the trigger time, an offset and a drift.
+    Unknown beside the quantities are the trigger time, an offset and a drift. The noise is an AR(1) process,
+    of which a share is that of the sample before.
     """
     time = np.arange(cycles * 40 + 1) / 600.0
     true, step = nut(), 1e-5
@@ -530,6 +550,7 @@ def linear_half_width(names: tuple[str, ...], noise: float, cycles: int) -> list
         columns.append(change / (2.0 * step * value))
     columns += [(speeds(1e-6) - speeds(-1e-6)) / 2e-6, np.ones(time.size), time]
     jacobian = np.stack(columns, axis=1)
+    jacobian = (jacobian[1:] - lasting * jacobian[:-1]) / math.sqrt(1.0 - lasting**2)
     sizes = np.linalg.norm(jacobian, axis=0)
     covariance = np.linalg.inv((jacobian / sizes).T @ (jacobian / sizes)) / np.outer(sizes, sizes)
     factor = float(stats.t.ppf(0.975, time.size))
@@ -548,6 +569,22 @@ def test_narrow_intervals_are_those_of_linear_theory(names: tuple[str, ...]) -> 
         for p in found:
             assert 0.5 * (p.high + p.low) == pytest.approx(p.value, abs=0.05 * (p.high - p.low))
     assert np.mean(widths, axis=0) == pytest.approx(linear_half_width(names, 4e-4, 6), rel=0.08)
+
+
+@pytest.mark.usefixtures("own_start_alone")
+def test_intervals_of_correlated_noise_are_those_of_linear_theory() -> None:
+    """Its power at each frequency counts: taken for slow at all of them, they were 1.6 times as wide."""
+    walked, names, widths = Walked(nut()), ("kinetic_friction",), []
+    for seed in range(6):
+        clean = walked.observe("velocity", cycles=12, noise=0.0)
+        white = np.random.default_rng(seed).standard_normal(clean.time.size + 100)
+        noise = lfilter([math.sqrt(1.0 - 0.7**2)], [1.0, -0.7], white)[100:]
+        values = clean.signals["velocity"] + NOISE["velocity"] * noise
+        found = fit(nut(), replace(clean, signals={"velocity": values}), names).parameters
+        widths.append([0.5 * (p.high - p.low) for p in found])
+    assert np.mean(widths, axis=0) == pytest.approx(
+        linear_half_width(names, NOISE["velocity"], 12, 0.7), rel=0.1
+    )
 
 
 @pytest.mark.parametrize(
@@ -600,7 +637,7 @@ def test_intervals_carry_the_errors_of_a_measured_drive() -> None:
             if carried:
                 assert static.low < 0.74 < static.high
         assert (np.array(widths[1]) > widths[0]).all()
-        assert widths[1][1] > 4.0 * widths[0][1]
+        assert widths[1][1] > 3.0 * widths[0][1]
     assert held[True] >= 12
     assert held[False] <= 7
 

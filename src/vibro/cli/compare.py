@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from vibro.records.folding import Estimate
     from vibro.records.reading import Record
     from vibro.records.trough import MeasuredDrive, Trough
-    from vibro.records.waveforms import HarmonicDrive
+    from vibro.records.waveforms import HarmonicDrive, MeasuredMotion
     from vibro.sweeps.request import Request
 
 __all__ = ["compare_command"]
@@ -157,7 +157,12 @@ def compare_command(
         request = request_of(options, context.obj)
     else:
         first, request = _with_measured(trough, elliptical, options, context.obj, console)
-        drive, request = _with_harmonics(record, reverse, first, request, options, context.obj, console)
+        drive, fits = first, bool(names)
+        measured = _measured_motion(record, reverse, elliptical, first, request, fits=fits)
+        if measured is not None:
+            drive, request = _with_harmonics(
+                measured, first, request, options, context.obj, console, fits=fits
+            )
         if drive is first and request.is_waveform:
             # The measured fundamental must not be mixed with harmonics that the scene gives.
             raise _two_motions()
@@ -195,7 +200,12 @@ def compare_command(
         if names:
             from vibro.records.fitting import fit as fit_scene
 
-            found = fit_scene(scene, observation, names, drive.moved if drive else ())
+            with console.progress("fitting", None) as bar:
+
+                def show(done: int, total: int, what: str) -> None:
+                    bar(done, what, total)
+
+                found = fit_scene(scene, observation, names, drive.moved if drive else (), show)
 
         tables = ComparisonTables(comparison, record, body, found, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
@@ -331,42 +341,79 @@ def _with_measured(
     return drive, request_with(drive.quantities)
 
 
+def _measured_motion(
+    record: Record, reverse: bool, elliptical: bool, drive: MeasuredDrive, request: Request, *, fits: bool
+) -> MeasuredMotion | None:
+    """Measure the trough's harmonics; None where the record does not tell them.
+
+    An estimate of friction would take the effect of harmonics for its own. It is therefore refused where
+    there may be some that are not known.
+    """
+    from vibro.errors import VibroError
+    from vibro.records.waveforms import motion_of
+
+    angle = None if len(record.trough) == 2 else scene_fields(request.fixed).get("drive_angle")
+    one_of_an_ellipse = len(record.trough) == 1 and angle is None
+    if one_of_an_ellipse:  # this sensor's own harmonics, as if its motion were the only one
+        angle = 0.0 if drive.trough.normal is None else 0.5 * math.pi
+    try:
+        measured = motion_of(record, reverse=reverse, drive_angle=angle, down=elliptical)
+    except VibroError as exc:  # the record may be too short for harmonics
+        if not fits:
+            return None
+        unknown = f"the trough's harmonics, which an estimate would depend on, cannot be measured: {exc}"
+        instead = "or leave out --trough-along and --trough-normal, and give the drive if it is a sine"
+        raise InputError(unknown, hint=f"{getattr(exc, 'hint', '') or 'record longer'}; {instead}") from exc
+    if not one_of_an_ellipse:
+        return measured
+    if fits and measured.order > 1:
+        raise InputError(
+            f"--fit needs both motions of the trough: it moves with {measured.order} harmonics, of which one"
+            " accelerometer tells one direction alone",
+            hint="name --trough-along and --trough-normal",
+        )
+    return None
+
+
 def _with_harmonics(
-    record: Record,
-    reverse: bool,
+    measured: MeasuredMotion,
     drive: MeasuredDrive,
     request: Request,
     options: Options,
     argv: Sequence[str],
     console: Console,
+    *,
+    fits: bool,
 ) -> tuple[MeasuredDrive | HarmonicDrive, Request]:
-    """Put the measured harmonics in the place of the fundamental alone, where they change the speed."""
+    """Put the measured harmonics in the place of the fundamental alone, where they matter.
+
+    They do if they change the computed speed. A fit depends on them wherever they stand out of the noise: the
+    speed is that of the frictions where its search begins, and its intervals may be narrower than any change.
+    """
     from dataclasses import replace
 
     from vibro.cli.request import request_of
-    from vibro.errors import VibroError
     from vibro.quantities import DRIVES, HARMONIC
     from vibro.records.measured_speeds import change_by_harmonics
     from vibro.records.tolerances import TOL
-    from vibro.records.waveforms import motion_of
 
-    angle = None if len(record.trough) == 2 else scene_fields(request.fixed).get("drive_angle")
-    try:  # the record may be too short for harmonics, and of an ellipse one sensor tells one direction alone
-        measured = motion_of(record, reverse=reverse, drive_angle=angle)
-    except VibroError:
-        return drive, request
-    rest = {name: x for name, x in request.fixed.items() if name not in (*DRIVES, "frequency")}
-    change = change_by_harmonics(measured, scene_fields(rest)) if measured.order > 1 else 0.0
-    if abs(change) <= TOL.harmonics_matter:
-        return drive, request
+    if measured.order == 1:
+        return (_with_errors_of(measured, drive) if fits else drive), request
     said = f"the trough moves with {measured.order} harmonics"
-    if math.isnan(change):
-        console.warn(
-            f"{said}, but the motion of a part that hops on it is not known: the first is taken alone"
-        )
-        return drive, request
-    by = f"by {100.0 * change:+.2g} %" if math.isfinite(change) else "from 0"
-    console.echo(f"{said}, which change the computed speed {by}: they are taken")
+    if fits:
+        console.echo(f"{said}: they are part of the fit")
+    else:
+        rest = {name: x for name, x in request.fixed.items() if name not in (*DRIVES, "frequency")}
+        change = change_by_harmonics(measured, scene_fields(rest))
+        if abs(change) <= TOL.harmonics_matter:
+            return drive, request
+        if math.isnan(change):
+            console.warn(
+                f"{said}, but the motion of a part that hops on it is not known: the first is taken alone"
+            )
+            return drive, request
+        by = f"by {100.0 * change:+.2g} %" if math.isfinite(change) else "from 0"
+        console.echo(f"{said}, which change the computed speed {by}: they are taken")
     for text in measured.warnings[len(measured.trough.doubts(pure=False)) :]:
         console.warn(text)
     harmonics = measured.measured_drive()
@@ -378,6 +425,25 @@ def _with_harmonics(
     # The line that one sensor needs is part of the harmonics now.
     given = {name: text for name, text in options.given.items() if name not in LINEAR}
     return harmonics, request_of(replace(options, given={**given, **texts}), argv)
+
+
+def _with_errors_of(measured: MeasuredMotion, drive: MeasuredDrive) -> MeasuredDrive:
+    """Give a drive of one harmonic the errors of the noise at its frequency.
+
+    Its own are those of noise with the correlation of neighbouring samples at all frequencies. Intervals
+    that the drive widens would hold too much.
+    """
+    from vibro.records.folding import Estimate
+
+    trough = measured.trough
+    is_line = "along_amplitude" not in drive.quantities and "normal_amplitude" not in drive.quantities
+    better = trough.drive_on_line(measured.drive_angle) if is_line else trough.drive_on_ellipse()
+    return drive._replace(
+        quantities={
+            name: Estimate(estimate.value, better.quantities.get(name, estimate).error)
+            for name, estimate in drive.quantities.items()
+        }
+    )
 
 
 def _fitted_names(text: str | None) -> list[str]:

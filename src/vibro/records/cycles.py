@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -24,6 +25,8 @@ from vibro.steady import solve
 __all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
 Labels = NDArray[np.object_]  # of str
+
+_REMEMBERED: Final = 256  # motions, of some kilobytes each: more than the points of a few steps
 
 #: Label of every scene that hops: their patterns are too many, and too close to each other.
 HOPS: Final = "H"
@@ -87,6 +90,12 @@ class SceneCycles:
             for name, values in own.items():
                 result[name][scene] = values
         return {name: result[name] for name in names}
+
+    def landings(self, scene: int) -> Floats:
+        """Return the phases at which flights of one scene end [drive cycles]."""
+        motion = self.followed.get(scene)
+        ends = [phase.end / motion.period for phase in motion.phases if phase.kind == "H"] if motion else []
+        return np.array(ends)
 
     def _closed_forms(
         self, fields: Fields, names: list[str], time: Floats, shift: Floats, window: float
@@ -167,11 +176,11 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
     wanted = (labels == HOPS) if one_harmonic else (labels != "")
     followed = {}
     for place in np.flatnonzero(wanted & ((labels != HOPS) | hops)).tolist():
-        one = Scene(**{name: _at(value, place) for name, value in values.items()})
-        try:
-            followed[place] = settled_motion(one)
-        except VibroError:  # its motion repeats only every few cycles, or never, or is not known
+        motion = _followed(tuple((name, _at(value, place)) for name, value in values.items()))
+        if motion is None:
             labels[place] = ""
+        else:
+            followed[place] = motion
     if one_harmonic:
         slides = np.nan_to_num(slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape)))
     else:
@@ -179,9 +188,23 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
     return SceneCycles(labels, scene.flat(), slides, followed)
 
 
+@lru_cache(maxsize=_REMEMBERED)
+def _followed(fields: tuple[tuple[str, Any], ...]) -> SettledMotion | None:
+    """Return the motion of one scene; None where it repeats only every few cycles, or never, or is not known.
+
+    A search moves the shift alone, or comes back to a point, about as often as it goes to a new scene.
+    """
+    try:
+        return settled_motion(Scene(**dict(fields)))
+    except VibroError:
+        return None
+
+
 def _at(values: Any, place: int) -> Any:
     """Return the field of one scene among several; harmonics are the same in all."""
-    return float(values[place]) if isinstance(values, np.ndarray) else values
+    if isinstance(values, np.ndarray):
+        return float(values[place])
+    return tuple(values) if isinstance(values, list) else values
 
 
 def _slides(followed: Mapping[int, SettledMotion], count: int) -> Floats:

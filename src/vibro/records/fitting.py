@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy.special import stdtrit
@@ -35,6 +35,7 @@ __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 Intervals = tuple[tuple[float, float], ...]
 Groups = list[tuple[str, ...]]
 Moves = tuple[Mapping[str, Any], Mapping[str, Any]]
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -91,11 +92,29 @@ class Fit:
     statements: tuple[str, ...]
 
 
+class _Work:
+    """Counts the searches of a fit, whose number grows as patterns are found, and tells them."""
+
+    def __init__(self, tell: Callable[[int, int, str], None] | None) -> None:
+        self._tell, self._done, self._all = tell, 0, 0
+
+    def each(self, things: Iterable[_T], what: str) -> Iterator[_T]:
+        """Yield things one by one: each is a search, done when the next one is asked for."""
+        waiting = list(things)
+        self._all += len(waiting)
+        for thing in waiting:
+            if self._tell:
+                self._tell(self._done, self._all, what)
+            yield thing
+            self._done += 1
+
+
 def fit(
     scene: Scene,
     observation: Observation,
     names: Sequence[str],
     moved: Sequence[Moves] = (),
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Fit:
     """Estimate quantities of a scene from a record.
 
@@ -110,6 +129,9 @@ def fit(
     moved : sequence of pair of mapping of str to object
         For each independent error of a measured drive the fields of the scene that it changes, one standard
         error to either side [SI]; these errors widen the intervals.
+    progress : callable, optional
+        Called before each search with the number of those that are done, of those that are known to be
+        needed, and what is searched.
 
     Returns
     -------
@@ -133,27 +155,28 @@ def fit(
     """
     check_scene(scene)
     _check_names(scene, names)
-    problem = Problem(scene, observation.middle, names)
-    minima = _first_minima(problem)
+    problem, work = Problem(scene, observation.middle, names), _Work(progress)
+    minima = _first_minima(problem, work)
     worst = minima[0].squares + TOL.stands_out
     rest = next((m for m in minima if m.label == "_" and m.squares <= worst), None)
     if rest is not None:
         return _judged(problem, [rest], [()] * len(names), 0.0)
     for _ in range(TOL.restarts):
-        minima = _weighed_minima(problem, minima)
+        minima = _weighed_minima(problem, minima, work)
         # Move phases by whole turns: of the least misfit next to the scene's, of the others next to that.
         near = problem.unwound(minima[0].point, problem.own)[:-1]
         minima = [m._replace(point=problem.unwound(m.point, near)) for m in minima]
         threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * TOL.confidence)) ** 2
         fitting = [m for m in minima if m.squares <= minima[0].squares + TOL.excluded]
-        profiles = [_profile(problem, fitting, threshold, column) for column in range(len(names))]
+        columns = work.each(range(len(names)), "intervals")
+        profiles = [_profile(problem, fitting, threshold, column) for column in columns]
         better = min((best for _, best in profiles), key=_squares)
         if better.squares > minima[0].squares - TOL.better * threshold:
             break
         minima = _least_of_each(problem, [better, *minima])
     found = [intervals for intervals, _ in profiles]
     if moved:
-        spreads = math.sqrt(threshold) * _spreads(problem, fitting[0], moved)
+        spreads = math.sqrt(threshold) * _spreads(problem, fitting[0], work.each(moved, "drive"))
         found = [_widened(*pair) for pair in zip(found, fitting[0].point, spreads, strict=False)]
     return _judged(problem, fitting, found, threshold)
 
@@ -216,17 +239,19 @@ def _squares(minimum: Minimum) -> float:
     return minimum.squares
 
 
-def _first_minima(problem: Problem) -> list[Minimum]:
+def _first_minima(problem: Problem, work: _Work) -> list[Minimum]:
     """Search from the best starts of each pattern; return the least misfit of each.
 
-    A scene that hops takes as long as a hundred others: they are tried only if no other explains the record
+    A scene that hops takes as long as several others: they are tried only if no other explains the record
     to its noise.
     """
     minima: list[Minimum] = []
     aim = math.inf
     for hops in (False, True):
         if aim > TOL.explained * problem.count:
-            for label, point in starts(problem, hops=hops):
+            for label, point in work.each(
+                starts(problem, hops=hops), "patterns with hops" if hops else "patterns"
+            ):
                 start = best_of(problem, label, point[None])
                 minima.append(minimise(problem, start, TOL.rough, aim))
                 aim = min(aim, minima[-1].squares)
@@ -244,7 +269,7 @@ def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]
     return list(kept.values())
 
 
-def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
+def _weighed_minima(problem: Problem, minima: list[Minimum], work: _Work) -> list[Minimum]:
     """Weight the signals by the residuals of the best pattern, and minimise all patterns again."""
     for _ in range(TOL.weighings):
         problem.weigh(minima[0].point)
@@ -252,7 +277,8 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
         best = minimise(problem, first, TOL.enough)
         most = best.squares + TOL.excluded
         others = _least_of_each(problem, [*others, *_neighbours(problem, best)])
-        minima = _least_of_each(problem, [best, *(minimise(problem, m, TOL.enough, most) for m in others)])
+        found = [minimise(problem, m, TOL.enough, most) for m in work.each(others, "estimates")]
+        minima = _least_of_each(problem, [best, *found])
         if minima[0].squares >= best.squares - TOL.enough:
             break
     return minima
@@ -327,7 +353,7 @@ def _profile(
     return _merged(pieces), best
 
 
-def _spreads(problem: Problem, minimum: Minimum, moved: Sequence[Moves]) -> Floats:
+def _spreads(problem: Problem, minimum: Minimum, moved: Iterable[Moves]) -> Floats:
     """Return the standard errors of the estimates that come from those of a measured drive, (P,).
 
     The drive is moved by each of its errors to both sides. Inside the pattern the derivatives say how far the

@@ -8,13 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
 
 from vibro.errors import InputError
 from vibro.records.tolerances import TOL
 
 __all__ = [
     "Estimate", "Floats", "Folded", "detrended", "fold", "harmonics", "independent_samples",
-    "independent_share",
+    "independent_share", "whitening_filter",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
@@ -178,6 +179,34 @@ def independent_samples(time: Floats, residual: Floats, frequency: float) -> flo
         # the total over twice the effective number of strong harmonics
         variance_of_mean += float(powers @ powers) / (2.0 * total)
     return (total + noise) / variance_of_mean
+
+
+def whitening_filter(time: Floats, residual: Floats, frequency: float) -> Floats:
+    """Return the filter that makes noise white: 1, and minus the weights of the samples before.
+
+    What repeats in every cycle is no noise. The weights are those of an autoregressive process by Yule and
+    Walker's equations, whose order is that of Schwarz's criterion: white noise stays as it is. Rows that are
+    left out are not counted.
+
+    Parameters
+    ----------
+    time, residual : array
+        As ``time`` and ``signal`` of ``fold``.
+    frequency : float
+        Drive frequency [Hz].
+    """
+    rest = residual - fold(time, residual, frequency, 1).fitted(time)
+    size, most = rest.size, min(TOL.most_predecessors, rest.size // TOL.rows_of_a_predecessor)
+    covariance = np.array([rest[k:] @ rest[: size - k] for k in range(most + 1)]) / size
+    best, least = np.ones(1), 0.0
+    for order in range(1, most + 1 if covariance[0] > 0.0 else 1):
+        weights = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
+        left = 1.0 - float(weights @ covariance[1 : order + 1]) / covariance[0]
+        cost = size * math.log(max(left, TOL.rounding)) + math.log(size) * order
+        # Like ``independent_share``, never take slow noise for less than white noise of the same power.
+        if cost < least and float(weights.sum()) > 0.0:
+            best, least = np.append(1.0, -weights), cost
+    return best
 
 
 def independent_share(residual: Floats) -> float:

@@ -12,11 +12,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
+from scipy.signal import lfilter
 
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR
 from vibro.records.alignment import Observation, misfits_at_shifts
 from vibro.records.cycles import HOPS, Labels, SceneCycles, labels_of, scene_cycles
-from vibro.records.folding import Floats, detrended, fold, independent_samples
+from vibro.records.folding import Floats, detrended, fold, independent_samples, whitening_filter
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
@@ -110,11 +111,13 @@ class Problem:
         self._phases = np.array([name == "normal_phase" for name in names])
         self.count = 0.0
         self._weights: dict[str, Floats] = {}
+        self._filters: dict[str, Floats] = {}
+        self._left_out: dict[str, NDArray[np.bool_]] = {}
         self._sensors: dict[str, Floats] = {}
         for name, values in observation.signals.items():
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
-            self._weigh(name, np.ones(values.size), rest, values.size)
+            self._weigh(name, np.ones(values.size), rest)
 
     def with_fixed(self, values: Mapping[str, Any]) -> Problem:
         """Return the same problem with other values of quantities that are not free [SI]."""
@@ -160,7 +163,7 @@ class Problem:
         model = self._model(cycles, points)
         parts = []
         for name, measured in self.observation.signals.items():
-            part = (measured - model[name]) * self._weights[name]
+            part = self._whitened(name, (measured - model[name]) * self._weights[name])
             parts.append(part - (part @ self._sensors[name]) @ self._sensors[name].T)
         return Residuals(self._within(points, cycles.labels) == label, np.concatenate(parts, axis=1))
 
@@ -199,29 +202,46 @@ class Problem:
         self.count = 0.0
         for name, measured in observation.signals.items():
             used, slopes = np.ones(measured.size), np.zeros(measured.size)
-            if name in _JUMPING:
-                used[_beside_a_jump(cycles, observation, float(point[-1]))] = 0.0
-            else:
-                slopes = (after[name][0] - before[name][0]) / observation.sample_time
+            used[_beside_a_jump(cycles, name, observation, float(point[-1]))] = 0.0
+            if name not in _JUMPING:
+                slopes = used * (after[name][0] - before[name][0]) / observation.sample_time
             basis = used[:, None] * self._basis(name)
             residual = used * (measured - now[name][0])
             residual -= basis @ np.linalg.lstsq(basis, residual, rcond=None)[0]
             shape = used / np.sqrt(_variances(observation, residual, slopes**2))
-            count = independent_samples(observation.time, shape * residual, observation.frequency)
-            self._weigh(name, shape, residual, count)
+            self._left_out[name] = used == 0.0
+            self._filters[name] = whitening_filter(observation.time, shape * residual, observation.frequency)
+            self._weigh(name, shape, residual)
 
-    def _weigh(self, name: str, shape: Floats, residual: Floats, count: float) -> None:
-        signal = self.observation.signals[name]
-        scaled = shape * residual
-        freedom = int(np.count_nonzero(shape)) - _POWERS[name] - len(self.names) - 1
+    def _weigh(self, name: str, shape: Floats, residual: Floats) -> None:
+        observation, signal = self.observation, self.observation.signals[name]
+        scaled, count = shape * residual, float(residual.size)
+        if name in self._filters:
+            scaled = self._whitened(name, scaled)
+            count = independent_samples(observation.time, scaled, observation.frequency)
+        freedom = int(np.count_nonzero(scaled)) - _POWERS[name] - len(self.names) - 1
         # Data may be exact: add the rounding of the signal, and of the trough's motion in the same unit.
         size = self._size * (math.tau * self.fixed["frequency"]) ** _POWERS_OF_RATE[name]
         variance = float(scaled @ scaled) / max(freedom, 1)
         variance += TOL.least_misfit**2 * float(np.var(shape * signal))
         variance += float(shape @ shape) / signal.size * (TOL.rounding * size) ** 2
         self._weights[name] = shape * math.sqrt(count / signal.size / variance)
-        self._sensors[name] = np.linalg.qr(self._basis(name) * self._weights[name][:, None])[0]
+        basis = self._whitened(name, (self._basis(name) * self._weights[name][:, None]).T).T
+        self._sensors[name] = np.linalg.qr(basis)[0]
         self.count += count
+
+    def _whitened(self, name: str, weighted: Floats) -> Floats:
+        """Filter the last axis, so that noise that is correlated from sample to sample becomes white.
+
+        The first samples, whose predecessors are not known, become 0; samples that do not count stay so.
+        """
+        own = self._filters.get(name)
+        if own is None or own.size == 1:
+            return weighted
+        filtered = np.asarray(lfilter(own, [1.0], weighted, axis=-1))
+        filtered[..., : own.size - 1] = 0.0
+        filtered[..., self._left_out[name]] = 0.0
+        return filtered
 
     def _basis(self, name: str) -> Floats:
         """Return the powers of the time that a sensor may add, shape (N, powers)."""
@@ -265,10 +285,18 @@ def _variances(observation: Observation, residual: Floats, squared_slopes: Float
     return variances if gain > TOL.jitter_gain else flat
 
 
-def _beside_a_jump(cycles: SceneCycles, observation: Observation, shift: float) -> NDArray[np.bool_]:
-    """Return which samples lie next to a jump of one scene, where a sensor may show any value between."""
-    way, _, begin, end, *_ = cycles.slides[:, :, 0]
-    jumps = np.concatenate([begin[way != 0.0], end[way != 0.0]]) / math.tau
+def _beside_a_jump(
+    cycles: SceneCycles, name: str, observation: Observation, shift: float
+) -> NDArray[np.bool_]:
+    """Return which samples lie next to a jump of a signal of one scene.
+
+    There a sensor may show any value between, and the misfit jumps with the scene. A landing is a jump of
+    the velocity.
+    """
+    jumps = cycles.landings(0) if name != "displacement" else np.empty(0)
+    if name in _JUMPING:
+        way, _, begin, end, *_ = cycles.slides[:, :, 0]
+        jumps = np.concatenate([jumps, begin[way != 0.0] / math.tau, end[way != 0.0] / math.tau])
     turns = np.subtract.outer(observation.time * observation.frequency + shift, jumps)
     off = np.abs(turns - np.round(turns)) * observation.period
     return np.asarray((off <= observation.sample_time).any(axis=1))

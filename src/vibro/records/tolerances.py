@@ -123,6 +123,8 @@ class Tolerances(NamedTuple):
     # --- residuals of a fit ---------------------------------------------------------------------------
     jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
     least_scale: float = 1e-3  # of the greatest value that is tried: least size of a quantity
+    most_predecessors: int = 8  # samples on which the noise of one may depend,
+    rows_of_a_predecessor: int = 30  # and rows for each of them
     random_share: float = 0.1  # of the power of a residual that must change from cycle to cycle, for jitter
     variance_rounds: int = 3  # regressions of the variances, each weighted by the last one
     least_jitter_variance: float = 1e-3  # of the mean variance
@@ -158,7 +160,7 @@ class Tolerances(NamedTuple):
     # away: excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
     excluded: float = 16.0
     stands_out: float = 25.0  # [variances] by which a motion must fit better than rest: 5 sigma
-    explained: float = 1.5  # largest sum of squares over the number of samples of an explained record
+    explained: float = 1.1  # largest sum of squares over the number of samples of an explained record
     better: float = 0.1  # of the threshold: a point better than the best by this starts another search,
     restarts: int = 3  # so often
     weighings: int = 3

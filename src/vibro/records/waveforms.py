@@ -369,10 +369,12 @@ def measured_motion(
     return motion_of(record, reverse=reverse, drive_angle=drive_angle)
 
 
-def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | None = None) -> MeasuredMotion:
+def motion_of(
+    record: Record, *, reverse: bool = False, drive_angle: float | None = None, down: bool = False
+) -> MeasuredMotion:
     """Measure the trough's motion from a record of it.
 
-    Parameters and errors are those of ``measured_motion``.
+    Parameters and errors are those of ``measured_motion``, and ``down`` of ``trough_of``.
     """
     _check_sensors(record, drive_angle)
     signals = trough_signals(record, reverse=reverse)
@@ -403,7 +405,8 @@ def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | Non
     phase = float(np.angle(-sizes[0, first]))
     rest = _rest(time, values, frequency, order) * abs(factors[0])
     trough = _fundamental(record, Estimate(frequency, error), sizes, covariance, rest, span)
-    refuse_line_down(trough, reverse=reverse)
+    if not down:
+        refuse_line_down(trough, reverse=reverse)
     beyond = significant - order
     too_many = f"the motion has {significant} harmonics, a drive has at most {order}: {beyond} are left out"
     return MeasuredMotion(
