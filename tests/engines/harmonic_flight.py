@@ -8,18 +8,19 @@ no normal speed (restitution 0).
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-    Waves = Sequence[complex]
+    Waves = NDArray[np.complex128]
 
 TURN = 2.0 * math.pi
 #: Phases after the start of a leg between which an event is bracketed. Before the first one, speed and height
@@ -76,7 +77,7 @@ class Body:
     """
 
     def __init__(self, along: Waves, normal: Waves, mu_s: float, mu_d: float, trough: float = 0.0) -> None:
-        self.along, self.normal = np.array(along, complex), np.array(normal, complex)
+        self.along, self.normal = along, normal
         self.mu_s, self.mu_d = mu_s, mu_d
         self.weight, self.slope = math.cos(trough), math.sin(trough)
 
@@ -96,18 +97,15 @@ class Body:
                 aloft = float(height.force(np.array(length))) > 0.0
             else:
                 way = int(np.sign(v)) or self._pushed(p)
-                leaves = _first(lambda s, p=p: -self._lift(p).force(s))
+                leaves = _first(partial(self._lifted, p))
                 if way:
                     motion = self._slide(way, p, v)
-                    stops = _first(lambda s, m=motion, w=way: w * m.speed(s))
+                    stops = _first(partial(_forwards, motion, way))
                     length = min(stops, leaves)
                     legs.append(Leg("F" if way > 0 else "B", p, x, motion))
                     v = float(motion.speed(np.array(length))) if leaves < stops else 0.0
                 else:
-                    waits = [
-                        _first(lambda s, p=p, w=w: -w * self._slide(w, p, 0.0, self.mu_s).force(s))
-                        for w in (1, -1)
-                    ]
+                    waits = [_first(partial(self._held, p, w)) for w in (1, -1)]
                     length = min(*waits, leaves)
                     legs.append(Leg("_", p, x, None))
                     motion = None
@@ -119,6 +117,14 @@ class Body:
             x += float(motion.path(np.array(length))) if motion else 0.0
             p += length
         return legs
+
+    def _lifted(self, p: float, s: Floats) -> Floats:
+        """Normal load, falling where the body leaves the trough."""
+        return -self._lift(p).force(s)
+
+    def _held(self, p: float, way: int, s: Floats) -> Floats:
+        """What is left of static friction against a push one way."""
+        return -way * self._slide(way, p, 0.0, self.mu_s).force(s)
 
     def _lift(self, p: float) -> _Forced:
         return _Forced(p, 0.0, -self.weight, self.normal)
@@ -133,6 +139,10 @@ class Body:
         return next(
             (w for w in (1, -1) if w * float(self._slide(w, p, 0.0, self.mu_s).force(after)) > 0.0), 0
         )
+
+
+def _forwards(motion: _Forced, way: int, s: Floats) -> Floats:
+    return way * motion.speed(s)
 
 
 def _first(f: Callable[[Floats], Floats]) -> float:
@@ -164,7 +174,7 @@ class Settled:
 
     def path(self, p: Floats) -> Floats:
         """Path relative to the trough [g/w^2]."""
-        return self._sampled(p, lambda leg, s: leg.before + (leg.motion.path(s) if leg.motion else 0.0))
+        return self._sampled(p, lambda leg, s: leg.before + (leg.motion.path(s) if leg.motion else 0.0 * s))
 
     def speed(self, p: Floats) -> Floats:
         """Speed relative to the trough [g/w]."""

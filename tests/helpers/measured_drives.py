@@ -43,6 +43,10 @@ class Drawn(NamedTuple):
     one_sensor: bool
 
 
+def _phases(random: np.random.Generator, size: int) -> NDArray[np.float64]:
+    return np.append(0.0, random.uniform(-math.pi, math.pi, size - 1))
+
+
 def draw_record(random: np.random.Generator, *, harmonics: bool, hops: bool) -> Drawn:
     """Draw feeders until one moves its body, with flights or without, and repeats in every cycle."""
     cycles = int(random.integers(8, 26))
@@ -56,15 +60,12 @@ def draw_record(random: np.random.Generator, *, harmonics: bool, hops: bool) -> 
         second = math.exp(random.uniform(math.log(0.02), math.log(0.4)))
         shares = np.array([1.0, second, second * random.uniform(0.0, 0.5)])
         shares = shares if harmonics else shares[:1]
-        ways = [
-            load
-            * part
-            * shares
-            * np.exp(1j * np.append(0.0, random.uniform(-math.pi, math.pi, shares.size - 1)))
+        ways: list[Complexes] = [
+            np.asarray(load * part * shares * np.exp(1j * _phases(random, shares.size)), np.complex128)
             for part in (math.cos(alpha), math.sin(alpha))
         ]
         try:
-            settled = Settled(Body(*ways, static, kinetic, beta), cycles + 3, SETTLING)
+            settled = Settled(Body(ways[0], ways[1], static, kinetic, beta), cycles + 3, SETTLING)
         except NeverRepeatsError:
             continue
         if ("H" in settled.kinds) == hops and set(settled.kinds) & set("FB"):

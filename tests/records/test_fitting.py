@@ -508,7 +508,7 @@ def test_a_body_that_hops_is_not_taken_for_one_that_slides() -> None:
     true = {"amplitude": 1.5052e-3, "frequency": 25.0, "drive_angle": math.radians(25.0)}
     true |= {"static_friction": 0.4, "kinetic_friction": 0.3}
     motion = settled_motion(vibro.Scene(**true))
-    time = np.arange(320) * motion.period / 40.0
+    time = np.arange(320.0) * (float(motion.period) / 40.0)
     exact = motion.sample(time + 0.3 * motion.period).position
     size = 0.02 * float(np.ptp(exact[:40]))
     values = exact + size * np.random.default_rng(5).standard_normal(time.size)
