@@ -63,7 +63,8 @@ def solve(
         1e6, they have no numbers and the status ``FLIGHT_NOT_MODELLED``.
     coexistence : bool, optional
         Whether to look for other motions of hopping scenes, to which a disturbed body could settle
-        (``SteadyCycle.coexists``); it takes several ms a cell. In contact they are known without a search.
+        (``SteadyCycle.coexists``); it takes several ms a cell. In contact they are known without a search,
+        but for those of bodies that are thrown on the trough and bounce on, which are not looked for.
     threads : int, optional
         How many threads share the work, at least 1; without, one a core. The numbers are the same bit for
         bit, however many there are. Where the solver is not compiled there is one.

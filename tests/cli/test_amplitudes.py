@@ -55,8 +55,9 @@ def test_hopping_goes_on_to_a_throw_number_of_10(run: Run) -> None:
     result = run("solve", *NUT[2:], "--speed", "50m/min", "--hopping")
     lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
     assert lines[1] == "asked for at least 50 m/min, hopping or not"
+    assert lines[3] == "restitution 0: parts land without a bounce"
     assert lines[2].startswith("hops sampled at 32769 amplitudes up to 32.29 mm (throw number 10):")
-    assert [line.split()[:2] for line in lines[6:]] == [
+    assert [line.split()[:2] for line in lines[7:]] == [
         ["9.50335", "14.2365"], ["16.7411", "24.9105"], ["26.439", "32.2905"],
     ]  # fmt: skip
     assert lines[-1].endswith("the speed is reached throw number 10")

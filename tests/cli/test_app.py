@@ -332,7 +332,8 @@ def test_a_terminal_sees_progress_files_and_shares(tmp_path: Path, colour: bool)
         "wrote n.csv", "wrote n-speed.png", "wrote n.json",
     ]  # fmt: skip
     assert re.fullmatch(r"fastest: [\d.]+ mm/s at amplitude 4 mm", lines[-1])
-    shares = {line.split()[0]: float(line.split()[1].rstrip("%")) for line in lines[-5:-1]}
+    assert lines[-2].startswith("restitution 0: ")
+    shares = {line.split()[0]: float(line.split()[1].rstrip("%")) for line in lines[-6:-2]}
     assert set(shares) == {"no-slip", "forward-slip", "back-slip", "hopping"}
     assert sum(shares.values()) == pytest.approx(100, abs=0.3)
 

@@ -209,7 +209,7 @@ def test_a_bar_says_what_a_fit_searches(run: Run, monkeypatch: pytest.MonkeyPatc
     labels, done, whats, totals = zip(*told, strict=True)
     assert set(labels) == {"fitting"}
     assert whats[0] == "patterns"
-    assert {"estimates", "intervals", "drive"} < set(whats)
+    assert {"estimates", "intervals"} < set(whats)
     assert list(done) == list(range(len(told)))
     assert all(now < of for now, of in zip(done, totals, strict=True))
     assert totals[-1] == len(told)

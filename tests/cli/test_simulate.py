@@ -101,7 +101,7 @@ def test_bounces_that_die_out_are_one_row(run: Run) -> None:
     assert len(short) <= 24
     assert not any("more phases" in line for line in (*short, *long))
     phases = json.loads(run(*bouncing, "--json").stdout)["phases"]
-    assert len(long) == len(phases) + 4
+    assert len(long) == len(phases) + 5  # head, empty line, where it ends, restitution, what comes
     chains = [line.split(" bounces, until they die out") for line in short if "die out" in line]
     counts = [int(count) for count, _ in chains]
     flights = sum(line.startswith("flight") for line in short)

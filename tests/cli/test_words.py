@@ -28,6 +28,7 @@ MAY = {
     "friction_catalogue.py": "callers of Python and the page of vibro explore have no other list of it",
     "quantities.py": "the options of each quantity, as data",
     "explore/guards.py": "the page speaks to whoever started vibro explore; ssh -L",
+    "explore/handover.py": "as guards.py",
     "explore/points.py": "the page shows the command that makes its map",
     "explore/state.py": "as guards.py",
 }

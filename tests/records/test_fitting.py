@@ -26,7 +26,7 @@ import vibro
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation
-from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, _widened, fit
+from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, fit
 from vibro.records.folding import Estimate, Floats
 from vibro.records.minimisation import Minimum
 from vibro.records.problem import Problem
@@ -656,12 +656,3 @@ def test_a_drive_that_is_known_exactly_widens_nothing() -> None:
     fitted = [({"kinetic_friction": 0.6}, {"kinetic_friction": 0.5})]
     for one, other in zip(fit(scene, observation, names, fitted).parameters, plain.parameters, strict=True):
         assert (one.low, one.high) == pytest.approx((other.low, other.high), rel=1e-3)
-
-
-def test_intervals_of_two_patterns_are_both_widened() -> None:
-    assert _widened(((1.0, 3.0), (5.0, 6.0)), 2.5, 0.0) == ((1.0, 3.0), (5.0, 6.0))
-    (low, high), (above, top) = _widened(((1.0, 3.0), (8.0, 9.0)), 2.5, 0.5)
-    assert (low, high) == pytest.approx((2.5 - math.hypot(1.5, 0.5), 2.5 + math.hypot(0.5, 0.5)))
-    assert (above, top) == pytest.approx((8.5 - math.hypot(0.5, 0.5), 8.5 + math.hypot(0.5, 0.5)))
-    assert _widened((), 2.5, 1.0) == ()
-    assert len(_widened(((1.0, 3.0), (3.5, 5.0)), 2.5, 1.0)) == 1

@@ -36,7 +36,7 @@ from vibro.quantities import (
 )
 from vibro.scene import Scene
 from vibro.steady import solve
-from vibro.sweeps.one_scene import bound, motion_text
+from vibro.sweeps.one_scene import bounce_text, bound, motion_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -231,6 +231,7 @@ class _Drive:
                     f"sampled at {count} {self.sizes} up to {self.at(self.limit)} (throw number"
                     f" {MOST_THROW:g}): what lies between two of them may be missed",
                 ),
+                ("restitution", bounce_text(float(self.scene.restitution))),
                 ("irregular hops", "count with their mean speed less three standard errors"),
             ]
         elif self.hopping:

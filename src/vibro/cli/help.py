@@ -20,12 +20,13 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = {
     "Scene": (*(name for name in QUANTITIES if name not in _OF_DRIVE), "stand_ratio", "pitch", "mass"),
     "Record": (
         "time", "displacement", "velocity", "acceleration", "friction", "trough_along", "trough_normal",
-        "sensitivity", "reverse", "fit",
+        "sensitivity", "reverse", "absolute", "fit",
     ),
     "Axes": ("x", "y", "at", "sweep"),
     "Solving": (
         "speed", "hopping", "exact", "flight", "accuracy", "coexist", "scenes", "tolerance", "only", "cycles",
-        "duration", "start_phase", "start_velocity",
+        "duration", "start_phase", "start_velocity", "start_height", "start_normal_velocity",
+        "every",
     ),
     "Pictures": ("show", "panels", "begin", "end", "formats"),
     "Tables": (

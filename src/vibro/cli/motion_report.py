@@ -10,13 +10,13 @@ import numpy as np
 from vibro.cli.compare_report import measured as described
 from vibro.cli.compare_report import uncertain
 from vibro.cli.report import aligned
-from vibro.core.codes import Status
+from vibro.core.codes import Regime, Status
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, ELLIPTICAL, LENGTH, QUANTITIES
 from vibro.records.folding import Estimate
 from vibro.records.tolerances import TOL
 from vibro.records.trough import spelled
-from vibro.sweeps.one_scene import number
+from vibro.sweeps.one_scene import bounce_text, number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -140,6 +140,8 @@ class MotionReport:
             status = speeds.status
             return [("mean speed", f"unknown, {regime}: {status.label} ({status.message})"), ("", drawn)]
         facts = [("mean speed", f"{_told(float(speed), float(error))} mm/s, {regime}"), ("", drawn)]
+        if speeds.regime is Regime.HOPPING:
+            facts.append(("restitution", bounce_text(self.others.get("restitution", 0.0))))
         if self.measured.order > 1:
             facts.append(("last harmonic", f"changes it by {self._change(speeds.last_harmonic, '+')}"))
         sizes = [f"{_CALIBRATIONS[name]} {self._change(x)}" for name, x in speeds.calibrations.items()]

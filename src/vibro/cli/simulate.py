@@ -58,7 +58,9 @@ def simulate_command(
     start_velocity: Annotated[
         str,
         typer.Option(
-            "--start-velocity", metavar="SPEED", help="Of the body along the trough at the start [mm/s]."
+            "--start-velocity",
+            metavar="SPEED",
+            help="Of the body relative to the trough, along it, at the start [mm/s].",
         ),
     ] = "0",
     start_height: Annotated[
@@ -72,7 +74,8 @@ def simulate_command(
         typer.Option(
             "--start-normal-velocity",
             metavar="SPEED",
-            help="Of the body away from the trough at the start [mm/s]; a negative one lands there.",
+            help="Of the body relative to the trough, away from it, at the start [mm/s]; a negative one"
+            " lands there. The trough has a velocity of its own there, but at --start-phase 90.",
         ),
     ] = "0",
     samples: Annotated[
@@ -290,6 +293,7 @@ def _text(history: History, follow: Callable[..., History], *, every: bool) -> s
     from vibro.cli.report import aligned
     from vibro.core.codes import PHASE_NAMES
     from vibro.results.phase_tables import phase_table, with_chains
+    from vibro.sweeps.one_scene import bounce_text
 
     phases = history.phases
     if every:
@@ -315,6 +319,8 @@ def _text(history: History, follow: Callable[..., History], *, every: bool) -> s
     lines.append("")
     end = 1e3 * phases[-1].end_position
     lines.append(f"after {history.end:.6g} s: {end:.6g} mm along the trough")
+    if any(phase.kind == "H" for phase in phases):
+        lines.append(f"restitution {bounce_text(float(history.scene.restitution))}")
     lines.append(_outlook(history, follow))
     return "\n".join(lines)
 

@@ -16,7 +16,7 @@ from vibro.core.cells import Event
 from vibro.core.codes import Mode, Status
 from vibro.core.coexistence import OTHER, most_flights, number_of_starts, start_at
 from vibro.core.contact import without_cycle
-from vibro.core.drives import Loads, phase_difference
+from vibro.core.drives import Loads, phase_difference, proved_multiplier
 from vibro.core.elementary import INF, TURN, wrap
 from vibro.core.flight import bed_of
 from vibro.core.hopping import MOST_THROW, cycle_of, enter, entered
@@ -234,7 +234,7 @@ def _write(
     out.velocity[row] = _begin(cycle, hops, found.velocity)
     out.displacement[row] = found.cycle.displacement / motion.cycles
     out.period[row] = motion.cycles
-    out.multiplier[row] = max(found.cycle.slope, normal)
+    out.multiplier[row] = proved_multiplier(cycle.track.loads, max(found.cycle.slope, normal))
     largest, total = _impacts(motion, flights)
     out.impact[row], out.impacts[row], out.flights[row] = largest, total, motion.count
     out.pattern[row] = found.cycle.pattern

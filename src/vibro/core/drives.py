@@ -258,3 +258,12 @@ def normal_height(loads: Loads, phase: float) -> float:
     if loads.waves.kind != SINE:
         return trough_at(loads.waves, True, phase).value
     return loads.drive_normal * math.sin(phase)
+
+
+def proved_multiplier(loads: Loads, multiplier: float) -> float:
+    """Return a multiplier, NaN without kinetic friction unless it is 1.
+
+    Nothing damps a slide there. A body that stops does so at an instant, beside cycles that do not: the
+    multiplier of one side is 0, that of the other is 1.
+    """
+    return NAN if loads.kinetic_friction == 0.0 and multiplier < 1.0 else multiplier

@@ -11,11 +11,12 @@ from typing import NamedTuple
 from vibro.core.bounces import Flights
 from vibro.core.branches import cover
 from vibro.core.buffers import Bytes, Doubles, Integers
-from vibro.core.codes import SPELT_PATTERNS, Model, Status
+from vibro.core.codes import SPELT_PATTERNS, Model, Regime, Status
 from vibro.core.coexistence import coexisting
 from vibro.core.contact import outlasts_back, pair_of, ratio_of, regime_alone, steady_cycle
 from vibro.core.cycle_slides import SlideLeg, cycle_slides
 from vibro.core.derivatives import Change, displacement_rate, load_slope
+from vibro.core.drives import proved_multiplier
 from vibro.core.elementary import NAN, TURN
 from vibro.core.evolution import evolve
 from vibro.core.hopping import hopping, write_hopping_letters
@@ -88,7 +89,10 @@ def solve_contact(
         out.peak_velocity[i] = cycle.peak * TURN * point.frequency * point.scale
         out.regime[i], out.status[i], out.model_code[i] = cycle.regime, cycle.status, cycle.model
         out.pattern_code[i], out.coexists[i] = cycle.pattern, cycle.coexists
-        out.period_cycles[i], out.largest_multiplier[i] = 1.0, cycle.multiplier
+        out.period_cycles[i] = 1.0
+        out.largest_multiplier[i] = cycle.multiplier
+        if cycle.regime != Regime.NO_SLIP:
+            out.largest_multiplier[i] = proved_multiplier(loads, cycle.multiplier)
         if cycle.model == Model.NONE:
             out.flight_fraction[i], out.impact_velocity[i] = NAN, NAN
             out.period_cycles[i], out.mean_velocity_error[i] = NAN, NAN
@@ -114,7 +118,7 @@ def solve_hops(
         out.peak_velocity[i], out.impact_velocity[i] = speed * found.peak, speed * found.impact
         out.flight_fraction[i], out.period_cycles[i] = found.flight_fraction, found.period
         out.status[i], out.coexists[i] = found.status, found.coexists
-        out.largest_multiplier[i] = found.multiplier
+        out.largest_multiplier[i] = proved_multiplier(point.loads, found.multiplier)
         out.pattern_code[i], out.model_code[i] = 0, Model.NONE
         if found.pattern != 0:
             out.pattern_code[i] = found.pattern + SPELT_PATTERNS if found.pattern > 0 else found.pattern

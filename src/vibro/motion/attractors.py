@@ -97,7 +97,7 @@ def attractors(scene: Scene) -> Attractors:
                 from_rest=bool(from_rest) and i == 0,
             )
         )
-    complete = not hops and not scene.restitution and one_harmonic
+    complete = bool(not hops and not scene.restitution and one_harmonic and scene.kinetic_friction)
     return Attractors(tuple(found), starts, lost, bool(away), complete)
 
 

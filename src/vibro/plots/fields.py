@@ -125,7 +125,11 @@ class Fields:
             fill_unknown(cycle[name], ~np.isnan(cycle[name])) for name in ("forward_ratio", "throw_number")
         ]
         onset, hop = np.log(np.clip(ratios, _LEAST_RATIO, 1.0 / _LEAST_RATIO))
-        back = np.where(cycle["regime"] == Regime.BACK_SLIP, 0.5, -0.5)
+        regime = cycle["regime"]
+        # Back slip does not end where hopping begins: beyond, it is as next to it.
+        in_contact = regime != Regime.HOPPING
+        back = np.where(regime == Regime.BACK_SLIP, 0.5, -0.5)
+        back = fill_unknown(back, in_contact) if in_contact.any() else back
         return {"forward_onset": onset, "back_slip": back, "rest_vanishes": self._zeros - 0.5, "hop": hop}
 
     @cached_property

@@ -266,7 +266,8 @@ class MapLayers:
         outlined = np.where(heights >= 0.0, level, -level)
         heights = np.where(self.fields.regular > 0.0, heights, outlined)
         pieces = zero_lines(self.fields, without_hidden(heights, self._covers), self._covers)
-        self.draw_curve(text, CurveStyle(text, "-", 2.2), [piece for piece in pieces if self._is_long(piece)])
+        long = [piece for piece in pieces if self._is_long(piece)]
+        self.draw_curve(text, CurveStyle(text, (0, (1, 1)), 2.2), long)
         reached = heights[self.open] >= 0.0
         if not reached.any():
             self.legend[f"{text} is reached nowhere"] = _NO_LINE

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from scipy.special import stdtrit
@@ -26,7 +26,7 @@ from vibro.records.minimisation import (
     move_to_edge,
     nearest_inside,
 )  # fmt: skip
-from vibro.records.problem import FITTABLE, Problem, fittable, starts
+from vibro.records.problem import FITTABLE, Moves, Problem, fittable, starts
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
@@ -34,7 +34,6 @@ __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 Intervals = tuple[tuple[float, float], ...]
 Groups = list[tuple[str, ...]]
-Moves = tuple[Mapping[str, Any], Mapping[str, Any]]
 _T = TypeVar("_T")
 
 
@@ -128,7 +127,7 @@ def fit(
         Some of ``FITTABLE``.
     moved : sequence of pair of mapping of str to object
         For each independent error of a measured drive the fields of the scene that it changes, one standard
-        error to either side [SI]; these errors widen the intervals.
+        error to either side [SI]; the drive is fitted within them.
     progress : callable, optional
         Called before each search with the number of those that are done, of those that are known to be
         needed, and what is searched.
@@ -150,12 +149,12 @@ def fit(
     -----
     The misfit jumps where the pattern of the motion changes. It is therefore minimised within each pattern,
     and the patterns are compared. Intervals come from the profile of the misfit: they hold every value with
-    which the record can be fitted, in any pattern, after the other quantities are fitted again. What the
-    errors of a measured drive make of the estimates, to first order, is added in quadrature.
+    which the record can be fitted, in any pattern, after the other quantities are fitted again, and
+    with them the drive within the errors of its measurement.
     """
     check_scene(scene)
     _check_names(scene, names)
-    problem, work = Problem(scene, observation.middle, names), _Work(progress)
+    problem, work = Problem(scene, observation.middle, names, moved), _Work(progress)
     minima = _first_minima(problem, work)
     worst = minima[0].squares + TOL.stands_out
     rest = next((m for m in minima if m.label == "_" and m.squares <= worst), None)
@@ -174,11 +173,7 @@ def fit(
         if better.squares > minima[0].squares - TOL.better * threshold:
             break
         minima = _least_of_each(problem, [better, *minima])
-    found = [intervals for intervals, _ in profiles]
-    if moved:
-        spreads = math.sqrt(threshold) * _spreads(problem, fitting[0], work.each(moved, "drive"))
-        found = [_widened(*pair) for pair in zip(found, fitting[0].point, spreads, strict=False)]
-    return _judged(problem, fitting, found, threshold)
+    return _judged(problem, fitting, [intervals for intervals, _ in profiles], threshold)
 
 
 def _check_names(scene: Scene, names: Sequence[str]) -> None:
@@ -351,39 +346,6 @@ def _profile(
             best = min(best, met, key=_squares)
         pieces.append((ends[0], ends[1]))
     return _merged(pieces), best
-
-
-def _spreads(problem: Problem, minimum: Minimum, moved: Iterable[Moves]) -> Floats:
-    """Return the standard errors of the estimates that come from those of a measured drive, (P,).
-
-    The drive is moved by each of its errors to both sides. Inside the pattern the derivatives say how far the
-    estimates follow; where the pattern ends they are fitted again.
-    """
-    squares = np.zeros(len(problem.names))
-    label, point = minimum.label, minimum.point
-    residual = problem.residuals(label, point[None]).values[0]
-    follow = -error_covariance(problem, minimum) @ jacobian_at(problem, minimum).T
-    for sides in moved:
-        found = []
-        for way, fields in zip((1.0, -1.0), sides, strict=True):
-            other = problem.with_fixed({n: x for n, x in fields.items() if n not in problem.names})
-            changed = other.residuals(label, point[None])
-            if changed.inside[0]:
-                found.append(way * (follow @ (changed.values[0] - residual))[:-1])
-            elif (begun := nearest_inside(other, label, point, range(squares.size))) is not None:
-                found.append(way * (minimise(other, begun, TOL.enough).point - point)[:-1])
-        if found:
-            squares += np.mean(found, axis=0) ** 2
-    return np.sqrt(squares)
-
-
-def _widened(intervals: Intervals, estimate: float, spread: float) -> Intervals:
-    """Move the ends of each interval away from its estimate, by errors of another origin in quadrature."""
-    pieces = []
-    for low, high in intervals:
-        middle = estimate if low <= estimate <= high else 0.5 * (low + high)
-        pieces.append((middle - math.hypot(middle - low, spread), middle + math.hypot(high - middle, spread)))
-    return _merged(pieces) if pieces else ()
 
 
 def _merged(pieces: list[tuple[float, float]]) -> Intervals:

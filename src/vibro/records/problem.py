@@ -21,7 +21,10 @@ from vibro.records.folding import Floats, detrended, fold, independent_samples, 
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
-__all__ = ["FITTABLE", "Problem", "Residuals", "fittable", "starts"]
+__all__ = ["FITTABLE", "Moves", "Problem", "Residuals", "fittable", "starts"]
+
+#: Fields of a scene that an error of a measured drive changes, one standard error to either side.
+Moves = tuple[Mapping[str, Any], Mapping[str, Any]]
 
 #: Quantities that can be estimated, of a drive along a line or along an ellipse.
 FITTABLE: Final = ("static_friction", "kinetic_friction", *LINEAR, *ELLIPTICAL)
@@ -95,9 +98,16 @@ class Problem:
 
     The offset and the drift that a sensor adds are projected out of the residuals of each signal. Residuals
     count in their standard deviations, as if there were ``count`` independent samples.
+
+    A drive that was measured is known to its errors alone. In every pattern they can move the motion by more
+    than the noise leaves open, mean speed first. So once weighed, sums of squares are the least over these
+    errors too, each of which costs its own square in standard errors: the residuals are shrunk along what
+    the errors do at the point that weighed them.
     """
 
-    def __init__(self, scene: Scene, observation: Observation, names: Sequence[str]) -> None:
+    def __init__(
+        self, scene: Scene, observation: Observation, names: Sequence[str], moved: Sequence[Moves] = ()
+    ) -> None:
         self.observation = observation
         self.names = tuple(names)
         self.fittable = fittable(scene)
@@ -114,6 +124,9 @@ class Problem:
         self._filters: dict[str, Floats] = {}
         self._left_out: dict[str, NDArray[np.bool_]] = {}
         self._sensors: dict[str, Floats] = {}
+        free = [[{n: x for n, x in fields.items() if n not in names} for fields in pair] for pair in moved]
+        self._moved = [pair for pair in free if all(pair)]
+        self._shrunk: tuple[Floats, Floats] | None = None
         for name, values in observation.signals.items():
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
@@ -160,12 +173,20 @@ class Problem:
     def residuals(self, label: str, points: Floats) -> Residuals:
         """Evaluate the residuals of points, (M, P + 1), in one pattern."""
         cycles = scene_cycles(self._fields(points), hops=label == HOPS)
-        model = self._model(cycles, points)
+        model, signals = self._model(cycles, points), self.observation.signals
+        values = self._weighted({name: measured - model[name] for name, measured in signals.items()})
+        if self._shrunk is not None:
+            directions, shares = self._shrunk
+            values -= (values @ directions * shares) @ directions.T
+        return Residuals(self._within(points, cycles.labels) == label, values)
+
+    def _weighted(self, residuals: Mapping[str, Floats]) -> Floats:
+        """Weight residuals, (M, N) of each signal, without what the sensors add, (M, K)."""
         parts = []
-        for name, measured in self.observation.signals.items():
-            part = self._whitened(name, (measured - model[name]) * self._weights[name])
+        for name, residual in residuals.items():
+            part = self._whitened(name, residual * self._weights[name])
             parts.append(part - (part @ self._sensors[name]) @ self._sensors[name].T)
-        return Residuals(self._within(points, cycles.labels) == label, np.concatenate(parts, axis=1))
+        return np.concatenate(parts, axis=1)
 
     def rough_squares(self, points: Floats) -> tuple[Floats, Floats]:
         """Return the least sum of squares of points, (M, P), over all shifts, and that shift [drive cycles].
@@ -199,19 +220,34 @@ class Problem:
         observation = self.observation
         cycles = scene_cycles(self._fields(point[None]))
         now, after, before = (self._model(cycles, point[None], lag) for lag in (0.0, 0.5, -0.5))
+        drive = self._by_drive(point)
         self.count = 0.0
         for name, measured in observation.signals.items():
             used, slopes = np.ones(measured.size), np.zeros(measured.size)
             used[_beside_a_jump(cycles, name, observation, float(point[-1]))] = 0.0
             if name not in _JUMPING:
                 slopes = used * (after[name][0] - before[name][0]) / observation.sample_time
-            basis = used[:, None] * self._basis(name)
+            basis = used[:, None] * np.hstack([self._basis(name), drive[name].T])
             residual = used * (measured - now[name][0])
             residual -= basis @ np.linalg.lstsq(basis, residual, rcond=None)[0]
             shape = used / np.sqrt(_variances(observation, residual, slopes**2))
             self._left_out[name] = used == 0.0
             self._filters[name] = whitening_filter(observation.time, shape * residual, observation.frequency)
             self._weigh(name, shape, residual)
+        if self._moved:
+            directions, sizes, _ = np.linalg.svd(self._weighted(drive).T, full_matrices=False)
+            self._shrunk = directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+
+    def _by_drive(self, point: Floats) -> dict[str, Floats]:
+        """Return what one standard error of each part of the drive makes of every signal, (errors, N)."""
+        found: dict[str, list[Floats]] = {name: [] for name in self.observation.signals}
+        for pair in self._moved:
+            others = [self.with_fixed(fields) for fields in pair]
+            ends = [other._model(scene_cycles(other._fields(point[None])), point[None]) for other in others]
+            for name, rows in found.items():
+                rows.append(0.5 * (ends[0][name][0] - ends[1][name][0]))
+        samples = self.observation.time.size
+        return {name: np.reshape(rows, (len(self._moved), samples)) for name, rows in found.items()}
 
     def _weigh(self, name: str, shape: Floats, residual: Floats) -> None:
         observation, signal = self.observation, self.observation.signals[name]
@@ -219,7 +255,7 @@ class Problem:
         if name in self._filters:
             scaled = self._whitened(name, scaled)
             count = independent_samples(observation.time, scaled, observation.frequency)
-        freedom = int(np.count_nonzero(scaled)) - _POWERS[name] - len(self.names) - 1
+        freedom = int(np.count_nonzero(scaled)) - _POWERS[name] - len(self.names) - len(self._moved) - 1
         # Data may be exact: add the rounding of the signal, and of the trough's motion in the same unit.
         size = self._size * (math.tau * self.fixed["frequency"]) ** _POWERS_OF_RATE[name]
         variance = float(scaled @ scaled) / max(freedom, 1)

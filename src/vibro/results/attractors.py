@@ -35,7 +35,8 @@ class Attractor:
     pattern : str
         Phases of a cycle, as in ``SteadyCycle``: F forward slide, B back slide, _ rest, H flight.
     largest_multiplier : float
-        Modulus of the largest Floquet multiplier: a disturbance shrinks by it in a period [1].
+        Modulus of the largest Floquet multiplier: a disturbance shrinks by it in a period [1]. NaN without
+        kinetic friction, where bodies that stop do so at an instant, unless it is 1.
     from_rest : bool
         Whether a body settles there that starts from rest at trough phase 0.
     """
@@ -71,7 +72,8 @@ class Attractors(Sequence[Attractor]):
     runs_away : bool
         Whether a body that is pushed hard enough down the trough never stops.
     complete : bool
-        Whether no other cycles exist: in contact under a drive of one harmonic, without restitution. Else
+        Whether no other cycles exist: in contact under a drive of one harmonic, with kinetic friction, without
+        restitution. Else
         others may have been missed: those that attract few starts, and where K <= 1 those of bodies that
         bounce, which are not looked for.
     """
