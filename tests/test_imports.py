@@ -38,10 +38,17 @@ _MEASURED = (
     f"vibro.measured_motion({str(RECORD)!r}, trough_along='Trog längs', sensitivity='1V/g', drive_angle=0)"
 )
 
+_THROWN = (
+    "vibro.Scene(amplitude=8e-3, frequency=15, drive_angle=0.5, static_friction=0.6, kinetic_friction=0.5)"
+)
+_FOLLOWED = f"vibro.follow({_THROWN}, 'amplitude', [8e-3, 8.2e-3])"
+
 # What each public name gives when it is called as its documentation says.
 CALLS = {
     "Attractor": "isinstance(vibro.attractors(scene)[0], vibro.Attractor)",
     "Attractors": "isinstance(vibro.attractors(scene), vibro.Attractors)",
+    "Branch": f"isinstance({_FOLLOWED}, vibro.Branch)",
+    "BranchEvent": f"isinstance({_FOLLOWED}.events[-1], vibro.BranchEvent)",
     "Certificate": "vibro.guarantee(scene, drive_angle=(0, 1)).certificate_min._fields[2] == 'bound'",
     "DesignResult": "vibro.DesignResult(True, (), ()).met",
     "FileError": "issubclass(vibro.FileError, vibro.VibroError)",
@@ -62,6 +69,7 @@ CALLS = {
     "critical_loads": "vibro.critical_loads(scene).hop > 1",
     "design": "len(vibro.design(question).designs) == 9",
     "feasible_amplitudes": "len(vibro.feasible_amplitudes(scene, 0.02)) == 1",
+    "follow": f"{_FOLLOWED}.events[-1].kind == 'end'",
     "guarantee": "vibro.guarantee(scene).speed_min == vibro.solve(scene).mean_velocity",
     "measured_motion": f"{_MEASURED}.order == 1",
     "open_sweep": "vibro.open_sweep(stored).shape == (2,)",

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.attractors import attractors
+    from vibro.motion.branches import Branch, BranchEvent
+    from vibro.motion.continuation import follow
     from vibro.motion.histories import simulate
     from vibro.output.stored import open_sweep
     from vibro.output.writing import write_sweep
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Attractor",
     "Attractors",
+    "Branch",
+    "BranchEvent",
     "Certificate",
     "DesignResult",
     "FileError",
@@ -54,6 +58,7 @@ __all__ = [
     "critical_loads",
     "design",
     "feasible_amplitudes",
+    "follow",
     "guarantee",
     "measured_motion",
     "open_sweep",
@@ -70,6 +75,8 @@ __version__ = "0.1.0"
 _HOMES = {
     "Attractor": "vibro.results.attractors",
     "Attractors": "vibro.results.attractors",
+    "Branch": "vibro.motion.branches",
+    "BranchEvent": "vibro.motion.branches",
     "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
@@ -90,6 +97,7 @@ _HOMES = {
     "critical_loads": "vibro.limits",
     "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.windows",
+    "follow": "vibro.motion.continuation",
     "guarantee": "vibro.inverse.guarantees",
     "measured_motion": "vibro.records.waveforms",
     "open_sweep": "vibro.output.stored",

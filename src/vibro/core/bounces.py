@@ -35,8 +35,8 @@ from vibro.core.flight import (
 from vibro.core.waves import SINE, at_break, trough_at
 
 __all__ = [
-    "LONGEST_CYCLE", "MOST_BOUNCES", "MOST_FLIGHTS", "Bounces", "Flights", "SingleBounce", "bounces",
-    "largest_eigenvalue", "normal_multiplier", "single_bounce",
+    "LONGEST_CYCLE", "MOST_BOUNCES", "MOST_FLIGHTS", "Bounces", "Flights", "Round", "SingleBounce", "bounces",
+    "fly_round", "largest_eigenvalue", "normal_multiplier", "single_bounce",
 ]  # fmt: skip
 
 #: Flights, short bounces not counted, after which the search for a cycle ends.
@@ -254,6 +254,46 @@ def _near_repeat(flights: Flights, last: int) -> int:
     return found
 
 
+class Round(NamedTuple):
+    """Some flights one after the other.
+
+    Attributes
+    ----------
+    flies : bool
+        Whether no landing leads to a contact; if not, the other numbers mean nothing.
+    speed : float
+        Of the take-off after them [A w n].
+    elapsed : float
+        Phase until then [rad].
+    derivatives : TangentMap
+        From the first take-off to that one.
+    """
+
+    flies: bool
+    speed: float
+    elapsed: float
+    derivatives: TangentMap
+
+
+def fly_round(
+    bed: Bed, restitution: float, flights: Flights, first: int, count: int, phase: float, speed: float
+) -> Round:
+    """Fly ``count`` times from a take-off, into the rows from ``first`` on."""
+    whole, elapsed = TangentMap(1.0, 0.0, 0.0, 1.0), 0.0
+    for i in range(count):
+        if speed <= 0.0 and bed_load(bed, phase) >= 0.0:
+            return Round(False, 0.0, 0.0, whole)  # the trough would not let go of it
+        flown = flight(bed, phase, speed)
+        after = after_landing(bed, phase + flown.length, flown.impact, restitution, ACCUMULATED)
+        if after.contact or not flown.impact > 0.0:
+            return Round(False, 0.0, 0.0, whole)
+        _write(flights, first + i, phase, speed, flown, after.impulse, elapsed)
+        whole = chained(whole, tangent_map(bed, restitution, phase, flown))
+        elapsed += flown.length
+        phase, speed = at_break(bed.waves, phase + flown.length), after.take_off
+    return Round(True, speed, elapsed, whole)
+
+
 def _close(bed: Bed, restitution: float, flights: Flights, last: int, lag: int) -> tuple[int, int]:
     """Solve a cycle of ``lag`` flights by Newton's iteration, from the last take-off.
 
@@ -263,22 +303,12 @@ def _close(bed: Bed, restitution: float, flights: Flights, last: int, lag: int) 
     first, least = last + 1, _FIRST_STEP
     start_phase, start_speed = flights.phase[last], flights.speed[last]
     for _ in range(_NEWTON_STEPS):
-        phase, speed, elapsed = start_phase, start_speed, 0.0
-        whole = TangentMap(1.0, 0.0, 0.0, 1.0)  # from the first take-off to the last
-        for i in range(lag):
-            if speed <= 0.0 and bed_load(bed, phase) >= 0.0:
-                return 0, 0  # the trough would not let go of it
-            flown = flight(bed, phase, speed)
-            after = after_landing(bed, phase + flown.length, flown.impact, restitution, ACCUMULATED)
-            if after.contact or not flown.impact > 0.0:
-                return 0, 0
-            _write(flights, first + i, phase, speed, flown, after.impulse, elapsed)
-            one = tangent_map(bed, restitution, phase, flown)
-            whole = chained(whole, one)
-            elapsed += flown.length
-            phase, speed = at_break(bed.waves, phase + flown.length), after.take_off
-        a, b, c, d = whole.phase_phase, whole.phase_speed, whole.speed_phase, whole.speed_speed
-        late, faster = wrap_around(elapsed), speed - start_speed
+        flown = fly_round(bed, restitution, flights, first, lag, start_phase, start_speed)
+        if not flown.flies:
+            return 0, 0
+        at, elapsed = flown.derivatives, flown.elapsed
+        a, b, c, d = at.phase_phase, at.phase_speed, at.speed_phase, at.speed_speed
+        late, faster = wrap_around(elapsed), flown.speed - start_speed
         determinant = (1.0 - a) * (1.0 - d) - b * c
         if determinant == 0.0:
             return 0, 0

@@ -21,7 +21,15 @@ from vibro.core.elementary import NAN, TURN
 from vibro.core.evolution import evolve
 from vibro.core.hopping import hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load
-from vibro.core.motions import arrivals, attractors, followed, history, moments
+from vibro.core.motions import (
+    arrivals,
+    attractors,
+    flights_along,
+    followed,
+    history,
+    moments,
+    return_of_flights,
+)
 from vibro.core.return_map import Hops
 from vibro.core.scales import wave_limits, write_spans
 from vibro.core.scenes import Place, Scenes, no_directions, point_at, prepare, seek, unit_point_at, visit
@@ -31,8 +39,9 @@ from vibro.core.windows import thresholds
 
 __all__ = [
     "arrivals", "attractors", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve",
-    "find_others", "followed", "history", "load_slopes", "moments", "prepare", "slips_back",
-    "solve_contact", "solve_hops", "tipping_loads", "transition_loads", "write_letters",
+    "find_others", "flights_along", "followed", "history", "load_slopes", "moments", "prepare",
+    "return_of_flights", "slips_back", "solve_contact", "solve_hops", "tipping_loads", "transition_loads",
+    "write_letters",
 ]  # fmt: skip
 
 

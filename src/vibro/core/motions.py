@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.arrival import arrival_cycles
 from vibro.core.attractors import Attractors, list_attractors
-from vibro.core.bounces import Flights
+from vibro.core.bounces import Bounces, Flights, fly_round
 from vibro.core.buffers import Doubles, Integers
 from vibro.core.codes import Mode
 from vibro.core.drives import (
@@ -17,17 +17,22 @@ from vibro.core.drives import (
     free_normal,
     normal_height,
     normal_load,
+    phase_difference,
     tangential_load,
 )
 from vibro.core.elementary import NAN, TURN, wrap
 from vibro.core.history import LastStarts, Legs, follow, sections_from
-from vibro.core.hopping import MOST_THROW
+from vibro.core.hopping import MOST_THROW, cycle_of, entered
+from vibro.core.orbits import orbit_from
 from vibro.core.return_map import Hops
 from vibro.core.scenes import Place, Point, Scenes, no_directions, point_at, seek
 from vibro.core.steps import Launch, course_of
 from vibro.core.windows import thresholds
 
-__all__ = ["EXTREME", "Cycle", "Moments", "arrivals", "attractors", "followed", "history", "moments"]
+__all__ = [
+    "EXTREME", "Cycle", "Moments", "Turn", "arrivals", "attractors", "flights_along", "followed", "history",
+    "moments", "return_of_flights",
+]  # fmt: skip
 
 #: [1] Of loads and frictions, and one over the least: motions form products of up to four of them, and
 #: differences of those.
@@ -184,6 +189,68 @@ def attractors(
     told[2] = found.lost
     told[3] = 1 if found.runs_away else 0
     return found.number
+
+
+class Turn(NamedTuple):
+    """Some flights of one scene, one after the other: one element each.
+
+    Attributes
+    ----------
+    elapsed, speed : Doubles
+        Phase until the take-off after them [rad], and its normal speed [A w n].
+    phase_phase, phase_speed, speed_phase, speed_speed : Doubles
+        Derivatives of that take-off with respect to the first one.
+    weight : Doubles
+        n = cos(beta)/G, the unit of normal speeds over A w.
+    """
+
+    elapsed: Doubles
+    speed: Doubles
+    phase_phase: Doubles
+    phase_speed: Doubles
+    speed_phase: Doubles
+    speed_speed: Doubles
+    weight: Doubles
+
+
+def return_of_flights(
+    scenes: Scenes, place: Place, flights: Flights, phase: float, speed: float, count: int, out: Turn
+) -> int:
+    """Fly ``count`` times in the first cell, from a phase of the trough's motion along itself.
+
+    Returns 1; 0 where a landing leads to a contact, and -1 where the trough throws no body: then the weight
+    alone is written.
+    """
+    point = _point(scenes, place, 0)
+    out.weight[0] = point.loads.weight_normal
+    if not thresholds(point.loads).hops:
+        return -1
+    bed, begin = course_of(point.loads, point.restitution).bed, wrap(phase + phase_difference(point.loads))
+    flown = fly_round(bed, point.restitution, flights, 0, count, begin, speed)
+    if not flown.flies:
+        return 0
+    out.elapsed[0], out.speed[0] = flown.elapsed, flown.speed
+    out.phase_phase[0], out.phase_speed[0] = flown.derivatives.phase_phase, flown.derivatives.phase_speed
+    out.speed_phase[0], out.speed_speed[0] = flown.derivatives.speed_phase, flown.derivatives.speed_speed
+    return 1
+
+
+def flights_along(
+    scenes: Scenes, place: Place, flights: Flights, hops: Hops, count: int, cycles: int, velocity: float,
+    out: Doubles,
+) -> int:  # fmt: skip
+    """Follow a body along the trough, over flights that ``return_of_flights`` has written and that repeat.
+
+    ``out`` is written with the velocity at the first take-off at which the motion repeats [A w], the
+    displacement per drive cycle [A] and the slope of the return map; the status is returned.
+    """
+    point = _point(scenes, place, 0)
+    course = course_of(point.loads, point.restitution)
+    motion = Bounces(True, 0, count, 0, cycles, 0.0, 0.0, flights.phase[0])
+    entry = entered(course.track, motion, velocity, flights, hops)
+    found = orbit_from(cycle_of(course.track, motion), hops, entry.velocity)
+    out[0], out[1], out[2] = found.velocity, found.cycle.displacement / cycles, found.cycle.slope
+    return found.status
 
 
 def moments(
