@@ -45,6 +45,7 @@ _BEGINS: Final = 0.05  # [rad, 1] distance of a start from its cycle, at most
 _LEAST: Final = 1e-9  # [rad, 1] step at which the branch has ended
 _ASIDE: Final = 0.3  # [1] of a step: distance of a cycle from its prediction above which the step is too long
 _BEND: Final = 0.9  # [1] cosine of the angle between tangents below which it is, too
+_JUMP: Final = 1e-3  # [rad, 1] change of a landing over that step, above which it is another one
 _MOST: Final = 20_000  # cycles of a branch
 
 
@@ -441,10 +442,10 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
 def _why_lost(rounds: _Rounds, last: _Point) -> str:
     """Return the kind of the end of a branch, beyond which there is no such cycle."""
     try:
-        rounds.fly(last.state + 2.0 * _LEAST * last.tangent)
+        beyond = rounds.fly(last.state + 2.0 * _LEAST * last.tangent)
     except _LostError as lost:
         return str(lost) or "cut"
-    return "grazing"
+    return "grazing" if np.abs(beyond.open).max() > _JUMP else "cut"  # it lands elsewhere
 
 
 def _measured(
