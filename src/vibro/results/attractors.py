@@ -72,10 +72,9 @@ class Attractors(Sequence[Attractor]):
     runs_away : bool
         Whether a body that is pushed hard enough down the trough never stops.
     complete : bool
-        Whether no other cycles exist: in contact under a drive of one harmonic, with kinetic friction, without
-        restitution. Else
-        others may have been missed: those that attract few starts, and where K <= 1 those of bodies that
-        bounce, which are not looked for.
+        Whether no other cycles exist: in contact under a drive of one harmonic, with kinetic friction, no
+        restitution. Else others may have been missed: those that attract few starts or take long to repeat,
+        and where K <= 1 those of bodies that bounce, which are not looked for.
     """
 
     cycles: tuple[Attractor, ...]
@@ -103,7 +102,7 @@ class Attractors(Sequence[Attractor]):
         if self.complete:
             told = "all cycles are known"
         elif self.starts == 1:
-            told = "cycles in contact; bodies that are thrown on the trough and bounce on were not looked for"
+            told = "cycles in contact, not surely all; bodies that bounce on were not looked for"
         else:
             told = f"{self.starts} start{'s' * (self.starts > 1)} followed, {self.unsettled} led to no cycle"
             told += "; cycles that attract none of them are missing"
