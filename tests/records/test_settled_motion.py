@@ -164,7 +164,7 @@ def test_friction_is_fitted_with_harmonics(monkeypatch: pytest.MonkeyPatch) -> N
         for gain in (1.01, 0.99)
     )
     wide = fit(scene_of(0.5, 0.36), record, names, [(more, less)]).parameters[0]
-    assert wide.value == exact.value
+    assert wide.low < 0.4 < wide.high
     assert wide.high - wide.low > 3.0 * (exact.high - exact.low)
 
 

@@ -13,6 +13,7 @@ from vibro.drives import Ability
 from vibro.long_patterns import turned
 from vibro.motion.arrivals import Start
 from vibro.motion.histories import follow, grid_of
+from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors
 from vibro.solver import Scratch
 
@@ -28,6 +29,7 @@ _ROOM: Final = (
 _NUMBERS: Final = 9  # of a cycle, see ``vibro.core.attractors.Attractors``
 
 
+@shielded
 def attractors(scene: Scene) -> Attractors:
     """Find the steady cycles that coexist: where bodies settle, depending on how they start.
 

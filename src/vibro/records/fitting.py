@@ -267,9 +267,13 @@ def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]
 def _weighed_minima(problem: Problem, minima: list[Minimum], work: _Work) -> list[Minimum]:
     """Weight the signals by the residuals of the best pattern, and minimise all patterns again."""
     for _ in range(TOL.weighings):
-        problem.weigh(minima[0].point)
-        first, *others = (best_of(problem, m.label, m.point[None]) for m in minima)
-        best = minimise(problem, first, TOL.enough)
+        best = minima[0]
+        for _ in range(TOL.weighings):
+            problem.weigh(best.point)
+            best = minimise(problem, best_of(problem, best.label, best.point[None]), TOL.enough)
+            if problem.has_likely_drive(best.point):
+                break
+        others = [best_of(problem, m.label, m.point[None]) for m in minima[1:]]
         most = best.squares + TOL.excluded
         others = _least_of_each(problem, [*others, *_neighbours(problem, best)])
         found = [minimise(problem, m, TOL.enough, most) for m in work.each(others, "estimates")]

@@ -102,7 +102,7 @@ class Problem:
     A drive that was measured is known to its errors alone. In every pattern they can move the motion by more
     than the noise leaves open, mean speed first. So once weighed, sums of squares are the least over these
     errors too, each of which costs its own square in standard errors: the residuals are shrunk along what
-    the errors do at the point that weighed them.
+    the errors do, at the point that weighed them and the errors that were likely there.
     """
 
     def __init__(
@@ -126,7 +126,9 @@ class Problem:
         self._sensors: dict[str, Floats] = {}
         free = [[{n: x for n, x in fields.items() if n not in names} for fields in pair] for pair in moved]
         self._moved = [pair for pair in free if all(pair)]
-        self._shrunk: tuple[Floats, Floats] | None = None
+        self._errors = np.zeros(len(self._moved))  # of the drive, in standard errors
+        self._drive: dict[str, Any] = {}  # its fields with these errors
+        self._effects = np.empty((0, 0))  # of one standard error each on the weighted residuals, (errors, K)
         for name, values in observation.signals.items():
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
@@ -175,9 +177,9 @@ class Problem:
         cycles = scene_cycles(self._fields(points), hops=label == HOPS)
         model, signals = self._model(cycles, points), self.observation.signals
         values = self._weighted({name: measured - model[name] for name, measured in signals.items()})
-        if self._shrunk is not None:
-            directions, shares = self._shrunk
-            values -= (values @ directions * shares) @ directions.T
+        if self._effects.size:
+            values += self._errors @ self._effects
+            values -= (values @ self._directions * self._shrunk) @ self._directions.T
         return Residuals(self._within(points, cycles.labels) == label, values)
 
     def _weighted(self, residuals: Mapping[str, Floats]) -> Floats:
@@ -218,6 +220,9 @@ class Problem:
         grows with the square of the slope.
         """
         observation = self.observation
+        if self._moved:
+            self._errors = self.likely_errors(point)
+            self._drive = self._drive_with(self._errors)
         cycles = scene_cycles(self._fields(point[None]))
         now, after, before = (self._model(cycles, point[None], lag) for lag in (0.0, 0.5, -0.5))
         drive = self._by_drive(point)
@@ -235,15 +240,43 @@ class Problem:
             self._filters[name] = whitening_filter(observation.time, shape * residual, observation.frequency)
             self._weigh(name, shape, residual)
         if self._moved:
-            directions, sizes, _ = np.linalg.svd(self._weighted(drive).T, full_matrices=False)
-            self._shrunk = directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+            self._effects = self._weighted(drive)
+            self._directions, sizes, _ = np.linalg.svd(self._effects.T, full_matrices=False)
+            self._shrunk = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+
+    def likely_errors(self, point: Floats) -> Floats:
+        """Return the likely errors of the drive at a point, in standard errors; 0 before it is weighed."""
+        if not self._effects.size:
+            return self._errors
+        model = self._model(scene_cycles(self._fields(point[None])), point[None])
+        signals = self.observation.signals.items()
+        values = self._weighted({name: measured - model[name] for name, measured in signals})[0]
+        effects = self._effects
+        normal = np.eye(len(effects)) + effects @ effects.T
+        return np.asarray(np.linalg.solve(normal, effects @ (values + self._errors @ effects)))
+
+    def has_likely_drive(self, point: Floats) -> bool:
+        """Whether a point is weighed with nearly the errors of the drive that are likely there."""
+        return bool((np.abs(self.likely_errors(point) - self._errors) <= TOL.settled_errors).all())
+
+    def _drive_with(self, errors: Floats) -> dict[str, Any]:
+        """Return the fields of the drive with some errors."""
+        fields: dict[str, Any] = {}
+        for error, (more, less) in zip(errors, self._moved, strict=True):
+            for name in more:
+                now = np.asarray(fields.get(name, self.fixed[name]))
+                fields[name] = now + 0.5 * error * (np.asarray(more[name]) - np.asarray(less[name]))
+        return {n: float(x) if x.ndim == 0 else list(map(tuple, x.tolist())) for n, x in fields.items()}
 
     def _by_drive(self, point: Floats) -> dict[str, Floats]:
         """Return what one standard error of each part of the drive makes of every signal, (errors, N)."""
         found: dict[str, list[Floats]] = {name: [] for name in self.observation.signals}
-        for pair in self._moved:
-            others = [self.with_fixed(fields) for fields in pair]
-            ends = [other._model(scene_cycles(other._fields(point[None])), point[None]) for other in others]
+        other = copy(self)
+        for step in np.eye(len(self._moved)):
+            ends = []
+            for way in (1.0, -1.0):
+                other._drive = self._drive_with(self._errors + way * step)
+                ends.append(self._model(scene_cycles(other._fields(point[None])), point[None]))
             for name, rows in found.items():
                 rows.append(0.5 * (ends[0][name][0] - ends[1][name][0]))
         samples = self.observation.time.size
@@ -294,7 +327,10 @@ class Problem:
     def _fields(self, points: Floats) -> dict[str, Any]:
         """Return the fields of the scenes at points, (M, P) or (M, P + 1), clipped to the bounds."""
         count = points.shape[0]
-        values = {name: np.full(count, x) if isinstance(x, float) else x for name, x in self.fixed.items()}
+        values = {
+            name: np.full(count, x) if isinstance(x, float) else x
+            for name, x in (self.fixed | self._drive).items()
+        }
         clipped = np.clip(points[:, : len(self.names)], *self.bounds)
         return values | dict(zip(self.names, clipped.T.copy(), strict=True))
 

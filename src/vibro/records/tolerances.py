@@ -163,7 +163,8 @@ class Tolerances(NamedTuple):
     explained: float = 1.1  # largest sum of squares over the number of samples of an explained record
     better: float = 0.1  # of the threshold: a point better than the best by this starts another search,
     restarts: int = 3  # so often
-    weighings: int = 3
+    settled_errors: float = 0.1  # [standard errors of a drive] by which another weighing may move them,
+    weighings: int = 3  # and how often that and the weights are found anew
     neighbours: int = 400  # points around a minimum at which other patterns are searched,
     widest: float = 4.0  # up to so many standard deviations,
     farthest_neighbour: float = 0.3  # and up to this relative distance
