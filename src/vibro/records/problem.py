@@ -52,6 +52,7 @@ _GRID: Final[Mapping[str, Sequence[float]]] = {
 _POWERS: Final = {"displacement": 1, "velocity": 2, "acceleration": 2, "friction": 2}
 # Powers of 2 pi f that turn the trough's amplitude into the size of a signal.
 _POWERS_OF_RATE: Final = {"displacement": 0, "velocity": 1, "acceleration": 2, "friction": 2}
+_NOT_NEGATIVE: Final = (*AMPLITUDES, "drive_angle")  # quantities of a drive, whatever its errors
 _JUMPING: Final = ("acceleration", "friction")  # signals that jump where a slide starts or ends
 
 
@@ -260,13 +261,19 @@ class Problem:
         return bool((np.abs(self.likely_errors(point) - self._errors) <= TOL.settled_errors).all())
 
     def _drive_with(self, errors: Floats) -> dict[str, Any]:
-        """Return the fields of the drive with some errors."""
-        fields: dict[str, Any] = {}
+        """Return the fields of the drive with some errors; harmonics are added as phasors."""
+        fields: dict[str, NDArray[Any]] = {}
         for error, (more, less) in zip(errors, self._moved, strict=True):
             for name in more:
-                now = np.asarray(fields.get(name, self.fixed[name]))
-                fields[name] = now + 0.5 * error * (np.asarray(more[name]) - np.asarray(less[name]))
-        return {n: float(x) if x.ndim == 0 else list(map(tuple, x.tolist())) for n, x in fields.items()}
+                now = fields.get(name, _phasors(self.fixed[name]))
+                fields[name] = now + 0.5 * error * (_phasors(more[name]) - _phasors(less[name]))
+        found: dict[str, Any] = {}
+        for name, x in fields.items():
+            if x.ndim:
+                found[name] = list(zip(np.abs(x).tolist(), np.angle(x).tolist(), strict=True))
+            else:
+                found[name] = max(float(x), 0.0) if name in _NOT_NEGATIVE else float(x)
+        return found
 
     def _by_drive(self, point: Floats) -> dict[str, Floats]:
         """Return what one standard error of each part of the drive makes of every signal, (errors, N)."""
@@ -338,6 +345,13 @@ class Problem:
         """Empty the labels of points beyond the bounds."""
         values, (low, high) = points[:, : len(self.names)], self.bounds
         return np.where(((low <= values) & (values <= high)).all(axis=1), labels, "")
+
+
+def _phasors(field: Any) -> NDArray[Any]:
+    """Return the complex amplitudes of harmonics, pairs of size and phase; other fields as they are."""
+    if isinstance(field, float):
+        return np.asarray(field)
+    return np.array([size * np.exp(1j * phase) for size, phase in field])
 
 
 def _variances(observation: Observation, residual: Floats, squared_slopes: Floats) -> Floats:
