@@ -135,12 +135,6 @@ class Problem:
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
             self._weigh(name, np.ones(values.size), rest)
 
-    def with_fixed(self, values: Mapping[str, Any]) -> Problem:
-        """Return the same problem with other values of quantities that are not free [SI]."""
-        other = copy(self)
-        other.fixed = self.fixed | dict(values)
-        return other
-
     @property
     def own(self) -> Floats:
         """Values of the scene, clipped to the bounds."""
