@@ -89,7 +89,7 @@ def filling_of(scene: Scene, cycle: SteadyCycle, *, threads: int | None = None) 
         added_damping_share=damping,
         added_mass_share_error=error,
         added_damping_share_error=error,
-        energy_per_cycle=math.pi * _squared_speed(scene) * damping,
+        energy_per_cycle=_energy(scene, damping),
         second_harmonic=real + 1j * imaginary,
         bound=bound,
         status=cycle.status,
@@ -103,10 +103,14 @@ def _check_drive(scene: Scene) -> None:
         raise SceneError((Problem("drive", drive.kind, allowed),))
 
 
-def _squared_speed(scene: Scene) -> Any:
-    """Sum of the squared amplitudes of the trough's velocity in both directions [m^2/s^2]."""
+def _energy(scene: Scene, damping: Any) -> Any:
+    """Energy that is lost in a cycle, pi abs(X)^2 w^2 delta; inf beyond the range of doubles [J/kg]."""
     drive = scene.arrays()
     w = 2.0 * math.pi * drive.frequency
-    if isinstance(drive, Ellipse):
-        return (drive.along_amplitude * w) ** 2 + (drive.normal_amplitude * w) ** 2
-    return (drive.amplitude * w) ** 2 if isinstance(drive, Line) else np.nan
+    with np.errstate(over="ignore", invalid="ignore"):
+        if isinstance(drive, Ellipse):
+            square = (drive.along_amplitude * w) ** 2 + (drive.normal_amplitude * w) ** 2
+        else:
+            assert isinstance(drive, Line)
+            square = (drive.amplitude * w) ** 2
+        return np.where(damping == 0.0, 0.0, math.pi * square * damping)[()]
