@@ -134,9 +134,9 @@ class Machine:
     >>> feeder = Machine.magnet(trough_mass=6, counter_mass=12, natural_frequency=50 / 1.05,
     ...                         damping_ratio=0.015, calibration=Calibration(0.35e-3, 50))
     >>> print(f"{feeder.force:.1f} N, {feeder.load_proof_frequency(50):.1f} Hz")
-    19.7 N, 86.6 Hz
-    >>> feeder.response(50, added_mass=0.2).elasticities["filling"].round(3)
-    np.float64(-0.237)
+    20.2 N, 86.6 Hz
+    >>> print(f"{feeder.response(50, added_mass=0.2).elasticities['filling']:.3f}")
+    -0.189
     """
 
     kind: str
