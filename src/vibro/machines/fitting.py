@@ -94,7 +94,7 @@ class ResponseFit:
 
 
 class LeastSquares(NamedTuple):
-    """Weighted linear least squares: estimates [Hz, 1, m] and their standard errors, NaN where there are none."""
+    """Estimates [Hz, 1, m] and their standard errors; NaN where there are none."""
 
     natural_frequency: float
     damping_squared: float
@@ -198,7 +198,7 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
 
 
 def least_squares(frequency: Floats, amplitude: Floats, error: Floats, law: str) -> LeastSquares:
-    """Fit ``f^(2 e) / A^2 = a f^4 + b f^2 + c``; relative errors of the amplitudes give weights and covariance."""
+    """Fit ``f^(2 e) / A^2 = a f^4 + b f^2 + c``, weighted by the relative errors of the amplitudes."""
     scale = math.exp(float(np.mean(np.log(frequency))))  # keeps the columns of the same size
     x = (frequency / scale) ** 2
     y = x ** LAWS[law] / amplitude**2
@@ -235,6 +235,7 @@ class _Search:
         self.is_square = bool(LAWS[law])
 
     def residuals(self, p: Floats) -> Floats:
+        """Return logarithms of measured over fitted amplitudes, over their errors [1]."""
         x = self.squared * math.exp(-p[1])
         model = p[0] - 0.5 * np.log((1.0 - x) ** 2 + p[2] * x)
         if self.is_square:
@@ -242,19 +243,20 @@ class _Search:
         return np.asarray((self.measured - model) / self.error)
 
     def squares(self, p: Floats) -> float:
+        """Return the sum of squares."""
         with np.errstate(divide="ignore"):  # a point at resonance without damping: infinite
             r = self.residuals(p)
         return float(r @ r)
 
     def _jacobian(self, p: Floats) -> Floats:
-        """Derivatives of the residuals, a column for each coordinate."""
+        """Return derivatives of the residuals, a column for each coordinate."""
         x = self.squared * math.exp(-p[1])
         d = (1.0 - x) ** 2 + p[2] * x
         along = 0.5 * x * (p[2] - 2.0 * (1.0 - x)) / d - self.is_square
         return np.asarray(-np.stack([np.ones(x.size), along, -0.5 * x / d], axis=1) / self.error[:, None])
 
     def minimum(self, p: Floats, free: Sequence[int] = (0, 1, 2)) -> Floats:
-        """Minimise from ``p`` over some coordinates by Levenberg-Marquardt, the damping kept at 0 or above."""
+        """Minimise over some coordinates by Levenberg-Marquardt; the damping stays at 0 or above."""
         squares, weight = self.squares(p), 1e-3
         for _ in range(_MOST_STEPS):
             jacobian, r = self._jacobian(p), self.residuals(p)
