@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import Filling, Scene, SceneError, Status, filling
+from vibro.fillings import TYPICAL_MACHINES, amplitude_exponent, most_mass_ratio
 from vibro.slopes import slides_of
 
 ROUNDING = 1e-12  # [1] of shares, which are of the order of 1
@@ -255,3 +256,53 @@ def test_threads_are_whole_numbers(threads: Any) -> None:
 
 def test_the_result_is_public() -> None:
     assert isinstance(filling(at_load(1.0, 20.0, 0.5, 0.4)), Filling)
+
+
+# ------------------------------------------------------------------- up to what mass the motion is given
+
+# [% of the trough's mass] on soft mounts, and on two masses below and above resonance, as first derived: from
+# the exponent of the speed, the share, and the machine's compliance
+GIVEN = {
+    "nut": (Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20), static_friction=0.74,
+                  kinetic_friction=0.57), 3.80, (0.30, 0.13, 0.04)),
+    "slider at 50 Hz": (Scene(amplitude=0.15e-3, frequency=50, drive_angle=math.radians(20),
+                              static_friction=0.35, kinetic_friction=0.28), 1.11, (3.1, 1.3, 0.5)),
+    "thrower": (Scene(amplitude=5e-3, frequency=16, drive_angle=math.radians(30), static_friction=0.5,
+                      kinetic_friction=0.4), 1.36, (3.6, 1.5, 0.5)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", GIVEN)
+def test_up_to_what_filling_the_motion_is_as_given(name: str) -> None:
+    scene, exponent, percent = GIVEN[name]
+    cycle, found = vibro.solve(scene), filling(scene)
+    assert round(float(amplitude_exponent(scene, cycle)), 2) == exponent
+    for machine, expected in zip(TYPICAL_MACHINES.values(), percent, strict=True):
+        ratio = 100.0 * most_mass_ratio(scene, cycle, found, machine)
+        digits = len(str(expected).partition(".")[2])
+        assert round(float(ratio), digits) == expected
+
+
+def test_compliances_of_typical_machines() -> None:
+    assert [round(x, d) for x, d in zip(TYPICAL_MACHINES.values(), (2, 1, 1), strict=True)] == [
+        1.07,
+        2.5,
+        7.2,
+    ]
+
+
+def test_a_filling_at_the_limit_changes_the_speed_by_one_percent() -> None:
+    for scene, _, _ in GIVEN.values():
+        cycle, found = vibro.solve(scene), filling(scene)
+        for compliance in (1.07, 2.5 * np.exp(0.4j)):
+            # the worst phase of the share against the machine's compliance
+            change = most_mass_ratio(scene, cycle, found, compliance) * abs(found.share * compliance)
+            less = vibro.solve(replaced(scene, amplitude=scene.scale * (1.0 - change)))
+            assert abs(less.mean_velocity / cycle.mean_velocity - 1.0) == pytest.approx(0.01, rel=0.03)
+
+
+def test_the_exponent_is_unknown_where_the_regime_changes() -> None:
+    hop = 1.0 / math.sin(math.radians(20.0))
+    scene = at_load([0.1, 0.999 * hop, 1.005 * hop, 1.5 * hop], 20.0, 0.5, 0.4)
+    exponent = amplitude_exponent(scene, vibro.solve(scene))
+    assert np.isnan(exponent).tolist() == [True, False, True, False]
