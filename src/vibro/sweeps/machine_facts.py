@@ -150,5 +150,5 @@ def _all_amplitudes(given: GivenMachine, values: Mapping[str, Any]) -> str:
     case = {
         name: None if x is None else float(np.asarray(x).item()) for name, x in case_of(given, values).items()
     }
-    found = operating_points(given.machine, **case)  # type: ignore[arg-type]
+    found = operating_points(given.machine, **case)
     return f"{', '.join(map(_mm, found))}; the least is reached when the machine is switched on"
