@@ -6,6 +6,7 @@ import shlex
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.cli.console import Console
+from vibro.core.codes import Level
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, Quantity, exact_number
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.sweeps.request import Request
 
-__all__ = ["plain_number", "question", "request_of", "whole_number"]
+__all__ = ["plain_number", "question", "request_of", "warn_of_machine", "whole_number"]
 
 
 class _CommandLine(NamedTuple):
@@ -62,7 +63,7 @@ def whole_number(option: str, text: str) -> int:
     return int(number)
 
 
-def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
+def request_of(options: Options, argv: Sequence[str], *, without_machine: str = "", **wanted: Any) -> Request:
     """Read the options and the scene file that they name, and check them together.
 
     Parameters
@@ -71,6 +72,8 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
         The shared options.
     argv : sequence of str
         The arguments as typed, the command first.
+    without_machine : str
+        Why the command takes no machine; empty if it does.
     **wanted
         As for ``gather``.
 
@@ -82,7 +85,21 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
         If the scene file cannot be read.
     """
     file = read_scene_file(options.scene) if options.scene else None
-    return gather(options.given, file, _CommandLine(argv), **wanted)
+    if without_machine and file is not None and file.machine is not None:
+        raise InputError(
+            f"{options.scene}: [machine]: {without_machine}",
+            hint="vibro solve tells the amplitude at its operating point: give that in place of [machine]",
+        )
+    return gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
+
+
+def warn_of_machine(request: Request, console: Console) -> None:
+    """Say on stderr what is known of a machine's operating point beside its numbers."""
+    from vibro.sweeps.machine_facts import machine_warnings
+
+    if request.machine is not None:
+        for text in machine_warnings(request.machine, request.grid(Level.EXACT).values()):
+            console.warn(text)
 
 
 def question(request: Request, options: Options, found: Collection[str] = ()) -> None:
