@@ -55,9 +55,9 @@ def cited(text: str) -> set[int]:
 
 
 def rows() -> list[tuple[str, ...]]:
-    """Cells of every table of the nomenclature that names code: not of units, nor of columns of designs."""
+    """Cells of every table of the nomenclature that names code: not of units, designs and fillings."""
     found = []
-    page = re.sub(r"## (Units|Designs)\n.*?(?=\n## )", "", NOMENCLATURE, flags=re.DOTALL)
+    page = re.sub(r"## (Units|Designs|A filling)\n.*?(?=\n## )", "", NOMENCLATURE, flags=re.DOTALL)
     for line in page.splitlines():
         if line.startswith("|") and line not in (HEADER, PLAIN_HEADER) and not line.startswith("|---"):
             found.append(tuple(cell.strip() for cell in line.strip("|").split("|")))

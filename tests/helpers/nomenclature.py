@@ -10,6 +10,7 @@ from pathlib import Path
 
 from vibro.quantities import HARMONIC, IN_GRAVITIES, MASS, QUANTITIES, SPEED, SWEPT, TIME
 from vibro.results.designs import DESIGN_COLUMNS
+from vibro.results.filling import WEIGHED
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
@@ -28,6 +29,10 @@ from vibro.scene import Scene
 UNITS = """\
 In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
 sign. Frictions and the restitution are pure numbers."""
+FILLING = """\
+What `vibro solve --filling` adds, where the trough moves as the scene says: section 18 of
+[theory.md](theory.md). Three columns `given_motion_..._percent` say up to what filling, over the trough's
+mass, that holds within 1 % of speed."""
 PAGE = Path(__file__).parents[2] / "docs" / "nomenclature.md"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""
@@ -128,6 +133,10 @@ def tables() -> str:
     ]
     designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
     parts.append(["## Designs", "", "| CSV column | unit | meaning |", "|---|---|---|", *designs])
+    weighed = [f"| `{r.column}` | {r.kind.unit or '1'} | {r.meaning} |" for r in WEIGHED]
+    parts.append(
+        ["## A filling", "", FILLING, "", "| CSV column | unit | meaning |", "|---|---|---|", *weighed]
+    )
     return "".join("\n".join([*part, "", ""]) for part in parts)
 
 
