@@ -55,7 +55,9 @@ def traverse_time_command(
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     console = Console(quiet=options.quiet)
     grid = make_grid(request, console, flight=flight, arrivals=follows)
-    usual = columns_of(grid.axes, *extra, drive=grid.drive, made_with=grid.made_with)
+    usual = columns_of(
+        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+    )
     table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
     if not request.varying:
         refuse_without_table(options, columns, digits)
