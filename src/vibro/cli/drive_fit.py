@@ -121,8 +121,8 @@ def fit_points(
             raise InputError(*(f"{path}: {problem}" for problem in exc.problems)) from None
         if math.isnan(fit.amplitude_error[0]):
             console.warn(
-                f"no errors and intervals: the error of an amplitude is unknown, and {fit.frequency.size} points"
-                f" are fewer than the {POINTS_FOR_ERROR} whose residuals tell it; state it, such as"
+                f"no errors and intervals: the error of an amplitude is unknown, and {fit.frequency.size}"
+                f" points are fewer than the {POINTS_FOR_ERROR} whose residuals tell it; state it, such as"
                 " --amplitude-error 2%"
             )
         table = _machine_table(fit, given, path, frequency)

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PICTURES", "PICTURE_FORMATS", "file_suffix", "suffixed"]
 
-#: Every picture of a map, a design or a machine that has a name of its own, and the formats that pictures may have.
+#: Every picture of a map, a design or a machine that has a name of its own, and the formats of pictures.
 PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight", "band", "response")
 PICTURE_FORMATS: Final = ("png", "svg", "pdf")
 
