@@ -236,8 +236,8 @@ def _how(sheet: Sheet, last: Bounds) -> str:
     looked = [found[name] for name in axes] + (["all corners of friction"] if frictions else [])
     ends = f" ({', '.join(looked)})" if looked else ""
     return (
-        f"Speeds hold over {over}. The interval holds the {last.looked_at} operating points that were looked at{ends};"
-        " between them it is not proved."
+        f"Speeds hold over {over}. The interval holds the {last.looked_at} operating points that were"
+        f" looked at{ends}; between them it is not proved."
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -217,7 +218,7 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
             for axes, value in zip((above, beneath), point, strict=True):
                 axes.plot(drive.drive, value, zorder=6, **marker)
             legend[f"operating point {names[i]}"] = marker
-        top = _top(drive)
+        top = _top(drive, 0)
         lines = (drive.hop, _HOP, "bodies hop above"), (drive.slip, _SLIP, "bodies slip above")
         for critical, line, name in lines:
             if (critical < top).any():
@@ -225,6 +226,7 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
                 legend[name] = dict(line)
         above.set_ylim(0.0, top)
         beneath.axhline(0.0, color=INK, linewidth=0.5)
+        beneath.set_ylim(min(0.0, *(float(np.nanmin(speed)) for _, speed in drive.curves)), _top(drive, 1))
         above.set_ylabel("amplitude $A$ [mm]")
         beneath.set_ylabel("mean speed [mm/s]")
         beneath.set_xlabel("frequency of the drive $f$ [Hz]")
@@ -234,8 +236,8 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
         return figure
 
 
-def _top(drive: DrivePicture) -> float:
-    """Return the upper end of the amplitudes: above the operating points, and not far above."""
-    here = np.nanmax([amplitude for amplitude, _ in drive.points])
-    highest = max(float(np.nanmax(amplitude)) for amplitude, _ in drive.curves)
-    return float(1.05 * min(highest, _MOST_ABOVE * here))
+def _top(drive: DrivePicture, which: int) -> float:
+    """Return the upper end of amplitudes (0) or speeds (1): above the operating points, not far above."""
+    here = max((float(pair[which]) for pair in drive.points if pair[which] > 0.0), default=math.inf)
+    highest = max(float(np.nanmax(pair[which], initial=0.0)) for pair in drive.curves)
+    return 1.05 * min(highest, _MOST_ABOVE * here) or 1.0
