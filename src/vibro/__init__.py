@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from vibro.core.codes import Regime, Status
     from vibro.errors import FileError, InputError, SceneError, VibroError
+    from vibro.fillings import filling
     from vibro.inverse.designs import design
     from vibro.inverse.guarantees import guarantee
     from vibro.inverse.windows import feasible_amplitudes
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from vibro.records.waveforms import MeasuredMotion, measured_motion
     from vibro.results.attractors import Attractor, Attractors
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
+    from vibro.results.filling import Filling
     from vibro.results.history import History
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
@@ -41,6 +43,7 @@ __all__ = [
     "Certificate",
     "DesignResult",
     "FileError",
+    "Filling",
     "Guarantee",
     "History",
     "InputError",
@@ -58,6 +61,7 @@ __all__ = [
     "critical_loads",
     "design",
     "feasible_amplitudes",
+    "filling",
     "follow",
     "guarantee",
     "measured_motion",
@@ -80,6 +84,7 @@ _HOMES = {
     "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
+    "Filling": "vibro.results.filling",
     "Guarantee": "vibro.results.designs",
     "History": "vibro.results.history",
     "InputError": "vibro.errors",
@@ -97,6 +102,7 @@ _HOMES = {
     "critical_loads": "vibro.limits",
     "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.windows",
+    "filling": "vibro.fillings",
     "follow": "vibro.motion.continuation",
     "guarantee": "vibro.inverse.guarantees",
     "measured_motion": "vibro.records.waveforms",
