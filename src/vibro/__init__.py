@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from vibro.inverse.windows import feasible_amplitudes
     from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
+    from vibro.machines.machine import Calibration, Machine
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.attractors import attractors
     from vibro.motion.branches import Branch, BranchEvent
@@ -40,6 +41,7 @@ __all__ = [
     "Attractors",
     "Branch",
     "BranchEvent",
+    "Calibration",
     "Certificate",
     "DesignResult",
     "FileError",
@@ -48,6 +50,7 @@ __all__ = [
     "History",
     "InputError",
     "Interval",
+    "Machine",
     "MeasuredMotion",
     "Motion",
     "Regime",
@@ -81,6 +84,7 @@ _HOMES = {
     "Attractors": "vibro.results.attractors",
     "Branch": "vibro.motion.branches",
     "BranchEvent": "vibro.motion.branches",
+    "Calibration": "vibro.machines.machine",
     "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
@@ -89,6 +93,7 @@ _HOMES = {
     "History": "vibro.results.history",
     "InputError": "vibro.errors",
     "Interval": "vibro.results.designs",
+    "Machine": "vibro.machines.machine",
     "MeasuredMotion": "vibro.records.waveforms",
     "Motion": "vibro.waveforms",
     "Regime": "vibro.core.codes",
