@@ -37,7 +37,8 @@ TERMS = 18  # of Taylor's series: 2 pi/20 to the 18th power over 18! is 1e-25
 FLAT = 1e-9  # [1] coefficients below are rounding: a slide or flight that starts smoothly
 LEAST_BOUNCE = 1e-9  # [g/w] slower take-offs are left out where the trough presses
 MOST_LEGS = 1000  # a turn
-SAME = 1e-11  # [g/w^2, g/w] states of two turns that are the same
+LONGEST_PERIOD = 8  # turns
+SAME = 1e-12  # [g/w^2, g/w] states of two turns that are the same
 RELATIVE, RELATIVE_SPEED, COUNTER, COUNTER_SPEED, XI, XI_SPEED, ETA, ETA_SPEED, COS, SIN, ONE = range(11)
 STICK, FORWARD, BACK, FLIGHT = range(4)
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -80,10 +81,13 @@ class Motion(NamedTuple):
 
 
 class Reaction(NamedTuple):
-    """What a body does to a trough that moves as A sin(wt), whatever lies on it; all per kg of the body."""
+    """What a body does to a trough that moves as A sin(wt), whatever lies on it; all per kg of the body.
 
-    share: complex  # force phasor at w over A w^2, the trough as reference: -share * x'' is the force
-    second: complex  # force phasor at 2w over A w^2: Re(second e^2iwt) A w^2 is the force, t as in A sin(wt)
+    Its force along the drive's line has the harmonics Im(share e^iwt) and Im(second e^2iwt), times A w^2.
+    """
+
+    share: complex
+    second: complex
     energy: float  # [J/kg] lost a turn to friction, impacts and climb, each from its own law
     speed: float  # [m/s]
     turns: int
@@ -144,7 +148,7 @@ class _Run:
         self.on_counter = machine.force_on_counter_mass / (m1 * gravity)
         self.inverse_trough = 0.0 if load is not None else 1.0
         self.pull = {STICK: 0.0, FORWARD: -body.kinetic_friction, BACK: body.kinetic_friction, FLIGHT: 0.0}
-        if 1.0 + self.mass * self.b * (self.b - body.static_friction * self.a) <= 0.0:
+        if load is None and 1.0 + self.mass * self.b * (self.b - body.static_friction * self.a) <= 0.0:
             raise ValueError("so heavy a body on so light a trough jams: rigid bodies have no motion")
         self.trough = [self._acceleration(mode) for mode in range(4)]
         self.flow = [self._flow(mode) for mode in range(4)]
@@ -242,7 +246,7 @@ class _Run:
         return state
 
     def settle(self, most: int, mean_over: int) -> int:
-        """Follow the motion until it repeats after 1 to 4 turns, then these turns again; 0: it never does."""
+        """Follow the motion until it repeats, then these turns again; return how many, 0 if it never does."""
         self._decide()
         seen: list[Floats] = []
         for _ in range(most):
@@ -250,7 +254,7 @@ class _Run:
             seen.append(
                 np.append(self.state[[RELATIVE, RELATIVE_SPEED, XI_SPEED, ETA, ETA_SPEED]], self.mode)
             )
-            for turns in range(1, 5):
+            for turns in range(1, LONGEST_PERIOD + 1):
                 if len(seen) > turns and np.abs(seen[-1] - seen[-1 - turns]).max() < SAME:
                     self._record(turns)
                     return turns
@@ -294,7 +298,7 @@ class _Run:
         for j in np.flatnonzero(suspicious.any(axis=1)):
             series = (self.taylor[mode] @ states[j]).T
             found = [
-                (time, which)
+                (time, int(which))
                 for which in np.flatnonzero(suspicious[j])
                 if (time := self._zero(self.margins[mode][which] @ series, j == 0)) is not None
             ]
@@ -302,11 +306,11 @@ class _Run:
                 time, which = min(found, key=lambda zero: zero[0])
                 if j * self.step + time < longest:
                     self._go(j * self.step + time, series, time)
-                    self._event(mode, int(which))
+                    self._event(mode, which)
                     return
         length = min(longest, last * self.step)
-        j = min(int(length / self.step), last)
-        self._go(length, (self.taylor[mode] @ states[j]).T, length - j * self.step)
+        whole = min(int(length / self.step), last)
+        self._go(length, (self.taylor[mode] @ states[whole]).T, length - whole * self.step)
         if length == longest:
             self.phase = TURN
 
@@ -320,7 +324,7 @@ class _Run:
         slope = series[1:] * np.arange(1, series.size)
         values, slopes = self.mesh[:, : series.size] @ series, self.mesh[:, : slope.size] @ slope
         for j in np.flatnonzero((values[1:] <= 0.0) | ((slopes[:-1] < 0.0) & (slopes[1:] > 0.0))):
-            low, high = j * self.step / MESH, (j + 1) * self.step / MESH
+            low, high = float(j * self.step / MESH), float((j + 1) * self.step / MESH)
             if values[j + 1] > 0.0:
                 high = brentq(_polynomial, low, high, args=(slope,), xtol=1e-15)
                 if _polynomial(high, series) > 0.0:
@@ -463,11 +467,9 @@ def react(
     load = amplitude * w * w / gravity
     run = _Run(Machine(frequency, body.mass), body, gravity, load)
     turns = run.settle(most, mean_over)
-    first, second = (-(run.harmonic(run.taken(), n) + run.blow(n)) / load for n in (1, 2))
+    # i times the phasor of a real part is that of an imaginary part
+    first, second = (-1j * (run.harmonic(run.taken(), n) + run.blow(n)) / load for n in (1, 2))
     climb = run.tilt * run.progress
     lost = run.friction() + (sum(blow.loss for blow in run.blows) + climb) / run.turns
     unit = gravity / (w * w)
-    # A sin(wt) is the phasor -iA
-    return Reaction(
-        first / -1j, second, lost * gravity * unit, run.progress * unit * frequency / run.turns, turns
-    )
+    return Reaction(first, second, lost * gravity * unit, run.progress * unit * frequency / run.turns, turns)
