@@ -28,7 +28,7 @@ FEEDER: dict[str, Any] = {"frequency": 50.0, "trough_mass": 6.0, "counter_mass":
     ids=["magnet", "mounted", "exciter", "floor"],
 )
 def test_a_body_that_sticks_is_mass_of_the_trough(more: dict[str, float]) -> None:
-    machine = two_way.Machine(**{**FEEDER, "damping": 60.0, **more})
+    machine = two_way.Machine(**{**FEEDER, "damping": 600.0, **more})
     body = two_way.Body(mass=2.0, drive_angle=0.3, static_friction=5.0, kinetic_friction=5.0)
     w = TURN * machine.frequency
     kappa = machine.stiffness + 1j * w * machine.damping
