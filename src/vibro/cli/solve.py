@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer  # typer reads the annotations
 
@@ -128,12 +128,15 @@ def solve_command(
     request = request_of(options, context.obj)
     question(request, options)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
-    usual = columns_of((), *extra, drive=grid.drive, made_with=grid.made_with)
+    described: dict[str, Any] = {
+        "drive": grid.drive, "made_with": grid.made_with, "machine": grid.machine is not None,
+    }  # fmt: skip
+    usual = columns_of((), *extra, **described)
     table = table_of(usual, columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part)
     answer = table
     if columns is None:
         more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER)
-        every = columns_of((), *extra, *more, drive=grid.drive, made_with=grid.made_with)
+        every = columns_of((), *extra, *more, **described)
         answer = replace(table, columns=every)
     report = partial(_report, grid=grid, part=part)
     return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report, answer)

@@ -100,7 +100,9 @@ class Answers:
         grid = state.grid()
         values = grid.values()
         found = certain_of(state, scene_of(values))
-        columns = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
+        columns = columns_of(
+            grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+        )
         if found is not None:
             axes = [
                 column for column in columns if column.name in {axis.column for axis in grid.axes.values()}

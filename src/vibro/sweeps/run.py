@@ -166,7 +166,8 @@ def sweep_picture(
         cycle = part.solve(values, progress=progress)
     else:
         cycle, places = _solved_around(part, values, cells, progress)
-    return _result(part, cycle, limits_of(values), point, title, places)
+    amplitude = None if part.machine is None else values["amplitude"]
+    return _result(part, cycle, limits_of(values), point, title, places, amplitude)
 
 
 def _solved_around(
@@ -247,13 +248,15 @@ def solved_picture(
 
     indices = _solved_indices(grid, _of_grid(drawn))
     part = _grid_at(grid, indices)
-    limits, point = limits_of(part.values()), grid.operating_point(operating_point)
+    values = part.values()
+    limits, point = limits_of(values), grid.operating_point(operating_point)
     found = cells(results_drawn(pictures, has_limits=limits is not None), list(indices.values()))
     results: dict[str, Any] = {
         r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS
     }
     results |= {name: values.reshape(part.shape) for name, values in found.items()}
-    return _result(part, SteadyCycle(**results), limits, point, title)
+    amplitude = None if part.machine is None else values["amplitude"]
+    return _result(part, SteadyCycle(**results), limits, point, title, amplitude=amplitude)
 
 
 def _result(
@@ -263,6 +266,7 @@ def _result(
     point: Mapping[str, float] | None,
     title: str,
     places: Mapping[str, Floats] | None = None,
+    amplitude: Floats | None = None,
 ) -> SweepResult:
     """Hand a solved grid to pictures, in the quantities that were given."""
     told = None if point is None else part.told(point)
@@ -275,6 +279,7 @@ def _result(
         told,
         title,
         part.told(places or {}),
+        amplitude,
     )
 
 

@@ -1,0 +1,140 @@
+"""Cells of sweeps whose amplitude follows from a machine and its filling."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status, is_answered
+from vibro.errors import InputError
+from vibro.quantities import LENGTH, MACHINE, QUANTITIES
+from vibro.results.operating import FIELDS, OPERATING
+from vibro.results.steady import RESULTS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.files.machines import GivenMachine
+    from vibro.machines.operating import OperatingPoints
+    from vibro.results.steady import SteadyCycle
+
+__all__ = ["case_of", "check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
+
+_SCENE: Final = (
+    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
+    "restitution",
+)  # fmt: skip
+_UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that are not 0
+
+
+def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of ``vibro.operate``, besides the machine, for cells in the units outside."""
+    si = {name: QUANTITIES[name].to_si(values[name]) for name in (*_SCENE, *MACHINE) if name in values}
+    natural = si.pop("natural", None)
+    # Cells with mu_d > mu_s are infeasible, and told so when they are solved; others may be beside them.
+    si["kinetic_friction"] = np.minimum(si["kinetic_friction"], si["static_friction"])
+    mass, damping = given.share or (None, None)
+    return {
+        **si,
+        "natural_frequency": natural if given.has_springs else None,
+        "added_mass_share": mass,
+        "added_damping_share": damping,
+    }
+
+
+def points_of(given: GivenMachine, values: Mapping[str, Any], threads: int | None = None) -> OperatingPoints:
+    """Find the operating points of cells, given by their values in the units outside."""
+    from vibro.machines.operating import operate
+
+    return operate(given.machine, **case_of(given, values), allow_strikes=True, threads=threads)
+
+
+def operated(
+    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None
+) -> dict[str, NDArray[Any]]:
+    """Return what a machine adds to the values of cells.
+
+    Parameters
+    ----------
+    given : GivenMachine
+        The machine.
+    values : mapping of str to array
+        Quantities of cells by name, in the units outside; those of ``MACHINE`` among them.
+    threads : int, optional
+        For operating points with a filling.
+
+    Returns
+    -------
+    dict of str to array
+        ``amplitude`` [mm], NaN where there is none, ``OPERATING``, an array of ``FIELDS``, and the natural
+        frequency of a machine whose springs cannot be exchanged.
+    """
+    points = points_of(given, values, threads)
+    ndim = max(np.ndim(x) for x in values.values())
+    amplitude = np.where(points.strikes, np.nan, points.amplitude)
+    amplitude = amplitude.reshape((1,) * (ndim - amplitude.ndim) + amplitude.shape)
+    found = np.empty(amplitude.shape, FIELDS)
+    for name in FIELDS.names or ():
+        found[name] = np.abs(getattr(points, name)) if name == "second_harmonic" else getattr(points, name)
+    springs = (
+        {} if "natural" in values else {"natural": np.full((1,) * ndim, given.machine.natural_frequency)}
+    )
+    return {"amplitude": np.asarray(LENGTH.from_si(amplitude)), OPERATING: found, **springs}
+
+
+def empty_amplitude(given: GivenMachine, values: Mapping[str, float]) -> float:
+    """Return the amplitude of the empty trough [mm]."""
+    si = {name: QUANTITIES[name].to_si(values[name]) for name in ("frequency", *MACHINE) if name in values}
+    found = given.machine.response(
+        si["frequency"],
+        setting=si["setting"],
+        voltage=si["voltage"],
+        natural_frequency=si.get("natural") if given.has_springs else None,
+    )
+    return float(LENGTH.from_si(found.amplitude))
+
+
+def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
+    """Refuse a single cell without an operating point.
+
+    Raises
+    ------
+    InputError
+        It says why.
+    """
+    if not np.isnan(values["amplitude"]).any():
+        return
+    found = values[OPERATING]
+    across, gap = (
+        f"{LENGTH.from_si(float(x)):.4g} mm" for x in (found["relative_amplitude"].item(), given.machine.gap)
+    )
+    if found["relative_amplitude"].item() > given.machine.gap:
+        raise InputError(
+            f"the masses strike: the relative amplitude would be {across}, and gap_mm allows {gap}",
+            hint="lower the setting, or run further from resonance",
+        )
+    raise InputError(
+        "the machine has no operating point here: no amplitude with this filling was found",
+        hint="change the setting, the filling or the springs, or give added_mass_share",
+    )
+
+
+def withheld(cycle: SteadyCycle, values: Mapping[str, Any]) -> SteadyCycle:
+    """Take away the numbers of cells without an operating point, and give them its status."""
+    status = values[OPERATING]["status"]
+    lost = np.isnan(values["amplitude"])
+    if not lost.any():
+        return cycle
+    lost, status = (np.broadcast_to(x, cycle.status.shape) for x in (lost, status))
+    lost = lost & (cycle.status != Status.INFEASIBLE)
+    arrays: dict[str, Any] = {}
+    for result in RESULTS:
+        nothing = np.nan if result.is_number else _UNANSWERED.get(result.name, 0)
+        arrays[result.name] = np.where(lost, nothing, getattr(cycle, result.name)).astype(result.dtype)
+    why = np.where(is_answered(status), Status.INFEASIBLE, status)
+    arrays["status"] = np.where(lost, why, cycle.status).astype(np.int8)
+    return replace(cycle, **arrays)
