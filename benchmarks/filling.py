@@ -2,13 +2,13 @@
 
 Usage: python benchmarks/filling.py [--machines 20] [--seed 33]
 
-First the worked feeder of docs/machines.md on both sides of resonance: trough 6 kg, counter mass 12 kg, damping
-ratio 0.015, 50 Hz, 20 deg, friction 0.35/0.28, 0.35 mm when empty. Then random machines: magnets between two
-masses and against the floor, exciters and unbalances, throw number 0.4 to 2.5 when empty, with fillings of 1 %
-of the trough's mass and of 10 to 50 % of it. ``tests/engines/two_way.py`` follows trough and body; it shares
-nothing with ``vibro``. ``vibro.operate`` takes the trough's motion for a sine: the differences are the filling's
-harmonics, of which the second is the largest. A is the amplitude, A2 that of the second harmonic, v the speed;
-columns "off" are followed over predicted - 1.
+First the worked feeder of docs/machines.md on both sides of resonance: trough 6 kg, counter mass 12 kg,
+damping ratio 0.015, 50 Hz, 20 deg, friction 0.35/0.28, 0.35 mm when empty. Then random machines: magnets
+between two masses and against the floor, exciters and unbalances, throw number 0.4 to 2.5 when empty, with
+fillings of 1 % of the trough's mass and of 10 to 50 % of it. ``tests/engines/two_way.py`` follows trough and
+body; it shares nothing with ``vibro``. ``vibro.operate`` takes the motion for a sine: the differences
+are the filling's harmonics, of which the second is the largest. A is the amplitude, A2 that of the second
+harmonic, v the speed; columns "off" are followed over predicted - 1.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ def masses_of(machine: vibro.Machine, frequency: float) -> two_way.Machine:
 
 
 def drawn(count: int, seed: int) -> Iterator[Case]:
-    """Draw machines on both sides of resonance, each with 1 % and with 10 to 50 % of the trough as filling."""
+    """Draw machines on both sides of resonance, each with 1 % and with 10 to 50 % of filling."""
     random = np.random.default_rng(seed)
     for number in range(count):
         kind = KINDS[number % len(KINDS)]
