@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import cmath
 import math
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from engines import two_way
+from helpers.two_way_machines import Case, drawn
 
 import vibro
 
@@ -111,3 +114,59 @@ def test_a_filling_weighs_what_its_force_says(drawn: dict[str, float]) -> None:
     assert vibro.solve(scene).mean_velocity == pytest.approx(
         walked.speed, abs=1e-10 * math.sqrt(squared_speed)
     )
+
+
+# --- machine and filling together -----------------------------------------------------------------------
+
+CASES = [case for case in drawn(10, seed=33) if case.share > 0.05]
+
+
+class Off(NamedTuple):
+    """What the engine finds over what ``vibro.operate`` does, - 1; sizes of the second harmonic."""
+
+    amplitude: float
+    speed: float
+    second: float
+    points: vibro.OperatingPoints
+    motion: two_way.Motion
+
+
+def off(case: Case) -> Off:
+    points, motion = case.operate(), case.followed()
+    assert motion.turns > 0
+    assert points.number == 1
+    speed = float(vibro.solve(points.scene).mean_velocity)
+    size = abs(motion.amplitude)
+    second = abs(motion.second) / size / float(points.second_harmonic)
+    return Off(size / float(points.amplitude) - 1.0, motion.speed / speed - 1.0, second - 1.0, points, motion)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_a_full_machine_does_what_trough_and_body_do_together(case: Case) -> None:
+    """The motion is no sine: its second harmonic is the filling's, and changes the speed most."""
+    found = off(case)
+    assert abs(found.amplitude) < 0.018
+    assert -0.08 < found.speed < 0.15
+    assert abs(found.second) < 0.1
+    assert cmath.phase(found.motion.amplitude) == pytest.approx(float(found.points.phase), abs=0.02)
+    assert abs(found.motion.relative) == pytest.approx(float(found.points.relative_amplitude), rel=0.018)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_the_difference_goes_with_the_filling(case: Case) -> None:
+    """Of the amplitude with its square, as the first harmonic of the filling's force is exact."""
+    some, few = (off(replace(case, filling=share * case.machine.trough_mass)) for share in (0.01, 0.0025))
+    assert abs(some.amplitude) < 5e-6
+    assert abs(some.speed) < 4e-3
+    assert some.amplitude / few.amplitude == pytest.approx(16.0, rel=0.2)
+    assert some.speed / few.speed == pytest.approx(4.0, rel=0.2)
+    assert some.second / few.second == pytest.approx(4.0, rel=0.1)
+    assert cmath.phase(some.motion.amplitude) == pytest.approx(float(some.points.phase), abs=1e-4)
+    assert abs(some.motion.relative) == pytest.approx(float(some.points.relative_amplitude), rel=1e-5)
+
+
+def test_the_machines_are_of_all_kinds_and_both_sides_of_resonance() -> None:
+    assert {case.machine.kind for case in CASES} == {"magnet", "exciter", "unbalance"}
+    ratios = [case.frequency / case.machine.natural_frequency for case in CASES]
+    assert {ratio > 1.0 for ratio in ratios if ratio < 1.2} == {True, False}
+    assert {bool("H" in str(vibro.solve(case.operate().scene).pattern)) for case in CASES} == {True, False}

@@ -96,7 +96,7 @@ def _machine(
     frequency: float,
 ) -> vibro.Machine:
     """Make a machine that has an amplitude when it is empty."""
-    springs = {"natural_frequency": natural, "damping_ratio": damping}
+    springs: dict[str, Any] = {"natural_frequency": natural, "damping_ratio": damping}
     if kind == "unbalance":
 
         def make(moment: float) -> vibro.Machine:
