@@ -183,10 +183,7 @@ def _settings(typed: dict[str, str], given: GivenMachine) -> tuple[float, ...]:
     quantity = QUANTITIES["setting"]
     if "setting" in typed:
         text = typed["setting"]
-        if text.count(":") == 1:
-            text += ":4"
-        axis = parse_axis(text, quantity)
-        settings = sorted({float(value) for value in axis.values})
+        settings = sorted({*parse_axis(text, quantity).axis(len(_SETTINGS)).values.tolist()})
         if len(settings) > _MOST_SETTINGS:
             hint = "--setting 25,50,75,100, or 25:100:4"
             raise InputError(f"--setting {cut(text)}: at most {_MOST_SETTINGS} settings are told", hint=hint)

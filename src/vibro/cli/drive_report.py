@@ -33,7 +33,7 @@ _PROOFS: Final = {
     "searched": "searched, not proved",
     "sampled": "sampled, not proved",
 }
-_LEAST_RATIO: Final = 1e-3  # of amplitudes that counts as a change
+_FRICTIONS: Final = ("static_friction", "kinetic_friction")
 
 
 def report(sheet: Sheet, name: str) -> str:
@@ -76,7 +76,7 @@ def _facts(sheet: Sheet, name: str) -> str:
         ("bands", _bands(sheet)),
         ("resonance", _resonance(sheet, empty, full)),
     ]
-    if request.full:
+    if request.full and request.machine.kind != "crank":
         facts.append(("filling", _filling(sheet, full)))
     facts += [("to resonance", text) for text in [_to_resonance(sheet)] if text]
     facts.append(("motion as given", _tolerated(sheet)))
@@ -118,9 +118,8 @@ def _bands(sheet: Sheet) -> str:
         said.append(f"{quantity.label} {f'{low:.15g} to ' if low < high else ''}{quantity.text(high)}")
     lacks = [f"--{name} {text}" for name, text in _EXAMPLES.items() if name not in sheet.request.bands]
     lacks = [text for text in lacks if "voltage" not in text or sheet.request.machine.takes("voltage")]
-    if lacks:
-        said.append(f"none of others ({', '.join(lacks)} would add them)")
-    return ", ".join(said)
+    told = ", ".join(said) or "none"
+    return f"{told} (add {' and '.join(lacks)})" if lacks else told
 
 
 _EXAMPLES: Final = {"voltage": "90:110", "filling": "0:2kg"}
@@ -133,13 +132,12 @@ def _resonance(sheet: Sheet, empty: Row, full: Row) -> str:
     if sheet.request.full and math.isfinite(full.filled_frequency_ratio):
         ratios.append(full.filled_frequency_ratio)
     if math.isinf(ratios[0]):
-        told = "natural frequency 0"
-    else:
-        told = "f/f0 = " + ", ".join(
-            f"{ratio:.4g} {state}" for ratio, state in zip(ratios, ("empty", "full"), strict=False)
-        )
-        away = 100.0 * abs(ratios[0] - 1.0)
-        told += f": {away:.2g} % {'below' if ratios[0] < 1.0 else 'above'} resonance when empty"
+        return "far above resonance, as the mounts are infinitely soft: more filling, less amplitude"
+    told = "f/f0 = " + ", ".join(
+        f"{ratio:.4g} {state}" for ratio, state in zip(ratios, ("empty", "full"), strict=False)
+    )
+    away = 100.0 * abs(ratios[0] - 1.0)
+    told += f": {away:.2g} % {'below' if ratios[0] < 1.0 else 'above'} resonance when empty"
     sides = {ratio < 1.0 for ratio in ratios}
     if len(sides) == 2:
         return f"{told}; the filling takes the machine across resonance"
@@ -154,8 +152,8 @@ def _filling(sheet: Sheet, full: Row) -> str:
     whose = "as given" if sheet.request.machine.shares else "computed"
     said = (
         f"{full.filling:g} kg act like {full.filling * full.added_mass_share:.3g} kg more of trough, a mass"
-        f" share of {100.0 * full.added_mass_share:.3g} %; damping share"
-        f" {100.0 * full.added_damping_share:.3g} % ({whose}, at {full.setting:g} %)"
+        f" share of {100.0 * full.added_mass_share:z.3g} %; damping share"
+        f" {100.0 * full.added_damping_share:z.3g} % ({whose}, at {full.setting:g} %)"
     )
     if not math.isnan(full.second_harmonic):
         said += f"; second harmonic {100.0 * full.second_harmonic:.2g} % of the amplitude"
@@ -176,12 +174,16 @@ def _to_resonance(sheet: Sheet) -> str:
 def _tolerated(sheet: Sheet) -> str:
     """Say up to which filling the empty amplitude is good enough."""
     mass = sheet.request.machine.machine.trough_mass
-    if math.isinf(sheet.tolerated):
-        return "holds for any filling: it does not change the amplitude"
     if math.isnan(sheet.tolerated):
-        return "unknown: no sensitivity is known for the empty trough"
-    share = f" ({100.0 * sheet.tolerated / mass:.2g} % of the trough's mass)" if math.isfinite(mass) else ""
-    return f"fillings up to {sheet.tolerated:.2g} kg{share} change the speed by less than 1 %"
+        return "nothing moves in the empty trough"
+    if math.isinf(mass):
+        return "holds for any filling: the crank does not give way"
+    if math.isinf(sheet.tolerated):
+        return "holds within 1 % of speed for fillings as heavy as the trough"
+    if not sheet.tolerated:
+        return "any filling changes the speed by 1 % or more"
+    share = f"{100.0 * sheet.tolerated / mass:.2g} % of the trough's mass"
+    return f"fillings up to {sheet.tolerated:.2g} kg ({share}) change the speed by less than 1 %"
 
 
 def _states(sheet: Sheet, empty: Row, full: Row) -> list[tuple[str, Row]]:
@@ -196,48 +198,49 @@ def _settings(sheet: Sheet) -> str:
             ratio = row.filled_frequency_ratio if row.filling else row.frequency_ratio
             rows.append(
                 (
-                    f"{row.setting:g} %", state, _amplitude(row), _speed(row), _number(row.throw_number, 3),
-                    _number(ratio, 4), _regime(row),
+                    f"{row.setting:.4g} %", state, _amplitude(row), _speed(row), _number(row.throw_number, 3),
+                    "-" if math.isinf(ratio) or not ratio else _number(ratio, 4), _regime(row),
                 )
             )  # fmt: skip
     return aligned(rows)
 
 
 def _guaranteed(sheet: Sheet) -> str:
-    if not sheet.request.bands:
-        return "guaranteed speed: no bands are given"
+    if not sheet.bounds:
+        return "guaranteed speed: of bands alone; give --voltage 90:110 or --mu-s 0.3:0.4"
     rows = [("guaranteed", "amplitude", "slowest", "fastest", "how sure")]
     rows.append(("", "[mm]", "[mm/s]", "[mm/s]", ""))
     for one in sheet.bounds:
         known = one.guarantee
         if known is None:
-            rows.append((f"{one.setting:g} %", "-", "-", "-", "unknown"))
+            rows.append((f"{one.setting:.4g} %", "-", "-", "-", "unknown"))
             continue
         low, high = (float(LENGTH.from_si(x)) for x in (known.speed_min, known.speed_max))
         rows.append(
             (
-                f"{one.setting:g} %", f"{one.low:.4g} ... {one.high:.4g}", _number(low, 4), _number(high, 4),
+                f"{one.setting:.4g} %", _span(one.low, one.high), _number(low, 4), _number(high, 4),
                 _PROOFS[known.proof_min],
             )
         )  # fmt: skip
     return f"{aligned(rows)}\n{textwrap.fill(_how(sheet, sheet.bounds[-1]), _WIDTH)}"
 
 
+def _span(low: float, high: float) -> str:
+    return f"{low:.4g} ... {high:.4g}" if low < high else f"{low:.4g}"
+
+
 def _how(sheet: Sheet, last: Bounds) -> str:
-    """Say over what the speeds are guaranteed."""
-    bands = sheet.request.bands
-    frictions = [QUANTITIES[name].label for name in ("static_friction", "kinetic_friction") if name in bands]
-    over = " and ".join(["every amplitude of the interval", *frictions])
-    axes = [name for name in ("voltage", "filling") if len({*sheet.request.band(name)}) > 1]
-    found = {
-        "voltage": "both ends of the voltage",
-        "filling": "17 fillings over their band",
-    }
-    looked = [found[name] for name in axes] + (["all corners of friction"] if frictions else [])
-    ends = f" ({', '.join(looked)})" if looked else ""
+    """Say over what the speeds hold, and how the amplitudes were found."""
+    varies = [name for name, (low, high) in sheet.request.bands.items() if low < high]
+    frictions = [QUANTITIES[name].label for name in _FRICTIONS if name in varies]
+    over = "".join(f" and the band of {name}" for name in frictions)
+    found = {"voltage": "both ends of the voltage", "filling": "17 fillings over their band"}
+    looked = [found[name] for name in found if name in varies]
+    looked += ["all corners of friction"] if frictions else []
+    looked += ["both ends of the shares"] if sheet.request.machine.shares else []
     return (
-        f"Speeds hold over {over}. The interval holds the {last.looked_at} operating points that were"
-        f" looked at{ends}; between them it is not proved."
+        f"Speeds hold over every amplitude of the interval{over}. The interval holds the {last.looked_at}"
+        f" operating points that were looked at ({', '.join(looked)}); between them it is not proved."
     )
 
 
@@ -265,7 +268,7 @@ def _changes(sheet: Sheet) -> str:
     states = len(_state_names(sheet))
     pairs = [("nominal", sheet.settings[-1])]
     pairs += [(_change(sheet, change), (change.empty, change.full)) for change in sheet.changes]
-    rows = _heads(sheet, (f"at {sheet.settings[-1][0].setting:g} %", ""))
+    rows = _heads(sheet, (f"at {sheet.settings[-1][0].setting:.4g} %", ""))
     rows += [(name, *_cells(pair[:states])) for name, pair in pairs]
     if sheet.part_filled is not None:
         rows.append((f"filling {sheet.part_filled.filling:g} kg", "", "", *_cells([sheet.part_filled])))
@@ -325,6 +328,8 @@ def _signed(value: float) -> str:
 
 
 def _amplitude(row: Row) -> str:
+    if row.strikes:
+        return "strikes"
     if math.isnan(row.amplitude):
         return "-"
     if row.amplitude_low < row.amplitude_high:
@@ -407,6 +412,7 @@ def _row(row: Row) -> dict[str, Any]:
         "second_harmonic_percent": _known(100.0 * row.second_harmonic),
         "operating_points": row.number,
         "all_amplitudes_mm": list(row.amplitudes) or None,
+        "strikes": row.strikes,
         "regime": row.regime.label or None,
         "status": row.status.label,
     }

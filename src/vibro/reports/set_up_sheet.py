@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise, product
+from itertools import product
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from vibro.inverse.guarantees import guarantee
 from vibro.limits import critical_loads
 from vibro.machines.operating import WARNED_HARMONIC, operate, operating_points
 from vibro.plots.responses import DrivePicture
-from vibro.quantities import LENGTH, QUANTITIES
+from vibro.quantities import LENGTH
 from vibro.scene import Scene
 from vibro.steady import solve
 from vibro.sweeps.machines import case_of, points_of
@@ -36,8 +36,9 @@ __all__ = ["CHANGES", "Bounds", "Change", "Pack", "Row", "Sheet", "SheetRequest"
 _MAINS: Final = 0.01  # [1] change of the mains' frequency of which every sheet tells the effect
 _STEP: Final = 1e-3  # [1] relative change from which sensitivities are taken
 _FILLINGS: Final = 17  # looked at over the band of the filling for the bounds of the amplitude
-_SLOPE: Final = 0.01  # [1] change of the setting from which the slope of hopping bodies is taken
 _GIVEN: Final = 0.01  # [1] change of speed within which "the motion is given" counts as right
+# Fillings over the trough's mass among which that change is sought, 12 % apart.
+_LIGHT: Final = np.geomspace(1e-4, 1.0, 82)
 _CURVE_POINTS: Final = 241
 _SCENE: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
@@ -79,6 +80,13 @@ class SheetRequest(NamedTuple):
         """Largest filling [kg]."""
         return max(self.band("filling"))
 
+    @property
+    def varies(self) -> bool:
+        """Whether some band has two ends."""
+        return any(low < high for low, high in self.bands.values()) or any(
+            low < high for low, high in self.machine.shares.values()
+        )
+
     def band(self, name: str) -> tuple[float, float]:
         """Return the ends of a band; both are the nominal value where it does not vary."""
         return self.bands.get(name, (self.values[name], self.values[name]))
@@ -105,8 +113,9 @@ class Row(NamedTuple):
         Of the filling, and the trough's second harmonic over its amplitude [1].
     number : int
         Operating points that exist.
-    at_jump, near_resonance : bool
-        Whether no steady operating point exists; whether the drive is within 2 zeta of resonance.
+    at_jump, near_resonance, strikes : bool
+        Whether no steady operating point exists; whether the drive is within 2 zeta of resonance; whether
+        the masses strike each other, so that there is no amplitude.
     amplitudes : tuple of float
         All of them where several exist [mm].
     """
@@ -133,6 +142,7 @@ class Row(NamedTuple):
     number: int
     at_jump: bool
     near_resonance: bool
+    strikes: bool
     amplitudes: tuple[float, ...] = ()
 
     @property
@@ -192,7 +202,7 @@ class Sheet(NamedTuple):
     settings : tuple of pair of Row
         Empty and full, at each setting.
     bounds : tuple of Bounds
-        Guaranteed speeds at each setting.
+        Guaranteed speeds at each setting; none where nothing varies.
     changes : tuple of Change
         The ends of the bands of voltage, and of mains' frequency.
     part_filled : Row or None
@@ -210,8 +220,8 @@ class Sheet(NamedTuple):
     more_mass : float
         Percent of amplitude that 1 % more of the trough's mass brings, empty [1].
     tolerated : float
-        Filling up to which its force changes the speed by less than 1 %, to first order [kg]; inf if it never
-        does, NaN if unknown.
+        Filling up to which its force changes the speed by less than 1 % [kg]; inf if one as heavy as the
+        trough does not, NaN if nothing moves in the empty trough.
     picture : DrivePicture or None
         Amplitude and speed over frequency, if wanted.
     warnings : tuple of str
@@ -293,9 +303,12 @@ def make_sheet(
         [book.add(setting=force * last, filling=filling, natural=natural) for filling in (0.0, full)]
         for _, natural, force in packs
     ]
-    slope = [book.add(setting=last * grown) for grown in (1.0 - _SLOPE, 1.0, 1.0 + _SLOPE)]
+    machine = _fitted(request)
+    mass = machine.trough_mass
+    light = [book.add(setting=last, filling=mass * share) for share in _LIGHT if mass < math.inf]
     rows = book.solved()
     pairs = tuple((rows[i], rows[j]) for i, j in settings)
+    _refuse_strikes(request.machine, pairs)
     sensitivities = {
         name: (_elasticity(rows, empty), _elasticity(rows, filled) if full else math.nan)
         for name, (empty, filled) in moved.items()
@@ -303,9 +316,9 @@ def make_sheet(
     bounds = []
     for done, setting in enumerate(request.settings):
         progress(done)
-        bounds.append(_bounds(request, setting))
+        if request.varies:
+            bounds.append(_bounds(request, setting))
     progress(len(request.settings))
-    machine = _fitted(request)
     response = machine.response(frequency)
     share = _share(request, pairs[-1][0])
     return Sheet(
@@ -321,7 +334,7 @@ def make_sheet(
             machine, frequency, share if not full else _share_of(pairs[-1][1])
         ),
         more_mass=float(response.elasticities["trough_mass"]),
-        tolerated=_tolerated(_steepest(rows, slope), share, complex(response.compliance)),
+        tolerated=_tolerated(pairs[-1][0], [rows[i] for i in light]),
         picture=_picture(request) if picture else None,
         warnings=tuple(_warnings(request, pairs, bounds)),
     )
@@ -344,12 +357,11 @@ class _Book:
         values = {name: np.array([case[name] for case in self._cases]) for name in self._cases[0]}
         given = self._request.machine
         points = points_of(given, values)
-        _refuse_strikes(given, values, points)
         cycle = solve(points.scene)
         near = np.broadcast_to(points.near_resonance, points.amplitude.shape)
         rows = []
         for i, case in enumerate(self._cases):
-            known = not math.isnan(points.amplitude[i])
+            known = not (math.isnan(points.amplitude[i]) or points.strikes[i])
             status = Status(int(points.status[i]))
             if status in (Status.OK, Status.BOUNDARY):
                 status = Status(int(cycle.status[i]))
@@ -362,9 +374,10 @@ class _Book:
                     frequency=case["frequency"],
                     natural=case.get("natural", given.machine.natural_frequency),
                     **{
-                        name: float(LENGTH.from_si(getattr(points, name)[i]))
-                        for name in ("amplitude", "amplitude_low", "amplitude_high", "relative_amplitude")
+                        name: float(LENGTH.from_si(getattr(points, name)[i])) if known else math.nan
+                        for name in ("amplitude", "amplitude_low", "amplitude_high")
                     },
+                    relative_amplitude=float(LENGTH.from_si(points.relative_amplitude[i])),
                     speed=float(LENGTH.from_si(cycle.mean_velocity[i])) if known else math.nan,
                     speed_error=float(LENGTH.from_si(cycle.mean_velocity_error[i])) if known else math.nan,
                     regime=Regime(int(cycle.regime[i])) if known else Regime.UNDEFINED,
@@ -378,30 +391,24 @@ class _Book:
                     number=number,
                     at_jump=bool(points.at_jump[i]),
                     near_resonance=bool(near[i]),
+                    strikes=bool(points.strikes[i]),
                     amplitudes=_all_amplitudes(given, case) if number > 1 else (),
                 )
             )
         return rows
 
 
-def _refuse_strikes(given: GivenMachine, values: Mapping[str, Floats], points: OperatingPoints) -> None:
-    """Refuse cases in which the relative amplitude exceeds the gap: name the first."""
-    strikes = np.flatnonzero(points.strikes)
-    if not strikes.size:
-        return
-    i = int(strikes[0])
-    at = ", ".join(
-        f"{QUANTITIES[name].label} {QUANTITIES[name].text(float(f'{values[name][i]:.6g}'))}"
-        for name in ("setting", "voltage", "filling", "frequency", "natural")
-        if name in values
-    )
-    across, gap = (
-        f"{LENGTH.from_si(float(x)):.4g} mm" for x in (points.relative_amplitude[i], given.machine.gap)
-    )
-    raise InputError(
-        f"the masses strike: at {at} the relative amplitude would be {across}, and gap_mm allows {gap}",
-        hint="lower --setting, or take a spring pack farther from resonance",
-    )
+def _refuse_strikes(given: GivenMachine, pairs: Sequence[tuple[Row, Row]]) -> None:
+    """Refuse settings at which the masses strike each other: name the first."""
+    for row in (row for pair in pairs for row in pair):
+        if row.strikes:
+            across, gap = row.relative_amplitude, LENGTH.from_si(given.machine.gap)
+            raise InputError(
+                f"{_case(row)}: the masses strike: the relative amplitude would be {across:.4g} mm, and"
+                f" gap_mm allows {gap:.4g} mm",
+                hint=f"tell lower settings, such as --setting {row.setting / 2.0:.3g}, or take a spring pack"
+                " farther from resonance",
+            )
 
 
 def _all_amplitudes(given: GivenMachine, case: Mapping[str, float]) -> tuple[float, ...]:
@@ -441,13 +448,6 @@ def _elasticity(rows: Sequence[Row], pair: Sequence[int]) -> float:
     if not (slides and settled and low.speed * high.speed > 0.0):
         return math.nan
     return math.log(high.speed / low.speed) / math.log((1.0 + _STEP) / (1.0 - _STEP))
-
-
-def _steepest(rows: Sequence[Row], places: Sequence[int]) -> float:
-    """Return d ln speed / d ln amplitude on the steeper side, also of hopping bodies; NaN at rest."""
-    logs = [math.log(abs(rows[i].speed)) if rows[i].speed else math.nan for i in places]
-    slopes = [(after - before) / math.log1p(_SLOPE) for before, after in pairwise(logs)]
-    return max(map(abs, slopes)) if not any(map(math.isnan, slopes)) else math.nan
 
 
 def _packs(request: SheetRequest) -> tuple[list[tuple[str, float, float]], str]:
@@ -493,10 +493,16 @@ def _resonant_filling(machine: Any, frequency: float, share: complex) -> float:
     return (1.0 / inverse - m1) / share.real if inverse > 0.0 else math.nan
 
 
-def _tolerated(exponent: float, share: complex, compliance: complex) -> float:
-    """Return the filling that changes the speed by 1 %, to first order: machines.md, section 3."""
-    each = abs(exponent) * abs(share) * abs(compliance)
-    return math.inf if each == 0.0 else _GIVEN / each
+def _tolerated(empty: Row, light: Sequence[Row]) -> float:
+    """Return the last of ascending fillings before one changes the speed by 1 %; inf if none does [kg]."""
+    if not empty.speed:
+        return math.nan
+    last = 0.0
+    for row in light:
+        if not abs(row.speed / empty.speed - 1.0) < _GIVEN:
+            return last
+        last = row.filling
+    return math.inf
 
 
 def _bounds(request: SheetRequest, setting: float) -> Bounds:
@@ -518,8 +524,7 @@ def _bounds(request: SheetRequest, setting: float) -> Bounds:
     low, high, count = math.inf, -math.inf, 0
     for mass, damping in dict.fromkeys(shares):
         points = _points(request.machine, values, mass, damping)
-        _refuse_strikes(request.machine, values, points)
-        if np.isnan(points.amplitude).any():
+        if np.isnan(points.amplitude).any() or points.strikes.any():
             return Bounds(setting, math.nan, math.nan, count, None)
         low = min(low, float(points.amplitude_low.min()))
         high = max(high, float(points.amplitude_high.max()))
@@ -576,13 +581,13 @@ def _warnings(request: SheetRequest, pairs: Sequence[tuple[Row, Row]], bounds: S
             " higher"
         )
     for row in rows:
-        if math.isnan(row.amplitude):
+        if math.isnan(row.amplitude) and not row.strikes:
             said.append(f"{_case(row)}: no operating point: {row.status.message}")
     for one in bounds:
         if one.guarantee is None:
             said.append(
-                f"setting {one.setting:g} %: no speed is guaranteed, as some filling within the bands has no"
-                " operating point"
+                f"setting {one.setting:g} %: no speed is guaranteed, as within the bands some operating point"
+                " is unknown, or the masses strike"
             )
     return said
 
