@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from vibro.inverse.exchange import Exchange, Optimum
     from vibro.inverse.questions import Question
 
-__all__ = ["KINDS", "SEARCHED", "Finder", "find"]
+__all__ = ["KINDS", "SEARCHED", "Finder", "find", "finder_of"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
 #: The same in the order in which they are searched.
@@ -46,9 +46,13 @@ _OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
 
 @dataclass(frozen=True)
 class Rounded(Found):
-    """A setting as it is printed, and the optimum that was rounded."""
+    """A setting as it is printed, and the optimum that was rounded.
+
+    Of a filled machine with the largest number of its operating points.
+    """
 
     optimum: Optimum | None = None
+    operating_points: int | None = None
 
 
 @dataclass(frozen=True)
@@ -65,12 +69,15 @@ class Finder:
         The designs by their kind; those that do not exist are left out.
     digits : int
         Of printed settings; there are more where a setting with fewer does not hold.
+    refused : frozenset of str
+        Designs of a machine that are left out, as its filling makes unknown or other amplitudes there.
     """
 
     question: Question
     optimiser: Exchange
     found: Mapping[str, Rounded]
     digits: int = DIGITS
+    refused: frozenset[str] = frozenset()
 
     @property
     def target(self) -> float:
@@ -80,6 +87,8 @@ class Finder:
     def set_by(self, kind: str) -> str | None:
         """Return the active constraint of a design; without a design only the fastest has one."""
         found, optimiser = self.found.get(kind), self.optimiser
+        if kind in self.refused:
+            return "filling"
         if found is None:
             return optimiser.first_cap() if kind == "fastest" else None
         if kind == "safest" and found.margin:
@@ -109,13 +118,14 @@ class Finder:
         g, length, drive = found.guarantee, question.spec.length, question.drive
         columns = (QUANTITIES[name].column for name in drive.told)
         settings: dict[str, Any] = dict(zip(columns, found.printed, strict=True))
-        row = replace(row, **settings)
+        row = replace(row, **settings, **self._of_machine(found))
         speed, size, unit = g.speed_min, "stroke" if drive.in_stroke else "amplitude", "_mm"
         if drive.motion is not None:
             size, unit = "motion_scale", ""
         needed = self._nearest_drive(found, row.nominal or 0.0, settings["frequency_hz"])
         sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed{unit}": needed[1]}
-        if window := window_of(question, found):
+        # what voltage and filling make of another amplitude is not covered
+        if (drive.machine is None or not drive.machine.is_filled) and (window := window_of(question, found)):
             told = QUANTITIES[size]
             low, high = (float(told.from_si(drive.told_per_amplitude * end)) for end in window[:2])
             sizes |= {f"{size}_low{unit}": low, "low_set_by": window.low_set_by}
@@ -136,6 +146,23 @@ class Finder:
             samples=g.samples,
             excluded=g.excluded,
         )
+
+    def _of_machine(self, found: Rounded) -> dict[str, Any]:
+        """Return the columns of a machine: its spring pack, and its amplitudes at a setting."""
+        machine = self.question.drive.machine
+        if machine is None:
+            return {}
+        amplitude = float(self.question.space.amplitude(found.setting))
+        empty = amplitude / machine.middle
+        return {
+            "pack": machine.pack or None,
+            "natural_hz": machine.natural_frequency,
+            "amplitude_mm": _mm(amplitude),
+            "amplitude_empty_mm": _mm(empty),
+            "amplitude_least_mm": _mm(machine.covered[0] * empty),
+            "amplitude_most_mm": _mm(machine.covered[1] * empty),
+            "operating_points": found.operating_points,
+        }
 
     def designs(
         self, calmer: Mapping[str, Rounded], tell: Callable[[str], None] = lambda _: None
@@ -263,7 +290,9 @@ class Finder:
         drive conveys nothing, and if parts would land too hard.
         """
         speed, power = found.guarantee.speed_min, self.question.space.power
-        if speed >= self.target or not speed > 0.0:
+        # another frequency changes a machine's amplitude, but on soft mounts
+        machine = self.question.drive.machine
+        if speed >= self.target or not speed > 0.0 or (machine is not None and not machine.is_plain):
             return None, None
         for digits in more_digits(self.digits):
             for steps in range(_LOWERED):
@@ -300,8 +329,13 @@ def find(
     tell : callable, optional
         ``tell(kind)`` says which design is searched.
     """
-    finder = Finder(question, _OPTIMISERS[question.drive.kind](question), {}, digits)
+    finder = finder_of(question, digits)
     return replace(finder, found=finder.designs(calmer, tell))
+
+
+def finder_of(question: Question, digits: int = DIGITS) -> Finder:
+    """Return the finder of a question, without designs."""
+    return Finder(question, _OPTIMISERS[question.drive.kind](question), {}, digits)
 
 
 def _mm(value: float) -> float | None:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Spec
+    from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design, SettingFields, SpeedBand
 
     Floats = NDArray[np.float64]
@@ -226,6 +226,7 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
         goal += " (not met)"
     return "\n".join(
         [spans_text(spans) + _ratio(design), goal, *_drift(spec, elliptical=shape == "normal_phase")]
+        + _machine(settings.chosen.drive)
     )
 
 
@@ -248,6 +249,14 @@ def _drift(spec: Spec, *, elliptical: bool) -> list[str]:
     ]
     said = ", ".join(f"±{number_text(size)}{unit}" for size, unit in parts if size)
     return [f"drift: {said}"] if said else []
+
+
+def _machine(drive: Drive) -> list[str]:
+    """Describe the amplitudes that voltage and filling make; empty where they make none."""
+    if drive.machine is None or not drive.machine.has_bands:
+        return []
+    low, high = (number_text(end) for end in drive.machine.covered)
+    return [f"voltage and filling: {low} to {high} times the amplitude of the empty trough"]
 
 
 def _regime_map(settings: Settings) -> Figure:
