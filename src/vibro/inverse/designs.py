@@ -199,6 +199,8 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     best, values, drive = max(rows, key=merit)
     question, setting = Question(spec, drive, highest), drive.space.settings._make(values)
     costs = speed_costs(question.nominal_scene(setting))
+    if drive.machine is not None and drive.machine.natural_frequency is not None:
+        costs["frequency"] = "changes the amplitude too"
     return Chosen(drive, best, setting, _loads(question.box(setting)), costs)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from vibro.inverse.proofs import corners
 from vibro.inverse.search import sobol
 from vibro.inverse.spaces import inside, off
-from vibro.machines import operate
+from vibro.machines.operating import operate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from vibro.inverse.questions import Question
     from vibro.inverse.spaces import Setting
     from vibro.inverse.specs import Drive, Span
-    from vibro.machines import Machine
+    from vibro.machines.machine import Machine
 
     Floats = NDArray[np.float64]
 
@@ -36,6 +36,7 @@ __all__ = ["MachineDrive", "Met", "amplitudes_met", "covering"]
 
 _EMPTY: Final = (0.0, 0.0)
 _LEVELS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the band of filling
+_NEAR: Final = 2.0  # damping ratios from resonance within which damping decides more than springs
 _DRAWN: Final = 8  # base-2 logarithm of the number of samples that are drawn evenly
 _SHARES: Final = ("added_mass_share", "added_damping_share")
 _SEED: Final = 20
@@ -96,6 +97,16 @@ class MachineDrive:
     def middle(self) -> float:
         """Middle of what is covered [1]."""
         return 0.5 * sum(self.covered)
+
+    def doubt(self, name: str) -> str:
+        """Return a warning where damping alone decides the amplitude; ``name`` is the drive's."""
+        natural, zeta = self.natural_frequency, self.machine.damping_ratio
+        if natural is None or abs(self.frequency / natural - 1.0) > _NEAR * zeta:
+            return ""
+        return (
+            f"{name}: {self.frequency:.6g} Hz is within {_NEAR:g} damping ratios of the resonance at "
+            f"{natural:.6g} Hz, where damping alone decides the amplitude; exchange springs"
+        )
 
     @property
     def drift(self) -> float:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from vibro.files.machines import GivenMachine
     from vibro.files.toml_files import Table
     from vibro.inverse.specs import Span
-    from vibro.machines import Machine
+    from vibro.machines.machine import Machine
 
 __all__ = ["machine_drives"]
 
@@ -49,8 +49,9 @@ def machine_drives(table: Table, given: GivenMachine, usual_name: str, drift: fl
     drives = []
     for pack, machine in packs.items():
         for spans in frequencies:
-            parts = [name, pack, f"{spans[0][0]:.15g} Hz" if len(frequencies) > 1 else ""]
-            told = ", ".join(filter(None, parts))
+            parts = [pack, f"{spans[0][0]:.15g} Hz" if len(frequencies) > 1 else ""]
+            which = ", ".join(filter(None, parts))
+            told = f"{name} ({which})" if which else name
             if (drive := _drive(table, given, machine, spans, drift, told, pack)) is None:
                 return []
             drives.append(drive)

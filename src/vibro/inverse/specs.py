@@ -188,6 +188,8 @@ class Spec:
         for drive in self.drives:
             for name, knob in zip(drive.told, drive.space.knobs, strict=True):
                 told.append(QUANTITIES[name].doubt(*_outside(name, drive.choices[knob], drive.scale(knob))))
+            if drive.machine is not None:
+                told.append(drive.machine.doubt(drive.name))
             gentle = float(f"{drive.accelerations[0] / self.gravity:.4g}")
             told.append(LOAD.doubt(gentle, gentle))
         return [text for text in dict.fromkeys(told) if text]
