@@ -24,6 +24,7 @@ from vibro.quantities import (
     HARMONIC,
     LEAST_SPEED,
     LINEAR,
+    MACHINE,
     MASS,
     QUANTITIES,
     STANDS_FOR,
@@ -161,7 +162,7 @@ def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
     lists = {"along_harmonics", "normal_harmonics"}
     assert tuple(p for p in parameters if p not in lists) == tuple(f.name for f in dataclasses.fields(Scene))
     motions = {*lists, "motion"}
-    assert set(parameters) - motions | {*STANDS_FOR, "trough_length", *HARMONIC} == set(QUANTITIES)
+    assert set(parameters) - motions | {*STANDS_FOR, "trough_length", *HARMONIC, *MACHINE} == set(QUANTITIES)
     drives = {*LINEAR, *ELLIPTICAL, *motions, "motion_scale"}
     assert {*Line._fields, *Ellipse._fields, *Piecewise._fields, *motions} == set(parameters)
     for name, parameter in parameters.items():

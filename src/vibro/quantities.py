@@ -38,8 +38,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
-    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "LOAD", "MASS", "MASS_FLOW", "MOST_HARMONICS",
-    "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SIZES", "SPEED",
+    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "LOAD", "MACHINE", "MASS", "MASS_FLOW",
+    "MOST_HARMONICS", "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SIZES",
+    "SPEED",
     "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_HEIGHT", "START_NORMAL_VELOCITY", "START_PHASE",
     "START_VELOCITY", "SWEPT", "TIME", "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "as_given",
     "catalogue_hint", "checked_number", "counted_harmonics", "drive_of", "exact_number",
@@ -91,6 +92,8 @@ class Quantity:
     slips : pair of str
         What to write instead where a value is below, and above: the likely slip of units. ``{0}`` is the
         value, ``{1}`` a hundredth of it.
+    called : str
+        Name in words, where that is not ``name``.
     """
 
     name: str
@@ -103,11 +106,12 @@ class Quantity:
     default: float | None = None
     usual: Range = Range()
     slips: tuple[str, str] = ("", "")
+    called: str = ""
 
     @property
     def label(self) -> str:
         """Name in words, for messages and pictures."""
-        words = self.name.replace("_", " ")
+        words = self.called or self.name.replace("_", " ")
         return f"second {words[:-2]}" if words.endswith(" 2") else words  # of the harmonic
 
     @property
@@ -201,7 +205,19 @@ def _harmonic(n: int) -> tuple[Quantity, ...]:
 
 _LENGTHS: Final = ("for metres write {0}m", "for micrometres write {0}um")
 _FRICTIONS: Final = ("", "for {0} % write {1}")
+_PERCENT: Final = ("it is in percent: 100 is all of it", "100 is all of it")
 _ALL: Final = (
+    Quantity("setting", PERCENT, "s", "s", ("--setting",), _POSITIVE,
+             "setting of a machine: its force over that at 100 %", 100.0, Range(2.0, 100.0, with_high=True),
+             _PERCENT),
+    Quantity("voltage", PERCENT, "U", "U", ("--voltage",), _POSITIVE,
+             "voltage of a machine's supply over its nominal voltage", 100.0, Range(50.0, 150.0), _PERCENT),
+    Quantity("filling", _MASS, "m", "m", ("--filling",), _ZERO_OR_MORE,
+             "mass of what lies in a machine's trough", 0.0, Range(high=1e5),
+             ("", "for grams write {0}g")),
+    Quantity("natural", FREQUENCY, "f0", "f_0", ("--natural",), _POSITIVE,
+             "natural frequency of the empty machine", usual=Range(high=1000.0),
+             slips=("", "for cycles a minute write {0}rpm"), called="natural frequency"),
     Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _POSITIVE,
              "amplitude of the trough's motion, half of its stroke",
              usual=Range(0.002, 100.0), slips=_LENGTHS),
@@ -251,8 +267,11 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {q.name: q for q in _ALL}
 #: Those with options by their names with units, the keys of scene files and of ``vibro.sweep``.
 BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL if q.options}
 
+#: Quantities of a machine, from which the amplitude follows: beside a machine alone.
+MACHINE: Final = ("setting", "voltage", "filling", "natural")
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (
+    "setting", "voltage", "filling", "natural",
     "amplitude", "along_amplitude", "normal_amplitude", "frequency", "drive_angle", "normal_phase",
     "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "motion_scale",
     "static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "normal_acceleration",
@@ -277,7 +296,7 @@ SIZES: Final = ("stroke", *AMPLITUDES)
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
 #: What is taken where nothing is given, in the units outside.
 DEFAULTS: Final[Mapping[str, float]] = {
-    q.name: q.default for q in _ALL if q.default is not None and q.name not in DRIVES
+    q.name: q.default for q in _ALL if q.default is not None and q.name not in (*DRIVES, *MACHINE)
 }
 #: The trough angle of a clamped part, which may hang on a vertical trough.
 _CLAMPED_TROUGH: Final = replace(QUANTITIES["trough_angle"], allowed=Range(-90.0, 90.0, with_high=True))
@@ -397,10 +416,12 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     ----------
     values : mapping of str to float or array
         By name; ``stroke`` may stand for the amplitude, and ``friction_ratio`` for the kinetic friction. A
-        trough length is left out. Under ``motion`` a ``Motion`` may stand, or an array of one.
+        trough length and the quantities of a machine are left out. Under ``motion`` a ``Motion`` may stand,
+        or an array of one.
     """
     given = as_given(values, in_stroke=False)
-    given.pop("trough_length", None)
+    for name in ("trough_length", *MACHINE):
+        given.pop(name, None)
     if "friction_ratio" in given:
         ratio = given.pop("friction_ratio")
         if "kinetic_friction" not in given:

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ACCELERATION", "ANGLE", "CF_UNITS", "FORCE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS", "MASS_FLOW",
-    "PERCENT", "PER_MINUTE", "PURE", "SPEED", "TIME", "Kind",
+    "MOMENT", "PERCENT", "PER_MINUTE", "PURE", "ROTATION", "SPEED", "STIFFNESS", "TIME", "WORKING_MOMENT",
+    "Kind",
 ]  # fmt: skip
 
 
@@ -89,6 +90,16 @@ MASS: Final = Kind("kg", "kg", "_kg",
                    {"kg": Fraction(1), "g": Fraction(1, 1000), "mg": Fraction(1, 1_000_000),
                     "lb": Fraction("0.45359237")})
 FORCE: Final = Kind("N", "N", "_n", {"N": Fraction(1), "kN": Fraction(1000)})
+STIFFNESS: Final = Kind("N/m", "N/m", "_n_m",
+                        {"N/m": Fraction(1), "kN/m": Fraction(1000), "N/mm": Fraction(1000)})
+ROTATION: Final = Kind("rpm", "Hz", "_rpm",
+                       {unit: size * 60 for unit, size in FREQUENCY.sizes.items()}, per_si=60.0)
+_MOMENTS: Final[Mapping[str, Fraction]] = {
+    "kg mm": Fraction(1), "kg cm": Fraction(10), "kg m": Fraction(1000), "g mm": Fraction(1, 1000),
+}
+MOMENT: Final = Kind("kg mm", "kg m", "_kg_mm", _MOMENTS, per_si=1000.0)  # mass times radius
+WORKING_MOMENT: Final = Kind("kg cm", "kg m", "_kg_cm",
+                             {unit: size / 10 for unit, size in _MOMENTS.items()}, per_si=100.0)
 TIME: Final = Kind("s", "s", "_s",
                     {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)})
 PER_MINUTE: Final = Kind("1/min", "1/s", "_per_min", {}, per_si=60.0)
@@ -106,6 +117,10 @@ CF_UNITS: Final[Mapping[str, str]] = {
     ACCELERATION.unit: "m s-2",
     MASS.unit: "kg",
     FORCE.unit: "N",
+    STIFFNESS.unit: "N m-1",
+    ROTATION.unit: "min-1",
+    MOMENT.unit: "kg mm",
+    WORKING_MOMENT.unit: "kg cm",
     TIME.unit: "s",
     PER_MINUTE.unit: "min-1",
     MASS_FLOW.unit: "kg h-1",

@@ -11,7 +11,7 @@ from vibro.files.descriptions import DESIGN_FILE, EXAMPLES, FILES, SCENE_FILE, F
 from vibro.files.motions import MOTIONS
 from vibro.files.scene_files import read_scene_file
 from vibro.files.toml_files import ABSENT, Table, refuse_unknown_tables
-from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.quantities import BY_COLUMN, MACHINE, QUANTITIES
 
 KINDS = pytest.mark.parametrize("file", FILES.values(), ids=FILES)
 
@@ -40,7 +40,10 @@ def test_what_is_needed_is_known_and_has_an_example(file: FileKind) -> None:
 
 def test_scene_files_have_the_keys_of_sweeps() -> None:
     assert [*SCENE_FILE.tables["map"].entries] == [*BY_COLUMN]
-    assert {*BY_COLUMN} < {*SCENE_FILE.tables["scene"].entries}
+    of_machine = {QUANTITIES[name].column for name in MACHINE}
+    assert {*BY_COLUMN} - of_machine < {*SCENE_FILE.tables["scene"].entries}
+    assert not of_machine & {*SCENE_FILE.tables["scene"].entries}
+    assert of_machine < {*SCENE_FILE.tables["machine"].entries}
     assert [*SCENE_FILE.tables["motion"].entries] == [key for way in MOTIONS for key in way]
 
 
@@ -70,7 +73,7 @@ def test_every_key_of_a_scene_is_read(tmp_path: Path, key: str) -> None:
             "key 'along_phases_deg'; it belongs in [scene]",
             False,
         ),
-        (SCENE_FILE, {"xyzzy": 1}, "unknown key 'xyzzy'; known are scene, motion, map", True),
+        (SCENE_FILE, {"xyzzy": 1}, "unknown key 'xyzzy'; known are scene, motion, machine, map", True),
         (SCENE_FILE, {"maps": {}}, "unknown table 'maps'; did you mean 'map'?", False),
         (DESIGN_FILE, {"speed_mm_s": 1}, "unknown key 'speed_mm_s'; it belongs in [goal]", False),
         (DESIGN_FILE, {"goals": []}, "unknown table 'goals'; did you mean 'goal'?", False),
@@ -85,4 +88,4 @@ def test_what_stands_outside_the_tables_is_told_where_it_belongs(
         problems.settle()
     assert problem in str(caught.value)
     assert bool(caught.value.hint) == hints
-    assert not hints or caught.value.hint == "keys belong in the table [scene], [motion] or [map]"
+    assert not hints or caught.value.hint == "keys belong in the table [scene], [motion], [machine] or [map]"

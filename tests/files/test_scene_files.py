@@ -70,7 +70,7 @@ def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
         (
             "amplitude_mm = 1",
             "unknown key 'amplitude_mm'",
-            "keys belong in the table [scene], [motion] or [map]",
+            "keys belong in the table [scene], [motion], [machine] or [map]",
         ),
         ("scene = 1", "scene must be a table, written [scene]", ""),
         (

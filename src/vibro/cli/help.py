@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from typer.core import TyperCommand
 
-from vibro.quantities import DRIVES, QUANTITIES
+from vibro.quantities import DRIVES, MACHINE, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,7 +17,10 @@ _OF_DRIVE: Final = ("stroke", "frequency", *DRIVES)
 #: Parameters by the group that they stand in; one that says ``rich_help_panel`` itself stands there.
 GROUPS: Final[Mapping[str, tuple[str, ...]]] = {
     "Drive": tuple(name for name in QUANTITIES if name in _OF_DRIVE),
-    "Scene": (*(name for name in QUANTITIES if name not in _OF_DRIVE), "stand_ratio", "pitch", "mass"),
+    "Scene": (
+        *(name for name in QUANTITIES if name not in (*_OF_DRIVE, *MACHINE)), "stand_ratio", "pitch", "mass",
+    ),
+    "Machine": (*MACHINE, "pack"),
     "Record": (
         "time", "displacement", "velocity", "acceleration", "friction", "trough_along", "trough_normal",
         "sensitivity", "reverse", "absolute", "fit",

@@ -12,6 +12,7 @@ from vibro.core.codes import Regime
 from vibro.files import entries as form
 from vibro.quantities import (
     BY_COLUMN,
+    MACHINE,
     MASS,
     NORMAL_FORCE,
     QUANTITIES,
@@ -21,12 +22,27 @@ from vibro.quantities import (
     Range,
     of_part,
 )
-from vibro.units import IN_GRAVITIES, LENGTH, PERCENT, PURE, SPEED, TIME, Kind
+from vibro.units import (
+    FORCE,
+    FREQUENCY,
+    IN_GRAVITIES,
+    LENGTH,
+    MOMENT,
+    PERCENT,
+    PURE,
+    ROTATION,
+    SPEED,
+    STIFFNESS,
+    TIME,
+    WORKING_MOMENT,
+    Kind,
+)
+from vibro.units import MASS as IN_MASS
 
 if TYPE_CHECKING:
     from vibro.files.entries import Entry, Form
 
-__all__ = ["DESIGN_FILE", "EXAMPLES", "FILES", "SCENE_FILE", "FileKind", "TableKind"]
+__all__ = ["DESIGN_FILE", "EXAMPLES", "FILES", "KINDS", "MACHINE_KEYS", "SCENE_FILE", "FileKind", "TableKind"]
 
 
 class TableKind(NamedTuple):
@@ -69,7 +85,11 @@ EXAMPLES: Final = {
     "static_friction": 0.74, "friction_ratio": 0.77, "kinetic_friction": 0.57, "trough_length": 600,
 }  # fmt: skip
 
+#: Kinds of machines, as files spell them.
+KINDS: Final = ("unbalance", "magnet", "exciter", "crank", "rod", "measured")
+
 _POSITIVE: Final = Range(0.0, with_low=False)
+_ZERO_OR_MORE: Final = Range(0.0)
 _RELATIVE: Final = Range(0.0, 100.0)
 _ACUTE: Final = Range(0.0, 90.0)
 _HALF_TURN: Final = Range(0.0, 180.0, with_high=True)
@@ -128,10 +148,78 @@ _MOTION: Final = (
     _moved(form.SAMPLES, "normal_samples_mm", "the same normal to the trough"),
 )
 
+_CALIBRATION: Final = form.table_of(
+    "table",
+    _entry(form.NUMBER, "amplitude", "measured amplitude of the empty trough", example=0.35),
+    _entry(form.NUMBER, "frequency", "frequency at which it was measured", example=50),
+    _entry(form.NUMBER, "setting", "setting at which it was measured", "100"),
+    _entry(form.NUMBER, "voltage", "voltage at which it was measured", "100"),
+    needed=("amplitude_mm", "frequency_hz"),
+)
+_PACKS: Final = form.table_of(
+    "table, or list of tables",
+    _entry(form.TEXT, "name", "name of the spring pack", example="6 leaves", kind=PURE),
+    _entry(form.NUMBER, "natural", "natural frequency of the empty machine with it", example=55.6),
+    needed=("name", "natural_hz"), several=True,
+)
+#: Keys of a machine, in ``[machine]`` of a scene file and in ``[[drive]]`` of a design question.
+MACHINE_KEYS: Final = (
+    _entry(form.one_of({kind: kind for kind in KINDS}), "kind", "what drives the trough", "needed",
+           "magnet", kind=PURE),
+    _entry(form.NUMBER, "trough_mass", "mass of the empty trough and of what moves with it",
+           "needed of magnet, exciter and rod", 6, IN_MASS),
+    _entry(form.MASS_OR_FLOOR, "counter_mass", "mass on the other side of the springs, or the floor",
+           "needed of magnet and exciter", 12, IN_MASS),
+    _entry(form.NUMBER, "vibrating_mass", "whole mass on the mounts, with its motors", "needed of unbalance",
+           120, IN_MASS),
+    _entry(form.NUMBER, "natural", "", "needed of magnet, exciter and rod, or packs", 55.6),
+    _entry(_PACKS, "pack", "spring packs that may be fitted: their names and natural_hz", "none", kind=PURE),
+    _entry(form.NUMBER, "damping_ratio", "damping over critical damping, of the empty machine",
+           "needed of magnet, exciter and rod; 0 of unbalance", 0.015, PURE, _ZERO_OR_MORE),
+    _entry(form.NUMBER, "force", "amplitude of the magnet's force at 100 %",
+           "needed of magnet, or the calibration", kind=FORCE),
+    _entry(_CALIBRATION, "calibration", "one measured amplitude, in place of a force: amplitude_mm,"
+           " frequency_hz, setting_percent, voltage_percent", "needed of magnet, or the force", kind=PURE),
+    _entry(form.NUMBER, "voltage_exponent", "percent of force that 1 % of voltage brings: 1 of a piezo drive",
+           "2", kind=PURE),
+    _entry(form.NUMBER, "base_stiffness", "stiffness of the counter mass's own mounts", "0", kind=STIFFNESS,
+           allowed=_ZERO_OR_MORE),
+    _entry(form.NUMBER, "gap", "largest relative amplitude of trough and counter mass, at which they strike",
+           "no limit", kind=LENGTH),
+    _entry(form.NUMBER, "mount", "natural frequency on the mounts", "0: infinitely soft", kind=FREQUENCY,
+           allowed=_ZERO_OR_MORE),
+    _entry(form.COUNT, "motors", "number of motors", "needed with values of one motor", 2, PURE),
+    _entry(form.NUMBER, "static_moment", "eccentric mass times its radius, of one motor",
+           "needed of unbalance and exciter, or one of the two below", 95, MOMENT),
+    _entry(form.NUMBER, "working_moment", "vibrating mass times amplitude, or stroke, of all motors together",
+           "", kind=WORKING_MOMENT),
+    _entry(form.one_of({"amplitude": 1.0, "stroke": 0.5}), "working_moment_is",
+           "what the working moment is taken with: makers differ", "needed with it", "stroke", PURE),
+    _entry(form.NUMBER, "centrifugal_force", "centrifugal force of one motor, at the speed below", "",
+           kind=FORCE),
+    _entry(form.NUMBER, "at", "speed of that force", "needed with it", 25, FREQUENCY),
+    _entry(form.NUMBER, "at", "the same", "needed with it", 1500, ROTATION),
+    _entry(form.NUMBER, "crank_radius", "radius of the crank", "needed of crank and rod", 5, LENGTH),
+    _entry(form.NUMBER, "rod_stiffness", "stiffness of the elastic rod", "needed of rod", kind=STIFFNESS,
+           example=200000),
+    _entry(form.POINTS, "points", "measured frequency [Hz] and amplitude [mm] of the empty trough",
+           "needed of measured", "points.csv", PURE),
+    _entry(form.one_of({"constant": "constant", "square": "square"}), "law",
+           "how the measured machine's force goes with the frequency", "needed of measured", "constant",
+           PURE),
+    _entry(form.BAND, "setting", "", "100"),
+    _entry(form.BAND, "voltage", "", "100"),
+    _entry(form.BAND, "filling", "", "0"),
+    _entry(form.BAND, "added_mass_share", "share of the filling's mass that moves with the trough",
+           "computed", kind=PURE, allowed=Range(-10.0, 10.0)),
+    _entry(form.BAND, "added_damping_share", "the same of its damping", "computed, or 0 beside the other",
+           kind=PURE, allowed=_ZERO_OR_MORE),
+)
+
 #: Input of the commands that take a scene.
 SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", "read_scene", {
     "scene": TableKind("[scene]", "the operating point: one value each", _by_key(
-        *map(_value, BY_COLUMN.values()),
+        *(_value(quantity) for quantity in BY_COLUMN.values() if quantity.name not in MACHINE),
         _harmonics("along_amplitude", "amplitudes of all harmonics along the trough, from the first on"),
         _harmonics("along_phase", "phases of all harmonics along the trough"),
         _harmonics("normal_amplitude", "amplitudes of all harmonics normal to the trough, from the first on"),
@@ -141,7 +229,9 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
     )),
     "motion": TableKind("[motion]", "how the trough moves, in place of a drive in [scene]",
                         _by_key(*_MOTION)),
-    "map": TableKind("[map]", "what is swept, in place of values of [scene]",
+    "machine": TableKind("[machine]", "what drives the trough, in place of an amplitude in [scene]",
+                         _by_key(*MACHINE_KEYS), needs=(("kind",),)),
+    "map": TableKind("[map]", "what is swept, in place of values of [scene] and [machine]",
                      _by_key(*map(_axis, BY_COLUMN.values()))),
 })
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Mapping
 from contextlib import suppress
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -12,20 +13,20 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.axes import axis_of, parse_axis
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.quantities import MOST_HARMONICS, catalogue_hint, exact_number, nearest_double
 from vibro.reals import NotRealError, real_number
 from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
 
 __all__ = [
-    "AXIS", "BAND", "CHOICES", "FRICTION", "LIMITS", "LIST", "NUMBER", "PAIRS", "POINT", "SAMPLES", "SPAN",
-    "TEXT", "VALUE", "Entry", "Form", "Span", "one_of",
+    "AXIS", "BAND", "CHOICES", "COUNT", "FRICTION", "LIMITS", "LIST", "MASS_OR_FLOOR", "NUMBER", "PAIRS",
+    "POINT", "POINTS", "SAMPLES", "SPAN", "TEXT", "VALUE", "Entry", "Form", "Span", "one_of", "table_of",
 ]  # fmt: skip
 
 #: Both ends of a closed interval.
@@ -56,12 +57,18 @@ class Form(NamedTuple):
         ``list`` of these, a list of a ``single`` one, or a list of ``numbers``, ``pairs`` or ``samples``.
     words : tuple of str
         Allowed words, where it is one of a few.
+    entries : tuple of Entry
+        Keys of a table within a table.
+    needed : tuple of str
+        Those of them that every such table has.
     """
 
     says: str
     read: Callable[[Quantity, Any], Any]
     spellings: tuple[str, ...]
     words: tuple[str, ...] = ()
+    entries: tuple[Entry, ...] = ()
+    needed: tuple[str, ...] = ()
 
 
 class Entry(NamedTuple):
@@ -146,6 +153,24 @@ def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
     return tuple((end, end) for end in _checked(quantity, value, numbers))
 
 
+def _mass_or_floor(quantity: Quantity, value: Any) -> float:
+    """Read a mass; that of the floor is infinite."""
+    return math.inf if value == "floor" else _number(quantity, value, f'{_NUMBER} or "floor"')
+
+
+def _count(quantity: Quantity, value: Any) -> int:
+    """Read a whole number, 1 or more."""
+    number = _number(quantity, value)
+    if number != int(number) or number < 1:
+        raise _refusal(quantity, value, "must be a whole number, 1 or more")
+    return int(number)
+
+
+def _points(quantity: Quantity, value: Any) -> Any:
+    """Read the name of a table, or pairs of numbers."""
+    return _text(quantity, value) if isinstance(value, str) else _pairs(quantity, value)
+
+
 def _text(quantity: Quantity, value: Any) -> str:
     """Read a text of one line that is not empty."""
     if not isinstance(value, str) or not value.strip() or not value.isprintable():
@@ -223,10 +248,45 @@ def one_of(values: Mapping[str, Any]) -> Form:
 
     def read(quantity: Quantity, value: Any) -> Any:
         if not isinstance(value, str) or value not in values:
-            raise _refusal(quantity, value, f"must be {' or '.join(values)}")
+            hint = did_you_mean(value, values)
+            raise _refusal(quantity, value, f"must be {' or '.join(values)}", hint)
         return values[value]
 
     return Form(" or ".join(f"`{word}`" for word in values), read, (), (*values,))
+
+
+def table_of(says: str, *entries: Entry, needed: tuple[str, ...], several: bool = False) -> Form:
+    """Make the form of a table within a table, or of a list of such tables.
+
+    Its ``read`` returns a dict of what its entries read, by the names of their quantities; or a tuple of
+    such.
+    """
+    keys = {entry.key: entry for entry in entries}
+
+    def read_one(quantity: Quantity, value: Any) -> dict[str, Any]:
+        if not isinstance(value, Mapping):
+            example = ", ".join(entry.shown for entry in entries if entry.key in needed)
+            raise _refusal(quantity, value, "must be a table", f"write {quantity.column} = {{ {example} }}")
+        found = {}
+        for key, given in value.items():
+            if key not in keys:
+                hint = did_you_mean(key, keys) or f"known are {', '.join(keys)}"
+                raise InputError(f"{quantity.column} has an unknown key {shown(key)}", hint=hint)
+            found[keys[key].quantity.name] = keys[key].read(given)
+        for key in needed:
+            if key not in value:
+                raise InputError(
+                    f"{quantity.column}: {key} is missing", hint=f"for example: {keys[key].shown}"
+                )
+        return found
+
+    def read(quantity: Quantity, value: Any) -> Any:
+        if not several:
+            return read_one(quantity, value)
+        tables = value if isinstance(value, list) and value else [value]
+        return tuple(read_one(quantity, table) for table in tables)
+
+    return Form(says, read, ("tables" if several else "table",), (), entries, needed)
 
 
 def _has_ends(value: Any) -> bool:
@@ -309,3 +369,7 @@ LIMITS: Final = Form("number, the largest, or range", _limits, ("number", "text"
 SPAN: Final = Form("number, fixed, or range", _band, BAND.spellings)
 CHOICES: Final = Form("number, list or range", _choices, ("number", "text", "ends", "listed", "list"))
 TEXT: Final = Form("text", _text, ("line",))
+# Forms of machines.
+MASS_OR_FLOOR: Final = Form("number or `floor`", _mass_or_floor, ("number", "text"), ("floor",))
+COUNT: Final = Form("whole number", _count, ("number", "text"))
+POINTS: Final = Form("name of a file, or list of pairs of numbers", _points, ("line", "pairs"))

@@ -99,6 +99,15 @@ def _ways(entry: Entry) -> list[Schema]:
         "pairs": {"type": "array", "items": pair, "minItems": 1, "maxItems": MOST_PIECES},
         "samples": {"type": "array", "items": number, "minItems": LEAST_SAMPLES, "maxItems": MOST_PIECES},
     }
+    if form.entries:
+        one = {
+            "type": "object",
+            "properties": {inner.key: _entry(inner) for inner in form.entries},
+            "required": [*form.needed],
+            "additionalProperties": False,
+        }
+        several = {"type": "array", "items": one, "minItems": 1}
+        return [several, one] if "tables" in form.spellings else [one]
     ways = [others[spelling] for spelling in form.spellings if spelling in others]
     if spelled := [texts[spelling] for spelling in form.spellings if spelling in texts]:
         ways.append(_matching(spelled))

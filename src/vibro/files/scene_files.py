@@ -1,4 +1,4 @@
-"""Read scene files: TOML with the table [scene] and, optionally, [motion] and [map]."""
+"""Read scene files: TOML with the table [scene] and, optionally, [motion], [machine] and [map]."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from vibro.axes import AxisSpec, axis_of
 from vibro.errors import InputError, Problems
 from vibro.files.descriptions import SCENE_FILE
+from vibro.files.machines import given_machine
 from vibro.files.motions import HARMONICS, motion_of, way_of
 from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
 from vibro.quantities import MASS, MOST_HARMONICS, NORMAL_FORCE, QUANTITIES
@@ -16,6 +17,7 @@ from vibro.quantities import MASS, MOST_HARMONICS, NORMAL_FORCE, QUANTITIES
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from vibro.files.machines import GivenMachine
     from vibro.files.motions import GivenMotion
 
 __all__ = ["SceneFile", "read_scene_file"]
@@ -35,12 +37,15 @@ class SceneFile:
         The table ``[map]``: values and axes, by the quantity's name.
     motion : GivenMotion or None
         The table ``[motion]``, if it gives steps or samples; harmonics are in ``scene``.
+    machine : GivenMachine or None
+        The table ``[machine]``.
     """
 
     name: str
     scene: Mapping[str, AxisSpec]
     sweep: Mapping[str, AxisSpec]
     motion: GivenMotion | None = None
+    machine: GivenMachine | None = None
 
 
 def read_scene_file(path: Path) -> SceneFile:
@@ -49,8 +54,8 @@ def read_scene_file(path: Path) -> SceneFile:
     Parameters
     ----------
     path : Path
-        TOML with a table ``[scene]`` and, optionally, ``[motion]`` and ``[map]``; the keys are names with
-        units.
+        TOML with a table ``[scene]`` and, optionally, ``[motion]``, ``[machine]`` and ``[map]``; the keys are
+        names with units.
 
     Returns
     -------
@@ -84,12 +89,16 @@ def read_scene_file(path: Path) -> SceneFile:
                 lists |= _lists_of(tables["motion"], lists)
             else:
                 motion = motion_of(tables["motion"])
+    machine = None
+    if content.get("machine") is not None and not problems.found:
+        with problems.taken("[machine] "):
+            machine = given_machine(content["machine"], tables["machine"], path.parent)
     with problems.taken("[scene] "):
         scene |= _harmonics(lists, scene)
     with problems.taken("[scene] "):
         scene |= _clamped(scene)
     problems.settle()
-    return SceneFile(path.stem, scene, tables["map"], motion)
+    return SceneFile(path.stem, scene, tables["map"], motion, machine)
 
 
 def _lists_of(table: Mapping[str, list[list[float]]], lists: Mapping[str, Any]) -> dict[str, list[float]]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.tables import rounded_cells
-from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, QUANTITIES, SWEPT
+from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, SWEPT
 from vibro.results.steady import RESULTS, Result
 from vibro.results.sweep import Block, Column
 from vibro.sweeps.derived import (
@@ -68,7 +68,7 @@ def _found(result: Result, block: Block) -> NDArray[Any]:
     return np.asarray(result.kind.from_si(found)) if result.is_number else found
 
 
-_WHERE_SWEPT: Final = ("friction_ratio", "normal_acceleration", "restitution")
+_WHERE_SWEPT: Final = (*MACHINE, "friction_ratio", "normal_acceleration", "restitution")
 # What a table was made with, by the names of ``Grid.made_with``.
 _MADE_WITH: Final = {"restitution": _given("restitution"), "trough_length": WITH_LENGTH}
 # Columns that every table can have, but has only on request or, of those above, where they matter.

@@ -1,0 +1,409 @@
+"""Machines of scene files: the table ``[machine]``, as it is given and as the solver takes it."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.errors import FileError, InputError, SceneError, cut, did_you_mean, shown
+from vibro.files.descriptions import KINDS
+from vibro.files.nearby import suggestion
+from vibro.quantities import MACHINE, QUANTITIES, exact_number, nearest_double
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
+
+    from vibro.machines.machine import Machine
+
+__all__ = ["GivenMachine", "given_machine", "read_points"]
+
+Points = list[tuple[float, float]]
+
+_COMMON: Final = ("kind", "filling_kg", "added_mass_share", "added_damping_share")
+_MOMENTS: Final = (
+    "static_moment_kg_mm", "working_moment_kg_cm", "working_moment_is", "centrifugal_force_n", "at_hz",
+    "at_rpm", "motors",
+)  # fmt: skip
+_SPRINGS: Final = ("natural_hz", "pack", "damping_ratio")
+# Keys of each kind, besides those of all.
+_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
+    "unbalance": ("vibrating_mass_kg", *_MOMENTS, "mount_hz", "damping_ratio", "setting_percent"),
+    "magnet": (
+        "trough_mass_kg", "counter_mass_kg", *_SPRINGS, "force_n", "calibration", "voltage_exponent",
+        "base_stiffness_n_m", "gap_mm", "setting_percent", "voltage_percent",
+    ),
+    "exciter": (
+        "trough_mass_kg", "counter_mass_kg", *_MOMENTS, *_SPRINGS, "base_stiffness_n_m", "setting_percent",
+    ),
+    "crank": ("crank_radius_mm",),
+    "rod": ("trough_mass_kg", "crank_radius_mm", "rod_stiffness_n_m", *_SPRINGS),
+    "measured": ("points", "trough_mass_kg", "counter_mass_kg", "law", "setting_percent"),
+}  # fmt: skip
+# Those of them that must be given; a moment, a force and springs are looked at one by one.
+_NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
+    "unbalance": ("vibrating_mass_kg",),
+    "magnet": ("trough_mass_kg", "counter_mass_kg", "damping_ratio"),
+    "exciter": ("trough_mass_kg", "counter_mass_kg", "damping_ratio"),
+    "crank": ("crank_radius_mm",),
+    "rod": ("trough_mass_kg", "crank_radius_mm", "rod_stiffness_n_m", "damping_ratio"),
+    "measured": ("points", "law"),
+}
+_EXAMPLES: Final = {
+    "vibrating_mass_kg": 120, "trough_mass_kg": 6, "counter_mass_kg": 12, "damping_ratio": 0.015,
+    "crank_radius_mm": 5, "rod_stiffness_n_m": 200000, "points": '"points.csv"', "law": '"constant"',
+}  # fmt: skip
+_ARGUMENTS: Final = (
+    "trough_mass", "counter_mass", "vibrating_mass", "natural", "damping_ratio", "mount", "voltage_exponent",
+    "base_stiffness", "gap", "crank_radius", "rod_stiffness", "law", "force",
+)  # fmt: skip
+_NAMES: Final = {  # of arguments of Machine, where they are called otherwise
+    "natural": "natural_frequency", "mount": "mount_frequency", "crank_radius": "radius",
+}  # fmt: skip
+_SAME: Final = 0.01  # relative difference of two moments that are the same but for rounding of makers
+_SLIPS: Final = (2.0, 4.0, 0.5, 0.25)  # ratios of moments of makers' conventions
+_HEADER: Final = ("frequency_hz", "amplitude_mm")
+_MILLIMETRES: Final = 1000.0  # [mm] of a metre
+
+
+@dataclass(frozen=True, eq=False)
+class GivenMachine:
+    """A machine, and the table that gives it, to be written back as given.
+
+    Attributes
+    ----------
+    table : mapping
+        The table; points of a file are in it as pairs.
+    kind : str
+        Of ``KINDS``.
+    arguments : mapping
+        Those of the constructor ``vibro.Machine.<kind>``, in SI units.
+    packs : mapping of str to float
+        Natural frequencies of spring packs by name [Hz].
+    bands : mapping of str to pair of float
+        Setting, voltage and filling that are given as ``lo:hi``, by quantity, in the units outside.
+    shares : mapping of str to pair of float
+        ``added_mass_share`` and ``added_damping_share`` where they are given, with both ends [1].
+    own : mapping of str to float
+        Values of ``MACHINE`` that hold where nothing else is given, in the units outside. Of a band: the
+        upper end of the setting, the nominal voltage if it lies in its band, an empty trough.
+    """
+
+    table: Mapping[str, Any]
+    kind: str
+    arguments: Mapping[str, Any]
+    packs: Mapping[str, float] = field(default_factory=dict)
+    bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    shares: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    own: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def has_springs(self) -> bool:
+        """Whether it has springs that may be exchanged."""
+        return "natural_hz" in _KEYS[self.kind]
+
+    def takes(self, name: str) -> bool:
+        """Whether a quantity of ``MACHINE`` has a meaning for this kind of machine."""
+        return name == "filling" or QUANTITIES[name].column in _KEYS[self.kind]
+
+    @property
+    def share(self) -> tuple[float, float] | None:
+        """Added mass and damping shares that replace the computed ones: the middles of bands [1]."""
+        if not self.shares:
+            return None
+        mass, damping = (self.shares.get(f"added_{of}_share", (0.0, 0.0)) for of in ("mass", "damping"))
+        return 0.5 * (mass[0] + mass[1]), 0.5 * (damping[0] + damping[1])
+
+    @cached_property
+    def machine(self) -> Machine:
+        """The machine, with its own springs, or with the first pack if those are not given.
+
+        Raises
+        ------
+        InputError
+            If there can be no such machine.
+        """
+        from vibro.machines.machine import Calibration, Machine
+
+        arguments = {**self.arguments}
+        if "calibration" in arguments:
+            arguments["calibration"] = Calibration(**arguments["calibration"])
+        if self.has_springs:
+            arguments.setdefault("natural_frequency", next(iter(self.packs.values()), math.nan))
+        make: Callable[..., Machine] = getattr(Machine, self.kind)
+        try:
+            return make(**arguments)
+        except SceneError as exc:
+            raise InputError(*(str(problem) for problem in exc.problems)) from None
+
+    def pack(self, name: str) -> float:
+        """Return the natural frequency of a pack by its name [Hz].
+
+        Raises
+        ------
+        InputError
+            If there is no such pack.
+        """
+        if name not in self.packs:
+            hint = did_you_mean(name, self.packs) or (
+                f"there are {', '.join(self.packs)}" if self.packs else "give [[machine.pack]] tables"
+            )
+            raise InputError(f"there is no spring pack {shown(name)}", hint=hint)
+        return self.packs[name]
+
+
+def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: Path | None) -> GivenMachine:
+    """Make the machine of a table whose values are read.
+
+    Parameters
+    ----------
+    table : mapping
+        As given: ``MACHINE_KEYS`` with their values.
+    values : mapping
+        What the entries read, by the names of their quantities, in SI units.
+    folder : Path or None
+        Against which the name of a file of points is resolved; None where there is no file.
+
+    Raises
+    ------
+    InputError
+        If it is no machine; the message names the keys.
+    FileError
+        If the points cannot be read.
+    """
+    kind = values.get("kind")
+    if kind is None:
+        raise InputError("kind is missing", hint=f"it is {', '.join(KINDS)}")
+    allowed = (*_COMMON, *_KEYS[kind])
+    for key in table:
+        if key not in allowed:
+            others = [other for other in KINDS if key in _KEYS[other]]
+            raise InputError(
+                f"{key} = {shown(table[key])}: does not belong to a machine of kind {kind}",
+                hint=f"it belongs to {', '.join(others)}; those of {kind} are {', '.join(_KEYS[kind])}",
+            )
+    for key in _NEEDED[kind]:
+        if key not in table:
+            raise InputError(
+                f"{key} is missing: a machine of kind {kind} needs it",
+                hint=f"for example: {key} = {_EXAMPLES[key]}",
+            )
+    arguments = {_NAMES.get(name, name): values[name] for name in _ARGUMENTS if name in values}
+    table = dict(table)
+    packs = _packs(values)
+    if kind in ("unbalance", "exciter"):
+        arguments["static_moment"] = _static_moment(table, values)
+    if kind == "magnet":
+        arguments |= _force(values)
+    if kind == "measured":
+        table["points"] = _points_of(table["points"], folder)
+        arguments["points"] = [(f, mm / _MILLIMETRES) for f, mm in table["points"]]
+    if "natural_hz" in _KEYS[kind] and "natural" not in values:
+        _check_springs(kind, values, packs)
+    own, bands = _settings(kind, table)
+    if "natural" in values:
+        own["natural"] = _ends(table["natural_hz"], "natural")[0]
+    shares = {name: values[name] for name in ("added_mass_share", "added_damping_share") if name in values}
+    if "added_damping_share" in shares and "added_mass_share" not in shares:
+        raise InputError("added_damping_share is given alone", hint="give added_mass_share too, or neither")
+    return GivenMachine(table, kind, arguments, packs, bands, shares, own)
+
+
+def _packs(values: Mapping[str, Any]) -> dict[str, float]:
+    packs: dict[str, float] = {}
+    for pack in values.get("pack", ()):
+        if pack["name"] in packs:
+            raise InputError(f"pack {shown(pack['name'])} is given twice", hint="name each pack differently")
+        packs[pack["name"]] = pack["natural"]
+    return packs
+
+
+def _check_springs(kind: str, values: Mapping[str, Any], packs: Mapping[str, float]) -> None:
+    """Refuse a machine whose springs are not known."""
+    if not packs:
+        raise InputError(
+            f"natural_hz is missing: the amplitude of a machine of kind {kind} depends on it most",
+            hint="measure it on the empty machine, which side of resonance it runs on is never assumed;"
+            " for example: natural_hz = 55.6",
+        )
+    if "calibration" in values:
+        raise InputError(
+            "natural_hz is missing: the calibration was measured with one of the packs",
+            hint="give natural_hz of that one beside the packs",
+        )
+
+
+def _force(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Check that a magnet's force is given in one way, and return its calibration as arguments."""
+    ways = [name for name in ("force", "calibration") if name in values]
+    if len(ways) != 1:
+        said = "force_n and calibration are both given" if ways else "force_n or calibration is missing"
+        raise InputError(
+            said,
+            hint="give one of them; for example:"
+            " calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }",
+        )
+    return {"calibration": {**values["calibration"]}} if ways == ["calibration"] else {}
+
+
+def _static_moment(table: Mapping[str, Any], values: Mapping[str, Any]) -> float:
+    """Return the static moment of all motors together [kg m], of all ways in which it is given."""
+    found: dict[str, float] = {}
+    motors = values.get("motors")
+    for key in ("static_moment_kg_mm", "centrifugal_force_n"):
+        if key in table and motors is None:
+            raise InputError(
+                f"{key} = {shown(table[key])}: is that of one motor, and motors is missing",
+                hint="for example: motors = 2",
+            )
+    if "static_moment" in values:
+        found["static_moment_kg_mm"] = motors * values["static_moment"]
+    if "centrifugal_force" in values:
+        if ("at_hz" in table) == ("at_rpm" in table):
+            raise InputError(
+                f"centrifugal_force_n = {shown(table['centrifugal_force_n'])}: at_hz or at_rpm"
+                f" {'is missing' if 'at_hz' not in table else 'are both given'}",
+                hint="give the speed at which the motor has that force; for example: at_rpm = 1500",
+            )
+        found["centrifugal_force_n"] = (
+            motors * values["centrifugal_force"] / (2.0 * math.pi * values["at"]) ** 2
+        )
+    elif "at" in values:
+        raise InputError("at_hz or at_rpm is given without centrifugal_force_n", hint="leave it out")
+    if "working_moment" in values:
+        if "working_moment_is" not in values:
+            raise InputError(
+                f"working_moment_kg_cm = {shown(table['working_moment_kg_cm'])}: makers print the vibrating"
+                " mass times the amplitude, or times the stroke, which is twice as much",
+                hint='add working_moment_is = "amplitude" or working_moment_is = "stroke"',
+            )
+        found["working_moment_kg_cm"] = values["working_moment"] * values["working_moment_is"]
+    elif "working_moment_is" in values:
+        raise InputError("working_moment_is is given without working_moment_kg_cm", hint="leave it out")
+    if not found:
+        raise InputError(
+            "the moment is missing",
+            hint="give static_moment_kg_mm and motors, or working_moment_kg_cm and working_moment_is, or"
+            " centrifugal_force_n, at_rpm and motors",
+        )
+    (first, moment), *others = found.items()
+    for other, value in others:
+        ratio = value / moment
+        if abs(ratio - 1.0) <= _SAME:
+            continue
+        slip = next((slip for slip in _SLIPS if abs(ratio / slip - 1.0) <= 5.0 * _SAME), None)
+        why = (
+            "makers give moments of one motor or of all, of amplitude or of stroke: check which"
+            if slip
+            else "give the one that you are sure of"
+        )
+        raise InputError(
+            f"{first} and {other} are moments of {_kg_mm(moment)} and {_kg_mm(value)}"
+            f" of all motors: {ratio:.4g} times as much",
+            hint=f"{why}; then leave the other out",
+        )
+    return moment
+
+
+def _kg_mm(moment: float) -> str:
+    return f"{moment * _MILLIMETRES:.5g} kg mm"
+
+
+def _settings(kind: str, table: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+    """Return setting, voltage and filling, and those of them that are bands, in the units outside."""
+    own: dict[str, float] = {}
+    bands: dict[str, tuple[float, float]] = {}
+    for name in MACHINE[:3]:
+        quantity = QUANTITIES[name]
+        low, high = _ends(table.get(quantity.column, quantity.default), name)
+        if low == high:
+            own[name] = low
+            continue
+        bands[name] = low, high
+        nominal = quantity.default or 0.0
+        inside = nominal if low <= nominal <= high else 0.5 * (low + high)
+        own[name] = {"setting": high, "voltage": inside, "filling": 0.0}[name]
+    return own, bands
+
+
+def _ends(value: Any, name: str) -> tuple[float, float]:
+    """Return both ends of what is given, which is valid, in the units outside: exactly as given."""
+    if not isinstance(value, str):
+        return float(value), float(value)
+    ends = [nearest_double(end, QUANTITIES[name]) for end in value.split(":")]
+    return ends[0], ends[-1]
+
+
+def _points_of(given: Any, folder: Path | None) -> Points:
+    if not isinstance(given, str):
+        return [(float(f), float(a)) for f, a in given]
+    if folder is None:
+        raise InputError(
+            f"points = {shown(given)}: must be pairs of numbers", hint="points = [[45, 0.2], ...]"
+        )
+    return read_points(folder / given)
+
+
+def read_points(path: Path) -> Points:
+    """Read measured amplitudes.
+
+    Parameters
+    ----------
+    path : Path
+        Text of two columns, frequency [Hz] and amplitude [mm], separated by a comma, a semicolon or a tab;
+        a first line, if it is none of numbers, has their names.
+
+    Returns
+    -------
+    list of pair of float
+        Frequency [Hz] and amplitude [mm], as given.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read.
+    InputError
+        If it has no such columns.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError, ValueError) as exc:
+        why = exc.strerror if isinstance(exc, OSError) and exc.strerror else exc
+        raise FileError(
+            f"cannot read {path}: {why}", hint=suggestion(path, (".csv", ".txt", ".tsv"))
+        ) from exc
+    separator = next((mark for mark in (";", "\t") if mark in text), ",")
+    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(map(str.strip, row))]
+    if rows and rows[0][0].strip()[:1].isalpha():
+        _check_header(rows.pop(0), path)
+    return [_point(row, number, path) for number, row in enumerate(rows, 1)]
+
+
+def _check_header(names: Sequence[str], path: Path) -> None:
+    found = tuple(name.strip() for name in names)
+    if found != _HEADER:
+        raise InputError(
+            f"{path}: its columns are {cut(', '.join(found))}: must be {' and '.join(_HEADER)}",
+            hint="rename them, and convert their units",
+        )
+
+
+def _point(row: Sequence[str], number: int, path: Path) -> tuple[float, float]:
+    if len(row) != len(_HEADER):
+        raise InputError(
+            f"{path}: point {number} has {len(row)} values: must be {' and '.join(_HEADER)}",
+            hint="write a line a point, such as 45,0.21",
+        )
+    try:
+        frequency, amplitude = (
+            float(exact_number(text, QUANTITIES[name]))
+            for text, name in zip(row, ("frequency", "amplitude"), strict=True)
+        )
+    except InputError as exc:
+        raise InputError(
+            *(f"{path}: point {number}: {problem}" for problem in exc.problems), hint=exc.hint
+        ) from None
+    return frequency, amplitude
