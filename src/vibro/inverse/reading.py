@@ -89,13 +89,15 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems, folder: Pat
         Table(DESIGN_FILE, table, content.get(table, ABSENT), problems)
         for table in ("scene", "drift", "goal", "part")
     )
+    tables = _drive_tables(content.get("drive", []), problems)
+    bands = _bands(scene, problems)
     drives = [
         (drive, table)
-        for i, table in enumerate(_drive_tables(content.get("drive", []), problems), 1)
+        for i, table in enumerate(tables, 1)
         for drive in _drives(table, f"drive {i}", problems, folder, drift.values.get("frequency", 0.0))
     ]
     spec = Spec(
-        bands=_bands(scene, problems),
+        bands=bands,
         drives=tuple(drive for drive, _ in drives),
         goal=_goal(goal, scene),
         drift=Drift(**drift.values),
