@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 import vibro
-from vibro import Machine, Regime
+from vibro import Regime
 from vibro.errors import InputError
 from vibro.inverse import machine_designs, machine_drives
 from vibro.inverse.designs import chosen_of, find_designs
 from vibro.inverse.machine_drives import Met, amplitudes_met
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.machines.machine import Calibration
+from vibro.machines.machine import Calibration, Machine
 
 if TYPE_CHECKING:
     from vibro.results.designs import Design, DesignResult

@@ -122,7 +122,7 @@ class MachineDrive:
     @staticmethod
     def is_tuned(machine: Machine) -> bool:
         """Whether springs make the amplitude depend on the frequency: neither a crank's nor soft mounts do."""
-        return machine.natural_frequency > 0.0
+        return 0.0 < machine.natural_frequency < math.inf
 
     @property
     def is_plain(self) -> bool:
