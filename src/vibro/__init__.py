@@ -11,11 +11,13 @@ if TYPE_CHECKING:
 
     from vibro.core.codes import Regime, Status
     from vibro.errors import FileError, InputError, SceneError, VibroError
+    from vibro.fillings import filling
     from vibro.inverse.designs import design
     from vibro.inverse.guarantees import guarantee
     from vibro.inverse.windows import feasible_amplitudes
     from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
+    from vibro.machines.machine import Calibration, Machine
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.attractors import attractors
     from vibro.motion.branches import Branch, BranchEvent
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from vibro.records.waveforms import MeasuredMotion, measured_motion
     from vibro.results.attractors import Attractor, Attractors
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
+    from vibro.results.filling import Filling
     from vibro.results.history import History
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
@@ -38,13 +41,16 @@ __all__ = [
     "Attractors",
     "Branch",
     "BranchEvent",
+    "Calibration",
     "Certificate",
     "DesignResult",
     "FileError",
+    "Filling",
     "Guarantee",
     "History",
     "InputError",
     "Interval",
+    "Machine",
     "MeasuredMotion",
     "Motion",
     "Regime",
@@ -58,6 +64,7 @@ __all__ = [
     "critical_loads",
     "design",
     "feasible_amplitudes",
+    "filling",
     "follow",
     "guarantee",
     "measured_motion",
@@ -77,13 +84,16 @@ _HOMES = {
     "Attractors": "vibro.results.attractors",
     "Branch": "vibro.motion.branches",
     "BranchEvent": "vibro.motion.branches",
+    "Calibration": "vibro.machines.machine",
     "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
+    "Filling": "vibro.results.filling",
     "Guarantee": "vibro.results.designs",
     "History": "vibro.results.history",
     "InputError": "vibro.errors",
     "Interval": "vibro.results.designs",
+    "Machine": "vibro.machines.machine",
     "MeasuredMotion": "vibro.records.waveforms",
     "Motion": "vibro.waveforms",
     "Regime": "vibro.core.codes",
@@ -97,6 +107,7 @@ _HOMES = {
     "critical_loads": "vibro.limits",
     "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.windows",
+    "filling": "vibro.fillings",
     "follow": "vibro.motion.continuation",
     "guarantee": "vibro.inverse.guarantees",
     "measured_motion": "vibro.records.waveforms",

@@ -19,6 +19,7 @@ from vibro.core.derivatives import Change, displacement_rate, load_slope
 from vibro.core.drives import proved_multiplier
 from vibro.core.elementary import NAN, TURN
 from vibro.core.evolution import evolve
+from vibro.core.filling import Reaction, force_bound, reaction_in_contact, reaction_of_hops
 from vibro.core.hopping import hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.motions import (
@@ -41,7 +42,7 @@ __all__ = [
     "arrivals", "attractors", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve",
     "find_others", "flights_along", "followed", "history", "load_slopes", "moments", "prepare",
     "return_of_flights", "slips_back", "solve_contact", "solve_hops", "tipping_loads", "transition_loads",
-    "write_letters",
+    "weigh", "write_letters",
 ]  # fmt: skip
 
 
@@ -285,3 +286,38 @@ def _write_leg(leg: SlideLeg, out: CycleLegs, row: int) -> None:
     out.way[row], out.zero[row], out.begin[row], out.end[row] = leg.way, leg.zero, leg.begin, leg.end
     out.load[row], out.resistance[row] = leg.start.onset.load, leg.start.onset.k
     out.displacement[row] = leg.displacement
+
+
+class Weights(NamedTuple):
+    """What bodies weigh to their drive, as ``vibro.results.filling.Filling`` describes it."""
+
+    added_mass: Doubles
+    added_damping: Doubles
+    second_real: Doubles
+    second_imaginary: Doubles
+    bound: Doubles
+
+
+def weigh(
+    scenes: Scenes, place: Place, pattern: Integers, status: Bytes, out: Weights, flights: Flights,
+    hops: Hops, begin: int, end: int,
+) -> None:  # fmt: skip
+    """Sum up the force of bodies on the trough, in cells whose patterns and statuses are known.
+
+    ``flights`` and ``hops`` are scratch memory. Means over irregular motion are left NaN.
+    """
+    angles = no_directions()
+    for i in range(begin, end):
+        visit(scenes, place, i, begin)
+        found, bound = Reaction(NAN, NAN, NAN, NAN), NAN
+        if status[i] <= Status.BOUNDARY or status[i] == Status.AVERAGED:
+            point = point_at(scenes, place, angles)
+            angles = point.angles
+            bound = force_bound(point.loads)
+            if 0 <= pattern[i] < SPELT_PATTERNS:
+                found = reaction_in_contact(point.loads, pattern[i])
+            elif status[i] != Status.AVERAGED:
+                found = reaction_of_hops(point.loads, point.restitution, flights, hops)
+        out.added_mass[i], out.added_damping[i] = found.added_mass, found.added_damping
+        out.second_real[i], out.second_imaginary[i] = found.second_real, found.second_imaginary
+        out.bound[i] = bound

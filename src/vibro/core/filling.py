@@ -1,0 +1,304 @@
+"""What a body in the trough weighs to its drive: the harmonics of the force with which it acts on the trough.
+
+By parts each harmonic of the body's absolute acceleration is an integral of its relative velocity over the
+settled cycle, Eqs. (75)-(77) of docs/theory.md: rests contribute nothing, and jumps of the velocity need no
+terms of their own. Lengths in A, speeds in A w, phases of the normal motion in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.bounces import Flights
+from vibro.core.codes import Mode
+from vibro.core.cycle_slides import SlideLeg, cycle_slides
+from vibro.core.drives import Loads, along_cosine, along_sine, free_along, phase_difference
+from vibro.core.elementary import INF, PI, braked, circle, hypotenuse
+from vibro.core.flight import ACCUMULATED, after_landing, bed_of
+from vibro.core.hopping import cycle_of, enter
+from vibro.core.legs import Track, contact_leg, mode_of, track_of
+from vibro.core.orbits import orbit_from
+from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, landed
+from vibro.core.waves import at_break
+
+__all__ = ["Reaction", "force_bound", "reaction_in_contact", "reaction_of_hops"]
+
+# [rad] Legs up to this length are integrated by Gauss's rule of eight nodes, whose terms all are as small as
+# the leg; its error is below 1e-16 of them (tests/core/test_filling.py). Longer ones have closed forms.
+_SHORT: Final = 1.0
+_NODE_1: Final = 0.18343464249564980494
+_NODE_2: Final = 0.52553240991632898582
+_NODE_3: Final = 0.79666647741362673959
+_NODE_4: Final = 0.96028985649753623168
+_SHARE_1: Final = 0.18134189168918099148
+_SHARE_2: Final = 0.15685332293894364367
+_SHARE_3: Final = 0.11119051722668723527
+_SHARE_4: Final = 0.050614268145188129576
+
+
+class Reaction(NamedTuple):
+    """Harmonics of the force of a body on the trough, over m A w^2.
+
+    Attributes
+    ----------
+    added_mass, added_damping : float
+        lambda and delta: first harmonic, Eq. (76).
+    second_real, second_imaginary : float
+        Second harmonic along the line, Eq. (77); of an ellipse its size, and 0.
+    """
+
+    added_mass: float
+    added_damping: float
+    second_real: float
+    second_imaginary: float
+
+
+class _Integrals(NamedTuple):
+    """Integrals of a velocity times e^(-ip) and e^(-2ip) over the phase p."""
+
+    first_real: float
+    first_imaginary: float
+    second_real: float
+    second_imaginary: float
+
+
+class _Walk(NamedTuple):
+    """Integrals of the velocities along and normal to the trough so far, and the velocity along it now."""
+
+    along: _Integrals
+    normal: _Integrals
+    velocity: float
+
+
+class _Motion(NamedTuple):
+    """Velocity v0 + C (1 - cos s) + S sin s - D s, a phase s after the start of a leg."""
+
+    start: float
+    cosine: float
+    sine: float
+    drag: float
+
+
+class _Sum(NamedTuple):
+    """Integrals of a velocity alone, and of its harmonics."""
+
+    path: float
+    harmonics: _Integrals
+
+
+def reaction_in_contact(loads: Loads, pattern: int) -> Reaction:
+    """Sum over the slides of a steady contact cycle, whose pattern is known."""
+    slides = cycle_slides(loads, pattern)
+    walk = _from_rest()
+    if slides.first.way != 0.0:
+        walk = _with_slide(loads, walk, slides.first)
+    if slides.second.way != 0.0:
+        walk = _with_slide(loads, walk, slides.second)
+    return _reaction(loads, walk, 1)
+
+
+def _from_rest() -> _Walk:
+    return _Walk(_nothing(), _nothing(), 0.0)
+
+
+def _with_slide(loads: Loads, walk: _Walk, leg: SlideLeg) -> _Walk:
+    """Add a slide that begins without speed."""
+    phase, length = leg.begin + phase_difference(loads), leg.end - leg.begin
+    motion = _sliding(loads, phase, 0.0, leg.way)
+    return walk._replace(along=_plus(walk.along, _integrals(motion, phase, length, leg.displacement)))
+
+
+def _sliding(loads: Loads, phase: float, velocity: float, way: float) -> _Motion:
+    """Slide from a phase on: friction is mu_d N, and N falls where the trough does."""
+    friction = way * loads.kinetic_friction
+    a, pressed = loads.drive_tangential, friction * loads.drive_normal
+    return _Motion(
+        velocity,
+        a * along_cosine(loads, phase) + pressed * math.cos(phase),
+        a * along_sine(loads, phase) + pressed * math.sin(phase),
+        loads.weight_tangential + friction * loads.weight_normal,
+    )
+
+
+def reaction_of_hops(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> Reaction:
+    """Sum over the flights and slides of a steady cycle that ``hopping`` has found.
+
+    ``flights`` and ``hops`` are scratch memory.
+    """
+    track = track_of(loads, restitution)
+    entry = enter(track, restitution, flights, hops)
+    cycle = cycle_of(track, entry.motion)
+    walk = _from_rest()._replace(velocity=orbit_from(cycle, hops, entry.velocity).velocity)
+    for row in range(cycle.first, cycle.last):
+        landing, rest = hops.landing[row], hops.rest[row]
+        if row + 1 == cycle.last and cycle.rest > 0.0:
+            landing, rest = cycle.landing, cycle.rest
+        walk = _with_flight(track, restitution, flights, hops, row, walk, rest > 0.0)
+        if rest > 0.0:
+            walk = _with_contact(track, landing, rest, walk)
+    if cycle.first == cycle.last:
+        walk = _with_contact(track, cycle.landing, cycle.rest, walk)
+    return _reaction(loads, walk, entry.motion.cycles)
+
+
+def _with_flight(
+    track: Track, restitution: float, flights: Flights, hops: Hops, row: int, walk: _Walk, contact: bool
+) -> _Walk:
+    """Add a flight, and the bounces that are summed after it.
+
+    They last 1e-8 rad at most and are so low that the body keeps the speed along the trough which the first
+    impact leaves, and none normal to it.
+    """
+    loads, bed = track.loads, bed_of(track.loads)
+    phase, n = flights.phase[row], loads.weight_normal
+    bounced = 0.0
+    if contact:
+        end = phase + flights.length[row]
+        bounced = after_landing(bed, end, flights.impact[row], restitution, ACCUMULATED).length
+    length = flights.length[row] - bounced
+    a, b = loads.drive_tangential, loads.drive_normal
+    ahead = _Motion(
+        walk.velocity, a * along_cosine(loads, phase), a * along_sine(loads, phase), loads.weight_tangential
+    )
+    off = _Motion(n * flights.speed[row], b * math.cos(phase), b * math.sin(phase), n)
+    flown = free_along(loads, phase, walk.velocity, length)
+    along = _plus(walk.along, _integrals(ahead, phase, length, flown.path))
+    normal = _plus(walk.normal, _integrals(off, phase, length, 0.0))
+    if bounced > 0.0:
+        impulse = flights.impact[row] * (1.0 + restitution)
+        left = braked(flown.velocity, loads.kinetic_friction * n * impulse)
+        chain = _Motion(left, 0.0, 0.0, 0.0)
+        along = _plus(along, _integrals(chain, phase + length, bounced, left * bounced))
+    return _Walk(along, normal, landed(hops, row, walk.velocity))
+
+
+def _with_contact(track: Track, landing: float, rest: float, walk: _Walk) -> _Walk:
+    """Add the legs from a landing until the lift-off."""
+    loads, phase, left, velocity, along = track.loads, landing, rest, walk.velocity, walk.along
+    mode = mode_of(loads, landing, velocity, track.landed_friction)
+    for _ in range(MOST_LEGS):
+        leg = contact_leg(track, mode, phase, velocity, left)
+        if mode != Mode.REST:
+            motion = _sliding(loads, phase, velocity, 1.0 if mode == Mode.FORWARD else -1.0)
+            along = _plus(along, _integrals(motion, phase, leg.length, leg.displacement))
+        velocity = leg.velocity
+        if not leg.length < left - CLOSE:
+            break
+        phase, left, mode = at_break(loads.waves, phase + leg.length), left - leg.length, leg.next_mode
+    return _Walk(along, walk.normal, velocity)
+
+
+def _reaction(loads: Loads, walk: _Walk, cycles: int) -> Reaction:
+    """Project the harmonics on the trough's path, Eqs. (75)-(77)."""
+    a, b, x, y = loads.drive_tangential, loads.drive_normal, walk.along, walk.normal
+    square = (a * a + b * b) * PI * cycles
+    if square == 0.0:
+        return Reaction(1.0, 0.0, 0.0, 0.0)  # where the trough stands still the body rests on it
+    ahead, beside = a * loads.phase_cosine, a * loads.phase_sine
+    real = (ahead * x.first_real - beside * x.first_imaginary + b * y.first_real) / square
+    imaginary = (ahead * x.first_imaginary + beside * x.first_real + b * y.first_imaginary) / square
+    if beside == 0.0:
+        second_real = 2.0 * (ahead * x.second_real + b * y.second_real) / square
+        second_imaginary = 2.0 * (ahead * x.second_imaginary + b * y.second_imaginary) / square
+        return Reaction(1.0 + real, 0.0 - imaginary, second_real + 0.0, second_imaginary + 0.0)
+    forward = hypotenuse(x.second_real, x.second_imaginary)
+    upward = hypotenuse(y.second_real, y.second_imaginary)
+    size = 2.0 * hypotenuse(forward, upward) * hypotenuse(a, b) / square
+    return Reaction(1.0 + real, 0.0 - imaginary, size, 0.0)
+
+
+def force_bound(loads: Loads) -> float:
+    """Bound the first harmonic, and each other one, by the weight alone, Eq. (78).
+
+    The mean normal force of a settled body is its weight, and friction takes mu_s of it at most.
+    """
+    a, b = loads.drive_tangential, loads.drive_normal
+    friction = a * loads.static_friction
+    square = b * b + friction * friction + 2.0 * b * friction * abs(loads.phase_cosine)
+    whole = a * a + b * b
+    return 2.0 * loads.weight_normal * math.sqrt(square) / whole if whole > 0.0 else INF
+
+
+def _integrals(motion: _Motion, phase: float, length: float, path: float) -> _Integrals:
+    """Integrate a leg of a known path."""
+    if length <= _SHORT:
+        return _short(motion, phase, length, path)
+    return _long(motion, phase, length)
+
+
+def _short(motion: _Motion, phase: float, length: float, path: float) -> _Integrals:
+    """Integrate by Gauss's rule.
+
+    The path is known better than from the phase at the start, which is rounded: what it differs by from the
+    integral of the velocity belongs to the middle of the leg.
+    """
+    half, middle = 0.5 * length, phase + 0.5 * length
+    out = _Sum(0.0, _nothing())
+    for i in range(4):
+        node, share = _NODE_1, _SHARE_1
+        if i == 1:
+            node, share = _NODE_2, _SHARE_2
+        elif i == 2:
+            node, share = _NODE_3, _SHARE_3
+        elif i == 3:
+            node, share = _NODE_4, _SHARE_4
+        out = _at(motion, phase, half * (1.0 - node), share * length, out)
+        out = _at(motion, phase, half * (1.0 + node), share * length, out)
+    return _with_impulse(out.harmonics, middle, path - out.path)
+
+
+def _at(motion: _Motion, phase: float, s: float, share: float, out: _Sum) -> _Sum:
+    """Add a node of the rule."""
+    h = circle(0.5 * s)
+    rise, versine = 2.0 * h.sine * h.cosine, 2.0 * h.sine * h.sine
+    velocity = motion.start + motion.cosine * versine + motion.sine * rise - motion.drag * s
+    return _Sum(out.path + share * velocity, _with_impulse(out.harmonics, phase + s, share * velocity))
+
+
+def _with_impulse(out: _Integrals, phase: float, weight: float) -> _Integrals:
+    """Add a weight at a phase."""
+    at = circle(phase)
+    return _Integrals(
+        out.first_real + weight * at.cosine,
+        out.first_imaginary - weight * at.sine,
+        out.second_real + weight * (at.cosine - at.sine) * (at.cosine + at.sine),
+        out.second_imaginary - weight * 2.0 * at.sine * at.cosine,
+    )
+
+
+def _long(motion: _Motion, phase: float, length: float) -> _Integrals:
+    """Integrate in closed form, Eq. (79): powers of e^(-is), times those at the start."""
+    c1, s1 = math.cos(length), math.sin(length)
+    c2, s2 = (c1 - s1) * (c1 + s1), 2.0 * s1 * c1
+    c3, s3 = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2
+    # E_m = integral of e^(-ims), real and imaginary part
+    r1, i1, r2, i2 = s1, c1 - 1.0, 0.5 * s2, 0.5 * (c2 - 1.0)
+    r3, i3 = s3 / 3.0, (c3 - 1.0) / 3.0
+    level, c, s, d = motion.start + motion.cosine, 0.5 * motion.cosine, 0.5 * motion.sine, motion.drag
+    # less (C + iS) E_(k-1) / 2 and (C - iS) E_(k+1) / 2, and D times the integral of s e^(-iks)
+    x1 = level * r1 - c * length - (c * r2 + s * i2) - d * (length * s1 + i1)
+    y1 = level * i1 - s * length - (c * i2 - s * r2) - d * (length * c1 - r1)
+    x2 = level * r2 - (c * r1 - s * i1) - (c * r3 + s * i3) - 0.5 * d * (length * s2 + i2)
+    y2 = level * i2 - (c * i1 + s * r1) - (c * i3 - s * r3) - 0.5 * d * (length * c2 - r2)
+    at_sine, at_cosine = math.sin(phase), math.cos(phase)
+    twice_sine, twice_cosine = 2.0 * at_sine * at_cosine, (at_cosine - at_sine) * (at_cosine + at_sine)
+    return _Integrals(
+        x1 * at_cosine + y1 * at_sine,
+        y1 * at_cosine - x1 * at_sine,
+        x2 * twice_cosine + y2 * twice_sine,
+        y2 * twice_cosine - x2 * twice_sine,
+    )
+
+
+def _nothing() -> _Integrals:
+    return _Integrals(0.0, 0.0, 0.0, 0.0)
+
+
+def _plus(one: _Integrals, other: _Integrals) -> _Integrals:
+    return _Integrals(
+        one.first_real + other.first_real,
+        one.first_imaginary + other.first_imaginary,
+        one.second_real + other.second_real,
+        one.second_imaginary + other.second_imaginary,
+    )

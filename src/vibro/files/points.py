@@ -1,0 +1,178 @@
+"""Read measured amplitudes over frequency: ``points.csv``, for the fit of a machine."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.errors import FileError, InputError, Problems, shown
+from vibro.files.nearby import suggestion
+from vibro.quantities import PERCENT, QUANTITIES, Quantity, Range, nearest_double
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["MeasuredPoints", "read_points"]
+
+_EXAMPLE: Final = "frequency_hz,amplitude_mm"
+_ERROR: Final = Quantity("amplitude_error", PERCENT, allowed=Range(0.0, 100.0, with_low=False))
+# Columns, and how people call them; the first is needed, and one of the next two.
+_COLUMNS: Final = {
+    "frequency": "frequency|frequenz|freq|f",
+    "amplitude": "amplitude|amp|a",
+    "stroke": "stroke|peak[ -]to[ -]peak|hub",
+    _ERROR.name: "amplitude[ _]error|error|fehler",
+}
+_QUANTITIES: Final = {name: QUANTITIES.get(name, _ERROR) for name in _COLUMNS}
+_MICRO: Final = {"\u03bc": "\u00b5"}  # the Greek letter, for the micro sign
+
+
+class MeasuredPoints(NamedTuple):
+    """Amplitudes over frequency, in the order of the file.
+
+    Attributes
+    ----------
+    frequency, amplitude : (n,) array
+        In Hz and m.
+    error : (n,) array or None
+        Relative standard errors of the amplitudes [1], if the file has them.
+    in_stroke : bool
+        Whether the file gives strokes, twice the amplitudes.
+    """
+
+    frequency: Floats
+    amplitude: Floats
+    error: Floats | None
+    in_stroke: bool
+
+    @property
+    def pairs(self) -> Floats:
+        """Frequency and amplitude of each point, shape (n, 2) [Hz, m]."""
+        return np.stack([self.frequency, self.amplitude], axis=1)
+
+
+def read_points(path: Path) -> MeasuredPoints:
+    """Read measured amplitudes over frequency.
+
+    Parameters
+    ----------
+    path : Path
+        CSV with a header row that names columns with their units, such as ``frequency_hz`` or
+        ``frequency [Hz]``: a frequency, an amplitude or a stroke, and if known ``error_percent``, the
+        standard error of an amplitude. Separated by commas, semicolons or tabs; decimal commas need one of
+        the latter two. Other columns are left alone.
+
+    Returns
+    -------
+    MeasuredPoints
+        All rows, in SI units.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    InputError
+        If a column is missing or given twice, or a cell is no number that it may hold.
+    """
+    rows, separator = _rows(path, _text(path))
+    row, header = rows[0]
+    units = _found(path, row, header)
+    columns: dict[str, list[float]] = {name: [] for name in units}
+    problems = Problems(f"{path}: ")
+    for row, cells in rows[1:]:
+        if any(cells[len(header) :]):
+            wide = f"row {row} has {len(cells)} cells, the header row {len(header)}"
+            problems.add(wide, "decimal commas need semicolons between the cells")
+            continue
+        for name, (place, unit) in units.items():
+            quantity = _QUANTITIES[name]
+            cell = cells[place] if place < len(cells) else ""
+            cell = cell.replace(",", ".") if separator != "," else cell
+            with problems.taken(f"row {row}, "):
+                if not cell:
+                    raise InputError(f"{quantity.label}: the cell is empty", hint="delete that row")
+                value = nearest_double(cell, quantity)  # which names what is no number
+                if cell[-1] in "0123456789.":  # without a unit of its own
+                    value = nearest_double(cell + unit, quantity)
+                value = float(quantity.to_si(value))
+                if not quantity.allows(value) or not value > 0.0:
+                    above = "above 0 % and below 100 %" if quantity is _ERROR else f"above 0 {quantity.unit}"
+                    raise InputError(f"{quantity.label} = {shown(cell)}: must be {above}")
+                columns[name].append(value)
+    problems.settle()
+    if len(rows) == 1:
+        raise InputError(f"{path}: no rows under the header row", hint="give a row for each frequency")
+    frequency, *others = (np.array(column) for column in columns.values())
+    stroke = "stroke" in columns
+    error = others[1] if _ERROR.name in columns else None
+    return MeasuredPoints(frequency, others[0] / 2.0 if stroke else others[0], error, stroke)
+
+
+def _found(path: Path, row: int, header: list[str]) -> dict[str, tuple[int, str]]:
+    """Find the columns: for each quantity its place and unit."""
+    found: dict[str, tuple[int, str]] = {}
+    for name, names in _COLUMNS.items():
+        quantity = _QUANTITIES[name]
+        units = "|".join(sorted(map(re.escape, quantity.kind.ratios), key=len, reverse=True))
+        units = units.replace("%", "%|percent")
+        pattern = re.compile(rf"(?:{names})[\s_]*(?:[\[(/]|in\s)?\s*({units})\s*[\])]?")
+        for place, text in enumerate(header):
+            folded = text.casefold()
+            for greek, sign in _MICRO.items():
+                folded = folded.replace(sign, greek)
+            match = pattern.fullmatch(folded)
+            if match and name in found:
+                raise InputError(f"{path}: row {row} names {quantity.label} twice", hint="leave one column")
+            if match:
+                found[name] = place, match[1].replace("percent", "%")
+    if "amplitude" in found and "stroke" in found:
+        raise InputError(
+            f"{path}: amplitude and stroke are both given", hint="leave one column: stroke = 2 A"
+        )
+    if "frequency" not in found or found.keys().isdisjoint(("amplitude", "stroke")):
+        lacks = "amplitude_mm or stroke_mm" if "frequency" in found else "frequency_hz"
+        raise InputError(
+            f"{path}: no column {lacks} among {', '.join(map(shown, header))}",
+            hint=f"name the columns with their units in the first row: {_EXAMPLE}",
+        )
+    return found
+
+
+def _text(path: Path) -> str:
+    try:
+        data = path.read_bytes()
+    except OSError as exc:
+        near = suggestion(path, (".csv", ".txt"))
+        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=near) from exc
+    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if b"\0" in data and not wide:
+        raise InputError(f"{path}: not a text file", hint="export the table as CSV")
+    for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
+        try:
+            return data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    raise InputError(f"{path}: not a text file", hint="save it as CSV in UTF-8")
+
+
+def _rows(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], str]:
+    """Split lines into cells, numbered as spreadsheets do; the header row tells the separator."""
+    first = next((line for line in text.splitlines() if line.strip()), "")
+    separator = next((mark for mark in ";\t," if mark in first), ",")
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    try:
+        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    except csv.Error as exc:
+        raise InputError(f"{path}: not a table: {exc}", hint="export the table as CSV") from exc
+    rows = [(row, cells) for row, cells in rows if any(cells)]
+    if not rows:
+        raise InputError(f"{path}: empty", hint=f"the first row names the columns: {_EXAMPLE}")
+    return rows, separator

@@ -1,0 +1,719 @@
+"""The machines that drive troughs: what people know of them, and the amplitude that follows from it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from vibro.errors import InputError, Problems, shown
+from vibro.machines.linear import Masses, slopes, transfer
+from vibro.reals import NotRealError, real_array, real_number, shielded
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from vibro.machines.linear import Transfer
+
+    Floats = NDArray[np.float64]
+    Complexes = NDArray[np.complex128]
+
+__all__ = ["ELASTICITIES", "Calibration", "Machine", "Response", "driven"]
+
+#: Quantities by which ``Response.elasticities`` differentiates.
+ELASTICITIES: Final = ("frequency", "setting", "voltage", "trough_mass", "filling", "stiffness", "damping")
+
+_LAWS: Final = {"current": 0.0, "voltage": -2.0}  # exponent of a magnet's force over the frequency
+_UNITS: Final = {
+    "vibrating_mass": "kg", "trough_mass": "kg", "counter_mass": "kg", "static_moment": "kg m",
+    "mount_frequency": "Hz", "natural_frequency": "Hz", "frequency": "Hz", "force_frequency": "Hz",
+    "force": "N", "base_stiffness": "N/m", "rod_stiffness": "N/m", "radius": "m", "gap": "m",
+    "amplitude": "m", "filling": "kg",
+}  # fmt: skip
+_REMEDIES: Final = {
+    "natural_frequency": "measure it: let the empty machine ring down, or fit amplitudes over frequencies on"
+    " both sides of resonance; which side of resonance the drive is on decides what a filling does",
+    "damping_ratio": "count the cycles n in which the free vibration halves: it is 0.11 / n; leaf springs"
+    " have 0.01 to 0.05",
+}
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """One amplitude that was measured, which fixes a machine's force.
+
+    Attributes
+    ----------
+    amplitude : float
+        Of the trough, half of its stroke, > 0 [m].
+    frequency : float
+        Of the drive, > 0 [Hz].
+    setting, voltage : float
+        At which it was measured, over those that count as 100 %, > 0 [1].
+    filling : float
+        Mass that was clamped to the trough, >= 0; 0 of an empty machine [kg].
+    """
+
+    amplitude: float
+    frequency: float
+    setting: float = 1.0
+    voltage: float = 1.0
+    filling: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Response:
+    """Motion of a linear machine; arrays of the broadcast shape, NumPy scalars of one case.
+
+    Attributes
+    ----------
+    amplitude : array
+        Of the trough along the drive's line [m].
+    phase : array
+        By which the trough leads the force, in (-pi, pi]; 0 of a crank [rad].
+    counter_amplitude : array
+        Of the counter mass; 0 where the springs stand on the floor [m].
+    relative_amplitude : array
+        Of the trough against the counter mass or the floor: what the springs bend [m].
+    filled_natural_frequency : array
+        With the real part of the added mass, without the base mount; inf of a crank, and where a negative
+        added mass takes all of the trough's away [Hz].
+    compliance : complex array
+        H: the amplitude is that of the empty machine over abs(1 + m H), for a complex added mass m [1/kg].
+    elasticities : mapping of str to array
+        Percent of amplitude that 1 % more of a quantity brings, the others held: ``frequency``, ``setting``,
+        ``voltage``, ``trough_mass``, ``filling``, ``stiffness`` (of the springs without a rod) and
+        ``damping`` [1].
+    """
+
+    amplitude: Floats
+    phase: Floats
+    counter_amplitude: Floats
+    relative_amplitude: Floats
+    filled_natural_frequency: Floats
+    compliance: Complexes
+    elasticities: Mapping[str, Floats]
+
+
+@dataclass(frozen=True, init=False)
+class Machine:
+    """A linear machine that drives a trough along a line: one mass on the floor, or two on springs.
+
+    It is made by the classmethod of its kind: ``unbalance``, ``magnet``, ``exciter``, ``crank`` or ``rod``.
+
+    Attributes
+    ----------
+    kind : str
+        Name of that classmethod.
+    trough_mass, counter_mass : float
+        m1, with all that moves with the empty trough; inf of a crank, which no filling slows. m2; inf where
+        the springs stand on the floor [kg].
+    natural_frequency : float
+        f0 of the empty machine between its masses; 0 of infinitely soft mounts, inf of a crank [Hz].
+    damping_ratio : float
+        zeta of the empty machine [1].
+    base_stiffness, rod_stiffness : float
+        Of the mount of m2 on the floor, and of the springs through which a crank acts [N/m].
+    force : float
+        Amplitude of the force at 100 % setting and voltage and at ``force_frequency``; 0 of a crank [N].
+    force_frequency, force_exponent : float
+        [Hz] and [1]: the force is proportional to (frequency / force_frequency) ** force_exponent.
+    voltage_exponent : float
+        The force is proportional to voltage ** voltage_exponent [1].
+    radius : float
+        Of a crank; 0 of other machines [m].
+    gap : float
+        Relative amplitude at which the masses strike each other [m].
+
+    Examples
+    --------
+    >>> feeder = Machine.magnet(trough_mass=6, counter_mass=12, natural_frequency=50 / 1.05,
+    ...                         damping_ratio=0.015, calibration=Calibration(0.35e-3, 50))
+    >>> print(f"{feeder.force:.1f} N, {feeder.load_proof_frequency(50):.1f} Hz")
+    20.2 N, 86.6 Hz
+    >>> print(f"{feeder.response(50, added_mass=0.2).elasticities['filling']:.3f}")
+    -0.189
+    """
+
+    kind: str
+    trough_mass: float = math.inf
+    counter_mass: float = math.inf
+    natural_frequency: float = math.inf
+    damping_ratio: float = 0.0
+    base_stiffness: float = 0.0
+    rod_stiffness: float = 0.0
+    force: float = 0.0
+    force_frequency: float = 1.0
+    force_exponent: float = 0.0
+    voltage_exponent: float = 0.0
+    radius: float = 0.0
+    gap: float = math.inf
+
+    def __init__(self) -> None:
+        kinds = ", ".join(f"Machine.{kind}" for kind in ("unbalance", "magnet", "exciter", "crank", "rod"))
+        raise InputError("a machine is made by its kind", hint=f"use one of {kinds}")
+
+    @classmethod
+    def _of(cls, kind: str, **values: float) -> Machine:
+        machine = cls.__new__(cls)
+        for field in fields(cls)[1:]:
+            object.__setattr__(machine, field.name, values.get(field.name, field.default))
+        object.__setattr__(machine, "kind", kind)
+        return machine
+
+    def _changed(self, **values: float) -> Machine:
+        return self._of(self.kind, **{**{f.name: getattr(self, f.name) for f in fields(self)[1:]}, **values})
+
+    @classmethod
+    @shielded
+    def unbalance(
+        cls,
+        *,
+        vibrating_mass: float,
+        static_moment: float,
+        mount_frequency: float = 0.0,
+        damping_ratio: float = 0.0,
+    ) -> Machine:
+        """Make a trough on soft mounts with unbalance motors on it, which turn against each other.
+
+        Parameters
+        ----------
+        vibrating_mass : float
+            Of the trough with the motors, > 0 [kg].
+        static_moment : float
+            Eccentric mass times its radius, of all motors together, at 100 % setting, > 0 [kg m].
+        mount_frequency : float, optional
+            Natural frequency of the empty trough on its mounts, >= 0; without, infinitely soft mounts. At a
+            third of the drive's frequency mounts add 12.5 % of amplitude [Hz].
+        damping_ratio : float, optional
+            Of the mounts, in [0, 1) [1].
+
+        Raises
+        ------
+        InputError
+            With every argument that is out of its range.
+        """
+        read = _Reader("unbalance")
+        values = {
+            "trough_mass": read("vibrating_mass", vibrating_mass),
+            "natural_frequency": read("mount_frequency", mount_frequency, least=True),
+            "damping_ratio": read.ratio(damping_ratio),
+            "force": read("static_moment", static_moment) * (2.0 * math.pi) ** 2,
+        }
+        read.settle()
+        return cls._of("unbalance", force_exponent=2.0, **values)
+
+    @classmethod
+    @shielded
+    def magnet(
+        cls,
+        *,
+        trough_mass: float,
+        counter_mass: float = math.inf,
+        natural_frequency: float | None = None,
+        damping_ratio: float | None = None,
+        force: float | None = None,
+        calibration: Calibration | None = None,
+        voltage_exponent: float = 2.0,
+        law: Literal["current", "voltage"] = "current",
+        force_frequency: float | None = None,
+        base_stiffness: float = 0.0,
+        gap: float = math.inf,
+    ) -> Machine:
+        """Make a trough and a counter mass, or the floor, on springs, with a magnet between the two.
+
+        Parameters
+        ----------
+        trough_mass : float
+            Of the trough with all that moves with it, > 0 [kg].
+        counter_mass : float, optional
+            > 0; without, the springs stand on the floor [kg].
+        natural_frequency : float
+            Of the empty machine, between its masses, > 0 [Hz].
+        damping_ratio : float
+            In [0, 1) [1].
+        force : float, optional
+            Amplitude of the force at 100 % setting and voltage, > 0 [N].
+        calibration : Calibration, optional
+            In place of the force an amplitude that was measured.
+        voltage_exponent : float, optional
+            Of the force: 2 of a magnet, 1 of a piezo drive, > 0 [1].
+        law : {"current", "voltage"}, optional
+            Whether the force is the same at every frequency, or that of a coil on a constant voltage:
+            proportional to 1 / frequency^2.
+        force_frequency : float, optional
+            Of the voltage law, at which the force was told; without, that of the calibration [Hz].
+        base_stiffness : float, optional
+            Of the mount of the counter mass on the floor, >= 0 [N/m].
+        gap : float, optional
+            Relative amplitude at which the magnet's faces strike each other, > 0 [m].
+
+        Raises
+        ------
+        InputError
+            With every argument that is missing, out of its range or given twice.
+        """
+        read = _Reader("magnet")
+        values = {
+            **read.two_masses(trough_mass, counter_mass, natural_frequency, damping_ratio, base_stiffness),
+            "voltage_exponent": read("voltage_exponent", voltage_exponent),
+            "gap": read("gap", gap, infinite=True),
+        }
+        if law not in _LAWS:
+            read.problem(f"law = {shown(law)}: must be 'current' or 'voltage'", field="law")
+        if (force is None) == (calibration is None):
+            read.problem(
+                f"force = {shown(force)} and calibration = {shown(calibration)}: must be either of them",
+                "give the force, or one amplitude that was measured:"
+                " calibration=vibro.Calibration(amplitude=0.35e-3, frequency=50)",
+                "force",
+            )
+        if force is not None:
+            values["force"] = read("force", force)
+        if law == "voltage":
+            if force_frequency is None and isinstance(calibration, Calibration):
+                force_frequency = calibration.frequency
+            values["force_frequency"] = read("force_frequency", force_frequency)
+        elif force_frequency is not None:
+            read.problem(
+                f"force_frequency = {shown(force_frequency)}: must be left out where law = {shown(law)}",
+                "only with law='voltage' does the force depend on the frequency",
+                "force_frequency",
+            )
+        known = None if calibration is None else read.calibration(calibration)
+        read.settle()
+        machine = cls._of("magnet", force_exponent=_LAWS[law], **{"force": 1.0, **values})
+        return machine if known is None else machine._calibrated(known)
+
+    @classmethod
+    @shielded
+    def exciter(
+        cls,
+        *,
+        trough_mass: float,
+        counter_mass: float,
+        static_moment: float,
+        natural_frequency: float | None = None,
+        damping_ratio: float | None = None,
+        base_stiffness: float = 0.0,
+    ) -> Machine:
+        """Make a trough that springs couple to an exciter mass with unbalance motors on it.
+
+        Parameters
+        ----------
+        trough_mass, counter_mass : float
+            Of the trough, and of the exciter with its motors, > 0 [kg].
+        static_moment : float
+            Eccentric mass times its radius, of all motors together, at 100 % setting, > 0 [kg m].
+        natural_frequency : float
+            Of the empty machine, between its masses, > 0 [Hz].
+        damping_ratio : float
+            In [0, 1) [1].
+        base_stiffness : float, optional
+            Of the mount of the exciter mass on the floor, >= 0 [N/m].
+
+        Raises
+        ------
+        InputError
+            With every argument that is missing or out of its range.
+        """
+        read = _Reader("exciter")
+        values = read.two_masses(trough_mass, counter_mass, natural_frequency, damping_ratio, base_stiffness)
+        values["force"] = read("static_moment", static_moment) * (2.0 * math.pi) ** 2
+        if values["counter_mass"] == math.inf:
+            read.problem(
+                "counter_mass = inf kg: must be finite, as the motors sit on it", field="counter_mass"
+            )
+        read.settle()
+        return cls._of("exciter", force_exponent=2.0, **values)
+
+    @classmethod
+    @shielded
+    def crank(cls, *, radius: float) -> Machine:
+        """Make a trough that a rigid crank moves: no filling slows it.
+
+        Parameters
+        ----------
+        radius : float
+            At 100 % setting, > 0 [m].
+
+        Raises
+        ------
+        InputError
+            If the radius is out of its range.
+        """
+        read = _Reader("crank")
+        value = read("radius", radius)
+        read.settle()
+        return cls._of("crank", radius=value)
+
+    @classmethod
+    @shielded
+    def rod(
+        cls,
+        *,
+        radius: float,
+        rod_stiffness: float,
+        trough_mass: float,
+        natural_frequency: float | None = None,
+        damping_ratio: float | None = None,
+    ) -> Machine:
+        """Make a trough on springs that a crank moves through a soft rod.
+
+        Parameters
+        ----------
+        radius : float
+            Of the crank, at 100 % setting, > 0 [m].
+        rod_stiffness : float
+            Of the springs in the rod, > 0 [N/m].
+        trough_mass : float
+            > 0 [kg].
+        natural_frequency : float
+            Of the empty trough on all springs, with the rod's while the crank stands, > 0 [Hz].
+        damping_ratio : float
+            In [0, 1) [1].
+
+        Raises
+        ------
+        InputError
+            With every argument that is missing or out of its range, and if the rod alone is stiffer than the
+            natural frequency allows.
+        """
+        read = _Reader("rod")
+        values = read.two_masses(trough_mass, math.inf, natural_frequency, damping_ratio, 0.0)
+        values["rod_stiffness"] = read("rod_stiffness", rod_stiffness)
+        values["force"] = values["rod_stiffness"] * read("radius", radius)
+        total = values["trough_mass"] * (2.0 * math.pi * values["natural_frequency"]) ** 2
+        if values["rod_stiffness"] > total:
+            read.problem(
+                f"rod_stiffness = {rod_stiffness:.15g} N/m: must be <= {total:.6g} N/m, that of all springs",
+                "natural_frequency is that on all springs, with the rod's while the crank stands",
+                "rod_stiffness",
+            )
+        read.settle()
+        return cls._of("rod", **values)
+
+    @shielded
+    def with_natural_frequency(self, natural_frequency: float) -> Machine:
+        """Return the machine with another spring pack: the same masses, force and damping ratio.
+
+        Parameters
+        ----------
+        natural_frequency : float
+            Of the empty machine with that pack, > 0 [Hz].
+
+        Raises
+        ------
+        InputError
+            If it is out of its range, or the machine is a crank.
+        """
+        self._require_springs("natural_frequency", natural_frequency)
+        problems = Problems()
+        value = self._naturals(problems, natural_frequency)
+        if value.shape:
+            problems.add(f"natural_frequency = {shown(natural_frequency)}: must be one real number")
+        problems.settle()
+        return self._changed(natural_frequency=float(value))
+
+    @shielded
+    def response(
+        self,
+        frequency: ArrayLike,
+        *,
+        setting: ArrayLike = 1.0,
+        voltage: ArrayLike = 1.0,
+        added_mass: Any = 0.0,
+        natural_frequency: ArrayLike | None = None,
+    ) -> Response:
+        """Return amplitudes, phase, filled natural frequency and elasticities.
+
+        Parameters
+        ----------
+        frequency : array_like
+            Of the drive, > 0 [Hz].
+        setting : array_like, optional
+            Force, static moment or radius over that at 100 %, > 0 [1].
+        voltage : array_like, optional
+            Over that at 100 %, > 0; of a magnet alone, other machines do not depend on it [1].
+        added_mass : complex array_like, optional
+            The filling's m (lambda - i delta) [kg].
+        natural_frequency : array_like, optional
+            Of other spring packs, as in ``with_natural_frequency`` [Hz].
+
+        Returns
+        -------
+        Response
+            Arrays of the broadcast shape; inf at the resonance of a machine without damping.
+
+        Raises
+        ------
+        InputError
+            If an argument is out of its range, or they do not broadcast.
+
+        Notes
+        -----
+        Eqs. (85) to (87); within 1e-12 of 60 digits on 40 machines (tests/machines/test_machine.py).
+        """
+        f, s, u, f0, added = self.broadcast(frequency, setting, voltage, natural_frequency, added_mass)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            return self._response(f, s, u, f0, added)
+
+    def _response(self, f: Floats, s: Floats, u: Floats, f0: Floats, added: Complexes) -> Response:
+        zero, one = np.zeros(f.shape), np.ones(f.shape)
+        if self.kind == "crank":
+            amplitude, nothing = self.radius * s, dict.fromkeys(ELASTICITIES, zero[()])
+            return Response(
+                amplitude=amplitude[()],
+                phase=zero[()],
+                counter_amplitude=zero[()],
+                relative_amplitude=amplitude[()],
+                filled_natural_frequency=np.full(f.shape, math.inf)[()],
+                compliance=np.zeros(f.shape, np.complex128)[()],
+                elasticities={**nothing, "setting": one[()]},
+            )
+        found = transfer(self.masses, f, f0, added)
+        force = self.force_at(f, s, u)
+        slope = slopes(self.masses, f, found, self.force_exponent)
+        return Response(
+            amplitude=(force * np.abs(found.trough))[()],
+            phase=np.angle(found.trough + 0.0)[()],
+            counter_amplitude=(force * np.abs(found.counter))[()],
+            relative_amplitude=(force * np.abs(found.relative))[()],
+            filled_natural_frequency=self.filled_natural_frequency(f0, added.real)[()],
+            compliance=found.compliance[()],
+            elasticities={
+                "setting": one[()],
+                "voltage": (self.voltage_exponent * one)[()],
+                **{name: value[()] for name, value in slope._asdict().items()},
+            },
+        )
+
+    def broadcast(
+        self,
+        frequency: ArrayLike,
+        setting: ArrayLike,
+        voltage: ArrayLike,
+        natural_frequency: ArrayLike | None,
+        added_mass: Any = 0.0,
+    ) -> tuple[Floats, Floats, Floats, Floats, Complexes]:
+        """Check the arguments of ``response``, and broadcast them against each other."""
+        if natural_frequency is not None:
+            self._require_springs("natural_frequency", natural_frequency)
+        problems = Problems()
+        own = np.asarray(self.natural_frequency)
+        real = [
+            _positive(problems, "frequency", frequency, "Hz"),
+            _positive(problems, "setting", setting),
+            _positive(problems, "voltage", voltage),
+            own if natural_frequency is None else self._naturals(problems, natural_frequency),
+        ]
+        added = _complex(problems, added_mass)
+        problems.settle()
+        f, s, u, f0, m = broadcast(
+            ("frequency", "setting", "voltage", "natural_frequency", "added_mass"), (*real, added)
+        )
+        return f, s, u, f0, m
+
+    def _naturals(self, problems: Problems, natural_frequency: ArrayLike) -> Floats:
+        least = 0.0 if self.kind == "unbalance" else None
+        if self.rod_stiffness:  # the springs cannot be softer than the rod's among them
+            least = math.sqrt(self.rod_stiffness / self.trough_mass) / (2.0 * math.pi)
+        return _positive(problems, "natural_frequency", natural_frequency, "Hz", least)
+
+    def force_at(self, frequency: Any, setting: Any = 1.0, voltage: Any = 1.0) -> Any:
+        """Return the force's amplitude [N]."""
+        ratio = frequency / self.force_frequency
+        return self.force * setting * voltage**self.voltage_exponent * ratio**self.force_exponent
+
+    def filled_natural_frequency(self, natural_frequency: Floats, added: Floats) -> Floats:
+        """Return the natural frequency with a mass added to the trough; inf where none is left [Hz]."""
+        r, m1 = self.masses.counter_inverse, self.trough_mass
+        filled = m1 + added
+        ratio = (m1 / filled) * ((1.0 + filled * r) / (1.0 + m1 * r))
+        return natural_frequency * np.sqrt(np.where(ratio > 0.0, ratio, math.inf))
+
+    @property
+    def masses(self) -> Masses:
+        """What decides its motion for a given force."""
+        return Masses(
+            self.trough_mass, 1.0 / self.counter_mass, self.damping_ratio, self.base_stiffness,
+            self.rod_stiffness, self.kind == "exciter",
+        )  # fmt: skip
+
+    @shielded
+    def load_proof_frequency(self, frequency: float) -> float:
+        """Return the natural frequency with which no filling changes the amplitude, Eq. (88).
+
+        Parameters
+        ----------
+        frequency : float
+            Of the drive, > 0 [Hz].
+
+        Returns
+        -------
+        float
+            Of the empty machine; exact without damping [Hz].
+
+        Raises
+        ------
+        InputError
+            If the machine has no counter mass, or its base mount alone is too stiff for any such pack.
+        """
+        read = _Reader(self.kind)
+        f = read("frequency", frequency)
+        read.settle()
+        if not self.counter_mass < math.inf:
+            raise InputError(
+                f"counter_mass = {self.counter_mass:.15g} kg: no spring pack makes this machine load-proof",
+                hint="it takes two masses, one of them free to move: the counter mass acts as an absorber",
+            )
+        stiffness = self.counter_mass * (2.0 * math.pi * f) ** 2 - self.base_stiffness
+        if not stiffness > 0.0:
+            raise InputError(
+                f"base_stiffness = {self.base_stiffness:.15g} N/m: must be < m2 w^2 ="
+                f" {self.counter_mass * (2.0 * math.pi * f) ** 2:.6g} N/m for a load-proof pack",
+                hint="mount the counter mass softer",
+            )
+        return math.sqrt(stiffness / self.masses.reduced) / (2.0 * math.pi)
+
+    @shielded
+    def load_proof_force(self, frequency: float) -> float:
+        """Return the force that the load-proof pack takes, over that of this pack at the same amplitude [1].
+
+        Both machines are empty; arguments and errors are those of ``load_proof_frequency``.
+        """
+        pack = self.with_natural_frequency(self.load_proof_frequency(frequency))
+        own, other = (float(m.response(frequency).amplitude) for m in (self, pack))
+        return own / other
+
+    def _calibrated(self, known: Calibration) -> Machine:
+        reached = self.response(
+            known.frequency, setting=known.setting, voltage=known.voltage, added_mass=known.filling
+        )
+        return self._changed(force=self.force * known.amplitude / float(reached.amplitude))
+
+    def _require_springs(self, name: str, value: Any) -> None:
+        if self.kind == "crank":
+            raise InputError(
+                f"{name} = {shown(value)}: must be left out of a crank, whose amplitude is its radius",
+                hint="Machine.rod is a crank that acts through springs",
+                fields=[name],
+            )
+
+
+class _Reader:
+    """Reads the arguments of one kind of machine, and raises all problems together."""
+
+    def __init__(self, kind: str) -> None:
+        self._problems = Problems(f"Machine.{kind}: ")
+
+    def __call__(self, name: str, value: Any, *, least: bool = False, infinite: bool = False) -> float:
+        """Read a number > 0, or >= 0 with ``least``; NaN after a problem."""
+        unit = f" {_UNITS[name]}" if name in _UNITS else ""
+        if value is None:
+            self.problem(
+                f"{name}: missing", _REMEDIES.get(name, f"give {name}{f' [{unit[1:]}]' * bool(unit)}"), name
+            )
+            return math.nan
+        try:
+            x = real_number(value)
+        except NotRealError as exc:
+            self.problem(f"{name} = {exc.value}: must be {exc.allowed}", field=name)
+            return math.nan
+        if (x >= 0.0 if least else x > 0.0) and (infinite or x < math.inf):
+            return x
+        allowed = f"{'' if infinite else 'finite and '}{'>=' if least else '>'} 0{unit}"
+        self.problem(f"{name} = {x:.15g}{unit}: must be {allowed}", field=name)
+        return math.nan
+
+    def ratio(self, value: Any) -> float:
+        """Read a damping ratio."""
+        x = self("damping_ratio", value, least=True)
+        if x >= 1.0:
+            self.problem(
+                f"damping_ratio = {x:.15g}: must be in [0, 1)",
+                f"of {x:.15g} % give {x / 100.0:.6g}" if x < 100.0 else "",
+                "damping_ratio",
+            )
+        return x
+
+    def two_masses(self, trough: Any, counter: Any, natural: Any, ratio: Any, base: Any) -> dict[str, float]:
+        """Read what machines on springs share."""
+        values = {
+            "trough_mass": self("trough_mass", trough),
+            "counter_mass": self("counter_mass", counter, infinite=True),
+            "natural_frequency": self("natural_frequency", natural),
+            "damping_ratio": self.ratio(ratio),
+            "base_stiffness": self("base_stiffness", base, least=True),
+        }
+        if values["base_stiffness"] > 0.0 and values["counter_mass"] == math.inf:
+            self.problem(
+                f"base_stiffness = {base:.15g} N/m: must be left out where the springs stand on the floor",
+                "give the counter_mass that stands on that mount",
+                "base_stiffness",
+            )
+        return values
+
+    def calibration(self, given: object) -> Calibration | None:
+        """Read the numbers of a calibration."""
+        if not isinstance(given, Calibration):
+            self.problem(f"calibration = {shown(given)}: must be a vibro.Calibration", field="calibration")
+            return None
+        names = ("amplitude", "frequency", "setting", "voltage")
+        values = {name: self(name, getattr(given, name)) for name in names}
+        return Calibration(**values, filling=self("filling", given.filling, least=True))
+
+    def problem(self, text: str, hint: str = "", field: str = "") -> None:
+        """Add a problem."""
+        self._problems.add(text, hint, field)
+
+    def settle(self) -> None:
+        """Raise the problems, if any."""
+        self._problems.settle()
+
+
+def broadcast(names: tuple[str, ...], arrays: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Broadcast arguments against each other; InputError with their shapes if that cannot be."""
+    try:
+        return tuple(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = ", ".join(f"{name} {np.shape(x)}" for name, x in zip(names, arrays, strict=True))
+        raise InputError(f"shapes = {shapes}: must be broadcastable against each other") from None
+
+
+def _positive(
+    problems: Problems, name: str, value: Any, unit: str = "", least: float | None = None
+) -> Floats:
+    """Read an array of finite numbers > 0, or >= ``least``."""
+    try:
+        x = real_array(value)
+    except NotRealError as exc:
+        problems.add(f"{name} = {exc.value}: must be {exc.allowed}", field=name)
+        return np.ones(())
+    good = np.isfinite(x) & ((x > 0.0) if least is None else (x >= least))
+    if not np.all(good):
+        unit = f" {unit}" if unit else ""
+        allowed = f"finite and > 0{unit}" if least is None else f"finite and >= {least:.6g}{unit}"
+        wrong = float(x[~good].flat[0])
+        problems.add(f"{name} = {wrong:.15g}{unit}: must be {allowed}", field=name)
+    return x
+
+
+def _complex(problems: Problems, value: Any) -> Complexes:
+    array = np.asarray(value)
+    if array.dtype.kind in "fciu" and np.all(np.isfinite(array)):
+        return array.astype(np.complex128)
+    problems.add(f"added_mass = {shown(value)}: must be finite numbers, real or complex", field="added_mass")
+    return np.zeros((), np.complex128)
+
+
+def driven(machine: Machine, f: Floats, s: Floats, u: Floats, f0: Floats) -> tuple[Floats, Transfer | None]:
+    """Return the empty machine's amplitude and its transfer; None of a crank, which nothing slows."""
+    if machine.kind == "crank":
+        return machine.radius * s, None
+    found = transfer(machine.masses, f, f0, 0.0)
+    return machine.force_at(f, s, u) * np.abs(found.trough), found

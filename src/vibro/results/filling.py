@@ -1,0 +1,56 @@
+"""What lies in a trough, as its drive feels it: shares of added mass and damping, energy, second harmonic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Filling"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Filling:
+    """Settled force of the filling on its trough, per kg; one value a scene.
+
+    A filling of the mass m acts on the trough at the drive's frequency as the complex mass
+    ``m * share`` would, ``share = added_mass_share - 1j * added_damping_share``. Arrays have the scene's
+    shape. NaN where there is no settled motion; where that is irregular (status ``AVERAGED``) only ``bound``
+    is known.
+
+    Attributes
+    ----------
+    added_mass_share, added_damping_share : float array
+        lambda and delta [1].
+    added_mass_share_error, added_damping_share_error : float array
+        Their standard errors; 0 where the motion repeats [1].
+    energy_per_cycle : float array
+        Energy that a filling takes from the drive in a drive cycle [J/kg].
+    second_harmonic : complex array
+        Second harmonic of the force along the drive's line over m A w^2: the force is the imaginary part of
+        ``m A w^2 second_harmonic exp(2j w t)`` where the trough is at ``A sin(w t)``. Of ellipses its size
+        over that of the trough's motion [1].
+    bound : float array
+        Bound of ``abs(share)``, and of the size of each other harmonic [1].
+    status : int8 array
+        ``Status`` of the motion.
+    """
+
+    added_mass_share: Floats
+    added_damping_share: Floats
+    added_mass_share_error: Floats
+    added_damping_share_error: Floats
+    energy_per_cycle: Floats
+    second_harmonic: NDArray[np.complex128]
+    bound: Floats
+    status: NDArray[np.int8]
+
+    @property
+    def share(self) -> Any:
+        """Complex share ``added_mass_share - 1j * added_damping_share`` [1]."""
+        return self.added_mass_share - 1j * self.added_damping_share

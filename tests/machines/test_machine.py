@@ -1,0 +1,382 @@
+"""Linear machines: against 60 digits, against their own differences, and in their limits."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import vibro
+from vibro import Calibration, InputError, Machine
+from vibro.machines.machine import ELASTICITIES
+
+TABLE = Path(__file__).parents[1] / "data" / "machines" / "machines.csv"
+with TABLE.open(encoding="utf-8") as _file:
+    ROWS = [{k: v for k, v in row.items() if v} for row in csv.DictReader(_file)]
+
+FEEDER: dict[str, Any] = {"trough_mass": 6.0, "counter_mass": 12.0, "damping_ratio": 0.015}
+CLOSE = 1e-12  # relative; elasticities times 1 + abs(value)
+
+
+def machine_of(row: dict[str, str]) -> Machine:
+    """Make the machine of a row."""
+    number = {name: float(text) for name, text in row.items() if name not in ("id", "kind", "law")}
+    masses: dict[str, Any] = {
+        "trough_mass": number["m1_kg"],
+        "natural_frequency": number.get("natural_hz"),
+        "damping_ratio": number.get("damping_ratio"),
+    }
+    base: dict[str, Any] = {"base_stiffness": number.get("base_stiffness_n_m", 0.0)}
+    moment = number.get("static_moment_kg_mm", 0.0) / 1000.0
+    match row["kind"]:
+        case "unbalance":
+            return Machine.unbalance(
+                vibrating_mass=number["m1_kg"],
+                static_moment=moment,
+                mount_frequency=number["natural_hz"],
+                damping_ratio=number["damping_ratio"],
+            )
+        case "magnet":
+            law: dict[str, Any] = {"law": "voltage", "force_frequency": number["force_frequency_hz"]}
+            return Machine.magnet(
+                **masses,
+                **base,
+                counter_mass=number.get("m2_kg", math.inf),
+                force=number["force_n"],
+                **(law if row["law"] == "voltage" else {}),
+            )
+        case "exciter":
+            return Machine.exciter(**masses, **base, counter_mass=number["m2_kg"], static_moment=moment)
+        case "crank":
+            return Machine.crank(radius=number["crank_radius_mm"] / 1000.0)
+    return Machine.rod(
+        **masses, radius=number["crank_radius_mm"] / 1000.0, rod_stiffness=number["rod_stiffness_n_m"]
+    )
+
+
+def added_of(row: dict[str, str]) -> complex:
+    share = complex(float(row.get("added_mass_share", 0.0)), -float(row.get("added_damping_share", 0.0)))
+    return float(row.get("filling_kg", 0.0)) * share
+
+
+def test_the_table_is_whole() -> None:
+    kinds = [row["kind"] for row in ROWS]
+    assert len(ROWS) == 40
+    assert {kind: kinds.count(kind) for kind in kinds} == {
+        "unbalance": 10, "magnet": 16, "exciter": 8, "crank": 1, "rod": 5,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("row", ROWS, ids=[row["id"] for row in ROWS])
+def test_a_machine_moves_as_with_60_digits(row: dict[str, str]) -> None:
+    machine = machine_of(row)
+    given = {
+        name: float(row.get(key, 1.0)) for name, key in (("setting", "setting"), ("voltage", "voltage_ratio"))
+    }
+    found = machine.response(float(row["frequency_hz"]), **given, added_mass=added_of(row))
+    empty = machine.response(float(row["frequency_hz"]), **given)
+    for value, name, scale in (
+        (found.amplitude, "amplitude_mm", 1e3),
+        (empty.amplitude, "amplitude_empty_mm", 1e3),
+        (found.counter_amplitude, "counter_amplitude_mm", 1e3),
+        (found.relative_amplitude, "relative_amplitude_mm", 1e3),
+        (found.filled_natural_frequency, "filled_natural_hz", 1.0),
+    ):
+        if name in row:
+            assert value * scale == pytest.approx(float(row[name]), rel=CLOSE), name
+    if "phase_deg" in row:
+        assert math.degrees(found.phase) == pytest.approx(float(row["phase_deg"]), rel=CLOSE)
+    for name in ELASTICITIES:
+        if f"d_{name}" in row:
+            right = float(row[f"d_{name}"])
+            assert abs(found.elasticities[name] - right) <= CLOSE * (1.0 + abs(right)), name
+    shrunk = empty.amplitude / abs(1.0 + added_of(row) * found.compliance)
+    assert shrunk == pytest.approx(found.amplitude, rel=CLOSE)
+
+
+@st.composite
+def machines(draw: st.DrawFn, kinds: tuple[str, ...] = ("unbalance", "magnet", "exciter", "rod")) -> Machine:
+    """Draw a machine of any kind, light or heavy, with and without mounts."""
+    kind = draw(st.sampled_from(kinds))
+    mass, f0 = draw(st.floats(0.1, 5e3)), draw(st.floats(2.0, 150.0))
+    ratio, split = draw(st.floats(0.002, 0.2)), draw(st.floats(0.2, 10.0))
+    springs: dict[str, Any] = {"trough_mass": mass, "natural_frequency": f0, "damping_ratio": ratio}
+    reduced = mass * split / (1.0 + split) * (2.0 * math.pi * f0) ** 2
+    base = draw(st.one_of(st.just(0.0), st.floats(1e-3, 0.3))) * reduced
+    if kind == "unbalance":
+        return Machine.unbalance(
+            vibrating_mass=mass, static_moment=mass * 1e-3, mount_frequency=f0, damping_ratio=ratio
+        )
+    if kind == "rod":
+        stiffness = draw(st.floats(0.05, 0.95)) * mass * (2.0 * math.pi * f0) ** 2
+        return Machine.rod(**springs, radius=5e-3, rod_stiffness=stiffness)
+    if kind == "exciter":
+        return Machine.exciter(
+            **springs, counter_mass=split * mass, static_moment=mass * 1e-3, base_stiffness=base
+        )
+    law: dict[str, Any] = draw(st.sampled_from([{}, {"law": "voltage", "force_frequency": 50.0}]))
+    exponent = draw(st.sampled_from([1.0, 2.0]))
+    return Machine.magnet(
+        **springs,
+        counter_mass=split * mass,
+        base_stiffness=base,
+        force=50.0,
+        voltage_exponent=exponent,
+        **law,
+    )
+
+
+def _amplitude(machine: Machine, changes: dict[str, float], f: float, added: complex) -> float:
+    """Return the amplitude with some quantities multiplied, the springs and the damper held."""
+    changed = dict(changes)
+    masses = machine.masses
+    scale = changed.pop("trough_mass", 1.0)
+    added *= changed.pop("filling", 1.0)
+    f *= changed.pop("frequency", 1.0)
+    k = masses.reduced * (2.0 * math.pi * machine.natural_frequency) ** 2
+    c = 2.0 * machine.damping_ratio * math.sqrt(k * masses.reduced)
+    k = (k - machine.rod_stiffness) * changed.pop("stiffness", 1.0) + machine.rod_stiffness
+    c *= changed.pop("damping", 1.0)
+    heavier = machine._changed(trough_mass=machine.trough_mass * scale)
+    mu = heavier.masses.reduced
+    other = heavier._changed(
+        natural_frequency=math.sqrt(k / mu) / (2.0 * math.pi), damping_ratio=c / (2.0 * math.sqrt(k * mu))
+    )
+    return float(other.response(f, added_mass=added, **changed).amplitude)
+
+
+@given(
+    machines(), st.sampled_from(ELASTICITIES), st.floats(0.2, 4.0), st.floats(0.0, 1.0), st.floats(-0.2, 1.0),
+    st.floats(0.0, 0.4),
+)  # fmt: skip
+def test_elasticities_are_the_slopes_of_the_amplitude(
+    machine: Machine, name: str, ratio: float, filling: float, mass: float, damping: float
+) -> None:
+    f = ratio * machine.natural_frequency
+    added = filling * machine.trough_mass * complex(mass, -damping)
+    step = 1e-5
+    ends = [math.log(_amplitude(machine, {name: math.exp(h * step)}, f, added)) for h in (-2, -1, 1, 2)]
+    slope = (8.0 * (ends[2] - ends[1]) - (ends[3] - ends[0])) / (12.0 * step)
+    found = machine.response(f, added_mass=added).elasticities[name]
+    # close to a resonance the fifth derivative counts: the distance is 2 zeta at least, of the slope's scale
+    scale = 1.0 + max(map(abs, machine.response(f, added_mass=added).elasticities.values()))
+    assert abs(found - slope) <= 1e-9 * scale + (step * scale * 2.0) ** 4 * scale + 1e-14 * scale / step
+
+
+@given(machines(("magnet", "exciter")), st.floats(0.3, 3.0), st.floats(0.01, 3.0), st.floats(0.0, 1.0))
+def test_no_filling_changes_a_load_proof_machine_without_damping(
+    machine: Machine, ratio: float, filling: float, damping: float
+) -> None:
+    f = ratio * machine.natural_frequency
+    if machine.counter_mass * (2.0 * math.pi * f) ** 2 <= 1.001 * machine.base_stiffness:
+        with pytest.raises(InputError, match="base_stiffness"):
+            machine._changed(base_stiffness=1e3 * machine.base_stiffness + 1e12).load_proof_frequency(f)
+        return
+    proof = machine.with_natural_frequency(machine.load_proof_frequency(f))._changed(damping_ratio=0.0)
+    added = filling * proof.trough_mass * complex(1.0, -damping)
+    empty, full = proof.response(f), proof.response(f, added_mass=added)
+    w2 = (2.0 * math.pi * f) ** 2
+    conditioning = (
+        proof.counter_mass * (1.0 + filling) * w2 / abs(proof.counter_mass * w2 - proof.base_stiffness)
+    )
+    assert full.amplitude == pytest.approx(empty.amplitude, rel=1e-13 * conditioning)
+    k = proof.counter_mass * w2 - proof.base_stiffness
+    right = float(machine.force_at(f)) / k
+    assert empty.amplitude == pytest.approx(right, rel=1e-12 * conditioning)
+
+
+@given(machines(("magnet",)), st.floats(0.2, 4.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_an_infinite_counter_mass_is_the_floor(
+    machine: Machine, ratio: float, mass: float, damping: float
+) -> None:
+    f = ratio * machine.natural_frequency
+    added = machine.trough_mass * complex(mass, -damping)
+    floor = machine._changed(counter_mass=math.inf, base_stiffness=0.0)
+    large = machine._changed(counter_mass=1e14 * machine.trough_mass, base_stiffness=0.0)
+    one, other = (m.response(f, added_mass=added) for m in (floor, large))
+    assert one.amplitude == pytest.approx(other.amplitude, rel=1e-9)
+    assert one.counter_amplitude == 0.0
+    assert one.relative_amplitude == one.amplitude
+    w, m1, f0 = 2.0 * math.pi * f, machine.trough_mass, machine.natural_frequency
+    eta = f / f0
+    size = math.hypot(1.0 - eta**2, 2.0 * machine.damping_ratio * eta)
+    force = float(floor.force_at(f))
+    assert floor.response(f).amplitude == pytest.approx(
+        force / (m1 * (2.0 * math.pi * f0) ** 2 * size), rel=1e-9
+    )
+    assert abs(one.compliance) == pytest.approx(w**2 / (m1 * (2.0 * math.pi * f0) ** 2 * size), rel=1e-9)
+
+
+@given(machines(), st.floats(0.2, 4.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_a_filling_shrinks_the_amplitude_by_its_share_of_the_impedance(
+    machine: Machine, ratio: float, mass: float, damping: float
+) -> None:
+    f = ratio * machine.natural_frequency
+    added = machine.trough_mass * complex(mass, -damping)
+    empty, full = machine.response(f), machine.response(f, added_mass=added)
+    shrunk = empty.amplitude / abs(1.0 + added * empty.compliance)
+    assert full.amplitude == pytest.approx(shrunk, rel=1e-11)
+
+
+def test_springs_give_the_closed_slopes_of_a_machine_without_mount() -> None:
+    """The elasticities of theory.md in closed form, for a magnet between two masses."""
+    machine = Machine.magnet(**FEEDER, natural_frequency=50.0, force=40.0)
+    for eta in (0.5, 0.9, 1.05, 3.0):
+        slopes = machine.response(50.0 * eta).elasticities
+        zeta = 0.015
+        d = (1.0 - eta**2) ** 2 + 4.0 * zeta**2 * eta**2
+        assert slopes["frequency"] == pytest.approx((2 * eta**2 * (1 - eta**2) - 4 * zeta**2 * eta**2) / d)
+        assert slopes["stiffness"] + slopes["damping"] == pytest.approx(
+            -(1 - eta**2) / d - 4 * zeta**2 * eta**2 / d
+        )
+        assert slopes["trough_mass"] == pytest.approx((eta**2 - 1 / 3) / (1 - eta**2), rel=0.1)
+
+
+def test_arguments_broadcast_and_equal_single_cases() -> None:
+    machine = Machine.magnet(**FEEDER, natural_frequency=55.6, force=40.0)
+    f, u = np.array([[40.0], [50.0], [60.0]]), np.array([0.9, 1.0])
+    added = np.array([0.0, 1.0 - 0.2j])
+    found = machine.response(f, voltage=u, added_mass=added, natural_frequency=[50.0, 55.6])
+    assert found.amplitude.shape == (3, 2)
+    for i in range(3):
+        for j, f0 in enumerate((50.0, 55.6)):
+            pack = machine.with_natural_frequency(f0)
+            one = pack.response(f[i, 0], voltage=u[j], added_mass=added[j])
+            assert one.amplitude == found.amplitude[i, j]
+            assert one.elasticities["filling"] == found.elasticities["filling"][i, j]
+            assert one.phase == found.phase[i, j]
+
+
+def test_a_calibration_fixes_the_force() -> None:
+    known = Calibration(amplitude=0.35e-3, frequency=50.0, setting=0.8, voltage=0.95, filling=1.0)
+    machine = Machine.magnet(**FEEDER, natural_frequency=55.6, calibration=known)
+    reached = machine.response(50.0, setting=0.8, voltage=0.95, added_mass=1.0)
+    assert reached.amplitude == pytest.approx(0.35e-3, rel=1e-14)
+    law = Machine.magnet(**FEEDER, natural_frequency=55.6, calibration=known, law="voltage")
+    assert law.force_frequency == 50.0
+    assert law.response(25.0).elasticities["frequency"] == pytest.approx(
+        machine.response(25.0).elasticities["frequency"] - 2.0
+    )
+
+
+def test_soft_mounts_leave_the_static_moment_over_the_mass() -> None:
+    machine = Machine.unbalance(vibrating_mass=300.0, static_moment=0.9)
+    found = machine.response([5.0, 25.0], setting=[0.5, 1.0])
+    assert found.amplitude == pytest.approx([1.5e-3, 3e-3], rel=1e-15)
+    assert list(found.elasticities["frequency"]) == [0.0, 0.0]
+    assert list(found.phase) == [math.pi, math.pi]
+
+
+def test_far_above_resonance_the_slope_over_the_frequency_keeps_its_digits() -> None:
+    machine = Machine.unbalance(vibrating_mass=300.0, static_moment=0.9, mount_frequency=1e-6)
+    assert machine.response(25.0).elasticities["frequency"] == pytest.approx(
+        -2.0 * (1e-6 / 25.0) ** 2, rel=1e-9, abs=0
+    )
+
+
+def test_the_price_of_a_load_proof_pack() -> None:
+    machine = Machine.magnet(**FEEDER, natural_frequency=50.0 / 0.9, force=49.0)
+    f0 = machine.load_proof_frequency(50.0)
+    assert 50.0 / f0 == pytest.approx(math.sqrt(1.0 / 3.0), rel=1e-14)
+    eta, zeta = 0.9, 0.015
+    root = math.hypot(1.0 - eta**2, 2.0 * zeta * eta)
+    own = 12.0 * (2.0 * math.pi * 50.0) ** 2 / (6.0 * (2.0 * math.pi * 50.0 / eta) ** 2 * root)
+    assert machine.load_proof_force(50.0) == pytest.approx(own, rel=1e-3)
+    assert round(machine.load_proof_force(50.0), 1) == 8.4
+
+
+def test_resonance_without_damping_has_no_bound() -> None:
+    machine = Machine.magnet(trough_mass=6.0, natural_frequency=50.0, damping_ratio=0.0, force=1.0)
+    assert machine.response(50.0).amplitude == math.inf
+
+
+GOOD: dict[str, dict[str, Any]] = {
+    "magnet": {**FEEDER, "natural_frequency": 50.0, "force": 1.0},
+    "exciter": {**FEEDER, "natural_frequency": 50.0, "static_moment": 0.1},
+    "unbalance": {"vibrating_mass": 300.0, "static_moment": 0.9},
+    "crank": {"radius": 0.01},
+    "rod": {"radius": 0.01, "rod_stiffness": 3e4, "trough_mass": 10.0, "natural_frequency": 10.0,
+            "damping_ratio": 0.02},
+}  # fmt: skip
+_ON_MOUNT = {"counter_mass": math.inf, "base_stiffness": 1e4}
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "message", "hint"),
+    [
+        ("magnet", {"natural_frequency": None}, "natural_frequency: missing", "ring down"),
+        ("exciter", {"damping_ratio": None}, "damping_ratio: missing", "0.11 / n"),
+        ("magnet", {"force": None}, "force = None and calibration = None", "vibro.Calibration("),
+        ("magnet", {"calibration": Calibration(1e-3, 50.0)}, "must be either of them", "vibro.Calibration("),
+        ("magnet", {"force": None, "calibration": 1e-3}, "calibration = 0.001: must be a vibro.Cal", ""),
+        ("magnet", {"counter_mass": 0.0}, "counter_mass = 0 kg: must be > 0 kg", ""),
+        ("magnet", {"damping_ratio": 1.5}, "damping_ratio = 1.5: must be in [0, 1)", "0.015"),
+        ("magnet", _ON_MOUNT, "base_stiffness = 10000 N/m: must be left out", "counter_mass"),
+        ("magnet", {"law": "voltage"}, "force_frequency: missing", "give force_frequency [Hz]"),
+        ("magnet", {"force_frequency": 50.0}, "force_frequency = 50.0: must be left out", "law='voltage'"),
+        ("magnet", {"law": "power"}, "law = 'power': must be 'current' or 'voltage'", ""),
+        ("magnet", {"force": "1 N"}, "force = '1 N': must be one real number", ""),
+        ("magnet", {"gap": 0.0}, "gap = 0 m: must be > 0 m", ""),
+        ("magnet", {"force": None, "calibration": Calibration(0.0, 50.0)}, "amplitude = 0 m: must be", ""),
+        ("exciter", {"counter_mass": math.inf}, "counter_mass = inf kg: must be finite", ""),
+        ("rod", {"rod_stiffness": 1e9}, "rod_stiffness = 1000000000 N/m: must be <= 39478.4", "all springs"),
+        ("unbalance", {"static_moment": math.nan}, "static_moment = nan kg m: must be finite and > 0", ""),
+        ("crank", {"radius": [1.0, 2.0]}, "radius = [1.0, 2.0]: must be one real number", ""),
+    ],
+)
+def test_errors_have_the_field_the_value_and_the_remedy(
+    kind: str, change: dict[str, Any], message: str, hint: str
+) -> None:
+    assert getattr(Machine, kind)(**GOOD[kind]).kind == kind
+    with pytest.raises(InputError) as caught:
+        getattr(Machine, kind)(**{**GOOD[kind], **change})
+    assert message in str(caught.value)
+    assert hint in caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("kind", "call", "message"),
+    [
+        ("crank", lambda m: m.with_natural_frequency(5.0), "natural_frequency = 5.0: must be left out"),
+        ("crank", lambda m: m.load_proof_frequency(5.0), "counter_mass = inf kg"),
+        ("crank", lambda m: m.response(0.0), "frequency = 0 Hz: must be finite and > 0 Hz"),
+        ("crank", lambda m: m.response(5.0, added_mass="2 kg"), "added_mass = '2 kg': must be finite"),
+        ("crank", lambda m: m.response([5.0, 6.0], voltage=[1.0] * 3), "broadcastable"),
+        (
+            "rod",
+            lambda m: m.with_natural_frequency(8.0),
+            "natural_frequency = 8 Hz: must be finite and >= 8.71",
+        ),
+        ("magnet", lambda m: m.with_natural_frequency([8.0]), "natural_frequency = [8.0]: must be one real"),
+        ("magnet", lambda m: m.response("50"), "frequency = '50': must be a real number"),
+        ("magnet", lambda _: Machine(), "a machine is made by its kind"),
+    ],
+)
+def test_errors_of_what_is_asked_of_a_machine(kind: str, call: Any, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        call(getattr(Machine, kind)(**GOOD[kind]))
+    assert message in str(caught.value)
+
+
+def test_all_problems_are_told_at_once() -> None:
+    with pytest.raises(InputError) as caught:
+        Machine.unbalance(vibrating_mass=-1.0, static_moment=0.0, damping_ratio=2.0)
+    assert len(caught.value.problems) == 3
+    assert set(caught.value.fields) == {"vibrating_mass", "static_moment", "damping_ratio"}
+
+
+def test_a_machine_can_be_compared_kept_and_copied() -> None:
+    import copy
+    import pickle
+
+    one = Machine.magnet(**FEEDER, natural_frequency=50.0, force=1.0)
+    assert one == Machine.magnet(**FEEDER, natural_frequency=50.0, force=1.0)
+    assert pickle.loads(pickle.dumps(one)) == one
+    assert copy.copy(one) == one
+    assert vibro.Machine is Machine
