@@ -1,0 +1,62 @@
+"""What a machine and its filling add to the results of a cell: every column described once."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from vibro.quantities import LENGTH, PERCENT
+from vibro.results.steady import Result
+
+__all__ = ["FIELDS", "MACHINE_RESULTS", "OPERATING"]
+
+#: Key of a block's values under which these results are, as one array of ``FIELDS``, in SI units.
+OPERATING: Final = "operating"
+
+#: Columns of tables with a machine, after its own quantities and before ``model``.
+MACHINE_RESULTS: Final = (
+    Result(
+        name="frequency_ratio",
+        meaning="frequency of the drive over the natural frequency of the empty machine",
+        symbol=r"\eta=f/f_0",
+        column="frequency_ratio",
+    ),
+    Result(
+        name="amplitude_empty",
+        meaning="amplitude of the same machine with an empty trough",
+        symbol="A_0",
+        kind=LENGTH,
+        column="amplitude_empty_mm",
+    ),
+    Result(
+        name="added_mass_share",
+        meaning="share of the filling's mass that acts as mass of the trough",
+        symbol=r"\lambda",
+        column="added_mass_share",
+    ),
+    Result(
+        name="added_damping_share",
+        meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
+        symbol=r"\delta",
+        column="added_damping_share",
+    ),
+    Result(
+        name="relative_amplitude",
+        meaning="amplitude of the trough against its counter mass, or the floor: what the springs bend",
+        symbol=r"\lvert X_1-X_2\rvert",
+        kind=LENGTH,
+        column="relative_amplitude_mm",
+    ),
+    Result(
+        name="second_harmonic",
+        meaning="amplitude at twice the frequency that the filling puts on the trough, over its amplitude",
+        symbol="A_2/A",
+        kind=PERCENT,
+        column="second_harmonic_percent",
+    ),
+)
+#: Numbers of each cell: the results, the status (``vibro.Status``), and how many operating points exist.
+FIELDS: Final = np.dtype(
+    [*((result.name, np.float64) for result in MACHINE_RESULTS), ("status", np.int8), ("number", np.int8)]
+)
