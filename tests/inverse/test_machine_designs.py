@@ -19,6 +19,7 @@ from vibro.inverse.machine_drives import Met, amplitudes_met
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
 from vibro.machines.machine import Calibration, Machine
+from vibro.machines.operating import operate
 
 if TYPE_CHECKING:
     from vibro.results.designs import Design, DesignResult
@@ -141,7 +142,7 @@ def test_a_filled_design_holds_at_every_filling_and_voltage() -> None:
         empty = machine.response(50.0, setting=setting).amplitude
         assert design.amplitude_empty_mm == pytest.approx(1e3 * empty, rel=1e-9)
         static, kinetic = rng.uniform(0.32, 0.38, 200), rng.uniform(0.26, 0.30, 200)
-        points = vibro.operate(
+        points = operate(
             machine, frequency=50.0, drive_angle=math.radians(20), static_friction=static,
             kinetic_friction=kinetic, setting=setting, voltage=rng.uniform(0.95, 1.05, 200),
             filling=rng.uniform(0.0, 2.0, 200),
@@ -228,7 +229,7 @@ def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.Monkey
 
     def noted(machine: Machine, **given: Any) -> Any:
         calls.append(given)
-        return vibro.operate(machine, **given)
+        return operate(machine, **given)
 
     monkeypatch.setattr(machine_drives, "operate", noted)
     machine = spec.drives[0].machine
@@ -244,7 +245,7 @@ def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.Monkey
     for name, span in ends.items():
         assert (given[name].min(), given[name].max()) == pytest.approx(span, rel=1e-12), name
     assert 0.0 < met.low < met.high
-    points = vibro.operate(machine.machine, **given)
+    points = operate(machine.machine, **given)
     ratio = points.amplitude / (given["setting"] * machine.full_amplitude)
     assert met.low <= ratio.min()
     assert ratio.max() <= met.high

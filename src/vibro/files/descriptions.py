@@ -254,8 +254,8 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
         _entry(form.NUMBER, "gravity", "", "9.81"),
         _entry(form.NUMBER, "restitution", "", "0"),
     ), True, (("static_friction",),)),
-    "drive": TableKind("[[drive]]", "a drive, along a line, an ellipse, in a given motion or of a machine, and what may be"
-                       " chosen", _by_key(
+    "drive": TableKind("[[drive]]", "a drive, along a line, an ellipse, in a given motion or of a machine,"
+                       " and what may be chosen", _by_key(
         _entry(form.TEXT, "name", "name for tables, each its own", "`drive 1`, ...", kind=PURE),
         _entry(form.LIMITS, "amplitude", "amplitude along a line", "needed of a line, or the stroke", 0.8),
         _entry(form.LIMITS, "stroke", "twice that amplitude", "needed of a line, or the amplitude"),

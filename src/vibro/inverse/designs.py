@@ -110,11 +110,11 @@ def find_designs(
     # designs of lower regimes are candidates for those of the goal's
     regimes = [regime for regime in _REGIMES if regime <= highest or not goal_only]
     total = len(spec.drives) * len(regimes) * len(KINDS)
-    finders: dict[tuple[str, Regime], Finder] = {}
+    finders: dict[tuple[str, Regime], dict[str, Finder]] = {}
 
     def search(drive: Drive, regime: Regime) -> None:
         done, where = len(finders) * len(KINDS), at_most(regime)
-        calmer = finders.get((drive.name, Regime(regime - 1)))
+        calmer = finders.get((drive.name, Regime(regime - 1)), {})
         finders[drive.name, regime] = find_covered(
             Question(spec, drive, regime),
             calmer,
@@ -123,11 +123,11 @@ def find_designs(
         )
 
     def rows(drive: Drive, regime: Regime) -> Iterator[_Row]:
-        finder = finders[drive.name, regime]
-        machine = finder.question.drive.machine
         for kind in KINDS:
+            finder = finders[drive.name, regime][kind]
+            machine = finder.question.drive.machine
             setting = finder.found[kind].setting if kind in finder.found else None
-            yield finder.row(kind), setting, machine and machine.covered
+            yield finder.row(kind), setting, None if machine is None else machine.covered
 
     found: list[_Row] = []
     for drive in spec.drives:

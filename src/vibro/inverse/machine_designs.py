@@ -7,82 +7,154 @@ setting. If it does not, the interval of those is assumed, and the design is sou
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vibro.inverse.machine_drives import amplitudes_met, covering
-from vibro.inverse.questions import Question
 from vibro.inverse.rounding import DIGITS
-from vibro.inverse.rows import Finder, find, finder_of
+from vibro.inverse.rows import KINDS, SEARCHED, Finder, Rounded, best_of, find, finder_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Mapping
 
     from vibro.inverse.machine_drives import Met
+    from vibro.inverse.questions import Question
     from vibro.inverse.specs import Span
 
 __all__ = ["find_covered"]
 
 _ROUNDS: Final = 8
-_FREE: Final = 3  # rounds after which an interval grows only, so that rounds come to an end
+_WIDE: Final = 1.1  # [1] of the width that is needed, above which a narrower interval is tried
+_BELOW: Final = 0.999  # of the setting at which masses strike each other
 # Room at both ends beyond samples: a share of the interval's width [1], and of its upper end [1].
-_ROOM: Final = (0.05, 1e-3)
+_ROOM: Final = (0.02, 1e-3)
+
+
+class _Held(NamedTuple):
+    """A design that holds with the filling, and the finder of its interval."""
+
+    finder: Finder
+    found: Rounded
 
 
 def find_covered(
     question: Question,
-    calmer: Finder | None,
+    calmer: Mapping[str, Finder],
     digits: int = DIGITS,
     tell: Callable[[str], None] = lambda _: None,
-) -> Finder:
+) -> dict[str, Finder]:
     """Find the designs of a drive, of a filled machine those whose amplitudes are covered.
 
     Parameters
     ----------
     question : Question
         Drive, goal and bands.
-    calmer : Finder or None
-        Designs within a lower regime, which are candidates here too.
+    calmer : mapping of str to Finder
+        Designs within a lower regime, which are candidates here too; empty without any.
     digits : int, optional
         Of printed settings.
     tell : callable, optional
         ``tell(kind)`` says which design is searched.
+
+    Returns
+    -------
+    dict of str to Finder
+        The finder of every kind of design, which has it, if it exists. Of a filled machine each has its own
+        drive, which covers the amplitudes at that design.
     """
     machine = question.drive.machine
     if machine is None or not machine.is_filled:
-        return find(question, calmer.found if calmer else {}, digits, tell)
-    known = {}
-    if calmer is not None:
-        question, known = replace(question, drive=calmer.question.drive), dict(calmer.found)
-        if not finder_of(question, digits).optimiser.has_more():
-            return replace(finder_of(question, digits), found=known, refused=calmer.refused)
-    for turn in range(_ROUNDS):
-        finder = find(question, known, digits, tell)
-        assert finder.question.drive.machine is not None
-        covered = finder.question.drive.machine.covered
-        met = {kind: amplitudes_met(question, found.setting) for kind, found in finder.found.items()}
-        seen = [one for one in met.values() if one.low > 0.0]  # not NaN
-        if all(_covers(covered, one) for one in seen):
-            break
-        if turn < _ROUNDS - 1:
-            if turn >= _FREE:
-                seen.append(seen[0]._replace(low=covered[0], high=covered[1]))
-            question, known = replace(question, drive=covering(question.drive, _hull(seen))), {}
-    held = {kind: found for kind, found in finder.found.items() if _covers(covered, met[kind])}
-    return replace(
-        finder,
-        found={k: replace(found, operating_points=met[k].number) for k, found in held.items()},
-        refused=frozenset(finder.found) - frozenset(held),
-    )
+        found = calmer["fastest"].found if calmer else {}
+        return dict.fromkeys(KINDS, find(question, found, digits, tell))
+    if calmer:
+        same = {kind: replace(question, drive=one.question.drive) for kind, one in calmer.items()}
+        new = {kind: finder_of(one, digits) for kind, one in same.items()}
+        if not any(one.optimiser.has_more() for one in new.values()):
+            return {
+                kind: replace(one, found=calmer[kind].found, refused=calmer[kind].refused)
+                for kind, one in new.items()
+            }
+    return _Settled(question, calmer, digits, tell).finders()
+
+
+class _Settled:
+    """Finds each design for the interval of amplitudes at its own setting."""
+
+    def __init__(
+        self, question: Question, calmer: Mapping[str, Finder], digits: int, tell: Callable[[str], None]
+    ) -> None:
+        self._question, self._calmer, self._digits, self._tell = question, calmer, digits, tell
+        self._refused: set[str] = set()
+
+    def finders(self) -> dict[str, Finder]:
+        """Return the finder of every kind of design."""
+        held: dict[str, _Held] = {}
+        start = self._question
+        for kind in SEARCHED:
+            if "fastest" in held:
+                start = held["fastest"].finder.question
+            if (one := self._settle(kind, start)) is not None:
+                held[kind] = one
+        for kind, finder in self._calmer.items():
+            if kind in finder.found:
+                question = replace(self._question, drive=finder.question.drive)
+                held[f"{kind} before"] = _Held(finder_of(question, self._digits), finder.found[kind])
+        return {kind: self._best(kind, list(held.values())) for kind in KINDS}
+
+    def _best(self, kind: str, held: list[_Held]) -> Finder:
+        """Return the finder with the best design of a kind; only the fastest may miss the goal."""
+        target = self._question.spec.goal.speed
+        able = [one for one in held if kind == "fastest" or one.found.guarantee.speed_min >= target]
+        if not able:
+            return replace(finder_of(self._question, self._digits), refused=frozenset(self._refused))
+        best = max(able, key=lambda one: best_of(kind, one.finder.question, one.found))
+        return replace(best.finder, found={kind: best.found}, refused=frozenset())
+
+    def _settle(self, kind: str, question: Question) -> _Held | None:
+        """Find a design whose interval holds the amplitudes at its setting, and little more."""
+        best: _Held | None = None
+        narrow: Span | None = None  # does not cover what is met at its design
+        wide: Span | None = None  # covers it, or leaves no design
+        for _ in range(_ROUNDS):
+            finder, machine = find(question, {}, self._digits, self._tell, until=kind), question.drive.machine
+            found = finder.found.get(kind)
+            assert machine is not None
+            covered, most = machine.covered, math.inf
+            if found is None:
+                if narrow is None:
+                    return best
+                wide, covered = covered, _middle(covered, narrow)
+            else:
+                met = amplitudes_met(question, found.setting)
+                most = _BELOW * met.most_setting if met.strikes else most
+                if not met.low > 0.0 or most <= machine.settings[0]:
+                    break
+                needed = _hull(met)
+                if _covers(covered, met):
+                    one = _Held(finder, replace(found, operating_points=met.number))
+                    best = max(filter(None, (best, one)), key=lambda x: best_of(kind, question, x.found))
+                    if covered[1] - covered[0] <= _WIDE * (needed[1] - needed[0]):
+                        return best
+                    wide, covered = covered, _middle(covered, needed)
+                else:
+                    narrow, covered = covered, needed if wide is None else _middle(covered, wide)
+            question = replace(question, drive=covering(question.drive, covered, most))
+        if best is None:
+            self._refused.add(kind)
+        return best
 
 
 def _covers(covered: Span, met: Met) -> bool:
-    """Whether all amplitudes are known and within an interval."""
-    return bool(covered[0] <= met.low <= met.high <= covered[1])
+    """Whether all amplitudes are known and within an interval, and no masses strike each other."""
+    return bool(covered[0] <= met.low <= met.high <= covered[1]) and not met.strikes
 
 
-def _hull(seen: Iterable[Met]) -> Span:
-    """Return an interval around those of all designs, with some room at its ends."""
-    low, high = min(one.low for one in seen), max(one.high for one in seen)
-    room = _ROOM[0] * (high - low) + _ROOM[1] * high
-    return max(low - room, (1.0 - _ROOM[0]) * low), high + room
+def _hull(met: Met) -> Span:
+    """Return an interval around the amplitudes of a design, with some room at its ends."""
+    room = _ROOM[0] * (met.high - met.low) + _ROOM[1] * met.high
+    return max(met.low - room, (1.0 - _ROOM[0]) * met.low), met.high + room
+
+
+def _middle(one: Span, other: Span) -> Span:
+    return 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])

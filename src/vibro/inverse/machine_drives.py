@@ -121,7 +121,7 @@ class MachineDrive:
 
     @staticmethod
     def is_tuned(machine: Machine) -> bool:
-        """Whether springs make the amplitude depend on the frequency: neither a crank's nor soft mounts do."""
+        """Whether springs make the amplitude depend on the frequency; a crank and soft mounts do not."""
         return 0.0 < machine.natural_frequency < math.inf
 
     @property
@@ -135,10 +135,14 @@ class MachineDrive:
         return self.voltage[0] < self.voltage[1] or self.is_filled
 
 
-def covering(drive: Drive, covered: Span) -> Drive:
-    """Return the drive of the same machine whose designs cover another interval of amplitudes."""
+def covering(drive: Drive, covered: Span, most: float = math.inf) -> Drive:
+    """Return the drive of the same machine whose designs cover another interval of amplitudes.
+
+    ``most`` is the largest setting, where that of the machine is too large [1].
+    """
     assert drive.machine is not None
-    machine = replace(drive.machine, covered=covered)
+    low, high = drive.machine.settings
+    machine = replace(drive.machine, covered=covered, settings=(low, min(high, most)))
     low, high = (setting * machine.amplitude for setting in machine.settings)
     choices = {**drive.choices, "amplitude": ((low, high),)}
     return replace(
@@ -155,11 +159,18 @@ class Met(NamedTuple):
         Smallest and largest one; NaN where the motion of some filling is unknown [1].
     number : int
         Largest number of operating points at one setting, voltage, filling and friction.
+    most_setting : float
+        Setting up to which trough and counter mass do not strike each other, about: their relative amplitude
+        is nearly in proportion to it; inf without a gap [1].
+    strikes : bool
+        Whether they do strike each other.
     """
 
     low: float
     high: float
     number: int
+    most_setting: float = math.inf
+    strikes: bool = False
 
 
 def amplitudes_met(question: Question, setting: Setting) -> Met:
@@ -201,6 +212,7 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
     coordinates = np.hstack([coordinates, drawn[len(bands) :]])
     scale, f, voltage, filling, *shares = values
     points = box.points(coordinates)
+    given: dict[str, Any] = dict(zip(_SHARES, shares, strict=False))
     found = operate(
         machine.machine,
         frequency=f,
@@ -213,12 +225,35 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
         setting=scale,
         voltage=voltage,
         filling=filling,
-        **dict(zip(_SHARES, shares, strict=False)),
+        allow_strikes=True,
+        **given,
     )
     # the amplitude of an empty trough is in proportion to the setting
     empty = scale * machine.full_amplitude
     low, high = (np.asarray(x) / empty for x in (found.amplitude_low, found.amplitude_high))
-    return Met(float(low.min()), float(high.max()), int(np.max(found.number)))
+    most = scale * machine.machine.gap / np.asarray(found.relative_amplitude)
+    return Met(
+        float(low.min()),
+        float(high.max()),
+        int(np.max(found.number)),
+        float(np.min(most[np.isfinite(most)], initial=math.inf)),
+        bool(np.any(found.strikes)),
+    )
+
+
+def most_setting(machine: MachineDrive, drift: float) -> float:
+    """Return the setting at which trough and counter mass of an empty machine strike each other [1].
+
+    Parameters
+    ----------
+    machine : MachineDrive
+        The machine.
+    drift : float
+        Of the frequency, either way [1].
+    """
+    frequencies = _around(machine.frequency, drift, machine.natural_frequency)
+    found = machine.machine.response(frequencies[:, None], voltage=np.array(machine.voltage))
+    return float(machine.machine.gap / np.max(found.relative_amplitude))
 
 
 def empty_band(machine: MachineDrive, drift: float) -> Span:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from vibro.drives import Line
-from vibro.inverse.machine_drives import MachineDrive, covering, empty_band
+from vibro.inverse.machine_drives import MachineDrive, covering, empty_band, most_setting
 from vibro.inverse.specs import Drive
 from vibro.quantities import QUANTITIES
 
@@ -112,6 +112,13 @@ def _drive(
         hint = "give damping_ratio, or another frequency"
         table.refuse("frequency_hz", "it is the resonance, and the machine has no damping", hint)
         return None
-    drive = replace(drive, covered=empty_band(drive, drift))
+    most = most_setting(drive, drift)
+    if most < drive.settings[0]:
+        why = f"trough and counter mass strike each other above {100.0 * most:.4g} %"
+        table.refuse("setting_percent", why, 'setting_percent: allow less, such as "10:50"')
+        return None
+    drive = replace(
+        drive, covered=empty_band(drive, drift), settings=(drive.settings[0], min(drive.settings[1], most))
+    )
     choices = {"amplitude": (), "frequency": spans, "drive_angle": values.get("drive_angle", ())}
     return covering(Drive(name, Line, choices, machine=drive), drive.covered)

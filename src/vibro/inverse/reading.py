@@ -169,11 +169,12 @@ def _drives(
     table.needs("drive_angle_deg")
     if not table.values.keys() >= {*keys.values()}:
         return []
+    drives: list[Drive] = []
     with problems.taken(f"{table.heading} "):
         values = {name: table.values[name] for name in keys.values()}
         given = given_machine({key: table.given[key] for key in keys}, values, folder)
-        return machine_drives(table, given, usual_name, drift)
-    return []
+        drives += machine_drives(table, given, usual_name, drift)
+    return drives
 
 
 def _drive(table: Table, usual_name: str, problems: Problems) -> Drive:

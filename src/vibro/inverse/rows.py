@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from vibro.inverse.exchange import Exchange, Optimum
     from vibro.inverse.questions import Question
 
-__all__ = ["KINDS", "SEARCHED", "Finder", "find", "finder_of"]
+__all__ = ["KINDS", "SEARCHED", "Finder", "Rounded", "best_of", "find", "finder_of"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
 #: The same in the order in which they are searched.
@@ -165,20 +165,25 @@ class Finder:
         }
 
     def designs(
-        self, calmer: Mapping[str, Rounded], tell: Callable[[str], None] = lambda _: None
+        self,
+        calmer: Mapping[str, Rounded],
+        tell: Callable[[str], None] = lambda _: None,
+        until: str = SEARCHED[-1],
     ) -> dict[str, Rounded]:
-        """Find the designs, by their kind; ``tell(kind)`` says which is searched."""
+        """Find the designs, by their kind; ``tell(kind)`` says which is searched, ``until`` which is last."""
         if not self.optimiser.has_more():
             return dict(calmer)
         tell("fastest")
         fastest = self._best("fastest", self._fastest(), calmer)
         if fastest is None:
             return {}
-        if fastest.guarantee.speed_min < self.target:
+        if fastest.guarantee.speed_min < self.target or until == "fastest":
             return {"fastest": fastest}
         tell("gentlest")
         gentlest = self._best("gentlest", self._least_acceleration(), calmer, fastest)
         assert gentlest is not None
+        if until == "gentlest":
+            return {"fastest": fastest, "gentlest": gentlest}
         tell("safest")
         if self.question.spec.has_bands:
             safest = self._best("safest", self._safest(), calmer, fastest, gentlest)
@@ -264,12 +269,9 @@ class Finder:
         known = [found for found in (new, calmer.get(kind), *others) if found is not None]
         if kind == "safest":
             known = [self._with_margin(found) for found in known]
-        merits: dict[str, Callable[[Rounded], float]] = {
-            "fastest": lambda found: found.guarantee.speed_min,
-            "gentlest": lambda found: -float(self.question.load(found.setting)),
-            "safest": lambda found: found.margin or 0.0,
-        }
-        return self._with_margin(max(known, key=merits[kind])) if known else None
+        if not known:
+            return None
+        return self._with_margin(max(known, key=lambda found: best_of(kind, self.question, found)))
 
     def _with_margin(self, found: Rounded) -> Rounded:
         """Add the margin of a design: at least 1 where it meets the goal."""
@@ -310,11 +312,20 @@ class Finder:
         return None, None
 
 
+def best_of(kind: str, question: Question, found: Rounded) -> float:
+    """Return the merit of a design: the best of a kind has the largest."""
+    if kind == "fastest":
+        return found.guarantee.speed_min
+    return -float(question.load(found.setting)) if kind == "gentlest" else found.margin or 0.0
+
+
 def find(
     question: Question,
     calmer: Mapping[str, Rounded],
     digits: int = DIGITS,
     tell: Callable[[str], None] = lambda _: None,
+    *,
+    until: str = SEARCHED[-1],
 ) -> Finder:
     """Find the gentlest, the fastest and the safest setting that hold as they are printed.
 
@@ -328,9 +339,11 @@ def find(
         Of printed settings.
     tell : callable, optional
         ``tell(kind)`` says which design is searched.
+    until : str, optional
+        Kind of design that is searched last, in the order of ``SEARCHED``.
     """
     finder = finder_of(question, digits)
-    return replace(finder, found=finder.designs(calmer, tell))
+    return replace(finder, found=finder.designs(calmer, tell, until))
 
 
 def finder_of(question: Question, digits: int = DIGITS) -> Finder:

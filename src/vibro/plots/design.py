@@ -225,8 +225,12 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
     if float(design.speed_min_mm_s or 0.0) < settings.goal:
         goal += " (not met)"
     return "\n".join(
-        [spans_text(spans) + _ratio(design), goal, *_drift(spec, elliptical=shape == "normal_phase")]
-        + _machine(settings.chosen.drive)
+        [
+            spans_text(spans) + _ratio(design),
+            goal,
+            *_drift(spec, elliptical=shape == "normal_phase"),
+            *_machine(settings.chosen.drive),
+        ]
     )
 
 
@@ -256,7 +260,10 @@ def _machine(drive: Drive) -> list[str]:
     if drive.machine is None or not drive.machine.has_bands:
         return []
     low, high = (number_text(end) for end in drive.machine.covered)
-    return [f"voltage and filling: {low} to {high} times the amplitude of the empty trough"]
+    return [
+        f"voltage and filling make {low} to {high} of the empty trough's amplitude at the design,\n"
+        "$A$ is in their middle"
+    ]
 
 
 def _regime_map(settings: Settings) -> Figure:
@@ -287,7 +294,9 @@ def _speed_map(settings: Settings) -> Figure:
     layers.draw_numbers(speed, scale)
     layers.draw_level(speed, settings.goal, f"goal {number_text(settings.goal)} mm/s")
     layers.draw_drive()
-    layers.draw_meets()
+    machine = settings.chosen.drive.machine
+    if machine is None or not machine.is_filled:  # other amplitudes are not covered
+        layers.draw_meets()
     colour_bar(figure, [layers], scale, "guaranteed speed [mm/s]")
     return _finish(figure, layers, settings)
 

@@ -308,7 +308,8 @@ def chosen_facts(spec: Spec, chosen: Chosen, *, met: bool) -> list[tuple[str, st
     """Return what is to be known of the chosen design, as pairs of a name and a text."""
     design = chosen.design
     if design.setting_percent is not None:
-        setting = f"setting {_exact(design.setting_percent)} %, {number(design.amplitude_empty_mm or 0.0)} mm empty,"
+        empty = number(design.amplitude_empty_mm or 0.0)
+        setting = f"setting {_exact(design.setting_percent)} %, {empty} mm empty,"
         setting += f" {_exact(design.frequency_hz)} Hz, {_exact(design.drive_angle_deg)} deg"
     elif design.motion_scale is not None:
         setting = f"scale {_exact(design.motion_scale)}, {_exact(design.frequency_hz)} Hz"

@@ -27,9 +27,7 @@ _SCENE: Final = (
 _UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that are not 0
 
 
-def points_of(
-    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None
-) -> OperatingPoints:
+def points_of(given: GivenMachine, values: Mapping[str, Any], threads: int | None = None) -> OperatingPoints:
     """Find the operating points of cells, given by their values in the units outside."""
     from vibro.machines.operating import operate
 
