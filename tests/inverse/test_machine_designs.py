@@ -1,4 +1,4 @@
-"""Machines as drives of questions: expansion into today's drives, and designs that hold with a full trough."""
+"""Machines as drives of questions: expansion into plain drives, and designs that hold with a full trough."""
 
 from __future__ import annotations
 
@@ -11,15 +11,13 @@ import numpy as np
 import pytest
 
 import vibro
-from vibro import Regime
+from vibro import Calibration, Machine, Regime
 from vibro.errors import InputError
 from vibro.inverse import machine_designs, machine_drives
 from vibro.inverse.designs import chosen_of, find_designs
 from vibro.inverse.machine_drives import Met, amplitudes_met
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.machines.machine import Calibration, Machine
-from vibro.machines.operating import operate
 
 if TYPE_CHECKING:
     from vibro.results.designs import Design, DesignResult
@@ -60,8 +58,8 @@ def design_of(result: DesignResult, kind: str, drive: str = "") -> Design:
 
 
 GUARANTEED = (
-    "amplitude_mm", "frequency_hz", "drive_angle_deg", "acceleration_g", "speed_min_mm_s", "speed_proved_mm_s",
-    "speed_nominal_mm_s", "speed_max_mm_s", "margin", "throw_number_max",
+    "amplitude_mm", "frequency_hz", "drive_angle_deg", "acceleration_g", "speed_min_mm_s",
+    "speed_proved_mm_s", "speed_nominal_mm_s", "speed_max_mm_s", "margin", "throw_number_max",
 )  # fmt: skip
 
 
@@ -91,7 +89,7 @@ def test_unbalance_on_soft_mounts_is_a_drive_of_its_static_moment_over_its_mass(
     assert_same(found, by_hand)
     assert found.met
     for one, other in zip(found.designs, by_hand.designs, strict=True):
-        assert one.setting_percent == pytest.approx(100.0 * other.amplitude_mm, rel=1e-12)
+        assert one.setting_percent == pytest.approx(100.0 * (other.amplitude_mm or 0.0), rel=1e-12)
         assert one.amplitude_empty_mm == pytest.approx(one.amplitude_mm, rel=1e-12)
         assert (one.pack, one.natural_hz, one.operating_points) == (None, None, None)
         assert one.window == pytest.approx(other.window, rel=1e-9)
@@ -107,9 +105,9 @@ def test_voltage_makes_an_interval_of_the_amplitude_of_an_empty_trough() -> None
     for one, other in zip(found.designs, by_hand.designs, strict=True):
         for name in GUARANTEED:
             assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-8), name
-        assert one.amplitude_least_mm == pytest.approx(0.81 * one.amplitude_empty_mm, rel=1e-12)
-        assert one.amplitude_most_mm == pytest.approx(1.21 * one.amplitude_empty_mm, rel=1e-12)
-        assert one.setting_percent == pytest.approx(100.0 * one.amplitude_empty_mm / 0.35, rel=1e-12)
+        assert one.amplitude_least_mm == pytest.approx(0.81 * (one.amplitude_empty_mm or 0.0), rel=1e-12)
+        assert one.amplitude_most_mm == pytest.approx(1.21 * (one.amplitude_empty_mm or 0.0), rel=1e-12)
+        assert one.setting_percent == pytest.approx(100.0 * (one.amplitude_empty_mm or 0.0) / 0.35, rel=1e-12)
 
 
 def test_a_drift_of_the_frequency_passes_resonance() -> None:
@@ -142,7 +140,7 @@ def test_a_filled_design_holds_at_every_filling_and_voltage() -> None:
         empty = machine.response(50.0, setting=setting).amplitude
         assert design.amplitude_empty_mm == pytest.approx(1e3 * empty, rel=1e-9)
         static, kinetic = rng.uniform(0.32, 0.38, 200), rng.uniform(0.26, 0.30, 200)
-        points = operate(
+        points = vibro.operate(
             machine, frequency=50.0, drive_angle=math.radians(20), static_friction=static,
             kinetic_friction=kinetic, setting=setting, voltage=rng.uniform(0.95, 1.05, 200),
             filling=rng.uniform(0.0, 2.0, 200),
@@ -202,23 +200,56 @@ def test_no_design_is_told_whose_amplitudes_are_unknown(monkeypatch: pytest.Monk
     assert chosen_of(spec, result) is None
 
 
-def test_an_interval_grows_until_it_holds_all_amplitudes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each search meets other amplitudes than the last one, within limits."""
+def test_an_interval_is_sought_that_holds_what_is_met(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The stiffer the assumed interval, the further apart are the amplitudes that are met."""
     seen: list[tuple[float, float]] = []
 
     def met(question: Question, _: Any) -> Met:
         assert question.drive.machine is not None
-        seen.append(question.drive.machine.covered)
-        turn = len(set(seen))
-        return Met(0.8 if turn % 2 else 0.7, 1.0 if turn % 2 else 1.2, 1)
+        low, high = question.drive.machine.covered
+        seen.append((low, high))
+        return Met(0.5 + 0.3 * low, 1.4 - 0.2 * high, 1)
 
     monkeypatch.setattr(machine_designs, "amplitudes_met", met)
     result = find_designs(read_spec(asked(FEEDER | {"filling_kg": "0:2"}, 3.0)), goal_only=True)
     design = design_of(result, "fastest")
     assert design.amplitude_empty_mm is not None
-    least, most = (design.amplitude_least_mm or 0.0), (design.amplitude_most_mm or 0.0)
-    assert least <= 0.7 * design.amplitude_empty_mm < 1.2 * design.amplitude_empty_mm <= most
     assert design.operating_points == 1
+    ratio = [
+        (x or 0.0) / design.amplitude_empty_mm for x in (design.amplitude_least_mm, design.amplitude_most_mm)
+    ]
+    low, high = ratio
+    # fixed points: 0.5 / 0.7, 1.4 / 1.2
+    assert low <= 0.5 + 0.3 * low
+    assert high >= 1.4 - 0.2 * high
+    assert (low, high) == pytest.approx((0.5 / 0.7, 1.4 / 1.2), rel=0.03)
+    assert seen[0] == (1.0, 1.0)
+
+
+def test_masses_must_not_strike_each_other() -> None:
+    machine = Machine.magnet(
+        trough_mass=6, counter_mass=12, natural_frequency=50 / 0.9, damping_ratio=0.015,
+        calibration=Calibration(0.35e-3, 50),
+    )  # fmt: skip
+    relative = machine.response(50.0).relative_amplitude
+    (empty,) = read_spec(asked(FEEDER | {"gap_mm": 500 * relative})).drives
+    assert empty.machine is not None
+    assert empty.machine.settings == (0.0, pytest.approx(0.5, rel=1e-12))
+    assert "strike each other above 50 %" in refusal(
+        FEEDER | {"gap_mm": 500 * relative, "setting_percent": "60:100"}
+    )
+    drive = FEEDER | {"gap_mm": 600 * relative, "filling_kg": "0:2"}
+    design = design_of(vibro.design(asked(drive, 3.0), only="goal"), "fastest")
+    assert design.setting_percent is not None
+    free = design_of(vibro.design(asked(FEEDER | {"filling_kg": "0:2"}, 3.0), only="goal"), "fastest")
+    assert free.setting_percent is not None
+    assert design.setting_percent < min(60.0, free.setting_percent)
+    points = vibro.operate(
+        machine, frequency=50.0, drive_angle=math.radians(20), static_friction=[0.32, 0.38],
+        kinetic_friction=0.28, setting=design.setting_percent / 100.0, filling=2.0,
+    )  # fmt: skip
+    assert points.relative_amplitude.max() <= 0.6 * relative
+    assert points.relative_amplitude.max() >= 0.55 * relative
 
 
 def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -229,7 +260,7 @@ def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.Monkey
 
     def noted(machine: Machine, **given: Any) -> Any:
         calls.append(given)
-        return operate(machine, **given)
+        return vibro.operate(machine, **given)
 
     monkeypatch.setattr(machine_drives, "operate", noted)
     machine = spec.drives[0].machine
@@ -245,7 +276,7 @@ def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.Monkey
     for name, span in ends.items():
         assert (given[name].min(), given[name].max()) == pytest.approx(span, rel=1e-12), name
     assert 0.0 < met.low < met.high
-    points = operate(machine.machine, **given)
+    points = vibro.operate(machine.machine, **given)
     ratio = points.amplitude / (given["setting"] * machine.full_amplitude)
     assert met.low <= ratio.min()
     assert ratio.max() <= met.high
@@ -279,7 +310,7 @@ def test_packs_and_frequencies_are_drives_with_names_of_their_own() -> None:
         "feeder (4 leaves, 60 Hz)",
     ]
     others = read_spec(asked(drive | {"natural_hz": 50.0, "frequency_hz": 40})).drives
-    assert [one.name for one in others][0] == "feeder (own springs)"
+    assert others[0].name == "feeder (own springs)"
     assert [one.machine.natural_frequency for one in others if one.machine] == [50.0, 55.6, 45.4]
 
 
@@ -287,7 +318,7 @@ def test_settings_that_may_be_chosen() -> None:
     for given, settings in ((80, (0.0, 0.8)), ("20:60", (0.2, 0.6)), (None, (0.0, 1.0))):
         drive = without(FEEDER, *([] if given else ["setting_percent"]), setting_percent=given)
         (one,) = read_spec(asked(drive)).drives
-        assert one.choices["amplitude"] == (pytest.approx([0.35e-3 * s for s in settings], rel=1e-12),)
+        assert one.span("amplitude") == pytest.approx([0.35e-3 * s for s in settings], rel=1e-12)
     crank = {"kind": "crank", "crank_radius_mm": 0.3, "frequency_hz": "20:30", "drive_angle_deg": 20}
     (one,) = read_spec(asked(crank)).drives
     assert one.choices["amplitude"] == ((0.3e-3, 0.3e-3),)
