@@ -132,7 +132,7 @@ class _Settled:
                     break
                 needed = _hull(met)
                 if _covers(covered, met):
-                    one = _Held(finder, replace(found, operating_points=met.number))
+                    one = _Held(finder, replace(found, met=met))
                     best = max(filter(None, (best, one)), key=lambda x: best_of(kind, question, x.found))
                     if covered[1] - covered[0] <= _WIDE * (needed[1] - needed[0]):
                         return best

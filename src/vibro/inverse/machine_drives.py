@@ -164,6 +164,9 @@ class Met(NamedTuple):
         is nearly in proportion to it; inf without a gap [1].
     strikes : bool
         Whether they do strike each other.
+    second_harmonic : float
+        Largest second harmonic that the filling puts on the trough, over its amplitude; NaN where it is
+        unknown [1].
     """
 
     low: float
@@ -171,6 +174,7 @@ class Met(NamedTuple):
     number: int
     most_setting: float = math.inf
     strikes: bool = False
+    second_harmonic: float = math.nan
 
 
 def amplitudes_met(question: Question, setting: Setting) -> Met:
@@ -238,6 +242,7 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
         int(np.max(found.number)),
         float(np.min(most[np.isfinite(most)], initial=math.inf)),
         bool(np.any(found.strikes)),
+        float(np.fmax.reduce(np.ravel(found.second_harmonic))),
     )
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from vibro.inverse.exchange import Exchange, Optimum
+    from vibro.inverse.machine_drives import Met
     from vibro.inverse.questions import Question
 
 __all__ = ["KINDS", "SEARCHED", "Finder", "Rounded", "best_of", "find", "finder_of"]
@@ -48,11 +49,11 @@ _OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
 class Rounded(Found):
     """A setting as it is printed, and the optimum that was rounded.
 
-    Of a filled machine with the largest number of its operating points.
+    Of a filled machine with its amplitudes and other numbers over all fillings.
     """
 
     optimum: Optimum | None = None
-    operating_points: int | None = None
+    met: Met | None = None
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,10 @@ class Finder:
         if machine is None:
             return {}
         amplitude = float(self.question.space.amplitude(found.setting))
-        empty = amplitude / machine.middle
+        empty, met = amplitude / machine.middle, found.met
+        more: dict[str, Any] = {} if met is None else {"operating_points": met.number}
+        if met is not None and math.isfinite(met.second_harmonic):
+            more["second_harmonic_percent"] = 100.0 * met.second_harmonic
         return {
             "pack": machine.pack or None,
             "natural_hz": machine.natural_frequency,
@@ -161,7 +165,7 @@ class Finder:
             "amplitude_empty_mm": _mm(empty),
             "amplitude_least_mm": _mm(machine.covered[0] * empty),
             "amplitude_most_mm": _mm(machine.covered[1] * empty),
-            "operating_points": found.operating_points,
+            **more,
         }
 
     def designs(

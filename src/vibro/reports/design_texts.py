@@ -84,6 +84,14 @@ _PROOFS: Final[Mapping[str, str]] = {
 }
 
 
+# What is sure of a filled machine.
+_FILLED: Final = (
+    "filling: speeds hold from the least to the most amplitude; that no voltage and filling makes others is"
+    " sampled, not proved"
+)
+_SECOND: Final = 0.1  # [%] of the amplitude: second harmonic above which it is told
+
+
 class DesignTable(NamedTuple):
     """Designs of a drive as texts.
 
@@ -429,6 +437,18 @@ def remarks(result: DesignResult) -> list[str]:
         lines.append(
             f"samples: of {samples} hopping parts, spread evenly, none is slower: one drawn at random is "
             f"with a chance of at most {100.0 * _UNSEEN / samples:.2g} % (confidence 95 %)"
+        )
+    if any(d.operating_points is not None for d in result.designs):
+        lines.append(_FILLED)
+        if (second := max(d.second_harmonic_percent or 0.0 for d in result.designs)) > _SECOND:
+            lines.append(
+                f"second harmonic: the filling puts up to {number(float(f'{second:.2g}'))} % of the amplitude"
+                " on the trough, which is not fed back: at 1 % expect errors of speed of up to 15 %"
+            )
+    if several := _all_called(d for d in result.designs if (d.operating_points or 0) > 1):
+        lines.append(
+            "some filling has several amplitudes; the least, which is reached when the feeder is switched on,"
+            f" is covered: {several}"
         )
     if coexists := _all_called(d for d in result.designs if d.coexists):
         lines.append(f"disturbed parts can settle into another motion than those from rest: {coexists}")
