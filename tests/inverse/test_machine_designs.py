@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 import copy
+import csv
+import json
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
+from typer.testing import CliRunner
 
 import vibro
 from vibro import Calibration, Machine, Regime
+from vibro.cli.app import app
 from vibro.errors import InputError
 from vibro.inverse import machine_designs, machine_drives
 from vibro.inverse.designs import chosen_of, find_designs
 from vibro.inverse.machine_drives import Met, amplitudes_met
+from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
+from vibro.plots.design import design_figures
 
 if TYPE_CHECKING:
     from vibro.results.designs import Design, DesignResult
 
+EXAMPLE = Path(__file__).parents[2] / "examples" / "design_machine.toml"
 PARTS = {"static_friction": "0.32:0.38", "kinetic_friction": "0.26:0.30"}
 #: Worked feeder of docs/machines.md, 0.35 mm at 50 Hz below resonance.
 FEEDER: dict[str, Any] = {
@@ -367,3 +377,92 @@ def test_a_machine_without_bands_or_filling_is_certain() -> None:
     assert replace(spec).drives[0].machine is not None
     for more in ({"voltage_percent": "90:110"}, {"filling_kg": "0:1"}):
         assert read_spec({**asked(FEEDER | more), "scene": scene}).has_bands
+
+
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.plots.settings._RESOLVED", 41)
+    monkeypatch.setattr("vibro.inverse.pictured._POINTS", {False: 41, True: 41})
+
+
+@pytest.mark.usefixtures("coarse")
+def test_the_example_is_answered_in_settings_on_the_command_line(tmp_path: Path) -> None:
+    run = CliRunner().invoke(app, ["design", str(EXAMPLE), "--only", "goal", "-o", f"{tmp_path}/"])
+    assert run.exit_code == 0, run.output
+    lines = [" ".join(line.split()) for line in run.stdout.splitlines()]
+    assert lines[1] == "met by feeder (6 leaves)"
+    limits = "setting 20 ... 100 %, 0.35 mm empty at 100 %, frequency 50 Hz, drive angle 20 deg, springs of 55.6 Hz"
+    assert f"feeder (6 leaves): {limits}, voltage 95 ... 105 %, filling 0 ... 2 kg" in lines
+    assert any(
+        line.startswith("setting frequency angle empty least most accel. guaranteed") for line in lines
+    )
+    assert any(
+        line.startswith("chosen feeder (6 leaves), safest with back-slip at most: setting 67.")
+        for line in lines
+    )
+    assert any(
+        line.startswith("amplitude met 0.2") and line.endswith("over voltage and filling, covered")
+        for line in lines
+    )
+    assert "frequency changes the amplitude too" in lines
+    assert any(line.startswith("amplitude no window:") for line in lines)
+    assert any(line.startswith("filling: speeds hold from the least to the most amplitude") for line in lines)
+    assert any(line.startswith("second harmonic: the filling puts up to") for line in lines)
+    answer = json.loads((tmp_path / "design_machine-design.json").read_text(encoding="utf-8"))
+    columns = {
+        "setting_percent",
+        "pack",
+        "natural_hz",
+        "amplitude_empty_mm",
+        "amplitude_mm",
+        "drive_angle_deg",
+    }
+    assert columns <= answer["columns"].keys()
+    assert answer["columns"]["setting_percent"] == "%"
+    designs = {(d["pack"], d["design"]): d for d in answer["designs"] if d["setting_percent"] is not None}
+    assert designs.keys() == {("7 leaves", "fastest"), ("4 leaves", "fastest")} | {
+        ("6 leaves", kind) for kind in ("gentlest", "fastest", "safest")
+    }
+    # as examples/design_machine.toml and docs/design.md say
+    speeds = {key: design["speed_min_mm_s"] for key, design in designs.items()}
+    assert speeds["7 leaves", "fastest"] == pytest.approx(10.0, abs=0.05)
+    assert speeds["4 leaves", "fastest"] == pytest.approx(11.2, abs=0.05)
+    assert speeds["6 leaves", "fastest"] == pytest.approx(13.1, abs=0.05)
+    settings = [designs["6 leaves", kind]["setting_percent"] for kind in ("gentlest", "fastest")]
+    assert settings == pytest.approx([63.6, 69.2], abs=0.1)
+    assert designs["7 leaves", "fastest"]["set_by"] == "limit"
+    assert designs["4 leaves", "fastest"]["set_by"] == "hop"
+    with (tmp_path / "design_machine-design.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["pack"] for row in rows if row["setting_percent"]] == [pack for pack, _ in designs]
+    assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".json", ".png"}
+
+
+@pytest.mark.usefixtures("coarse")
+def test_a_goal_that_no_pack_meets_says_what_misses(tmp_path: Path) -> None:
+    path = tmp_path / "feeder.toml"
+    text = EXAMPLE.read_text(encoding="utf-8").replace("speed_mm_s = 12", "speed_mm_s = 20")
+    path.write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(app, ["design", str(path), "--only", "goal"])
+    assert run.exit_code == 4, run.output
+    lines = [" ".join(line.split()) for line in run.stdout.splitlines()]
+    assert lines[1] == "met by no drive"
+    assert "largest guaranteed back-slip at most set by nearest drive that meets the goal" in lines
+    # a machine's amplitude changes with its frequency, so that no other drive is near
+    missed = [line for line in lines if re.fullmatch(r"feeder \(. leaves\) [\d.]+ mm/s (limit|hop) -", line)]
+    assert len(missed) == 3
+    assert any(line.startswith("closest feeder (6 leaves), fastest") for line in lines)
+
+
+def test_a_picture_of_a_filled_machine_tells_of_its_design_alone() -> None:
+    spec = read_spec(asked(FEEDER | {"filling_kg": "0:1"}, 6.0))
+    plain = read_spec(asked(FEEDER, 6.0))
+    for one, filled in ((spec, True), (plain, False)):
+        chosen = chosen_of(one, find_designs(one, goal_only=True))
+        assert chosen is not None
+        figures = design_figures(one, chosen, setting_fields(one, chosen), speed_band(one, chosen))
+        text = " ".join(t.get_text() for t in figures["speed"].findobj(Text))
+        assert ("voltage and filling make" in text) is filled
+        drawn = {artist.get_gid() for artist in figures["speed"].findobj() if artist.get_gid()}
+        assert ("meets" in drawn) is not filled
+        assert ("window" in {a.get_gid() for a in figures["band"].findobj() if a.get_gid()}) is not filled
