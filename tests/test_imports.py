@@ -43,6 +43,11 @@ _THROWN = (
 )
 _FOLLOWED = f"vibro.follow({_THROWN}, 'amplitude', [8e-3, 8.2e-3])"
 
+_OPERATED = (
+    "vibro.operate(vibro.Machine.crank(radius=1e-3), frequency=15, drive_angle=0.3, static_friction=0.5,"
+    " kinetic_friction=0.4)"
+)
+
 # What each public name gives when it is called as its documentation says.
 CALLS = {
     "Attractor": "isinstance(vibro.attractors(scene)[0], vibro.Attractor)",
@@ -61,6 +66,7 @@ CALLS = {
     "Machine": "vibro.Machine.crank(radius=1e-3).kind == 'crank'",
     "MeasuredMotion": f"isinstance({_MEASURED}, vibro.MeasuredMotion)",
     "Motion": "isinstance(vibro.Motion.steps([(0.5, 1.0), (0.5, -1.0)]), vibro.Motion)",
+    "OperatingPoints": f"isinstance({_OPERATED}, vibro.OperatingPoints)",
     "Regime": "vibro.Regime(0).label == 'no-slip'",
     "Scene": "scene.shape == ()",
     "SceneError": "issubclass(vibro.SceneError, vibro.VibroError)",
@@ -77,6 +83,8 @@ CALLS = {
     "guarantee": "vibro.guarantee(scene).speed_min == vibro.solve(scene).mean_velocity",
     "measured_motion": f"{_MEASURED}.order == 1",
     "open_sweep": "vibro.open_sweep(stored).shape == (2,)",
+    "operate": f"{_OPERATED}.number == 1",
+    "operating_points": f"len({_OPERATED.replace('operate', 'operating_points')}) == 1",
     "read_scene": "vibro.read_scene(nut).shape == ()",
     "simulate": "vibro.simulate(scene, cycles=1).end > 0",
     "solve": "vibro.solve(scene).pattern == 'F_'",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
     from vibro.machines.machine import Calibration, Machine
+    from vibro.machines.operating import OperatingPoints, operate, operating_points
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.attractors import attractors
     from vibro.motion.branches import Branch, BranchEvent
@@ -53,6 +54,7 @@ __all__ = [
     "Machine",
     "MeasuredMotion",
     "Motion",
+    "OperatingPoints",
     "Regime",
     "Scene",
     "SceneError",
@@ -69,6 +71,8 @@ __all__ = [
     "guarantee",
     "measured_motion",
     "open_sweep",
+    "operate",
+    "operating_points",
     "read_scene",
     "simulate",
     "solve",
@@ -96,6 +100,7 @@ _HOMES = {
     "Machine": "vibro.machines.machine",
     "MeasuredMotion": "vibro.records.waveforms",
     "Motion": "vibro.waveforms",
+    "OperatingPoints": "vibro.machines.operating",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
     "SceneError": "vibro.errors",
@@ -112,6 +117,8 @@ _HOMES = {
     "guarantee": "vibro.inverse.guarantees",
     "measured_motion": "vibro.records.waveforms",
     "open_sweep": "vibro.output.stored",
+    "operate": "vibro.machines.operating",
+    "operating_points": "vibro.machines.operating",
     "read_scene": "vibro.sweeps.whole",
     "simulate": "vibro.motion.histories",
     "solve": "vibro.steady",

@@ -1,0 +1,677 @@
+"""Operating points of a machine with its filling: the amplitude at which both agree, Eq. (90)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Status, is_answered
+from vibro.errors import InputError, shown
+from vibro.fillings import filling_of
+from vibro.limits import critical_loads_of_lines
+from vibro.machines.linear import transfer
+from vibro.machines.machine import Machine, broadcast, driven
+from vibro.quantities import STANDARD_GRAVITY
+from vibro.reals import NotRealError, real_array, shielded
+from vibro.roots import sign_changes
+from vibro.scene import Scene
+from vibro.steady import check_switch, solve
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from vibro.machines.linear import Transfer
+    from vibro.results.filling import Filling
+
+    Floats = NDArray[np.float64]
+    Complexes = NDArray[np.complex128]
+    Cells = NDArray[np.int64]
+
+__all__ = ["WARNED_HARMONIC", "OperatingPoints", "operate", "operating_points"]
+
+#: [1] Second harmonic of the trough over its amplitude above which a motion is no sine any more.
+WARNED_HARMONIC: Final = 1e-3
+
+# Amplitudes that are looked at: logarithms apart of neighbours, and how many at most between the ends.
+_STEP: Final = 0.03
+_FINE_STEP: Final = 0.002
+_MOST: Final = 64
+_FINE_MOST: Final = 2048
+# Where slides begin or change their kind, shares jump and have roots of the distance: relative distances of
+# the amplitudes looked at there. Critical loads are exact to a few ulp.
+_BESIDE: Final = (-1e-12, 1e-12, 1e-6, 1e-4, 1e-3, 1e-2)
+_LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is looked at of bodies that never rest
+_ROUNDING: Final = 1e-9  # [1] by which bounds are widened
+_JUMP: Final = 1e-9  # [1] residual over the empty amplitude that only a jump leaves in a closed bracket
+_CHUNK: Final = 8192  # [cells] whose amplitudes are held at once
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OperatingPoints:
+    """Machine and filling together; arrays of the broadcast shape, NumPy scalars of one case.
+
+    Of several operating points the one with the least amplitude is given, which the machine reaches when it
+    is switched on.
+
+    Attributes
+    ----------
+    scene : Scene
+        What lies in the trough, at the amplitude found: ``vibro.solve(points.scene)``.
+    amplitude : array
+        NaN where the filling has no settled motion; see ``status`` [m].
+    amplitude_empty : array
+        Without filling [m].
+    amplitude_low, amplitude_high : array
+        Between which the amplitude lies for certain; equal to it unless ``status`` is ``AVERAGED`` [m].
+    phase : array
+        By which the trough leads the force, in (-pi, pi] [rad].
+    relative_amplitude : array
+        Of the trough against the counter mass or the floor [m].
+    frequency_ratio, filled_frequency_ratio : array
+        Frequency over the natural frequency, empty and with the filling's added mass [1].
+    added_mass_share, added_damping_share : array
+        Of the filling; NaN without a filling, and where they are unknown [1].
+    second_harmonic : array
+        Amplitude of the trough's second harmonic over that of the first; NaN where the filling's is unknown
+        [1].
+    number : array of int
+        Operating points that were found; 0 where there is none that can be told.
+    at_jump : array of bool
+        Whether the shares jump at the amplitude, so that the machine never settles: more amplitude makes the
+        filling take more than it has, less makes it take less. The motion given is that just below.
+    strikes : array of bool
+        Whether the relative amplitude exceeds the machine's gap.
+    status : array of int8
+        ``Status``: OK, BOUNDARY at a jump, AVERAGED where irregular motion leaves the filling's shares to a
+        bound, or why there is no settled motion.
+    """
+
+    scene: Scene
+    amplitude: Floats
+    amplitude_empty: Floats
+    amplitude_low: Floats
+    amplitude_high: Floats
+    phase: Floats
+    relative_amplitude: Floats
+    frequency_ratio: Floats
+    filled_frequency_ratio: Floats
+    added_mass_share: Floats
+    added_damping_share: Floats
+    second_harmonic: Floats
+    number: NDArray[np.int64]
+    at_jump: NDArray[np.bool_]
+    strikes: NDArray[np.bool_]
+    status: NDArray[np.int8]
+    damping_ratio: float
+
+    @property
+    @shielded
+    def near_resonance(self) -> NDArray[np.bool_]:
+        """Whether the drive is within 2 zeta of resonance, empty or filled: damping alone decides there."""
+        ratios = np.stack(np.broadcast_arrays(self.frequency_ratio, self.filled_frequency_ratio))
+        return np.asarray(np.any(np.abs(ratios - 1.0) <= 2.0 * self.damping_ratio, axis=0))[()]
+
+    @shielded
+    def remarks(self) -> list[str]:
+        """Return what a reader of the numbers must know, one sentence each; counted in arrays."""
+        zeta = self.damping_ratio
+        second = np.nan_to_num(self.second_harmonic)
+        several = np.asarray(self.number) > 1
+        averaged = np.asarray(self.status) == int(Status.AVERAGED)
+        told = (
+            (
+                self.near_resonance & (zeta > 0.0),
+                f"the drive is within 2 zeta = {100.0 * 2.0 * zeta:.3g} % of resonance: damping alone decides"
+                " the amplitude, and damping is the least known",
+            ),
+            (
+                several,
+                f"{np.max(self.number, initial=0)} operating points exist: the one with the least amplitude"
+                " is given; vibro.operating_points lists all",
+            ),
+            (
+                self.at_jump,
+                "the amplitude hovers where the filling's motion changes: no steady operating point exists",
+            ),
+            (
+                averaged,
+                "the filling moves irregularly: its force is bounded, and the amplitude lies between"
+                " amplitude_low and amplitude_high",
+            ),
+            (
+                second > WARNED_HARMONIC,
+                "the filling bends the trough's motion: a second harmonic of"
+                f" {100.0 * np.max(second, initial=0.0):.2g} % of the amplitude, which the body does not"
+                " follow here; where it was 0.3 to 1.9 %, speeds were 8 % lower to 15 % higher",
+            ),
+            (self.strikes, "the relative amplitude exceeds the gap: the machine strikes"),
+        )
+        size = np.size(self.amplitude)
+        where = [(int(np.count_nonzero(cells)), text) for cells, text in told]
+        return [text if size == 1 else f"{count} of {size}: {text}" for count, text in where if count]
+
+
+class _Case(NamedTuple):
+    """Arguments of a machine, checked and broadcast, and its empty motion."""
+
+    shape: tuple[int, ...]
+    frequency: Floats
+    setting: Floats
+    voltage: Floats
+    natural: Floats
+    filling: Floats
+    empty: Floats
+    linear: Transfer | None
+    body: dict[str, Floats]
+
+    @property
+    def compliance(self) -> Complexes:
+        """H [1/kg]."""
+        return np.zeros(self.shape, np.complex128) if self.linear is None else self.linear.compliance
+
+
+@shielded
+def operate(
+    machine: Machine,
+    *,
+    frequency: ArrayLike,
+    drive_angle: ArrayLike,
+    static_friction: ArrayLike,
+    kinetic_friction: ArrayLike,
+    trough_angle: ArrayLike = 0.0,
+    gravity: ArrayLike = STANDARD_GRAVITY,
+    restitution: ArrayLike = 0.0,
+    setting: ArrayLike = 1.0,
+    voltage: ArrayLike = 1.0,
+    filling: ArrayLike = 0.0,
+    natural_frequency: ArrayLike | None = None,
+    added_mass_share: ArrayLike | None = None,
+    added_damping_share: ArrayLike | None = None,
+    allow_strikes: bool = False,
+    threads: int | None = None,
+) -> OperatingPoints:
+    """Return the amplitude at which a machine drives its trough with a filling in it.
+
+    The trough moves as a sine along the line of the drive; the filling acts by the first harmonic of its
+    force. All arrays broadcast against each other.
+
+    Parameters
+    ----------
+    machine : Machine
+        What drives the trough.
+    frequency : array_like
+        Of the drive, > 0 [Hz].
+    drive_angle, static_friction, kinetic_friction, trough_angle, gravity, restitution : array_like
+        As of ``Scene``.
+    setting, voltage : array_like, optional
+        Over those at 100 %, > 0 [1].
+    filling : array_like, optional
+        Mass of what lies in the trough, >= 0 [kg].
+    natural_frequency : array_like, optional
+        Of other spring packs; without, the machine's own [Hz].
+    added_mass_share, added_damping_share : array_like, optional
+        Of the filling where it was measured; without, they are computed. The damping share without a mass
+        share is not allowed; the other way round it is 0 [1].
+    allow_strikes : bool, optional
+        Whether relative amplitudes above the machine's gap are marked in ``strikes`` rather than an error.
+    threads : int, optional
+        As of ``vibro.solve``.
+
+    Returns
+    -------
+    OperatingPoints
+        Arrays of the broadcast shape.
+
+    Raises
+    ------
+    InputError
+        If an argument of the machine is out of its range, the masses strike each other, or the amplitude is
+        infinite.
+    SceneError
+        If an angle, a friction or a restitution is out of its range.
+
+    Notes
+    -----
+    Eqs. (89) to (92). Every operating point lies between two amplitudes that are proved; between these some
+    30 amplitudes are looked at, more of them where slides begin. Two points closer to each other than 3 % may
+    be missed, both at once. Within 1e-8 of a reference on 6 machines; two-way time stepping of nine full
+    feeders gives the amplitude within 1.8 % (tests/machines/test_operating.py).
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> feeder = vibro.Machine.magnet(trough_mass=6, counter_mass=12, natural_frequency=50 / 1.05,
+    ...                               damping_ratio=0.015, calibration=vibro.Calibration(0.35e-3, 50))
+    >>> points = vibro.operate(feeder, frequency=50, drive_angle=math.radians(20), static_friction=0.35,
+    ...                        kinetic_friction=0.28, filling=[0, 2])
+    >>> print(*(f"{1000 * v:.1f} mm/s" for v in vibro.solve(points.scene).mean_velocity))
+    24.2 mm/s 16.4 mm/s
+    """
+    check_switch("allow_strikes", allow_strikes)
+    body = {
+        "drive_angle": drive_angle,
+        "static_friction": static_friction,
+        "kinetic_friction": kinetic_friction,
+        "trough_angle": trough_angle,
+        "gravity": gravity,
+        "restitution": restitution,
+    }
+    case = _case(
+        machine,
+        frequency=frequency,
+        setting=setting,
+        voltage=voltage,
+        natural_frequency=natural_frequency,
+        filling=filling,
+        **body,
+    )
+    shares = _shares(added_mass_share, added_damping_share, case.shape)
+    found = _Found.empty(case, shares)
+    if shares is None:
+        full = np.flatnonzero((case.filling > 0.0) & (case.compliance != 0.0))
+        for start in range(0, full.size, _CHUNK):
+            cells = full[start : start + _CHUNK]
+            _solve(_Together.of(case, cells, threads), cells, found, _STEP, _MOST)
+        _weigh(case, found, threads)
+    return _points(machine, case, found, allow_strikes=allow_strikes)
+
+
+@shielded
+def operating_points(machine: Machine, **case: Any) -> tuple[float, ...]:
+    """List the amplitudes of all operating points of one case, by size.
+
+    Parameters
+    ----------
+    machine : Machine
+        What drives the trough.
+    **case
+        Arguments of ``operate``, one number each.
+
+    Returns
+    -------
+    tuple of float
+        Amplitudes, those at jumps among them; empty where the filling has no settled motion [m]. The machine
+        leaves the second, and every other one from there, as soon as it is disturbed.
+
+    Raises
+    ------
+    InputError, SceneError
+        As of ``operate``, and if an argument is more than one number.
+
+    Notes
+    -----
+    As of ``operate``, on up to 2048 amplitudes 0.2 % apart.
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> feeder = vibro.Machine.magnet(trough_mass=6, counter_mass=12, natural_frequency=50 / 1.05,
+    ...                               damping_ratio=0.015, calibration=vibro.Calibration(0.35e-3, 50))
+    >>> found = vibro.operating_points(feeder, frequency=50, drive_angle=math.radians(20), filling=2,
+    ...                                static_friction=0.35, kinetic_friction=0.28)
+    >>> print(*(f"{1000 * amplitude:.4f} mm" for amplitude in found))
+    0.2518 mm
+    """
+    points = operate(machine, **case)
+    if shape := np.shape(points.amplitude):
+        raise InputError(f"shape = {shape}: must be one case", hint="vibro.operate takes arrays")
+    threads, share = case.pop("threads", None), case.pop("added_mass_share", None)
+    for name in ("added_damping_share", "allow_strikes"):
+        case.pop(name, None)
+    one = _case(machine, **case)
+    if share is not None or one.filling == 0.0 or one.compliance == 0.0 or points.number == 0:
+        return (float(points.amplitude),) * int(points.number)
+    together = _Together.of(one, np.zeros(1, np.int64), threads)
+    nodes = together.scan(_FINE_STEP, _FINE_MOST)
+    _, further = together.close_in(nodes, np.flatnonzero(nodes.turns))
+    return (*together.linear[together.sticks].tolist(), *further.tolist())
+
+
+_FRICTIONS: Final = ("drive_angle", "static_friction", "kinetic_friction")
+_DEFAULTS: Final = ("trough_angle", "gravity", "restitution")  # which a scene has defaults of
+
+
+def _case(
+    machine: object,
+    *,
+    frequency: ArrayLike,
+    setting: ArrayLike = 1.0,
+    voltage: ArrayLike = 1.0,
+    natural_frequency: ArrayLike | None = None,
+    filling: ArrayLike = 0.0,
+    **body: Any,
+) -> _Case:
+    """Check and broadcast all arguments, and find the empty machine's amplitude."""
+    if not isinstance(machine, Machine):
+        hint = "make one by vibro.Machine.magnet(...) or another kind"
+        raise InputError(f"machine = {shown(machine)}: must be a vibro.Machine", hint=hint)
+    f, s, u, f0, _ = machine.broadcast(frequency, setting, voltage, natural_frequency)
+    mass = _masses(filling)
+    known = Scene(amplitude=1.0, frequency=f, **body)  # refuses angles and frictions by their names
+    rest = {name: getattr(known, name) for name in (*_FRICTIONS, *_DEFAULTS)}
+    shape = broadcast(("frequency", "filling", *rest), (f, mass, *rest.values()))[0].shape
+    f, s, u, f0, mass = (np.broadcast_to(x, shape) for x in (f, s, u, f0, mass))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        empty, linear = driven(machine, f, s, u, f0)
+    good = (empty > 0.0) & np.isfinite(empty)
+    if not good.all():
+        i = np.unravel_index(int(np.argmin(good)), shape)
+        raise InputError(
+            f"amplitude = {empty[i]:.6g} m at frequency = {f[i]:.15g} Hz: must be finite and > 0 m",
+            hint="damping alone bounds the amplitude at resonance: give a damping_ratio > 0",
+        )
+    return _Case(shape, f, s, u, f0, mass, empty, linear, rest)
+
+
+def _masses(value: Any) -> Floats:
+    try:
+        mass = real_array(value)
+    except NotRealError as exc:
+        raise InputError(f"filling = {exc.value}: must be {exc.allowed}", fields=["filling"]) from None
+    good = (mass >= 0.0) & np.isfinite(mass)
+    if not good.all():
+        wrong = float(mass[~good].flat[0])
+        raise InputError(f"filling = {wrong:.15g} kg: must be finite and >= 0 kg", fields=["filling"])
+    return mass
+
+
+def _shares(mass: Any, damping: Any, shape: tuple[int, ...]) -> Complexes | None:
+    """Return the shares that are given, complex."""
+    if mass is None and damping is None:
+        return None
+    if mass is None:
+        raise InputError(
+            f"added_damping_share = {shown(damping)}: must be given beside added_mass_share",
+            fields=["added_damping_share"],
+        )
+    values = []
+    for name, value in (
+        ("added_mass_share", mass),
+        ("added_damping_share", 0.0 if damping is None else damping),
+    ):
+        try:
+            x = real_array(value)
+        except NotRealError as exc:
+            raise InputError(f"{name} = {exc.value}: must be {exc.allowed}", fields=[name]) from None
+        if not np.all(np.isfinite(x)):
+            raise InputError(f"{name} = {x[~np.isfinite(x)].flat[0]}: must be finite", fields=[name])
+        values.append(x)
+    share = values[0] - 1j * values[1]
+    if np.broadcast_shapes(share.shape, shape) != shape:
+        raise InputError(f"added_mass_share of shape {share.shape}: must broadcast to {shape}")
+    return np.broadcast_to(share, shape)
+
+
+class _Found(NamedTuple):
+    """Results of all cells, flat, as they are found; of empty machines and known shares from the start."""
+
+    amplitude: Floats
+    low: Floats
+    high: Floats
+    share: Complexes
+    second: Complexes
+    number: NDArray[np.int64]
+    at_jump: NDArray[np.bool_]
+    status: NDArray[np.int8]
+    solved_at: Floats
+
+    @classmethod
+    def empty(cls, case: _Case, shares: Complexes | None) -> _Found:
+        share = np.full(case.shape, np.nan + 0j) if shares is None else shares
+        known = 0.0 if shares is None else shares
+        amplitude = case.empty / np.abs(1.0 + case.filling * known * case.compliance)
+        amplitude = np.array(amplitude, np.float64).reshape(-1)
+        size = amplitude.size
+        second = np.where(case.filling > 0.0, np.nan, 0.0).reshape(-1).astype(np.complex128)
+        return cls(
+            amplitude, amplitude.copy(), amplitude.copy(), np.array(share, np.complex128).reshape(-1), second,
+            np.ones(size, np.int64), np.zeros(size, np.bool_), np.zeros(size, np.int8), amplitude.copy(),
+        )  # fmt: skip
+
+
+class _Nodes(NamedTuple):
+    """Amplitudes that were looked at, by cells and by size.
+
+    Attributes
+    ----------
+    cell, amplitude, residual, status : array
+        Residual of Eq. (89) [m], and status of the body there.
+    turns : bool array
+        Whether the residual's sign differs from that just below.
+    first : array
+        Index of the first node of each cell, and of the one behind the last.
+    """
+
+    cell: Cells
+    amplitude: Floats
+    residual: Floats
+    status: NDArray[np.int8]
+    turns: NDArray[np.bool_]
+    first: Cells
+
+
+class _Together(NamedTuple):
+    """Machines with fillings whose amplitudes are sought; flat arrays, one value a cell.
+
+    Attributes
+    ----------
+    empty : array
+        A_0 [m].
+    pull : complex array
+        m H: the residual is A abs(1 + m H (lambda - i delta)(A)) - A_0 [1].
+    fields : mapping of str to array
+        Of the scenes, without the amplitude.
+    linear : array
+        Amplitude with a filling that does not slip [m].
+    sticks : bool array
+        Whether it does not, at that amplitude.
+    low, high : array
+        Between which all further operating points lie, Eq. (91) [m].
+    critical : (n, 5) array
+        Amplitudes at which the kind of the body's motion changes [m].
+    """
+
+    empty: Floats
+    pull: Complexes
+    fields: dict[str, Floats]
+    linear: Floats
+    sticks: NDArray[np.bool_]
+    low: Floats
+    high: Floats
+    critical: Floats
+    threads: int | None
+
+    @classmethod
+    def of(cls, case: _Case, cells: Cells, threads: int | None) -> _Together:
+        """Collect some cells."""
+
+        def flat(x: Any) -> Any:
+            return np.broadcast_to(x, case.shape).reshape(-1)[cells]
+
+        body = {name: flat(x) for name, x in case.body.items()}
+        fields = {"frequency": flat(case.frequency), **body}
+        empty, pull = flat(case.empty), flat(case.filling) * flat(case.compliance)
+        alpha, mu_s, beta = body["drive_angle"], body["static_friction"], body["trough_angle"]
+        loads = critical_loads_of_lines(alpha, mu_s, body["kinetic_friction"], beta)
+        unit = body["gravity"] / (2.0 * np.pi * fields["frequency"]) ** 2  # [m] amplitude at a load of 1
+        critical = np.stack([load * unit for load in loads], axis=-1)
+        first = np.fmin(loads.forward_onset, loads.back_onset)
+        onset = unit * np.where(mu_s > 0.0, np.nan_to_num(first, nan=0.0, posinf=math.inf), 0.0)
+        linear, size = empty / np.abs(1.0 + pull), np.abs(pull)
+        # Eq. (91): A abs(lambda - i delta) is at most this, whatever the amplitude
+        reach = size * 2.0 * (np.sin(alpha) + mu_s * np.cos(alpha)) * np.cos(beta) * unit
+        low = np.maximum(empty * (1.0 - _ROUNDING) - reach, onset * (1.0 + _BESIDE[0]))
+        low = np.where(low > 0.0, low, _LEAST * linear)
+        high = (empty + reach) * (1.0 + _ROUNDING)
+        return cls(empty, pull, fields, linear, linear <= onset, low, high, critical, threads)
+
+    def weigh(self, cells: Cells, amplitude: Floats) -> Filling:
+        """Weigh the filling of some cells at some amplitudes."""
+        fields = {name: x[cells] for name, x in self.fields.items()}
+        scene = Scene(amplitude=amplitude, **fields)
+        return filling_of(scene, solve(scene, threads=self.threads), threads=self.threads)
+
+    def residual(self, cells: Cells, amplitude: Floats) -> tuple[Floats, NDArray[np.int8]]:
+        """Return the residual and the status; an unknown share counts as the middle of its bound, 0."""
+        filling = self.weigh(cells, amplitude)
+        share = np.where(np.isnan(filling.added_mass_share), 0.0, filling.share)
+        return amplitude * np.abs(1.0 + self.pull[cells] * share) - self.empty[cells], filling.status
+
+    def scan(self, step: float, most: int) -> _Nodes:
+        """Look at amplitudes between the bounds."""
+        span = np.log(np.maximum(self.high / self.low, 1.0))
+        counts = np.where(span > 0.0, np.clip(np.ceil(span / step), 3, most).astype(np.int64) + 1, 0)
+        cell = np.repeat(np.arange(counts.size), counts)
+        place = np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)
+        regular = self.low[cell] * np.exp(span[cell] * (place / (counts[cell] - 1)))
+        beside = self.critical[:, :, None] * (1.0 + np.array(_BESIDE))
+        low, high = self.low[:, None, None], self.high[:, None, None]
+        inside = (beside > low) & (beside < high)
+        cell = np.concatenate([cell, np.nonzero(inside)[0]])
+        amplitude = np.concatenate([regular, beside[inside]])
+        order = np.lexsort((amplitude, cell))
+        cell, amplitude = cell[order], amplitude[order]
+        residual, status = self.residual(cell, amplitude)
+        first = np.searchsorted(cell, np.arange(self.empty.size + 1))
+        above = residual >= 0.0
+        before = np.empty(above.shape, np.bool_)
+        before[1:] = above[:-1]
+        heads = first[:-1][np.diff(first) > 0]
+        before[heads] = self.sticks[cell[heads]]
+        return _Nodes(cell, amplitude, residual, status, above != before, first)
+
+    def close_in(self, nodes: _Nodes, turns: Cells) -> tuple[NDArray[np.bool_], Floats]:
+        """Return the amplitudes at some turns, and whether the residual jumps over 0 there."""
+        cell, head = nodes.cell[turns], nodes.first[nodes.cell[turns]]
+        inner = turns > head  # the first node of a cell is its own bracket: its bounds are exact to rounding
+        amplitude, jumps = nodes.amplitude[turns], np.zeros(turns.shape, np.bool_)
+        i, own = turns[inner], cell[inner]
+        sign = np.where(nodes.residual[i] >= 0.0, 1.0, -1.0)
+
+        def towards(k: Cells, x: Floats) -> Floats:
+            return sign[k] * self.residual(own[k], x)[0]
+
+        ends = sign * nodes.residual[i - 1], sign * nodes.residual[i]
+        low, high, at_low, at_high = sign_changes(towards, nodes.amplitude[i - 1], nodes.amplitude[i], ends)
+        best = np.where(-at_low <= at_high, low, high)
+        jump = np.minimum(-at_low, at_high) > _JUMP * self.empty[own]
+        amplitude[inner], jumps[inner] = np.where(jump, low, best), jump
+        return jumps, amplitude
+
+
+def _solve(together: _Together, cells: Cells, found: _Found, step: float, most: int) -> None:
+    """Find the least operating point of some cells, and count all."""
+    nodes = together.scan(step, most)
+    counts = np.bincount(nodes.cell[nodes.turns], minlength=cells.size)
+    found.number[cells] = counts + together.sticks
+    amplitude, low, high = together.linear.copy(), together.linear.copy(), together.linear.copy()
+    status, jumps = np.zeros(cells.size, np.int8), np.zeros(cells.size, np.bool_)
+    solved_at = amplitude.copy()
+    none = nodes.cell.size
+    turns = _first_of(nodes, nodes.turns, none)
+    slips = np.flatnonzero(~together.sticks & (turns < none))
+    if slips.size:
+        last = turns[slips]
+        jumps[slips], amplitude[slips] = together.close_in(nodes, last)
+        solved_at[slips] = low[slips] = high[slips] = amplitude[slips]
+        status[slips] = np.where(jumps[slips], int(Status.BOUNDARY), int(Status.OK))
+        irregular = nodes.status == int(Status.AVERAGED)
+        begin = _first_of(nodes, irregular, none)[slips]
+        unsure = begin <= last
+        k, at, end = slips[unsure], begin[unsure], last[unsure]
+        status[k], jumps[k] = int(Status.AVERAGED), False
+        head = nodes.first[k]
+        low[k] = np.where(at > head, nodes.amplitude[np.maximum(at - 1, 0)], together.low[k])
+        beside = irregular[end] | irregular[np.maximum(end - 1, 0)]
+        high[k] = np.where(beside, together.high[k], amplitude[k])
+        begin = _first_of(nodes, ~is_answered(nodes.status), none)[slips]
+        fails = begin <= last
+        k, at = slips[fails], begin[fails]
+        status[k], jumps[k], found.number[cells[k]] = nodes.status[at], False, 0
+        solved_at[k] = nodes.amplitude[at]
+        amplitude[k] = low[k] = high[k] = np.nan
+    found.amplitude[cells], found.low[cells], found.high[cells] = amplitude, low, high
+    found.status[cells], found.at_jump[cells], found.solved_at[cells] = status, jumps, solved_at
+
+
+def _first_of(nodes: _Nodes, marked: NDArray[np.bool_], none: int) -> Cells:
+    """Return the index of the first marked node of each cell, or ``none``."""
+    index = np.flatnonzero(marked)
+    first = np.searchsorted(index, nodes.first[:-1])
+    padded = np.append(index, none)
+    return np.where(padded[first] < nodes.first[1:], padded[first], none)
+
+
+def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
+    """Weigh the filling at the amplitudes found."""
+    full = np.flatnonzero(case.filling > 0.0)
+    if not full.size:
+        return
+    fields = {"frequency": case.frequency, **case.body}
+    flat = {name: np.broadcast_to(x, case.shape).reshape(-1)[full] for name, x in fields.items()}
+    scene = Scene(amplitude=found.solved_at[full], **flat)
+    filling = filling_of(scene, solve(scene, threads=threads), threads=threads)
+    is_known = ~np.isnan(found.amplitude[full])
+    found.share[full] = np.where(is_known, filling.share, np.nan)
+    found.second[full] = np.where(is_known, filling.second_harmonic, np.nan)
+    stiff = (case.compliance == 0.0).reshape(-1)[full]
+    found.status[full] = np.where(stiff | (found.status[full] == 0), filling.status, found.status[full])
+
+
+def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
+    """Assemble the results."""
+    shape = case.shape
+    amplitude = found.amplitude.reshape(shape)
+    share, second = (x.reshape(shape) for x in (found.share, found.second))
+    added = np.where(case.filling > 0.0, case.filling * np.where(np.isnan(share), 0.0, share), 0.0)
+    if machine.kind == "crank":
+        phase, relative, harmonic = np.zeros(shape), amplitude, np.zeros(shape)
+        ratio = filled = np.zeros(shape)
+    else:
+        moved = transfer(machine.masses, case.frequency, case.natural, added)
+        force = machine.force_at(case.frequency, case.setting, case.voltage)
+        twice = transfer(machine.masses, 2.0 * case.frequency, case.natural, 0.0)
+        phase = np.angle(moved.trough + 0.0)
+        relative = force * np.abs(moved.relative)
+        harmonic = 0.25 * np.abs(case.filling * second * twice.compliance)
+        with np.errstate(divide="ignore"):
+            ratio = case.frequency / case.natural
+            filled = case.frequency / machine.filled_natural_frequency(case.natural, added.real)
+    unknown = np.isnan(amplitude)
+    phase, relative, filled = (np.where(unknown, np.nan, np.real(x)) for x in (phase, relative, filled))
+    strikes = relative > machine.gap
+    if np.any(strikes) and not allow_strikes:
+        i = np.unravel_index(int(np.argmax(strikes)), shape)
+        raise InputError(
+            f"relative amplitude = {relative[i]:.6g} m at frequency = {case.frequency[i]:.15g} Hz, setting ="
+            f" {case.setting[i]:.6g}: must be <= gap = {machine.gap:.6g} m, or the masses strike each other",
+            hint="lower the setting, or take a spring pack farther from resonance",
+            fields=["gap"],
+        )
+    scene = Scene(
+        amplitude=found.solved_at.reshape(shape)[()],
+        frequency=case.frequency[()],
+        **{k: x[()] for k, x in case.body.items()},
+    )
+    return OperatingPoints(
+        scene=scene,
+        amplitude=amplitude[()],
+        amplitude_empty=case.empty[()],
+        amplitude_low=found.low.reshape(shape)[()],
+        amplitude_high=found.high.reshape(shape)[()],
+        phase=phase[()],
+        relative_amplitude=relative[()],
+        frequency_ratio=ratio[()],
+        filled_frequency_ratio=filled[()],
+        added_mass_share=share.real[()],
+        added_damping_share=(-share.imag)[()],
+        second_harmonic=harmonic[()],
+        number=found.number.reshape(shape)[()],
+        at_jump=found.at_jump.reshape(shape)[()],
+        strikes=strikes[()],
+        status=found.status.reshape(shape)[()],
+        damping_ratio=machine.damping_ratio,
+    )
