@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.sweeps.request import Request
 
-__all__ = ["plain_number", "question", "request_of", "whole_number"]
+__all__ = ["plain_number", "question", "refuse_machine", "request_of", "whole_number"]
 
 
 class _CommandLine(NamedTuple):
@@ -82,7 +82,19 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
         If the scene file cannot be read.
     """
     file = read_scene_file(options.scene) if options.scene else None
-    return gather(options.given, file, _CommandLine(argv), **wanted)
+    return gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
+
+
+def refuse_machine(request: Request, why: str, hint: str) -> None:
+    """Refuse a scene file with a machine, where a command cannot take it.
+
+    Raises
+    ------
+    InputError
+        With that reason and remedy.
+    """
+    if request.machine is not None:
+        raise InputError(f"[machine]: {why}", hint=hint)
 
 
 def question(request: Request, options: Options, found: Collection[str] = ()) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from vibro.machines.operating import OperatingPoints
     from vibro.results.steady import SteadyCycle
 
-__all__ = ["check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
+__all__ = ["case_of", "check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
 
 _SCENE: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
@@ -31,21 +31,26 @@ _SCENE: Final = (
 _UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that are not 0
 
 
+def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of ``vibro.operate``, besides the machine, for cells in the units outside."""
+    si = {name: QUANTITIES[name].to_si(values[name]) for name in (*_SCENE, *MACHINE) if name in values}
+    natural = si.pop("natural", None)
+    # Cells with mu_d > mu_s are infeasible, and told so when they are solved; others may be beside them.
+    si["kinetic_friction"] = np.minimum(si["kinetic_friction"], si["static_friction"])
+    mass, damping = given.share or (None, None)
+    return {
+        **si,
+        "natural_frequency": natural if given.has_springs else None,
+        "added_mass_share": mass,
+        "added_damping_share": damping,
+    }
+
+
 def points_of(given: GivenMachine, values: Mapping[str, Any], threads: int | None = None) -> OperatingPoints:
     """Find the operating points of cells, given by their values in the units outside."""
     from vibro.machines.operating import operate
 
-    si = {name: QUANTITIES[name].to_si(values[name]) for name in (*_SCENE, *MACHINE) if name in values}
-    natural = si.pop("natural", None)
-    mass, damping = given.share or (None, None)
-    return operate(
-        given.machine,
-        natural_frequency=natural if given.has_springs else None,
-        added_mass_share=mass,
-        added_damping_share=damping,
-        threads=threads,
-        **si,
-    )
+    return operate(given.machine, **case_of(given, values), allow_strikes=True, threads=threads)
 
 
 def operated(
@@ -70,7 +75,7 @@ def operated(
     """
     points = points_of(given, values, threads)
     ndim = max(np.ndim(x) for x in values.values())
-    amplitude = np.asarray(points.amplitude)
+    amplitude = np.where(points.strikes, np.nan, points.amplitude)
     amplitude = amplitude.reshape((1,) * (ndim - amplitude.ndim) + amplitude.shape)
     found = np.empty(amplitude.shape, FIELDS)
     for name in FIELDS.names or ():
