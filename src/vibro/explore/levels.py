@@ -17,10 +17,11 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Status
+from vibro.core.codes import Regime, Status
 from vibro.core.hopping import MOST_THROW
 from vibro.drives import Ability
 from vibro.explore.controls import is_weighed
+from vibro.explore.previews import foreseen
 from vibro.limits import CriticalLoads
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.sweeps.grid import scene_of
@@ -140,6 +141,7 @@ class MapCells:
         self._has_limits = drive.can(Ability.PROOF) or not self._is_quick
         if self._has_limits:
             self._limits = limits_of(values)
+        self._preview: tuple[int, dict[str, NDArray[Any]], SteadyCycle] | None = None
         self._turn = _Turn()
         if not self._is_quick:
             end = time.perf_counter() + patience
@@ -160,6 +162,8 @@ class MapCells:
         share = self._done / self._waiting.size if self._waiting.size else 1.0
         if not self._has_limits:
             return share, "boundaries of back slip: a preview"
+        if self._is_weighed:
+            return share, f"{share:.0%} exact, of the rest the filling's weight is interpolated"
         if self._line is None or not self._line.is_known:
             slow = "hopping: " if self._is_quick else ""
             return share, f"{slow}{share:.0%} exact, the rest from neighbours or to come"
@@ -229,13 +233,44 @@ class MapCells:
             else:
                 source = self._neighbours()
                 far = ~exact & (source >= 0)
-                known = exact | far
-                told = {name: values.copy() for name, values in told.items()}
-                for values in (*cells.values(), *told.values()):
+                if self._is_weighed:
+                    told, far, known = self._foresee(cells, far, source)
+                else:
+                    known = exact | far
+                for values in cells.values():
                     values[far] = values.reshape(-1)[source[far]]
             cycle = replace(cycle, **cells)
         numbers = {**self._given, **told}
         self.shown = Shown(cycle, exact, known, self._limits, self.is_done, *self._progress(), numbers)
+
+    def _foresee(
+        self, cells: dict[str, NDArray[Any]], far: NDArray[np.bool_], source: Indices
+    ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_], NDArray[np.bool_]]:
+        """Fill in cells of a machine with a filling that are not solved yet.
+
+        Returns
+        -------
+        dict of str to array
+            What the machine adds to all cells.
+        bool array
+            Which cells hop, and have no numbers but those of a solved neighbour that hops too.
+        bool array
+            Which cells have numbers then.
+        """
+        shape = self._exact.shape
+        spacing = next(s for s in _SPACINGS[::-1] if math.prod(-(-n // s) for n in shape) <= self._done)
+        if self._preview is None or self._preview[0] != spacing:
+            self._preview = spacing, *foreseen(self._grid, self._given, self._found, spacing)
+        _, added, cycle = self._preview
+        told = {name: values.copy() for name, values in added.items()}
+        for name, values in told.items():
+            values[self._exact] = self._found[name][self._exact]
+        near = cells["regime"].reshape(-1)[source]
+        for name, values in cells.items():
+            values[~self._exact] = getattr(cycle, name)[~self._exact]
+        hops = far & (cycle.status == int(Status.FLIGHT_NOT_MODELLED))
+        borrowed = hops & (near == Regime.HOPPING)
+        return told, borrowed, ~hops | borrowed
 
     def _neighbours(self) -> Indices:
         """Return for every cell the solved one, of those that waited, in the corner of its square; or -1."""

@@ -15,6 +15,8 @@ from vibro.files.motions import harmonic_lists
 from vibro.plots.style import REGIME_COLOURS
 from vibro.quantities import DEFAULTS, MACHINE, QUANTITIES
 from vibro.sweeps.grid import Grid
+from vibro.sweeps.machine_facts import machine_warnings
+from vibro.sweeps.machines import check_operating
 from vibro.sweeps.one_scene import OneScene, beginnings, estimate, facts_of, phase_rows
 from vibro.sweeps.run import sweep_blocks
 
@@ -43,7 +45,7 @@ def point_of(state: State) -> dict[str, Any]:
     -------
     dict
         JSON values: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
-        ``speed``; ``tables`` with what ``vibro solve`` prints, as HTML; ``guaranteed``, for all bodies in the
+        ``speed``; ``tables`` with what ``vibro solve`` prints and warns of, as HTML; ``guaranteed``, for all bodies in the
         bands, and whether their least speed is ``unproved``; ``bands``, with kinetic friction given by
         itself, and following static friction; ``command`` and ``toml``, which make the same map, and
         ``apart``, how their maps differ from it, or what the command needs.
@@ -51,6 +53,10 @@ def point_of(state: State) -> dict[str, Any]:
     point = state.point
     grid = Grid({}, point.fixed, point.length, motion=point.motion, machine=point.machine)
     (block,) = sweep_blocks(grid)
+    warnings = []
+    if grid.machine is not None:
+        check_operating(grid.machine, block.values)
+        warnings = machine_warnings(grid.machine, block.values)
     one = OneScene(block)
     facts = facts_of(one, grid)
     if state.point.length is not None:
@@ -65,7 +71,8 @@ def point_of(state: State) -> dict[str, Any]:
         "colour": REGIME_COLOURS.get(one.regime, "transparent"),
         "speed": speed,
         "regime": one.regime.label,
-        "tables": _table("What the body does", [(), *facts])
+        "tables": "".join(tag("p", f"Warning: {text}.", class_="warning") for text in warnings)
+        + _table("What the body does", [(), *facts])
         + _table("What begins when", beginnings(one))
         + _table("Phases of a steady cycle", phase_rows(one)),
         "guaranteed": guaranteed,
