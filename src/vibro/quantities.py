@@ -419,8 +419,8 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     ----------
     values : mapping of str to float or array
         By name; ``stroke`` may stand for the amplitude, and ``friction_ratio`` for the kinetic friction. A
-        trough length, the quantities of a machine and its results are left out. Under ``motion`` a ``Motion`` may stand,
-        or an array of one.
+        trough length, the quantities of a machine and its results are left out. Under ``motion`` a ``Motion``
+        may stand, or an array of one.
     """
     given = as_given(values, in_stroke=False)
     for name in ("trough_length", "operating", *MACHINE):

@@ -23,7 +23,7 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = {
     "Machine": (*MACHINE, "pack", "trough_mass"),
     "Record": (
         "time", "displacement", "velocity", "acceleration", "friction", "trough_along", "trough_normal",
-        "sensitivity", "reverse", "absolute", "fit",
+        "sensitivity", "reverse", "absolute", "fit", "law", "amplitude_error",
     ),
     "Axes": ("x", "y", "at", "sweep"),
     "Solving": (

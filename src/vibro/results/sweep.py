@@ -172,7 +172,8 @@ class SweepResult:
         Values of axes for which the cells were solved, where they are others than their own: cells of a
         table stand for those around. Arrays of the grid's shape.
     amplitude : array, optional
-        Amplitudes that follow from a machine, broadcastable to the grid's shape; NaN where there is none [mm].
+        Amplitudes that follow from a machine, broadcastable to the grid's shape; NaN where there is none
+        [mm].
     """
 
     axes: Mapping[str, Axis]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from vibro.machines.operating import OperatingPoints
     from vibro.results.steady import SteadyCycle
 
-__all__ = ["check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
+__all__ = ["case_of", "check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
 
 _SCENE: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
@@ -31,25 +31,38 @@ _SCENE: Final = (
 _UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that are not 0
 
 
-def points_of(given: GivenMachine, values: Mapping[str, Any], threads: int | None = None) -> OperatingPoints:
-    """Find the operating points of cells, given by their values in the units outside."""
-    from vibro.machines.operating import operate
-
+def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of ``vibro.operate``, besides the machine, for cells in the units outside."""
     si = {name: QUANTITIES[name].to_si(values[name]) for name in (*_SCENE, *MACHINE) if name in values}
     natural = si.pop("natural", None)
+    # Cells with mu_d > mu_s are infeasible, and told so when they are solved; others may be beside them.
+    si["kinetic_friction"] = np.minimum(si["kinetic_friction"], si["static_friction"])
     mass, damping = given.share or (None, None)
-    return operate(
-        given.machine,
-        natural_frequency=natural if given.has_springs else None,
-        added_mass_share=mass,
-        added_damping_share=damping,
-        threads=threads,
+    return {
         **si,
-    )
+        "natural_frequency": natural if given.has_springs else None,
+        "added_mass_share": mass,
+        "added_damping_share": damping,
+    }
+
+
+def points_of(
+    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
+) -> OperatingPoints:
+    """Find the operating points of cells, given by their values in the units outside.
+
+    A pair of added mass and damping shares replaces those of the machine, or what would be computed.
+    """
+    from vibro.machines.operating import operate
+
+    case = case_of(given, values)
+    if share is not None:
+        case |= dict(zip(("added_mass_share", "added_damping_share"), share, strict=True))
+    return operate(given.machine, **case, allow_strikes=True, threads=threads)
 
 
 def operated(
-    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None
+    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
 ) -> dict[str, NDArray[Any]]:
     """Return what a machine adds to the values of cells.
 
@@ -61,6 +74,8 @@ def operated(
         Quantities of cells by name, in the units outside; those of ``MACHINE`` among them.
     threads : int, optional
         For operating points with a filling.
+    share : pair of array, optional
+        As for ``points_of``.
 
     Returns
     -------
@@ -68,9 +83,9 @@ def operated(
         ``amplitude`` [mm], NaN where there is none, ``OPERATING``, an array of ``FIELDS``, and the natural
         frequency of a machine whose springs cannot be exchanged.
     """
-    points = points_of(given, values, threads)
+    points = points_of(given, values, threads, share)
     ndim = max(np.ndim(x) for x in values.values())
-    amplitude = np.asarray(points.amplitude)
+    amplitude = np.where(points.strikes, np.nan, points.amplitude)
     amplitude = amplitude.reshape((1,) * (ndim - amplitude.ndim) + amplitude.shape)
     found = np.empty(amplitude.shape, FIELDS)
     for name in FIELDS.names or ():
@@ -119,17 +134,25 @@ def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
 
 
 def withheld(cycle: SteadyCycle, values: Mapping[str, Any]) -> SteadyCycle:
-    """Take away the numbers of cells without an operating point, and give them its status."""
-    status = values[OPERATING]["status"]
-    lost = np.isnan(values["amplitude"])
-    if not lost.any():
+    """Let no cell be surer than its operating point.
+
+    Cells without an operating point lose their numbers and get its status. Where the filling moves
+    irregularly the amplitude is the middle of an interval, and the speed has no standard error; where it
+    hovers about a threshold, cells are at a boundary.
+    """
+    shape = cycle.status.shape
+    status = np.broadcast_to(values[OPERATING]["status"], shape)
+    lost = np.broadcast_to(np.isnan(values["amplitude"]), shape) & (cycle.status != Status.INFEASIBLE)
+    if not lost.any() and (status == Status.OK).all():
         return cycle
-    lost, status = (np.broadcast_to(x, cycle.status.shape) for x in (lost, status))
-    lost = lost & (cycle.status != Status.INFEASIBLE)
     arrays: dict[str, Any] = {}
     for result in RESULTS:
         nothing = np.nan if result.is_number else _UNANSWERED.get(result.name, 0)
         arrays[result.name] = np.where(lost, nothing, getattr(cycle, result.name)).astype(result.dtype)
-    why = np.where(is_answered(status), Status.INFEASIBLE, status)
-    arrays["status"] = np.where(lost, why, cycle.status).astype(np.int8)
+    unsure = ~lost & (status == Status.AVERAGED) & is_answered(cycle.status)
+    arrays["mean_velocity_error"][unsure] = np.nan
+    hovers = ~lost & (status == Status.BOUNDARY) & (cycle.status == Status.OK)
+    why = np.where(is_answered(status), Status.INFEASIBLE, status)  # of those without one, masses strike
+    found = np.where(unsure, Status.AVERAGED, np.where(hovers, Status.BOUNDARY, cycle.status))
+    arrays["status"] = np.where(lost, why, found).astype(np.int8)
     return replace(cycle, **arrays)
