@@ -302,8 +302,9 @@ def operate(
     -----
     Eqs. (89) to (92). Every operating point lies between two amplitudes that are proved; between these some
     30 amplitudes are looked at, more of them where slides begin. Two points closer to each other than 3 % may
-    be missed, both at once. Within 1e-8 of a reference on 6 machines; two-way time stepping of nine full
-    feeders gives the amplitude within 1.8 % (tests/machines/test_operating.py).
+    be missed, both at once. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py). The
+    force's first harmonic alone is fed back: with fillings of up to half of the trough's mass, trough and
+    body followed together in time have amplitudes up to 1 % less to 5 % more (benchmarks/filling.py).
 
     Examples
     --------
@@ -853,7 +854,7 @@ def _points(
         frequency_ratio=shaped(ratio),
         filled_frequency_ratio=shaped(filled),
         added_mass_share=shaped(found.share.real),
-        added_damping_share=shaped(-found.share.imag),
+        added_damping_share=shaped(0.0 - found.share.imag),
         second_harmonic=shaped(np.abs(harmonic)),
         second_phasor=shaped(harmonic),
         number=shaped(found.number),
