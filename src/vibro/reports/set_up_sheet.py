@@ -288,16 +288,10 @@ def make_sheet(
     least = min(request.band("filling"))
     part = book.add(**nominal, filling=least) if 0.0 < least < full else None
     steps = _steps(request, full)
-    moved = {
-        name: [
-            [
-                book.add(**{**nominal, **at, name: at.get(name, request.values[name]) * grown})
-                for grown in growth
-            ]
-            for at in ({"filling": 0.0}, {"filling": full})
-        ]
-        for name, growth in steps.items()
-    }
+    moved = {}
+    for name, growth in steps.items():
+        states = [{**request.values, **nominal, "filling": filling} for filling in (0.0, full)]
+        moved[name] = [[book.add(**{**at, name: at[name] * grown}) for grown in growth] for at in states]
     packs, no_load_proof = _packs(request)
     fitted = [
         [book.add(setting=force * last, filling=filling, natural=natural) for filling in (0.0, full)]
