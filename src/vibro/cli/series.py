@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 __all__ = ["SeriesOutput", "scene_record"]
 
 
-def scene_record(request: Request) -> dict[str, float]:
-    """Return the quantities of a request by their columns, as given."""
-    return {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
+def scene_record(request: Request) -> dict[str, Any]:
+    """Return the quantities of a request by their columns, as given, and its machine."""
+    machine = {} if request.machine is None else {"machine": dict(request.machine.table)}
+    return {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()} | machine
 
 
 class SeriesOutput:
