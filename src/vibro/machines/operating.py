@@ -1,4 +1,4 @@
-"""Operating points of a machine with its filling: the amplitude at which both agree, Eq. (90)."""
+"""Operating points of a machine with its filling: the amplitude at which both agree, Eq. (89)."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class OperatingPoints:
     amplitude_empty : array
         Without filling [m].
     amplitude_low, amplitude_high : array
-        Between which the amplitude lies for certain; equal to it unless ``status`` is ``AVERAGED`` [m].
+        Between which the amplitude lies; equal to it unless ``status`` is ``AVERAGED`` [m].
     phase : array
         By which the trough leads the force, in (-pi, pi] [rad].
     relative_amplitude : array
@@ -87,6 +87,12 @@ class OperatingPoints:
     status : array of int8
         ``Status``: OK, BOUNDARY at a jump, AVERAGED where irregular motion leaves the filling's shares to a
         bound, or why there is no settled motion.
+    machine : Machine
+        That drives the trough.
+    setting, voltage, filling, natural_frequency : array
+        As given [1, 1, kg, Hz].
+    shares_given : bool
+        Whether the shares were given, and not computed.
     """
 
     scene: Scene
@@ -105,19 +111,24 @@ class OperatingPoints:
     at_jump: NDArray[np.bool_]
     strikes: NDArray[np.bool_]
     status: NDArray[np.int8]
-    damping_ratio: float
+    machine: Machine
+    setting: Floats
+    voltage: Floats
+    filling: Floats
+    natural_frequency: Floats
+    shares_given: bool
 
     @property
     @shielded
     def near_resonance(self) -> NDArray[np.bool_]:
         """Whether the drive is within 2 zeta of resonance, empty or filled: damping alone decides there."""
         ratios = np.stack(np.broadcast_arrays(self.frequency_ratio, self.filled_frequency_ratio))
-        return np.asarray(np.any(np.abs(ratios - 1.0) <= 2.0 * self.damping_ratio, axis=0))[()]
+        return np.asarray(np.any(np.abs(ratios - 1.0) <= 2.0 * self.machine.damping_ratio, axis=0))[()]
 
     @shielded
     def remarks(self) -> list[str]:
         """Return what a reader of the numbers must know, one sentence each; counted in arrays."""
-        zeta = self.damping_ratio
+        zeta = self.machine.damping_ratio
         second = np.nan_to_num(self.second_harmonic)
         several = np.asarray(self.number) > 1
         averaged = np.asarray(self.status) == int(Status.AVERAGED)
@@ -281,7 +292,7 @@ def operate(
             cells = full[start : start + _CHUNK]
             _solve(_Together.of(case, cells, threads), cells, found, _STEP, _MOST)
         _weigh(case, found, threads)
-    return _points(machine, case, found, allow_strikes=allow_strikes)
+    return _points(machine, case, found, allow_strikes=allow_strikes, shares_given=shares is not None)
 
 
 @shielded
@@ -646,7 +657,9 @@ def _reach(case: _Case) -> Floats:
     return np.asarray(case.filling * np.abs(case.compliance) * pressed * unit)
 
 
-def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
+def _points(
+    machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool, shares_given: bool
+) -> OperatingPoints:
     """Assemble the results."""
     zero = np.zeros(case.empty.shape)
     added = np.where(
@@ -703,5 +716,10 @@ def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool
         at_jump=shaped(found.at_jump),
         strikes=shaped(strikes),
         status=shaped(found.status),
-        damping_ratio=machine.damping_ratio,
+        machine=machine,
+        setting=shaped(case.setting),
+        voltage=shaped(case.voltage),
+        filling=shaped(case.filling),
+        natural_frequency=shaped(case.natural),
+        shares_given=shares_given,
     )
