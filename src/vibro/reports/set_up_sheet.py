@@ -400,8 +400,8 @@ def _refuse_strikes(given: GivenMachine, pairs: Sequence[tuple[Row, Row]]) -> No
             raise InputError(
                 f"{_case(row)}: the masses strike: the relative amplitude would be {across:.4g} mm, and"
                 f" gap_mm allows {gap:.4g} mm",
-                hint=f"tell lower settings, such as --setting {row.setting / 2.0:.3g}, or take a spring pack"
-                " farther from resonance",
+                hint=f"lower it, such as setting={row.setting / 2.0:.3g}, or take a spring pack farther from"
+                " resonance",
             )
 
 
