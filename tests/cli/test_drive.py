@@ -204,17 +204,19 @@ def test_the_fit(run: Run, points: Path) -> None:
     assert result.exit_code == 0, result.stderr
     lines = lines_of(result.stdout)
     assert lines["amplitude error"].endswith("from the residuals")
-    assert lines["natural frequency [Hz]"].startswith("natural frequency [Hz] 53.0")
+    assert lines["natural frequency [Hz]"].startswith("natural frequency [Hz] 52.99")
     assert lines["48"].startswith("48 0.165 ")
     assert 'kind = "measured"' in result.stdout
     assert max(map(len, result.stdout.splitlines()[2:])) <= 80
     pasted = result.stdout[result.stdout.index("[machine]") :]
     scene = feeder().split("[machine]")[0]
-    # Only points can be pasted without masses; the file's path stays right.
-    path = written(points.parent, f"{scene}{pasted}", "pasted")
-    solved = run("solve", path)
-    assert solved.exit_code in (0, 2)
-    assert "points" not in solved.stderr
+    bare = run("solve", written(points.parent, f"{scene}{pasted}", "pasted"))
+    assert bare.exit_code == 2
+    assert "trough_mass_kg is missing" in bare.stderr
+    weighed = written(points.parent, f"{scene}{pasted}trough_mass_kg = 6\n", "pasted")
+    solved = run("solve", weighed, "--json")
+    assert solved.exit_code == 0, solved.stderr
+    assert json.loads(solved.stdout)["frequency_ratio"] == pytest.approx(50.0 / 52.994, abs=1e-4)
 
 
 def test_the_fit_as_json_and_files(run: Run, points: Path, tmp_path: Path) -> None:
