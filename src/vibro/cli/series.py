@@ -60,6 +60,8 @@ class SeriesOutput:
     ----------
     takes_stdout : bool
         Whether stdout is for the table alone.
+    writes_files : bool
+        Whether there will be files.
 
     Raises
     ------
@@ -82,6 +84,7 @@ class SeriesOutput:
         self._form = CsvFormat(options.excel, options.decimal_comma)
         self._argv, self._console = argv, console
         self.takes_stdout = options.output == "-"
+        self.writes_files = options.output is not None and not self.takes_stdout
         self._files: Staging | None = None
         if self.takes_stdout:
             check_stdout(json=options.json)
