@@ -46,15 +46,23 @@ def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def points_of(given: GivenMachine, values: Mapping[str, Any], threads: int | None = None) -> OperatingPoints:
-    """Find the operating points of cells, given by their values in the units outside."""
+def points_of(
+    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
+) -> OperatingPoints:
+    """Find the operating points of cells, given by their values in the units outside.
+
+    A pair of added mass and damping shares replaces those of the machine, or what would be computed.
+    """
     from vibro.machines.operating import operate
 
-    return operate(given.machine, **case_of(given, values), allow_strikes=True, threads=threads)
+    case = case_of(given, values)
+    if share is not None:
+        case |= dict(zip(("added_mass_share", "added_damping_share"), share, strict=True))
+    return operate(given.machine, **case, allow_strikes=True, threads=threads)
 
 
 def operated(
-    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None
+    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
 ) -> dict[str, NDArray[Any]]:
     """Return what a machine adds to the values of cells.
 
@@ -66,6 +74,8 @@ def operated(
         Quantities of cells by name, in the units outside; those of ``MACHINE`` among them.
     threads : int, optional
         For operating points with a filling.
+    share : pair of array, optional
+        As for ``points_of``.
 
     Returns
     -------
@@ -73,7 +83,7 @@ def operated(
         ``amplitude`` [mm], NaN where there is none, ``OPERATING``, an array of ``FIELDS``, and the natural
         frequency of a machine whose springs cannot be exchanged.
     """
-    points = points_of(given, values, threads)
+    points = points_of(given, values, threads, share)
     ndim = max(np.ndim(x) for x in values.values())
     amplitude = np.where(points.strikes, np.nan, points.amplitude)
     amplitude = amplitude.reshape((1,) * (ndim - amplitude.ndim) + amplitude.shape)
