@@ -128,7 +128,7 @@ def _filling(given: GivenMachine, points: OperatingPoints, filling: float) -> st
         told = "none: the trough is empty"
         if "filling" in given.bands:
             _, high = given.bands["filling"]
-            told += f"; --filling {high:.15g}kg is the end of the machine's band"
+            told += f" (the file's band ends at {MASS.text(high)})"
         return told
     mass, damping = (
         float(np.asarray(x).item()) for x in (points.added_mass_share, points.added_damping_share)
