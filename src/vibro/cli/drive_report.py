@@ -239,8 +239,9 @@ def _how(sheet: Sheet, last: Bounds) -> str:
     looked += ["all corners of friction"] if frictions else []
     looked += ["both ends of the shares"] if sheet.request.machine.shares else []
     return (
-        f"Speeds hold over every amplitude of the interval{over}. The interval holds the {last.looked_at}"
-        f" operating points that were looked at ({', '.join(looked)}); between them it is not proved."
+        f"Speeds hold over every amplitude of the interval{over}, for a trough that moves as a sine. The"
+        f" interval holds the {last.looked_at} operating points that were looked at ({', '.join(looked)});"
+        " between them it is not proved."
     )
 
 

@@ -288,16 +288,10 @@ def make_sheet(
     least = min(request.band("filling"))
     part = book.add(**nominal, filling=least) if 0.0 < least < full else None
     steps = _steps(request, full)
-    moved = {
-        name: [
-            [
-                book.add(**{**nominal, **at, name: at.get(name, request.values[name]) * grown})
-                for grown in growth
-            ]
-            for at in ({"filling": 0.0}, {"filling": full})
-        ]
-        for name, growth in steps.items()
-    }
+    moved = {}
+    for name, growth in steps.items():
+        states = [{**request.values, **nominal, "filling": filling} for filling in (0.0, full)]
+        moved[name] = [[book.add(**{**at, name: at[name] * grown}) for grown in growth] for at in states]
     packs, no_load_proof = _packs(request)
     fitted = [
         [book.add(setting=force * last, filling=filling, natural=natural) for filling in (0.0, full)]
@@ -406,8 +400,8 @@ def _refuse_strikes(given: GivenMachine, pairs: Sequence[tuple[Row, Row]]) -> No
             raise InputError(
                 f"{_case(row)}: the masses strike: the relative amplitude would be {across:.4g} mm, and"
                 f" gap_mm allows {gap:.4g} mm",
-                hint=f"tell lower settings, such as --setting {row.setting / 2.0:.3g}, or take a spring pack"
-                " farther from resonance",
+                hint=f"lower it, such as setting={row.setting / 2.0:.3g}, or take a spring pack farther from"
+                " resonance",
             )
 
 
