@@ -14,8 +14,9 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 
 from playwright.sync_api import Browser, Page, StorageState, ViewportSize, sync_playwright
 
@@ -54,6 +55,22 @@ REFINED = {
     "second harmonic": ("drive=harmonics&view=speed", ""),
 }  # fmt: skip
 
+# The same with the machine of a scene file.
+FEEDER = Path(__file__).parents[1] / "examples" / "full_feeder.toml"
+MACHINE_CHANGES = {
+    "machine: regimes, frequency x filling": ("x=frequency_hz&y=filling_kg", "setting", 40.0, 90.0),
+    "machine: speed, setting x filling": (
+        "view=speed&x=setting_percent&y=filling_kg", "voltage", 90.0, 110.0,
+    ),
+    "machine: speed, setting x voltage, empty": (
+        "view=speed&x=setting_percent&y=voltage_percent&filling_kg=0", "natural frequency", 52.0, 60.0,
+    ),
+}  # fmt: skip
+MACHINE_REFINED = {
+    "machine: frequency x filling": ("x=frequency_hz&y=filling_kg", ""),
+    "machine: setting x filling": ("view=speed&x=setting_percent&y=filling_kg", ""),
+}
+
 # Moves a slider, and returns how long it took until the map was drawn anew, and a frame after it [ms].
 MOVE = """
 ([name, value]) => new Promise((resolve) => {
@@ -73,9 +90,9 @@ TEXT = "() => document.querySelector('#stage').textContent"
 
 
 @contextmanager
-def served() -> Iterator[str]:
+def served(*arguments: str) -> Iterator[str]:
     """Start the explorer, and give its first address."""
-    command = [sys.executable, "-m", "vibro", "explore", "--no-open", "-q"]
+    command = [sys.executable, "-m", "vibro", "explore", *arguments, "--no-open", "-q"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         try:
@@ -141,8 +158,23 @@ def main() -> None:
     parser.add_argument("--sessions", type=int, default=10)
     arguments = parser.parse_args()
     program = shutil.which("chromium") or shutil.which("google-chrome")
-    with served() as first, sync_playwright() as playwright:
+    with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=list(OPTIONS))
+        measure(browser, CHANGES, REFINED, arguments.changes, arguments.sessions)
+        measure(browser, MACHINE_CHANGES, MACHINE_REFINED, arguments.changes, 0, str(FEEDER))
+        browser.close()
+
+
+def measure(
+    browser: Browser,
+    changes: Mapping[str, tuple[str, str, float, float]],
+    refined: Mapping[str, tuple[str, str]],
+    number: int,
+    sessions: int,
+    *scene: str,
+) -> None:
+    """Print both tables of one scene."""
+    with served(*scene) as first:
         context = browser.new_context(viewport=WINDOW)
         page = context.new_page()
         page.goto(first)
@@ -150,19 +182,18 @@ def main() -> None:
         url = first.partition("#")[0]
         shown(page, url, "")
         print(f"{'from a change to its picture [ms]':46} {'median':>7} {'90 %':>7} {'most':>7}")
-        for name, case in CHANGES.items():
+        for name, case in changes.items():
             moved(page, url, case, 3)
-            told(name, moved(page, url, case, arguments.changes))
-        told(
-            f"speed, contact alone, {arguments.sessions} pages refine",
-            crowded(browser, url, context.storage_state(), arguments.sessions),
-        )
+            told(name, moved(page, url, case, number))
+        if sessions:
+            times = crowded(browser, url, context.storage_state(), sessions)
+            told(f"speed, contact alone, {sessions} pages refine", times)
         print("\nfrom opening a map until it is exact [s]")
-        for name, (fragment, wanted) in REFINED.items():
+        for name, (fragment, wanted) in refined.items():
             # Another frequency each time: maps are kept.
             shown(page, url, f"{fragment}&trough_angle_deg=-{0.1 * (1 + len(name) % 7):.1f}")
             print(f"{name:56} {settled(page, wanted):6.2f}")
-        browser.close()
+        context.close()
 
 
 if __name__ == "__main__":

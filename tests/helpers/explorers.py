@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from starlette.types import ASGIApp
 
+    from vibro.explore.state import State
+
 PORT = 8765
 HOST = f"127.0.0.1:{PORT}"
 TOKEN = "the-token"
@@ -86,7 +88,7 @@ def bearer(secret: str) -> dict[str, str]:
     return {"Authorization": f"Bearer {secret}"}
 
 
-def serve_explorer() -> tuple[str, threading.Event]:
+def serve_explorer(initial: State | None = None) -> tuple[str, threading.Event]:
     """Serve the explorer; return its first address, and what is set once that was used."""
     announced: Queue[tuple[str, threading.Event]] = Queue()
     reported: list[Exception] = []
@@ -95,5 +97,5 @@ def serve_explorer() -> tuple[str, threading.Event]:
         "announce": lambda url, port, begun: announced.put((url, begun)),
         "report": reported.append,
     }
-    threading.Thread(target=serve, args=(initial_state(),), kwargs=job, daemon=True).start()
+    threading.Thread(target=serve, args=(initial or initial_state(),), kwargs=job, daemon=True).start()
     return announced.get(timeout=60)

@@ -33,6 +33,26 @@ GIVEN_DRIVES = {
     "along_samples_mm = [0, 3, 4, 3, 0, -3, -4, -3]\n",
 }
 
+#: Scene file of a magnetic feeder with two kilogrammes in its trough.
+FEEDER = """[scene]
+frequency_hz = 50
+drive_angle_deg = 20
+static_friction = 0.35
+kinetic_friction = 0.28
+trough_length_mm = 800
+
+[machine]
+kind = "magnet"
+trough_mass_kg = 6
+counter_mass_kg = 12
+natural_hz = 55.6
+damping_ratio = 0.015
+calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }
+voltage_percent = "90:110"
+filling_kg = 2
+pack = [{ name = "6 leaves", natural_hz = 55.6 }, { name = "4 & a half", natural_hz = 47.6 }]
+"""
+
 
 def unpacked(content: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Read a binary answer; every array begins where JavaScript can make one."""

@@ -268,6 +268,14 @@ def answer_one(
     InputError, FileError
         If the files cannot be written.
     """
+    if grid.machine is not None:
+        from vibro.sweeps.machine_facts import machine_warnings
+        from vibro.sweeps.machines import check_operating
+
+        values = grid.values()
+        check_operating(grid.machine, values)
+        for text in machine_warnings(grid.machine, values):
+            Console(quiet=options.quiet).warn(text)
     blocks: list[Block] = []
     if options.output is None:
         blocks += sweep_blocks(grid)

@@ -180,7 +180,13 @@ def map_command(
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question(request, options)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
-    usual = columns_of(grid.axes, *throughput_of(part), drive=grid.drive, made_with=grid.made_with)
+    usual = columns_of(
+        grid.axes,
+        *throughput_of(part),
+        drive=grid.drive,
+        made_with=grid.made_with,
+        machine=grid.machine is not None,
+    )
     written = table_of(
         usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part
     )

@@ -16,7 +16,7 @@ from vibro.cli.completion import complete_formats
 from vibro.core.codes import Level
 from vibro.errors import InputError, cut, shown
 from vibro.output.names import PICTURE_FORMATS
-from vibro.quantities import DRIVES, QUANTITIES
+from vibro.quantities import DRIVES, MACHINE, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -134,6 +134,15 @@ class Options:
         typer.Argument(metavar="SCENE.toml", help="A scene file; options override it.", show_default=False),
     ] = None
     given: Mapping[str, str] = field(default_factory=dict)
+    pack: Annotated[
+        str | None,
+        typer.Option(
+            "--pack",
+            metavar="NAME",
+            help="Spring pack that is fitted: a name from [[machine.pack]] of the scene file.",
+            show_default=False,
+        ),
+    ] = None
     output: OutputOption = None
     json: JsonOption = False
     excel: Annotated[bool, typer.Option("--excel", help="Begin CSV with a byte order mark.")] = False
@@ -191,12 +200,13 @@ def shares_options(
         Whose signature has a parameter for every shared option, as typer needs it.
     """
     annotations = get_type_hints(Options, include_extras=True)
-    refused = () if of_drive else ("stroke", "frequency", *DRIVES)
+    refused = () if of_drive else ("stroke", "frequency", *DRIVES, *MACHINE)
     quantities = [
         name for name, quantity in QUANTITIES.items() if of_scene and quantity.options and name not in refused
     ]
     left_out = {
         *([] if of_scene else ["scene"]),
+        *([] if of_scene and of_drive else ["pack"]),
         *([] if of_answer else _OF_ANSWER),
         *([] if of_table else _OF_TABLE),
     }

@@ -82,7 +82,8 @@ def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, floa
     from vibro.sweeps.request import RANGES
     from vibro.sweeps.run import sweep_blocks
 
-    request = request_of(options, argv)
+    why = "a printed report of a machine is not made; vibro drive has its set-up sheet"
+    request = request_of(options, argv, without_machine=why)
     question(request, options)
     swept = request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
     grid = make_grid(request)
@@ -93,7 +94,9 @@ def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, floa
         with console.progress("drawing", None):
             html = page_html(scene_page(SceneReport(request, swept, given, part, grid, block, command)))
         more = (*throughput_of(part), WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
-        result = next(records(Table(columns_of((), *more, drive=grid.drive)), block))
+        result = next(
+            records(Table(columns_of((), *more, drive=grid.drive, machine=grid.machine is not None)), block)
+        )
         motion = {} if request.motion is None else {"motion": dict(request.motion.table)}
         write(html, {"scene": {**scene_record(request), **motion}, "part": dict(part), "result": result})
     return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE

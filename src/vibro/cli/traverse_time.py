@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,6 +13,7 @@ from vibro.cli.tables import ColumnsOption, DigitsOption, refuse_without_table, 
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
+    from vibro.sweeps.grid import Grid
     from vibro.sweeps.one_scene import OneScene
 
 __all__ = ["traverse_time_command"]
@@ -55,17 +57,19 @@ def traverse_time_command(
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     console = Console(quiet=options.quiet)
     grid = make_grid(request, console, flight=flight, arrivals=follows)
-    usual = columns_of(grid.axes, *extra, drive=grid.drive, made_with=grid.made_with)
+    usual = columns_of(
+        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+    )
     table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
     if not request.varying:
         refuse_without_table(options, columns, digits)
-        return answer_one(grid, table, options, context.obj, name, _report)
+        return answer_one(grid, table, options, context.obj, name, partial(_report, grid=grid))
     return answer_sweep(grid, table, options, context.obj, console, name)
 
 
-def _report(scene: OneScene) -> str:
+def _report(scene: OneScene, grid: Grid) -> str:
     from vibro.cli.report import aligned
-    from vibro.sweeps.one_scene import estimate, number
+    from vibro.sweeps.one_scene import estimate, machine_lines, number
 
     steady = scene.traverse_time
     if steady is None:
@@ -74,7 +78,13 @@ def _report(scene: OneScene) -> str:
         error, frequency = steady * scene.relative_error, scene.given["frequency"]
         answer = f"{estimate(steady, error, 's')} over {number(scene.length, 'mm')}"
         strokes = [("strokes", estimate(steady * frequency, error * frequency))]
-    rows = [("traverse time", answer), *_exactly(scene, steady), *scene.facts(), *strokes]
+    rows = [
+        ("traverse time", answer),
+        *_exactly(scene, steady),
+        *machine_lines(scene, grid),
+        *scene.facts(),
+        *strokes,
+    ]
     return aligned(rows, right=False)
 
 

@@ -98,9 +98,11 @@ class Answers:
         cells are those of the page's map, solved in turns: if the client leaves, the rest is not.
         """
         grid = state.grid()
-        values = grid.values()
-        found = certain_of(state, scene_of(values))
-        columns = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
+        kept = self._kept(state)
+        found = certain_of(state, scene_of(kept.cells(0.0).shown.values)) if state.bands else None
+        columns = columns_of(
+            grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+        )
         if found is not None:
             axes = [
                 column for column in columns if column.name in {axis.column for axis in grid.axes.values()}
@@ -114,10 +116,9 @@ class Answers:
             )
         form = CsvFormat(decimal_comma=decimal_comma)
         yield form.header(columns).encode()
-        kept = self._kept(state)
         while not (shown := kept.cells(_TURN).shown).exact.all():
             yield b""
-        yield form.rows(columns, Block(values, shown.cycle, grid.length)).encode()
+        yield form.rows(columns, Block(shown.values, shown.cycle, grid.length)).encode()
 
     def _kept(self, state: State) -> _Kept:
         """Return the cells of a state's map, partly solved if it was asked for before."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from vibro.core.codes import Regime
 from vibro.inverse.certain import Certain, certain
 from vibro.inverse.guarantees import guarantee
-from vibro.quantities import scene_fields
+from vibro.quantities import LENGTH, MACHINE, scene_fields
 from vibro.scene import Scene
 from vibro.sweeps.one_scene import number
 
@@ -107,9 +107,13 @@ def guaranteed_text(state: State) -> tuple[str, bool]:
 def searched_text(state: State) -> str:
     """Search for the guaranteed speeds at the operating point, and describe them; takes up to seconds."""
     static, second, is_ratio = box_of(state)
-    found = certain_of(state, state.point.scene())
+    scene = state.point.scene()
+    found = certain_of(state, scene)
     regimes = [] if found is None else [_regimes(found)]
-    return ", ".join([*regimes, _searched(tuple(state.point.fixed.items()), static, second, is_ratio)])
+    fixed = {name: value for name, value in state.point.fixed.items() if name not in MACHINE}
+    if state.point.machine is not None:
+        fixed["amplitude"] = LENGTH.from_si(scene.amplitude)
+    return ", ".join([*regimes, _searched(tuple(fixed.items()), static, second, is_ratio)])
 
 
 def _regimes(found: Certain) -> str:

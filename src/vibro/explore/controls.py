@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vibro.quantities import DRIVES as OF_DRIVES
@@ -10,9 +12,12 @@ from vibro.quantities import LINEAR, MACHINE, QUANTITIES, SCALE, SWEPT
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
+    from vibro.files.machines import GivenMachine
+
 __all__ = [
     "BANDS",
     "CONTROLS",
+    "DRIVEN",
     "DRIVES",
     "GIVEN",
     "PRESETS",
@@ -22,6 +27,8 @@ __all__ = [
     "drive_named",
     "drives_of",
     "given_drive",
+    "is_weighed",
+    "machine_drive",
 ]
 
 
@@ -35,12 +42,13 @@ class Control(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """A kind of drive: the quantities that describe it, and the default axes of its map."""
+    """A kind of drive: the quantities that describe it, the default axes of its map, sliders of its own."""
 
     label: str
     quantities: tuple[str, ...]
     x: str
     y: str
+    controls: Mapping[str, Control] = MappingProxyType({})
 
 
 class Preset(NamedTuple):
@@ -63,9 +71,15 @@ DRIVES: Final = {
 
 #: Name of a further drive: that of a scene which none of these can hold (``given_drive``).
 GIVEN: Final = "given"
+#: Name of a further drive: the machine of a scene, from which the amplitude follows (``machine_drive``).
+DRIVEN: Final = "machine"
 
 #: Sliders by quantity, in the order of the page.
 CONTROLS: Final = {
+    "setting": Control(1.0, 100.0, 0.5, "10:100"),
+    "voltage": Control(70.0, 120.0, 0.5, "80:110"),
+    "filling": Control(0.0, 10.0, 0.01, "0:5"),
+    "natural": Control(1.0, 120.0, 0.1, "5:100"),
     "amplitude": Control(0.01, 5.0, 0.005, "0.1:3"),
     "along_amplitude": Control(0.0, 5.0, 0.01, "0.1:3"),
     "normal_amplitude": Control(0.0, 2.0, 0.005, "0:1"),
@@ -86,7 +100,7 @@ CONTROLS: Final = {
     "trough_length": Control(50.0, 5000.0, 10.0),
     "gravity": Control(1.0, 20.0, 0.01),
 }
-assert {*SWEPT} - {*MACHINE} <= set(CONTROLS) <= set(QUANTITIES)
+assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
 
 #: Quantities that may be given as bands.
 BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
@@ -189,7 +203,41 @@ def given_drive(quantities: Collection[str], varying: Collection[str]) -> Drive:
     )
 
 
+def machine_drive(machine: GivenMachine, values: Mapping[str, float]) -> Drive:
+    """Return the drive of a machine.
+
+    Parameters
+    ----------
+    machine : GivenMachine
+        Of a scene.
+    values : mapping of str to float
+        Quantities of the scene in the units outside, to either side of which sliders and axes reach.
+    """
+    tuned = [values[name] for name in ("frequency", "natural") if name in values]
+    around = _control(0.5 * min(tuned), 1.5 * max(tuned), 0.1, 1.5 * max(tuned))
+    controls = {"frequency": around, "natural": around}
+    mass = machine.machine.trough_mass
+    if math.isfinite(mass):
+        controls["filling"] = _control(0.0, mass, 0.001 * mass, 0.5 * mass)
+    knobs = [name for name in MACHINE if machine.takes(name)]
+    quantities = tuple(name for name in CONTROLS if name in (*knobs, "drive_angle"))
+    return Drive("by the scene's machine", quantities, "frequency", "filling", controls)
+
+
+def is_weighed(machine: GivenMachine | None, axes: Collection[str], fixed: Mapping[str, float]) -> bool:
+    """Whether amplitudes depend on what the solver finds that a filling weighs, and so on friction."""
+    if machine is None or machine.share is not None:
+        return False
+    return "filling" in axes or fixed["filling"] > 0.0
+
+
+def _control(low: float, high: float, step: float, last: float) -> Control:
+    """Return a slider with round numbers, and an axis from its lower end to ``last``."""
+    low, high, last = (float(f"{end:.3g}") for end in (low, high, last))
+    return Control(low, high, float(f"{step:.1g}"), f"{low:g}:{last:g}")
+
+
 def drives_of(quantity: str, drives: Mapping[str, Drive]) -> list[str]:
     """Name those of some drives that have a quantity."""
-    is_of_all = quantity not in (*OF_DRIVES, "normal_acceleration")
+    is_of_all = quantity not in (*OF_DRIVES, *MACHINE, "normal_acceleration")
     return [name for name, drive in drives.items() if is_of_all or quantity in drive.quantities]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlencode
 
-from vibro.explore.controls import BANDS, CONTROLS, PRESETS, VIEWS, drives_of
+from vibro.explore.controls import BANDS, CONTROLS, DRIVEN, PRESETS, VIEWS, drives_of
 from vibro.explore.markup import Html, tag
+from vibro.explore.state import number_text
 from vibro.explore.words import symbol_of, unit_of
-from vibro.quantities import LEAST_SPEED, QUANTITIES, SWEPT
+from vibro.quantities import LEAST_SPEED, MACHINE, QUANTITIES, SWEPT
 
 if TYPE_CHECKING:
     from vibro.explore.state import State
@@ -28,6 +29,8 @@ def form_html(initial: State) -> str:
         if name != "friction_ratio" and drives_of(name, drives)
     }
     frictions = [rows.pop("static_friction"), rows.pop("kinetic_friction")]
+    of_machine = [rows.pop(name) for name in MACHINE if name in rows]
+    of_machine[-1:-1] = _packs(initial)
     of_drive = {"frequency", *(name for drive in drives.values() for name in drive.quantities)}
     return "\n".join(
         [
@@ -45,6 +48,7 @@ def form_html(initial: State) -> str:
                 _pair("drive", "Motion", _select("drive", _drives(initial))),
                 *(row for name, row in rows.items() if name in of_drive),
             ),
+            *([_fieldset("Machine", *of_machine, data_drives=DRIVEN)] if of_machine else []),
             _fieldset(
                 "Friction",
                 *frictions,
@@ -63,8 +67,8 @@ def form_html(initial: State) -> str:
     )
 
 
-def _fieldset(legend: str, *rows: str) -> Html:
-    return tag("fieldset", tag("legend", legend), *rows)
+def _fieldset(legend: str, *rows: str, **attributes: object) -> Html:
+    return tag("fieldset", tag("legend", legend), *rows, **attributes)
 
 
 def _input(key: str, **attributes: object) -> Html:
@@ -97,6 +101,19 @@ def _drives(initial: State) -> list[Html]:
         _option(name, drive.label, data_patch=urlencode({**_NO_AXES, **_NO_BANDS, "drive": name}))
         for name, drive in initial.drives.items()
     ]
+
+
+def _packs(initial: State) -> list[Html]:
+    """Write the choice of a spring pack, which sets its natural frequency; none without packs."""
+    machine, column = initial.file.machine, QUANTITIES["natural"].column
+    packs = [
+        _option(name, name, data_patch=urlencode({column: number_text(natural)}))
+        for name, natural in (machine.packs if machine else {}).items()
+    ]
+    if not packs:
+        return []
+    other = _option("", "another one", data_patch="")
+    return [_pair("pack", "Spring pack", _select("pack", [*packs, other]))]
 
 
 def _note(key: str) -> Html:
@@ -147,7 +164,8 @@ def _axis(key: str, name: str, label: str, initial: State) -> Html:
 
 
 def _slider(key: str, name: str, label: str, initial: State, **attributes: object) -> Html:
-    low, high, step, _ = CONTROLS[name]
+    own = initial.drives[initial.texts["drive"]].controls
+    low, high, step, _ = own.get(name, CONTROLS[name])
     value = float(initial.texts.get(QUANTITIES[name].column) or low)
     if not low <= value <= high:
         allowed = QUANTITIES[name].allowed

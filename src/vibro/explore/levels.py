@@ -2,9 +2,10 @@
 
 Contact takes a few milliseconds a map. A flight takes 13 to 50 us where bodies do not bounce, and a
 millisecond or more where they do; on drives beyond one harmonic contact takes 10 to 500 us a cell too, the
-more, the more pieces they have. These cells come one lattice after the other, each with half the spacing, and
-show a solved neighbour meanwhile. Over amplitude and frequency everything depends on the load G alone, up to
-the scales of length and time: there a line of loads shows the whole map before.
+more, the more pieces they have; and the amplitude of a machine takes 100 to 300 us where the weight of a
+filling is to be found. These cells come one lattice after the other, each with half the spacing, and show a
+solved neighbour meanwhile. Over amplitude and frequency everything depends on the load G alone, up to the
+scales of length and time: there a line of loads shows the whole map before.
 """
 
 from __future__ import annotations
@@ -16,16 +17,18 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Status
+from vibro.core.codes import Regime, Status
 from vibro.core.hopping import MOST_THROW
 from vibro.drives import Ability
+from vibro.explore.controls import is_weighed
+from vibro.explore.previews import foreseen
 from vibro.limits import CriticalLoads
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.run import limits_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -47,6 +50,8 @@ _SPACINGS: Final = (16, 8, 4, 2, 1)  # of the lattices [cells]
 _LIMIT_ROWS: Final = 15  # of a map whose critical loads are found at once, which takes 40 us a cell
 _FIRST_CELLS: Final = 64  # solved first, to measure how long they take
 _TURN: Final = 0.25  # [s] that solving so many at once may take: of few, each takes ten times as long
+
+_ANY_AMPLITUDE: Final = {"amplitude": np.ones((1, 1))}
 
 # How results of bodies with the same load scale with amplitude and frequency; other results do not change.
 _WITH_AMPLITUDE: Final = ("displacement_per_cycle",)
@@ -73,6 +78,8 @@ class Shown(NamedTuple):
         Exact share of the slow cells.
     text : str
         Description of the others.
+    values : mapping of str to array
+        Quantities of the cells, as of ``Grid.values``; an amplitude that is not found yet is the neighbour's.
     """
 
     cycle: SteadyCycle
@@ -82,6 +89,7 @@ class Shown(NamedTuple):
     is_done: bool
     share: float
     text: str
+    values: Mapping[str, Floats]
 
 
 class MapCells:
@@ -108,10 +116,14 @@ class MapCells:
         self._grid = grid
         self._limits: CriticalLoads | None = None
         self._limit_rows: list[CriticalLoads] = []
-        values = grid.values()
+        self._is_weighed = is_weighed(grid.machine, grid.axes, grid.fixed)
+        self._given = replace(grid, machine=None).values() if self._is_weighed else grid.values()
+        self._found: dict[str, NDArray[Any]] = {}  # of a machine, cell by cell
+        # Critical loads do not depend on the amplitude.
+        values = {**self._given, **_ANY_AMPLITUDE} if self._is_weighed else self._given
         scene = scene_of(values)
         drive = scene.arrays()
-        self._is_quick = drive.can(Ability.ONE_HARMONIC)  # where bodies do not hop
+        self._is_quick = drive.can(Ability.ONE_HARMONIC) and not self._is_weighed  # where bodies do not hop
         if self._is_quick:
             self._solved = replace(grid, flight=False).solve(values)
             waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
@@ -129,6 +141,7 @@ class MapCells:
         self._has_limits = drive.can(Ability.PROOF) or not self._is_quick
         if self._has_limits:
             self._limits = limits_of(values)
+        self._preview: tuple[int, dict[str, NDArray[Any]], SteadyCycle] | None = None
         self._turn = _Turn()
         if not self._is_quick:
             end = time.perf_counter() + patience
@@ -149,6 +162,8 @@ class MapCells:
         share = self._done / self._waiting.size if self._waiting.size else 1.0
         if not self._has_limits:
             return share, "boundaries of back slip: a preview"
+        if self._is_weighed:
+            return share, f"{share:.0%} exact, of the rest the filling's weight is interpolated"
         if self._line is None or not self._line.is_known:
             slow = "hopping: " if self._is_quick else ""
             return share, f"{slow}{share:.0%} exact, the rest from neighbours or to come"
@@ -193,7 +208,11 @@ class MapCells:
     def _solve_more(self, count: int) -> int:
         """Solve up to so many further cells; return the number solved."""
         cells = self._waiting[self._done : self._done + count]
-        found = self._grid.solve(self._grid.picked(cells))
+        values = self._grid.picked(cells)
+        found = self._grid.solve(values)
+        for name in values.keys() - self._given.keys() if self._is_weighed else ():
+            nothing = np.zeros(self._grid.shape, values[name].dtype)
+            self._found.setdefault(name, nothing).reshape(-1)[cells] = values[name]
         for name, values in found.arrays().items():
             getattr(self._solved, name).reshape(-1)[cells] = values
         self._solved.long_patterns.update(found.long_patterns)
@@ -205,6 +224,7 @@ class MapCells:
         """Let cells that are not solved show the nearest solved ones."""
         cycle, exact = self._solved, self._exact.copy()
         known = np.ones(exact.shape, np.bool_)
+        told = self._found
         if not self._is_solved:
             cells = {name: values.copy() for name, values in cycle.arrays().items()}
             if self._line is not None and self._line.is_known:
@@ -213,11 +233,44 @@ class MapCells:
             else:
                 source = self._neighbours()
                 far = ~exact & (source >= 0)
-                known = exact | far
+                if self._is_weighed:
+                    told, far, known = self._foresee(cells, far, source)
+                else:
+                    known = exact | far
                 for values in cells.values():
                     values[far] = values.reshape(-1)[source[far]]
             cycle = replace(cycle, **cells)
-        self.shown = Shown(cycle, exact, known, self._limits, self.is_done, *self._progress())
+        numbers = {**self._given, **told}
+        self.shown = Shown(cycle, exact, known, self._limits, self.is_done, *self._progress(), numbers)
+
+    def _foresee(
+        self, cells: dict[str, NDArray[Any]], far: NDArray[np.bool_], source: Indices
+    ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_], NDArray[np.bool_]]:
+        """Fill in cells of a machine with a filling that are not solved yet.
+
+        Returns
+        -------
+        dict of str to array
+            What the machine adds to all cells.
+        bool array
+            Which cells hop, and have no numbers but those of a solved neighbour that hops too.
+        bool array
+            Which cells have numbers then.
+        """
+        shape = self._exact.shape
+        spacing = next(s for s in _SPACINGS[::-1] if math.prod(-(-n // s) for n in shape) <= self._done)
+        if self._preview is None or self._preview[0] != spacing:
+            self._preview = spacing, *foreseen(self._grid, self._given, self._found, spacing)
+        _, added, cycle = self._preview
+        told = {name: values.copy() for name, values in added.items()}
+        for name, values in told.items():
+            values[self._exact] = self._found[name][self._exact]
+        near = cells["regime"].reshape(-1)[source]
+        for name, values in cells.items():
+            values[~self._exact] = getattr(cycle, name)[~self._exact]
+        hops = far & (cycle.status == int(Status.FLIGHT_NOT_MODELLED))
+        borrowed = hops & (near == Regime.HOPPING)
+        return told, borrowed, ~hops | borrowed
 
     def _neighbours(self) -> Indices:
         """Return for every cell the solved one, of those that waited, in the corner of its square; or -1."""

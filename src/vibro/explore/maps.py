@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of, extreme_frictions, is_outside
-from vibro.explore.controls import VIEWS
+from vibro.explore.controls import VIEWS, is_weighed
 from vibro.explore.looks import HATCHES, STRIPES, curve_look, looks_of
 from vibro.explore.packing import pack
 from vibro.explore.words import caption_of, round_numbers, symbol_of, ticks_of, unit_of
@@ -65,7 +65,8 @@ def packed_map(state: State, cells: Shown) -> bytes:
         As ``pack`` makes them. Arrays of cells have the shape (y, x), the lowest row first:
         ``values`` of the view unless that is of regimes, ``regime``, ``status``, -1 where not known yet,
         ``faces``, ``others`` and ``marks`` as ``looks_of`` chooses them, with bands ``lowest`` and
-        ``highest`` regime, without ``speed`` [mm/s] unless ``values`` are that;
+        ``highest`` regime, without ``speed`` [mm/s] unless ``values`` are that; of a machine the
+        ``amplitude`` [mm] that it reaches;
         ``points`` of the curves, one after the other, are shares of the axes; NaN ends every piece.
     """
     drawn = _Drawn(state, cells)
@@ -90,6 +91,8 @@ def packed_map(state: State, cells: Shown) -> bytes:
         arrays |= {"lowest": lowest, "highest": highest}
     elif state.view != "speed":
         arrays["speed"] = _single(_MILLIMETRE * cycle["mean_velocity"])
+    if drawn.amplitude is not None:
+        arrays["amplitude"] = _single(drawn.amplitude)
     gap = np.full((1, 2), np.nan)
     points = [part for _, _, lines in curves for line in lines for part in (drawn.shares(line), gap)]
     arrays["points"] = _single(np.concatenate(points) if points else np.empty((0, 2)))
@@ -125,22 +128,29 @@ class _Drawn:
         Guarantees for all bodies in the bands of friction, if any.
     known : bool array
         Whether each cell has a result.
+    amplitude : array or None
+        Of a machine, found for each cell [mm].
     numbers : array or None
         Numbers of the view, in the units outside; NaN if unknown.
     """
 
     def __init__(self, state: State, cells: Shown) -> None:
         grid = state.grid()
-        values = grid.values()
+        values = cells.values
         length, title = grid.length, state.point.name or ""
-        solved = SweepResult(grid.axes, grid.fixed, cells.cycle, cells.limits, length, None, title)
+        amplitude = None if grid.machine is None else np.broadcast_to(values["amplitude"], grid.shape)
+        solved = SweepResult(
+            grid.axes, grid.fixed, cells.cycle, cells.limits, length, None, title, amplitude=amplitude
+        )
         view = choose_view(grid.axes, state.x.quantity.name, state.y.quantity.name, None, grid.fixed)
         assert view.y is not None
         self._state, self.y = state, view.y
+        self._is_weighed = is_weighed(grid.machine, grid.axes, grid.fixed)
         self.panel = panels(solved, view)[0][0]
         self.cycle: dict[str, NDArray[Any]] = dict(self.panel.cycle)
         self._fields = Fields(self.panel)
         self._values, self._is_turned = values, next(iter(grid.axes)) == view.x.name
+        self.amplitude = amplitude if amplitude is None or not self._is_turned else amplitude.T
         self.known, self._exact = (x.T if self._is_turned else x for x in (cells.known, cells.exact))
         found = certain_of(state, scene_of(values))
         self.certain = found
@@ -162,7 +172,7 @@ class _Drawn:
 
     def progress_text(self, cells: Shown) -> str:
         """List what is not exact yet: numbers, and regimes where critical loads are not known, or not yet."""
-        is_exact = self._state.view == "regime" and cells.limits is not None
+        is_exact = self._state.view == "regime" and cells.limits is not None and not self._is_weighed
         return "" if is_exact else cells.text
 
     @property

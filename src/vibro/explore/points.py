@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import json
 import shlex
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.explore.bands import bands_if, guaranteed_text
+from vibro.explore.controls import DRIVEN, GIVEN
 from vibro.explore.markup import tag
 from vibro.explore.state import HEIGHT, WIDTH, number_text
 from vibro.files.motions import harmonic_lists
 from vibro.plots.style import REGIME_COLOURS
-from vibro.quantities import DEFAULTS, QUANTITIES
+from vibro.quantities import DEFAULTS, MACHINE, QUANTITIES
 from vibro.sweeps.grid import Grid
+from vibro.sweeps.machine_facts import machine_warnings
+from vibro.sweeps.machines import check_operating
 from vibro.sweeps.one_scene import OneScene, beginnings, estimate, facts_of, phase_rows
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from vibro.explore.state import State
 
 __all__ = ["command_of", "point_of", "scene_text"]
 
 _APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
 _SAVED: Final = "scene.toml"  # as the page calls it
-_IN_FILE: Final = f"The motion has no options: the command reads the scene file, saved as {_SAVED}."
+_IN_FILE: Final = {
+    GIVEN: f"The motion has no options: the command reads the scene file, saved as {_SAVED}.",
+    DRIVEN: f"The machine has no options: the command reads the scene file, saved as {_SAVED}.",
+}
 
 
 def point_of(state: State) -> dict[str, Any]:
@@ -39,13 +45,18 @@ def point_of(state: State) -> dict[str, Any]:
     -------
     dict
         JSON values: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
-        ``speed``; ``tables`` with what ``vibro solve`` prints, as HTML; ``guaranteed``, for all bodies in the
+        ``speed``; ``tables`` with what ``vibro solve`` prints and warns of, as HTML; ``guaranteed``, for all bodies in the
         bands, and whether their least speed is ``unproved``; ``bands``, with kinetic friction given by
         itself, and following static friction; ``command`` and ``toml``, which make the same map, and
         ``apart``, how their maps differ from it, or what the command needs.
     """
-    grid = Grid({}, state.point.fixed, state.point.length, motion=state.point.motion)
+    point = state.point
+    grid = Grid({}, point.fixed, point.length, motion=point.motion, machine=point.machine)
     (block,) = sweep_blocks(grid)
+    warnings = []
+    if grid.machine is not None:
+        check_operating(grid.machine, block.values)
+        warnings = machine_warnings(grid.machine, block.values)
     one = OneScene(block)
     facts = facts_of(one, grid)
     if state.point.length is not None:
@@ -60,14 +71,15 @@ def point_of(state: State) -> dict[str, Any]:
         "colour": REGIME_COLOURS.get(one.regime, "transparent"),
         "speed": speed,
         "regime": one.regime.label,
-        "tables": _table("What the body does", [(), *facts])
+        "tables": "".join(tag("p", f"Warning: {text}.", class_="warning") for text in warnings)
+        + _table("What the body does", [(), *facts])
         + _table("What begins when", beginnings(one))
         + _table("Phases of a steady cycle", phase_rows(one)),
         "guaranteed": guaranteed,
         "unproved": is_open,
         "bands": [bands_if(state, follows=follows) for follows in (False, True)],
         "command": command_of(state),
-        "apart": _IN_FILE if state.is_given else _APART if state.bands else "",
+        "apart": " ".join([*filter(None, (_IN_FILE.get(state.texts["drive"]), _APART * bool(state.bands)))]),
         "toml": scene_text(state),
     }
 
@@ -91,15 +103,45 @@ def scene_text(state: State) -> str:
     point = state.point.fixed | ({} if state.point.length is None else {"trough_length": state.point.length})
     lists, others = harmonic_lists(point) if state.is_given else ({}, point)
     scene = [f"{key} = [{', '.join(map(number_text, values))}]" for key, values in lists.items()]
-    scene += [f"{QUANTITIES[name].column} = {number_text(value)}" for name, value in others.items()]
+    scene += [
+        f"{QUANTITIES[name].column} = {number_text(value)}"
+        for name, value in others.items()
+        if name not in MACHINE
+    ]
+    moved = _moved_of_machine(state)
+    # Another spring pack stands here: a machine's own may be the one that it was calibrated with.
     swept = [
         f'{QUANTITIES[name].column} = "{text}"' if ":" in text else f"{QUANTITIES[name].column} = {text}"
         for name, text in given.items()
-        if ":" in text or name == "friction_ratio"
+        if ":" in text or name in ("friction_ratio", *moved.intersection(["natural"]))
     ]
     motion = state.point.motion.table if state.point.motion else {}
-    moved = ["[motion]", *(f"{key} = {value}" for key, value in motion.items()), ""] if motion else []
-    return "\n".join(["[scene]", *scene, "", *moved, "[map]", *swept, ""])
+    machine = dict(state.point.machine.table) if state.point.machine else {}
+    machine |= {QUANTITIES[name].column: point[name] for name in moved - {"natural"}}
+    tables = ["[scene]", *scene, ""]
+    for name, table in (("motion", motion), ("machine", machine)):
+        if table:
+            tables += [f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in table.items()), ""]
+    return "\n".join([*tables, "[map]", *swept, ""])
+
+
+def _moved_of_machine(state: State) -> set[str]:
+    """Name what has another value than the machine's table gives it."""
+    machine, values = state.point.machine, state.point.fixed
+    if machine is None:
+        return set()
+    return {name for name in MACHINE if name in values and values[name] != machine.own.get(name)}
+
+
+def _toml(value: object) -> str:
+    """Write a value of a scene file."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_toml(inner)}' for key, inner in value.items())} }}"
+    if isinstance(value, Sequence):
+        return f"[{', '.join(map(_toml, value))}]"
+    return str(value)
 
 
 def _given(state: State) -> dict[str, str]:

@@ -12,12 +12,15 @@ from vibro.errors import InputError, Problems, cut, shown
 from vibro.explore.controls import (
     BANDS,
     CONTROLS,
+    DRIVEN,
     DRIVES,
     GIVEN,
     VIEWS,
     drive_named,
     drives_of,
     given_drive,
+    is_weighed,
+    machine_drive,
 )
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
@@ -26,6 +29,7 @@ from vibro.quantities import (
     BY_COLUMN,
     DEFAULTS,
     LEAST_SPEED,
+    MACHINE,
     QUANTITIES,
     SCALE,
     SWEPT,
@@ -34,14 +38,14 @@ from vibro.quantities import (
     of_part,
 )
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.request import Request, gather
+from vibro.sweeps.request import RANGES, Request, gather
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from fractions import Fraction
 
     from vibro.axes import Axis
-    from vibro.explore.controls import Drive
+    from vibro.explore.controls import Control, Drive
     from vibro.quantities import Quantity
 
 __all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "number_text", "read_state"]
@@ -50,6 +54,7 @@ __all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "number_text", "read_sta
 WIDTH: Final = 200
 HEIGHT: Final = 150
 
+_OF_FILE: Final = (GIVEN, DRIVEN)
 _FINGERPRINT: Final = 8  # hexadecimal digits
 _AROUND: Final = 3.0  # factor between an operating point and the ends of an axis around it
 _MOST_CYCLES: Final = 20  # drive cycles of a history: more could not be told apart
@@ -60,7 +65,7 @@ _USUAL: Final = {
 }
 _OTHERS: Final = {
     "drive": "line",
-    "motion": "",  # of the drive GIVEN, to tell one scene file from another
+    "motion": "",  # of the drives GIVEN and DRIVEN, to tell one scene file from another
     "view": "regime",
     "x": "",
     "y": "",
@@ -110,7 +115,7 @@ class State:
     drives : mapping of str to Drive
         Those that can be chosen, by name.
     file : SceneFile
-        Name of the scene, and what the drive ``GIVEN`` has besides quantities with sliders.
+        Name of the scene, and what the drives ``GIVEN`` and ``DRIVEN`` have besides quantities with sliders.
     """
 
     texts: Mapping[str, str]
@@ -125,7 +130,7 @@ class State:
     @property
     def is_given(self) -> bool:
         """Whether the drive is that of the scene which ``file`` describes."""
-        return self.texts["drive"] == GIVEN
+        return self.texts["drive"] in _OF_FILE
 
     @property
     def view(self) -> str:
@@ -158,7 +163,7 @@ class State:
             del fixed["kinetic_friction"]
             fixed["friction_ratio"] = self.friction_ratio
         axes = {axis.name: axis for axis in map(drawn.get, SWEPT) if axis}
-        return Grid(axes, fixed, self.point.length, motion=self.point.motion)
+        return Grid(axes, fixed, self.point.length, motion=self.point.motion, machine=self.point.machine)
 
 
 def initial_state(request: Request | None = None) -> State:
@@ -177,10 +182,12 @@ def initial_state(request: Request | None = None) -> State:
     if not point.get("along_phase"):  # where phases are counted from
         point.pop("along_phase", None)
     names = [n for n in (*request.drive, "normal_acceleration") if n in {*point, *request.varying}]
-    drive = "" if request.motion else drive_named(names)
+    drive = DRIVEN if request.machine else "" if request.motion else drive_named(names)
     drives, file = DRIVES, SceneFile(request.name or "", {}, {})
     texts = {**_USUAL, **_OTHERS, "trough_length_mm": ""}
-    if drive:
+    if request.machine:
+        file = replace(file, machine=request.machine)
+    elif drive:
         texts |= {QUANTITIES[name].column: "0" for name in DRIVES[drive].quantities}  # unless it is given
     else:
         drive, drives = GIVEN, {**DRIVES, GIVEN: given_drive(names, varying=request.varying)}
@@ -196,6 +203,8 @@ def initial_state(request: Request | None = None) -> State:
         mu_d = float(kinetic_friction(point.pop("friction_ratio"), point["static_friction"]))
         own = request.own if "friction_ratio" in request.varying else {}
         point["kinetic_friction"] = own.get("kinetic_friction", mu_d)
+    if request.machine:
+        drives = {DRIVEN: machine_drive(request.machine, point), **DRIVES}
     texts |= {QUANTITIES[name].column: number_text(value) for name, value in point.items()}
     drawn = [name for name in request.varying if name in CONTROLS]
     if "frequency" in drawn and drawn[0] in AMPLITUDES:  # as pictures have it
@@ -203,7 +212,9 @@ def initial_state(request: Request | None = None) -> State:
     for key, name in zip("xy", drawn, strict=False):
         spec = request.specs[name]
         texts[key] = QUANTITIES[name].column
-        texts[f"{key}_range"] = _range_text(spec)
+        # Where nobody gave a range, that of the machine's slider is nearer to its resonance.
+        is_usual = request.machine is not None and _range_text(spec) == RANGES.get(name)
+        texts[f"{key}_range"] = "" if is_usual else _range_text(spec)
     if len(drawn) == 1:
         texts["y"] = next(QUANTITIES[n].column for n in (drives[drive].y, drives[drive].x) if n != drawn[0])
     return _state(texts, drives, file)
@@ -247,11 +258,12 @@ def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) 
         said = shown(texts["cycles"])
         wrong.add(f"cycles = {said}: must be a whole number from 1 to {_MOST_CYCLES}", field="cycles")
     wrong.settle()
-    is_given = texts["drive"] == GIVEN
+    is_given = texts["drive"] in _OF_FILE
     motion = _fingerprint(file) if is_given else ""
     if is_given and texts["motion"] not in ("", motion):
         hint = "start vibro explore with the scene file of the link"
-        wrong.add("the link is of another motion than that of the scene", hint, "drive")
+        what = "machine" if texts["drive"] == DRIVEN else "motion"
+        wrong.add(f"the link is of another {what} than that of the scene", hint, "drive")
     drive = drives[texts["drive"]]
     names = [name for name in CONTROLS if texts["drive"] in drives_of(name, drives)]
     shown_names = [name for name in names if name != "friction_ratio"]
@@ -259,7 +271,7 @@ def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) 
     axes = {}
     for key, usual, count in (("x", drive.x, WIDTH), ("y", drive.y, HEIGHT)):
         with wrong.taken(field=f"{key}_range"):
-            axes[key] = _axis(key, usual, count, texts, [n for n in SWEPT if n in names], point.fixed)
+            axes[key] = _axis(key, usual, count, texts, [n for n in SWEPT if n in names], point.fixed, drive)
     wrong.settle()
     x, y = axes["x"], axes["y"]
     drawn = {axis.quantity.name for axis in (x, y)}
@@ -268,10 +280,11 @@ def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) 
     elif {"friction_ratio", "kinetic_friction"} == drawn:
         wrong.add("friction ratio and kinetic friction stand for the same", "choose one of them", "y")
     bands = {}
+    weighed = is_weighed(point.machine, drawn, point.fixed)
     for name in BANDS:
         if text := texts[f"{name}_band"]:
             with wrong.taken(field=f"{name}_band"):
-                bands[name] = _band(name, text, texts["drive"], drawn)
+                bands[name] = _band(name, text, texts["drive"], drawn, of_filling=weighed)
     if {"kinetic_friction", "friction_ratio"} <= bands.keys():
         wrong.add("kinetic friction has a band too", "leave one of them out", "friction_ratio_band")
     static, kinetic = (
@@ -308,6 +321,9 @@ def _fingerprint(file: SceneFile) -> str:
     """Return a short text that differs where another drive is given."""
     table = file.motion and file.motion.table
     told = repr(({name: float(spec.value) for name, spec in file.scene.items()}, table))
+    if file.machine is not None:  # but for its knobs
+        knobs = {QUANTITIES[name].column for name in MACHINE if name != "natural"}
+        told += repr({key: value for key, value in file.machine.table.items() if key not in knobs})
     return hashlib.sha256(told.encode()).hexdigest()[:_FINGERPRINT]
 
 
@@ -324,7 +340,13 @@ def _point(texts: Mapping[str, str], names: list[str], file: SceneFile) -> Reque
 
 
 def _axis(
-    key: str, usual: str, count: int, texts: Mapping[str, str], names: list[str], point: Mapping[str, float]
+    key: str,
+    usual: str,
+    count: int,
+    texts: Mapping[str, str],
+    names: list[str],
+    point: Mapping[str, float],
+    drive: Drive,
 ) -> AxisSpec:
     """Read an axis of the map; an InputError says what is wrong with its range, or names another field."""
     column, text = texts[key], texts[f"{key}_range"]
@@ -332,7 +354,8 @@ def _axis(
     if quantity is None or quantity.name not in names:
         hint = f"choose from {', '.join(QUANTITIES[name].column for name in names)}"
         raise InputError(f"{key} = {shown(column)}: no axis of this drive", hint=hint, fields=[key])
-    spec = parse_axis(text or _usual_range(quantity, point.get(quantity.name, math.nan)), quantity)
+    control = drive.controls.get(quantity.name, CONTROLS[quantity.name])
+    spec = parse_axis(text or _usual_range(quantity, control, point.get(quantity.name, math.nan)), quantity)
     if not spec.is_range or spec.count is not None:
         raise InputError(f"{quantity.label} = {cut(text)}: must be a range", hint="write it like 0.1:3")
     quantity = of_part(quantity, is_clamped="normal_acceleration" in point)
@@ -342,21 +365,24 @@ def _axis(
     return spec
 
 
-def _usual_range(quantity: Quantity, value: float) -> str:
+def _usual_range(quantity: Quantity, control: Control, value: float) -> str:
     """Return the range of a newly chosen axis; where it misses the operating point, one around that."""
-    text = CONTROLS[quantity.name].axis
+    text = control.axis
     low, high = map(float, text.split(":"))
     if not math.isinf(quantity.allowed.high) or not (0.0 < value < low or value > high):
         return text
     return f"{value / _AROUND:.3g}:{value * _AROUND:.3g}"
 
 
-def _band(name: str, text: str, drive: str, drawn: set[str]) -> tuple[float, float]:
+def _band(name: str, text: str, drive: str, drawn: set[str], *, of_filling: bool) -> tuple[float, float]:
     """Read the band of a friction."""
     quantity = QUANTITIES[name]
-    if drive != "line":
+    if drive not in ("line", DRIVEN):
         said = "bands of friction are known of drives along a line alone"
         raise InputError(said, hint="take a drive along a line")
+    if of_filling:
+        said = "what a filling weighs depends on its friction: no band of it is known beside a filling"
+        raise InputError(said, hint="set the filling to 0, or give added_mass_share in [machine]")
     if drawn & {*BANDS}:
         hint = "choose other axes, or leave the band out"
         raise InputError("a friction that is drawn over has no band", hint=hint)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import FileError, InputError, SceneError, cut, did_you_mean, shown
-from vibro.files.descriptions import KINDS
+from vibro.errors import FileError, InputError, cut, did_you_mean, shown
+from vibro.files.descriptions import KINDS, MACHINE_KEYS
 from vibro.files.nearby import suggestion
 from vibro.quantities import MACHINE, QUANTITIES, exact_number, nearest_double
 
@@ -19,11 +19,12 @@ if TYPE_CHECKING:
 
     from vibro.machines.machine import Machine
 
-__all__ = ["GivenMachine", "given_machine", "read_points"]
+__all__ = ["GivenMachine", "given_machine", "machine_of", "read_points"]
 
 Points = list[tuple[float, float]]
 
-_COMMON: Final = ("kind", "filling_kg", "added_mass_share", "added_damping_share")
+_ENTRIES: Final = {entry.key: entry for entry in MACHINE_KEYS}
+_COMMON: Final = ("kind", "setting_percent", "filling_kg", "added_mass_share", "added_damping_share")
 _MOMENTS: Final = (
     "static_moment_kg_mm", "working_moment_kg_cm", "working_moment_is", "centrifugal_force_n", "at_hz",
     "at_rpm", "motors",
@@ -31,17 +32,17 @@ _MOMENTS: Final = (
 _SPRINGS: Final = ("natural_hz", "pack", "damping_ratio")
 # Keys of each kind, besides those of all.
 _KEYS: Final[Mapping[str, tuple[str, ...]]] = {
-    "unbalance": ("vibrating_mass_kg", *_MOMENTS, "mount_hz", "damping_ratio", "setting_percent"),
+    "unbalance": ("vibrating_mass_kg", *_MOMENTS, "mount_hz", "damping_ratio"),
     "magnet": (
         "trough_mass_kg", "counter_mass_kg", *_SPRINGS, "force_n", "calibration", "voltage_exponent",
-        "base_stiffness_n_m", "gap_mm", "setting_percent", "voltage_percent",
+        "base_stiffness_n_m", "gap_mm", "voltage_percent",
     ),
     "exciter": (
-        "trough_mass_kg", "counter_mass_kg", *_MOMENTS, *_SPRINGS, "base_stiffness_n_m", "setting_percent",
+        "trough_mass_kg", "counter_mass_kg", *_MOMENTS, *_SPRINGS, "base_stiffness_n_m",
     ),
     "crank": ("crank_radius_mm",),
     "rod": ("trough_mass_kg", "crank_radius_mm", "rod_stiffness_n_m", *_SPRINGS),
-    "measured": ("points", "trough_mass_kg", "counter_mass_kg", "law", "setting_percent"),
+    "measured": ("points", "trough_mass_kg", "counter_mass_kg", "law"),
 }  # fmt: skip
 # Those of them that must be given; a moment, a force and springs are looked at one by one.
 _NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
@@ -107,7 +108,7 @@ class GivenMachine:
 
     def takes(self, name: str) -> bool:
         """Whether a quantity of ``MACHINE`` has a meaning for this kind of machine."""
-        return name == "filling" or QUANTITIES[name].column in _KEYS[self.kind]
+        return QUANTITIES[name].column in (*_COMMON, *_KEYS[self.kind])
 
     @property
     def share(self) -> tuple[float, float] | None:
@@ -134,10 +135,7 @@ class GivenMachine:
         if self.has_springs:
             arguments.setdefault("natural_frequency", next(iter(self.packs.values()), math.nan))
         make: Callable[..., Machine] = getattr(Machine, self.kind)
-        try:
-            return make(**arguments)
-        except SceneError as exc:
-            raise InputError(*(str(problem) for problem in exc.problems)) from None
+        return make(**arguments)
 
     def pack(self, name: str) -> float:
         """Return the natural frequency of a pack by its name [Hz].
@@ -153,6 +151,21 @@ class GivenMachine:
             )
             raise InputError(f"there is no spring pack {shown(name)}", hint=hint)
         return self.packs[name]
+
+
+def machine_of(table: Mapping[str, Any]) -> GivenMachine:
+    """Make the machine of a table that was written back, ``GivenMachine.table``.
+
+    Raises
+    ------
+    InputError
+        If it is no machine; the message names the keys.
+    """
+    unknown = [key for key in table if key not in _ENTRIES]
+    if unknown:
+        raise InputError(f"unknown key {shown(unknown[0])}", hint=did_you_mean(unknown[0], _ENTRIES))
+    values = {_ENTRIES[key].quantity.name: _ENTRIES[key].read(value) for key, value in table.items()}
+    return given_machine(table, values, None)
 
 
 def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: Path | None) -> GivenMachine:

@@ -16,6 +16,7 @@ from vibro import __version__
 from vibro.axes import Axis
 from vibro.core.codes import Level
 from vibro.errors import FileError, InputError, VibroError
+from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
 from vibro.output.record import sweep_record
 from vibro.output.shard_folder import MOST_SHARDS
@@ -68,7 +69,7 @@ def versions() -> Mapping[str, str]:
 def usual_shard_cells(grid: Grid) -> int:
     """Return how many cells a shard has where nobody asks for a number: fewer where cells are dear."""
     restitution = grid.axes["restitution"].values if "restitution" in grid.axes else grid.fixed["restitution"]
-    dear = grid.flight and (grid.coexistence or np.any(restitution))
+    dear = grid.machine is not None or (grid.flight and (grid.coexistence or np.any(restitution)))
     return _DEAR_SHARD_CELLS if dear else _SHARD_CELLS
 
 
@@ -228,12 +229,15 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     scene = {known[column].name: float(value) for column, value in content["scene"].items()}
     length = scene.pop("trough_length", None)
     motion = motion_of(content["motion"]) if "motion" in content else None
+    machine = machine_of(content["machine"]) if "machine" in content else None
     solved = Level(content["accuracy"]), content["flight"], content["coexistence"]
     in_stroke = content.get(GIVEN_IN) == QUANTITIES["stroke"].column
-    grid = Grid(axes, scene, length, *solved, motion=motion, in_stroke=in_stroke)
+    grid = Grid(axes, scene, length, *solved, motion=motion, in_stroke=in_stroke, machine=machine)
     part = content.get("part", {})
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
-    columns = chosen(list(content["columns"]), columns_of(axes, *extra, drive=grid.drive))
+    columns = chosen(
+        list(content["columns"]), columns_of(axes, *extra, drive=grid.drive, machine=machine is not None)
+    )
     table = Table(columns, content["digits"], part)
     own = {str(name): float(value) for name, value in content["own"].items()}
     cells = content["part_cells" if content["format"] == _OLD_FORMAT else "shard_cells"]

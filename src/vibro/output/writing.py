@@ -336,7 +336,9 @@ def write_sweep(
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
     grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
-    usual = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
+    usual = columns_of(
+        grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+    )
     table = Table(usual if columns is None else chosen(columns, usual))
     plan = how.plan(grid, table, request.name or "", request.own)
     with how.folder(path, "the same call with resume=True goes on") as files:

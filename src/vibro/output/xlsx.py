@@ -530,7 +530,10 @@ class _Shown:
         self._grid, self.view, self._blocks, self._digits = grid, view, blocks, digits
         self.is_map = view.y is not None
         self.down, self.across = (view.x, view.curves) if view.y is None else (view.y, view.x)
-        self.columns = {column.name: column for column in columns_of(grid.axes, drive=grid.drive)}
+        self.columns = {
+            column.name: column
+            for column in columns_of(grid.axes, drive=grid.drive, machine=grid.machine is not None)
+        }
 
     @property
     def width(self) -> int:

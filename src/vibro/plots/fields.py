@@ -66,7 +66,7 @@ _SMOOTH_AROUND: Final = 5
 _SEEN: Final = 0.01  # of the side of the map
 
 # The load grows with these quantities of the drive only.
-_LOADING: Final = ("amplitude", "stroke", "frequency")
+_LOADING: Final = ("amplitude", "stroke", "frequency", "setting", "voltage")
 
 _ROUNDING: Final = 1e-9  # of the largest speed: less counts as none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
@@ -134,8 +134,12 @@ class Fields:
 
     @cached_property
     def infeasible(self) -> Floats:
-        """Positive where the combination is infeasible: mu_d > mu_s."""
-        return np.asarray(self._scene.kinetic_friction - self._scene.static_friction + self._zeros)
+        """Positive where the combination is infeasible: mu_d > mu_s, or the masses of a machine strike."""
+        excess = np.asarray(self._scene.kinetic_friction - self._scene.static_friction + self._zeros)
+        if self.panel.amplitude is None:
+            return excess
+        cells = self.panel.cycle["status"] == Status.INFEASIBLE
+        return np.where(cells & (excess <= 0.0), 0.5, excess)
 
     @cached_property
     def rest(self) -> Floats:
@@ -299,6 +303,9 @@ class Fields:
         values: dict[str, Any] = {**self.panel.values, self.panel.x.name: self.x[np.newaxis, :]}
         if self.panel.y is not None:
             values[self.panel.y.name] = self.y[:, np.newaxis]
+        if (amplitude := self.panel.amplitude) is not None:  # hatches hide where there is none
+            known = np.isfinite(amplitude)
+            values["amplitude"] = fill_unknown(amplitude, known) if known.any() else np.ones(amplitude.shape)
         return Scene.allowing_infeasible(**scene_fields(values))
 
 

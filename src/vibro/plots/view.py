@@ -106,6 +106,8 @@ class Panel:
         Load G; without it that of the scenes that the values and axes make.
     places : mapping of str to array, optional
         As of ``SweepResult``.
+    amplitude : array, optional
+        Amplitudes that follow from a machine, which are not among ``values`` [mm].
     """
 
     x: Axis
@@ -116,6 +118,7 @@ class Panel:
     critical: Mapping[str, NDArray[np.float64]]
     load: NDArray[np.float64] | None = None
     places: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    amplitude: NDArray[np.float64] | None = None
 
 
 def choose_view(
@@ -328,4 +331,5 @@ def _panel(result: SweepResult, view: View, facet_index: int, curve_index: int) 
         {name: cut(field) for name, field in result.cycle.arrays().items()},
         {name: cut(getattr(result.limits, name)) for name in _CURVES} if result.limits else {},
         places={name: cut(values) for name, values in result.places.items()},
+        amplitude=None if result.amplitude is None else cut(result.amplitude),
     )

@@ -171,6 +171,9 @@ class SweepResult:
     places : mapping of str to array, optional
         Values of axes for which the cells were solved, where they are others than their own: cells of a
         table stand for those around. Arrays of the grid's shape.
+    amplitude : array, optional
+        Amplitudes that follow from a machine, broadcastable to the grid's shape; NaN where there is none
+        [mm].
     """
 
     axes: Mapping[str, Axis]
@@ -181,6 +184,7 @@ class SweepResult:
     operating_point: Mapping[str, float] | None
     title: str
     places: Mapping[str, Floats] = field(default_factory=dict)
+    amplitude: Floats | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -260,7 +264,7 @@ def where_motion_begins(
         amplitude; of an ellipse the factor of both amplitudes, which grow together; of a drive with harmonics
         neither.
     """
-    if limits is None:
+    if limits is None or {*axes, *fixed}.isdisjoint(SIZES):  # amplitudes that follow from a machine
         return "at rest everywhere"
     # A sweep may have more cells than fit in memory; the last ones along these axes are nearest to moving.
     box = [slice(-1, None) if name in _LAST_MOVES_FIRST else slice(None) for name in axes]

@@ -13,6 +13,7 @@ import numpy as np
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.tables import rounded_cells
 from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, SWEPT
+from vibro.results.operating import MACHINE_RESULTS, OPERATING
 from vibro.results.steady import RESULTS, Result
 from vibro.results.sweep import Block, Column
 from vibro.sweeps.derived import (
@@ -68,6 +69,11 @@ def _found(result: Result, block: Block) -> NDArray[Any]:
     return np.asarray(result.kind.from_si(found)) if result.is_number else found
 
 
+def _operating(result: Result, block: Block) -> NDArray[Any]:
+    found: NDArray[Any] = block.values[OPERATING]
+    return np.asarray(result.kind.from_si(found[result.name]))
+
+
 _WHERE_SWEPT: Final = (*MACHINE, "friction_ratio", "normal_acceleration", "restitution")
 # What a table was made with, by the names of ``Grid.made_with``.
 _MADE_WITH: Final = {"restitution": _given("restitution"), "trough_length": WITH_LENGTH}
@@ -83,6 +89,7 @@ def columns_of(
     *extra: Column,
     drive: Collection[str] = LINEAR,
     made_with: Collection[str] = (),
+    machine: bool = False,
 ) -> tuple[Column, ...]:
     """Return the columns of a table.
 
@@ -97,6 +104,8 @@ def columns_of(
         Names of the drive's quantities.
     made_with : collection of str
         Of ``Grid.made_with``, told before the results of flights.
+    machine : bool
+        Whether the amplitude follows from a machine, whose quantities and results are told before ``model``.
     """
     left_out = {*DRIVES, *_WHERE_SWEPT}.difference(axes, drive)
     given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]
@@ -105,16 +114,24 @@ def columns_of(
         if result.on_request:
             continue
         columns += [_MADE_WITH[name] for name in made_with] if result.name == "flight_fraction" else []
-        columns += extra if result.name == "model_code" else ()
+        if result.name == "model_code":
+            columns += extra
+            columns += _of_machine(axes) if machine else []
         columns.append(column_of(result, partial(_found, result)))
         columns += [TRAVERSE] if result.name == "peak_velocity" else []
     return (*given, *columns)
 
 
+def _of_machine(axes: Collection[str]) -> list[Column]:
+    """Return the columns of a machine; axes stand among the inputs."""
+    given = [_given(name) for name in MACHINE if name not in axes]
+    return [*given, *(column_of(result, partial(_operating, result)) for result in MACHINE_RESULTS)]
+
+
 def column_names() -> list[str]:
     """Return the names of all columns that tables can have, with any drive."""
     drive = [name for name in DRIVES if name in SWEPT]
-    return [column.name for column in (*columns_of(drive=drive), *_ON_REQUEST)]
+    return [column.name for column in (*columns_of(drive=drive, machine=True), *_ON_REQUEST)]
 
 
 def listed(names: object) -> list[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -102,6 +103,7 @@ def dataset(
         "flight": int(grid.flight),
         "coexistence": int(grid.coexistence),
         **({} if grid.motion is None else {"motion": json.dumps(dict(grid.motion.table))}),
+        **({} if grid.machine is None else {"machine": json.dumps(dict(grid.machine.table))}),
         **(more or {}),
     }
     result = xr.Dataset(variables, _coordinates(grid, indices), attributes)
@@ -118,7 +120,7 @@ def results_among(columns: Iterable[Column], grid: Grid) -> list[Column]:
 
 def _inputs(grid: Grid) -> dict[str, NDArray[np.float64]]:
     """Return every input by name, as ``Grid.values`` does, and the trough's length."""
-    values = grid.values()
+    values = replace(grid, machine=None).values()  # what follows from a machine is a result
     if grid.length is not None:
         values["trough_length"] = np.full((1,) * len(grid.axes), grid.length)
     return {name: values[name] for name in QUANTITIES if name in values}

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Level
-from vibro.quantities import QUANTITIES, as_given, drive_of, kinetic_friction, scene_fields
+from vibro.quantities import LINEAR, QUANTITIES, as_given, drive_of, kinetic_friction, scene_fields
+from vibro.results.operating import OPERATING
 from vibro.results.sweep import spread
 from vibro.scene import Scene
 from vibro.steady import solve
+from vibro.sweeps.machines import operated, withheld
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
+    from vibro.files.machines import GivenMachine
     from vibro.files.motions import GivenMotion
     from vibro.results.steady import SteadyCycle
 
@@ -55,6 +58,8 @@ class Grid:
     in_stroke : bool, optional
         Whether people are told the stroke of a drive along a line, as they gave it, in place of its
         amplitude; tables have the amplitude.
+    machine : GivenMachine, optional
+        From which the amplitude of every cell follows: it is neither an axis nor fixed.
     """
 
     axes: Mapping[str, Axis]
@@ -66,6 +71,7 @@ class Grid:
     arrivals: bool = False
     motion: GivenMotion | None = None
     in_stroke: bool = False
+    machine: GivenMachine | None = None
 
     @property
     def told_axes(self) -> dict[str, Axis]:
@@ -90,7 +96,7 @@ class Grid:
     @property
     def drive(self) -> tuple[str, ...]:
         """Names of the drive's quantities."""
-        return drive_of((*self.axes, *self.fixed))
+        return LINEAR if self.machine is not None else drive_of((*self.axes, *self.fixed))
 
     @property
     def made_with(self) -> tuple[str, ...]:
@@ -118,7 +124,8 @@ class Grid:
         -------
         dict of str to array
             By name; broadcastable to the box's shape. The kinetic friction is always among them, and the
-            motion is under ``motion``, an array of one object.
+            motion is under ``motion``, an array of one object. With a machine the amplitude found is among
+            them, NaN where there is none, and under ``OPERATING`` its other results.
         """
         result = spread(self.axes, self.fixed, box)
         return self._completed(result)
@@ -175,7 +182,7 @@ class Grid:
         progress: Callable[[int, int], None] | None = None,
     ) -> SteadyCycle:
         """Solve the cells of a box, given by its ``values``, on so many threads, telling the progress."""
-        return solve(
+        cycle = solve(
             scene_of(values),
             accuracy=self.level,
             flight=self.flight,
@@ -183,6 +190,7 @@ class Grid:
             threads=threads,
             progress=progress,
         )
+        return cycle if self.machine is None else withheld(cycle, values)
 
     def solve_cells(
         self,
@@ -198,7 +206,7 @@ class Grid:
         Groups of quantities that the inner axes share are formed once a row of these, not once a cell: whole
         rows are solved, a few cells more than asked for.
         """
-        inner = self._row(stop - start)
+        inner = self._row(stop - start) if self.machine is None else 0
         if not inner:
             return self.solve(self.cells(start, stop), threads, progress)
         length = math.prod(self.shape[-inner:])
@@ -250,11 +258,12 @@ class Grid:
         if self.length is not None:
             scene[QUANTITIES["trough_length"].column] = self.length
         motion = {} if self.motion is None else {"motion": dict(self.motion.table)}
+        motion |= {} if self.machine is None else {"machine": dict(self.machine.table)}
         given = {GIVEN_IN: QUANTITIES["stroke"].column} if self.in_stroke else {}
         return {"scene": scene, **motion, "axes": axes, **given}
 
     def _completed(self, values: dict[str, Floats]) -> dict[str, Floats]:
-        """Add the kinetic friction, where its ratio to the static one is given, and the motion."""
+        """Add the kinetic friction, where its ratio to the static one is given, and what the drive does."""
         if "friction_ratio" in values:
             values["kinetic_friction"] = kinetic_friction(values["friction_ratio"], values["static_friction"])
         return self._moved(values)
@@ -262,7 +271,7 @@ class Grid:
     def _moved(self, values: dict[str, Any]) -> dict[str, Any]:
         if self.motion is not None:
             values["motion"] = np.full((1,) * max(x.ndim for x in values.values()), self.motion.motion)
-        return values
+        return values if self.machine is None else values | operated(self.machine, values)
 
 
 def _in_turn(values: Floats, held: int, start: int, stop: int) -> Floats:
@@ -306,5 +315,11 @@ def _repeated(look_up: Callable[[int, int], Floats], period: int, held: int, sta
 
 
 def scene_of(values: Mapping[str, Floats]) -> Scene:
-    """Make the scenes of a box of cells, of which some combinations may be infeasible."""
+    """Make the scenes of a box of cells, of which some combinations may be infeasible.
+
+    Cells whose machine has no operating point get any amplitude: what is solved of them is taken away.
+    """
+    if OPERATING in values:
+        amplitude = values["amplitude"]
+        values = {**values, "amplitude": np.where(np.isnan(amplitude), 1.0, amplitude)}
     return Scene.allowing_infeasible(**scene_fields(values))

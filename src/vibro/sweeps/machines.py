@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
+from vibro.errors import InputError
 from vibro.quantities import LENGTH, MACHINE, QUANTITIES
-from vibro.results.operating import FIELDS, MACHINE_RESULTS, OPERATING
-from vibro.results.steady import RESULTS, SteadyCycle
+from vibro.results.operating import FIELDS, OPERATING
+from vibro.results.steady import RESULTS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,34 +20,49 @@ if TYPE_CHECKING:
 
     from vibro.files.machines import GivenMachine
     from vibro.machines.operating import OperatingPoints
+    from vibro.results.steady import SteadyCycle
 
-__all__ = ["operated", "points_of", "withheld"]
+__all__ = ["case_of", "check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
 
 _SCENE: Final = (
-    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity", "restitution",
+    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
+    "restitution",
 )  # fmt: skip
 _UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that are not 0
 
 
-def points_of(given: GivenMachine, values: Mapping[str, Any], threads: int | None = None) -> OperatingPoints:
-    """Find the operating points of cells, given by their values in the units outside."""
-    from vibro.machines.operating import operate
-
+def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of ``vibro.operate``, besides the machine, for cells in the units outside."""
     si = {name: QUANTITIES[name].to_si(values[name]) for name in (*_SCENE, *MACHINE) if name in values}
     natural = si.pop("natural", None)
+    # Cells with mu_d > mu_s are infeasible, and told so when they are solved; others may be beside them.
+    si["kinetic_friction"] = np.minimum(si["kinetic_friction"], si["static_friction"])
     mass, damping = given.share or (None, None)
-    return operate(
-        given.machine,
-        natural_frequency=natural if given.has_springs else None,
-        added_mass_share=mass,
-        added_damping_share=damping,
-        threads=threads,
+    return {
         **si,
-    )
+        "natural_frequency": natural if given.has_springs else None,
+        "added_mass_share": mass,
+        "added_damping_share": damping,
+    }
+
+
+def points_of(
+    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
+) -> OperatingPoints:
+    """Find the operating points of cells, given by their values in the units outside.
+
+    A pair of added mass and damping shares replaces those of the machine, or what would be computed.
+    """
+    from vibro.machines.operating import operate
+
+    case = case_of(given, values)
+    if share is not None:
+        case |= dict(zip(("added_mass_share", "added_damping_share"), share, strict=True))
+    return operate(given.machine, **case, allow_strikes=True, threads=threads)
 
 
 def operated(
-    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None
+    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
 ) -> dict[str, NDArray[Any]]:
     """Return what a machine adds to the values of cells.
 
@@ -57,34 +74,85 @@ def operated(
         Quantities of cells by name, in the units outside; those of ``MACHINE`` among them.
     threads : int, optional
         For operating points with a filling.
+    share : pair of array, optional
+        As for ``points_of``.
 
     Returns
     -------
     dict of str to array
-        ``amplitude`` [mm], NaN where there is none, and ``OPERATING``, an array of ``FIELDS``.
+        ``amplitude`` [mm], NaN where there is none, ``OPERATING``, an array of ``FIELDS``, and the natural
+        frequency of a machine whose springs cannot be exchanged.
     """
-    points = points_of(given, values, threads)
+    points = points_of(given, values, threads, share)
     ndim = max(np.ndim(x) for x in values.values())
-    amplitude = np.asarray(points.amplitude)
+    amplitude = np.where(points.strikes, np.nan, points.amplitude)
     amplitude = amplitude.reshape((1,) * (ndim - amplitude.ndim) + amplitude.shape)
     found = np.empty(amplitude.shape, FIELDS)
     for name in FIELDS.names or ():
         found[name] = np.abs(getattr(points, name)) if name == "second_harmonic" else getattr(points, name)
-    return {"amplitude": np.asarray(LENGTH.from_si(amplitude)), OPERATING: found}
+    springs = (
+        {} if "natural" in values else {"natural": np.full((1,) * ndim, given.machine.natural_frequency)}
+    )
+    return {"amplitude": np.asarray(LENGTH.from_si(amplitude)), OPERATING: found, **springs}
+
+
+def empty_amplitude(given: GivenMachine, values: Mapping[str, float]) -> float:
+    """Return the amplitude of the empty trough [mm]."""
+    si = {name: QUANTITIES[name].to_si(values[name]) for name in ("frequency", *MACHINE) if name in values}
+    found = given.machine.response(
+        si["frequency"],
+        setting=si["setting"],
+        voltage=si["voltage"],
+        natural_frequency=si.get("natural") if given.has_springs else None,
+    )
+    return float(LENGTH.from_si(found.amplitude))
+
+
+def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
+    """Refuse a single cell without an operating point.
+
+    Raises
+    ------
+    InputError
+        It says why.
+    """
+    if not np.isnan(values["amplitude"]).any():
+        return
+    found = values[OPERATING]
+    across, gap = (
+        f"{LENGTH.from_si(float(x)):.4g} mm" for x in (found["relative_amplitude"].item(), given.machine.gap)
+    )
+    if found["relative_amplitude"].item() > given.machine.gap:
+        raise InputError(
+            f"the masses strike: the relative amplitude would be {across}, and gap_mm allows {gap}",
+            hint="lower the setting, or run further from resonance",
+        )
+    raise InputError(
+        "the machine has no operating point here: no amplitude with this filling was found",
+        hint="change the setting, the filling or the springs, or give added_mass_share",
+    )
 
 
 def withheld(cycle: SteadyCycle, values: Mapping[str, Any]) -> SteadyCycle:
-    """Take away the numbers of cells without an operating point, and give them its status."""
-    status = values[OPERATING]["status"]
-    lost = np.isnan(values["amplitude"])
-    if not lost.any():
+    """Let no cell be surer than its operating point.
+
+    Cells without an operating point lose their numbers and get its status. Where the filling moves
+    irregularly the amplitude is the middle of an interval, and the speed has no standard error; where it
+    hovers about a threshold, cells are at a boundary.
+    """
+    shape = cycle.status.shape
+    status = np.broadcast_to(values[OPERATING]["status"], shape)
+    lost = np.broadcast_to(np.isnan(values["amplitude"]), shape) & (cycle.status != Status.INFEASIBLE)
+    if not lost.any() and (status == Status.OK).all():
         return cycle
-    lost, status = (np.broadcast_to(x, cycle.status.shape) for x in (lost, status))
-    lost = lost & (cycle.status != Status.INFEASIBLE)
-    arrays = {}
+    arrays: dict[str, Any] = {}
     for result in RESULTS:
         nothing = np.nan if result.is_number else _UNANSWERED.get(result.name, 0)
         arrays[result.name] = np.where(lost, nothing, getattr(cycle, result.name)).astype(result.dtype)
-    why = np.where(is_answered(status), Status.INFEASIBLE, status)
-    arrays["status"] = np.where(lost, why, cycle.status).astype(np.int8)
-    return SteadyCycle(**arrays)
+    unsure = ~lost & (status == Status.AVERAGED) & is_answered(cycle.status)
+    arrays["mean_velocity_error"][unsure] = np.nan
+    hovers = ~lost & (status == Status.BOUNDARY) & (cycle.status == Status.OK)
+    why = np.where(is_answered(status), Status.INFEASIBLE, status)  # of those without one, masses strike
+    found = np.where(unsure, Status.AVERAGED, np.where(hovers, Status.BOUNDARY, cycle.status))
+    arrays["status"] = np.where(lost, why, found).astype(np.int8)
+    return replace(cycle, **arrays)

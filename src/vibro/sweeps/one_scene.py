@@ -17,6 +17,7 @@ from vibro.motion.settled import cycle_phases
 from vibro.quantities import (
     DEFAULTS,
     LENGTH,
+    MACHINE,
     QUANTITIES,
     SCALE,
     SIZES,
@@ -26,6 +27,7 @@ from vibro.quantities import (
     counted_harmonics,
     scene_fields,
 )
+from vibro.results.operating import OPERATING
 from vibro.scene import Scene
 from vibro.sweeps.derived import (
     LEAST_DIFFERENCE,
@@ -52,6 +54,7 @@ __all__ = [
     "bound",
     "estimate",
     "facts_of",
+    "machine_lines",
     "motion_text",
     "number",
     "phase_rows",
@@ -87,6 +90,8 @@ class OneScene:
         Class of the motion.
     status : Status
         Whether the numbers are exact, or why there are none.
+    values : mapping of str to array
+        Of the block.
     """
 
     def __init__(self, block: Block) -> None:
@@ -97,6 +102,7 @@ class OneScene:
         self.length = math.nan if block.length is None else block.length
         self.regime = Regime(int(block.cycle.regime.item()))
         self.status = Status(int(block.cycle.status.item()))
+        self.values = block.values
         self._block = block
         self._cycle = block.cycle
 
@@ -162,12 +168,14 @@ class OneScene:
     def facts(self) -> list[tuple[str, str]]:
         """Return the lines of every report, as pairs of a name and a text."""
         given = {
-            name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+            name: f"{QUANTITIES[name].label} {self._told(name, value)}"
             for name, value in self.given.items()
-            if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS
+            if value != DEFAULTS.get(name)
+            and QUANTITIES[name].order <= TOLD_HARMONICS
+            and name not in MACHINE
         }
         if "amplitude" in given:
-            stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
+            stroke = self._told("stroke", 2.0 * self.given["amplitude"])
             given["amplitude"] += f" (stroke {stroke} peak to peak)"
         elif "stroke" in given:
             amplitude = QUANTITIES["amplitude"].text(0.5 * self.given["stroke"])
@@ -198,6 +206,12 @@ class OneScene:
         if self._cycle.flight_fraction > 0.0:
             facts.append(("restitution", bounce_text(self.given["restitution"])))
         return facts
+
+    def _told(self, name: str, value: float) -> str:
+        """Write a quantity as it was given; an amplitude that follows from a machine to 6 digits."""
+        if OPERATING in self.values and name in ("amplitude", "stroke"):
+            return number(value, LENGTH.unit)
+        return QUANTITIES[name].text(value)
 
     def _at_first(self) -> float:
         """Return the mean speed of an undisturbed body in its first cycles from rest [mm/s]."""
@@ -352,13 +366,25 @@ def facts_of(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
         Its single cell; it is solved once more with a larger amplitude.
     """
     along = "at most along the path" if one.is_two_axis else "along the drive (machine number A w^2/g)"
+    scene, *others = one.facts()
     return [
-        *one.facts(),
+        scene,
+        *machine_lines(one, grid),
+        *others,
         *one.numbers(),
         ("acceleration", f"{number(one.value(WITH_ACCELERATION))} g {along}"),
         ("throw number", f"{number(one.throw_number)} (above 1 the body hops)"),
         *_sensitivity(one, grid),
     ]
+
+
+def machine_lines(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
+    """Return the lines on the machine of a scene; none without one."""
+    if grid.machine is None:
+        return []
+    from vibro.sweeps.machine_facts import machine_facts  # late: few scenes have a machine
+
+    return machine_facts(grid.machine, one.values)
 
 
 def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
@@ -369,7 +395,8 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     raised = as_given({name: _RAISED * value for name, value in one.driven.items()}, in_stroke=False)
     if not all(map(math.isfinite, raised.values())):  # beyond the range of doubles
         return []
-    (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised}, coexistence=False))
+    raised_grid = replace(grid, fixed={**grid.fixed, **raised}, coexistence=False, machine=None)
+    (block,) = sweep_blocks(raised_grid)
     more = OneScene(block)
     then = more.result("mean_velocity")
     if math.isnan(then):

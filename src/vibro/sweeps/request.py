@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from vibro.axes import AxisSpec, axis_of, default_count
-from vibro.errors import Problems
+from vibro.core.codes import Level
+from vibro.errors import Problems, shown
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
@@ -19,6 +20,7 @@ from vibro.quantities import (
     HARMONIC,
     LINEAR,
     LOAD,
+    MACHINE,
     QUANTITIES,
     SCALE,
     SIZES,
@@ -32,13 +34,14 @@ from vibro.quantities import (
 )
 from vibro.scene import Scene
 from vibro.sweeps.drives import MOTION, MOVED, drive_given
-from vibro.sweeps.grid import Grid
+from vibro.sweeps.grid import Grid, scene_of
+from vibro.sweeps.machines import check_operating, empty_amplitude
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from vibro.axes import Axis
-    from vibro.core.codes import Level
+    from vibro.files.machines import GivenMachine
     from vibro.files.motions import GivenMotion
     from vibro.quantities import Quantity
 
@@ -92,6 +95,8 @@ class Request:
         Of its table ``[motion]``, if that gives steps or samples.
     in_stroke : bool
         Whether the amplitude of a drive along a line was given as its stroke.
+    machine : GivenMachine or None
+        From which the amplitude follows, which is not among ``specs``.
     """
 
     name: str | None
@@ -99,6 +104,7 @@ class Request:
     own: Mapping[str, float]
     motion: GivenMotion | None = None
     in_stroke: bool = False
+    machine: GivenMachine | None = None
 
     @property
     def varying(self) -> tuple[str, ...]:
@@ -113,7 +119,7 @@ class Request:
     @property
     def drive(self) -> tuple[str, ...]:
         """Names of the drive's quantities."""
-        return drive_of(self.specs)
+        return LINEAR if self.machine is not None else drive_of(self.specs)
 
     @property
     def told(self) -> dict[str, float]:
@@ -157,6 +163,10 @@ class Request:
         """Question the acceleration of the drive, where quantities vary the least one."""
         moved = {} if self.motion is None else {MOTION: self.motion.motion}
         least = {name: float(spec.values[0]) for name, spec in self.specs.items()}
+        if self.machine is not None:
+            least["amplitude"] = empty_amplitude(self.machine, least)
+            if not 0.0 < least["amplitude"] < np.inf:
+                return ""
         load = float(f"{float(Scene.allowing_infeasible(**scene_fields({**least, **moved})).load):.4g}")
         return LOAD.doubt(load, load)
 
@@ -176,7 +186,17 @@ class Request:
         )
 
     def scene(self) -> Scene:
-        """Make the scene of a request without axes."""
+        """Make the scene of a request without axes; that of a machine with the amplitude found.
+
+        Raises
+        ------
+        InputError
+            If the machine has no operating point.
+        """
+        if self.machine is not None:
+            values = self.grid(Level.EXACT).values()
+            check_operating(self.machine, values)
+            return scene_of({name: x.reshape(()) for name, x in values.items()})
         moved = {} if self.motion is None else {MOTION: self.motion.motion}
         return Scene(**scene_fields({**self.fixed, **moved}))
 
@@ -199,6 +219,7 @@ class Request:
             arrivals,
             self.motion,
             self.in_stroke,
+            self.machine,
         )
 
 
@@ -235,6 +256,7 @@ def gather(
     must_vary: bool = True,
     asked_for: Sequence[str] = (),
     line_alone: tuple[str, str] | None = None,
+    pack: str | None = None,
 ) -> Request:
     """Merge a scene file and the caller's input, and check everything before anything is computed.
 
@@ -260,6 +282,8 @@ def gather(
         Names of quantities that are to be found: a caller may not give them, and the file's are ignored.
     line_alone : pair of str, optional
         Message and hint for drives that do not move along a line.
+    pack : str, optional
+        Name of the machine's spring pack, in place of its natural frequency.
 
     Returns
     -------
@@ -277,6 +301,15 @@ def gather(
     typed = _by_slot(_understood(given, problems), caller.gives, problems)
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
+    machine = file.machine
+    if machine is None:
+        _refuse_of_machine({**swept, **typed}, pack, problems)
+    else:
+        own |= {name: axis_of(value, QUANTITIES[name]) for name, value in machine.own.items()}
+        _check_machine(machine, pack, (typed, swept, own), problems)
+        bands = {name: str(machine.table[QUANTITIES[name].column]) for name in machine.bands}
+        ranges = {name: text for name, text in ranges.items() if name != "amplitude"}
+        ranges = {**bands} if ranges and bands else ranges
 
     dropped = [own.pop(name) for name in asked_for if name in own]
     for name in asked_for:
@@ -290,6 +323,8 @@ def gather(
     if mixed is not None:
         problems.add(*mixed)
         problems.slots |= {*DRIVES}
+    if machine is not None:
+        _check_line(drive, layers, problems)
     motion = described.pop(MOTION, None)
     own = described
     if line_alone is not None and drive is not LINEAR:
@@ -313,6 +348,7 @@ def gather(
     if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
         problems.add("nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
     given_up = {*ranges, *asked_for, *other, *_harmonics_left_out(merged)}
+    given_up |= set() if machine is None else {"amplitude"}
     given_up |= set() if needs_length else {"trough_length"}
     required = [slot for slot in _REQUIRED if slot not in given_up]
     _check_missing(required, merged, caller, problems)
@@ -321,7 +357,61 @@ def gather(
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
     specs = {name: named[name] for name in QUANTITIES if name in named}
     is_stroke = any(spec.quantity.name == "stroke" for spec in (*merged.values(), *dropped))
-    return Request(file.name or None, specs, values, motion, is_stroke and drive is LINEAR)
+    return Request(file.name or None, specs, values, motion, is_stroke and drive is LINEAR, machine)
+
+
+def _refuse_of_machine(given: Mapping[str, AxisSpec], pack: str | None, problems: _Problems) -> None:
+    """Refuse quantities of a machine where there is none."""
+    hint = "describe one in the table [machine] of a scene file"
+    for slot in MACHINE:
+        if slot in given:
+            told = f"{_text(given[slot], given[slot].values[0])}: there is no machine"
+            problems.add(told, f"leave it out, or {hint}", slot)
+    if pack is not None:
+        problems.add(f"spring pack {shown(pack)}: there is no machine", hint, "natural")
+
+
+def _check_machine(
+    machine: GivenMachine, pack: str | None, layers: Sequence[Specs], problems: _Problems
+) -> None:
+    """Check what is given of a machine, and add the natural frequency of its springs to the lowest layer."""
+    *higher, own = layers
+    with problems.taken("[machine] "):
+        _ = machine.machine
+    for slot in MACHINE:
+        if not machine.takes(slot) and (specs := [specs[slot] for specs in higher if slot in specs]):
+            told = _text(specs[0], specs[0].values[0])
+            problems.add(f"{told}: means nothing to a machine of kind {machine.kind}", "leave it out", slot)
+    springs = [specs for specs in higher if "natural" in specs]
+    natural = QUANTITIES["natural"]
+    if pack is not None:
+        if springs:
+            problems.add("a spring pack and a natural frequency are given", "give one of them", natural.name)
+        with problems.taken(field=natural.name):
+            own[natural.name] = axis_of(machine.pack(pack), natural)
+    elif machine.has_springs and not springs and natural.name not in own:
+        if len(machine.packs) == 1:
+            own[natural.name] = axis_of(next(iter(machine.packs.values())), natural)
+        else:
+            hint = f"--pack or pack=: {', '.join(machine.packs)}; or give a natural frequency"
+            problems.add("which spring pack is fitted is not given", hint, natural.name)
+
+
+def _check_line(drive: tuple[str, ...], layers: Sequence[tuple[str, Specs]], problems: _Problems) -> None:
+    """Refuse a drive of its own beside a machine, which moves the trough along a line."""
+    for source, specs in layers:
+        if "amplitude" in specs:
+            label = specs["amplitude"].quantity.label
+            problems.add(
+                f"{source} gives the {label} beside [machine], from which the amplitude follows",
+                "leave it out, or the table [machine]",
+                "amplitude",
+            )
+    if drive is not LINEAR:
+        problems.add(
+            "a machine moves its trough along a line: an ellipse or a motion stands beside [machine]",
+            f"give {QUANTITIES['drive_angle'].column} alone, or leave the table [machine] out",
+        )
 
 
 def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:

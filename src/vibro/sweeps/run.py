@@ -39,7 +39,8 @@ _WALKED_BLOCK: Final = 8_192
 
 # [values of an axis] Resolution of a picture of one, two or three axes, independent of the table's axes.
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
-# Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show.
+# Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show; an
+# operating point with a filling takes 0.1 ms.
 _COARSER: Final = 2
 # [values of each range] of a table that is fine enough for maps of bodies that bounce: cells of 4 % of
 # the side of a map, or 5 % of that of a facet, which is smaller.
@@ -156,7 +157,7 @@ def sweep_picture(
     drawn = _of_grid(drawn)
     part = _grid_at(grid, drawn)
     ranges = [name for name in part.axes if name not in drawn]
-    count = _resolution(len(ranges), len(part.axes) - len(ranges), bounces=_bounces(part.fixed))
+    count = _resolution(len(ranges), len(part.axes) - len(ranges), is_costly=_is_costly(part))
     axes = {name: _resolved(axis, count) if name in ranges else axis for name, axis in part.axes.items()}
     part = replace(part, axes=axes)
     point = grid.operating_point(operating_point)
@@ -166,7 +167,8 @@ def sweep_picture(
         cycle = part.solve(values, progress=progress)
     else:
         cycle, places = _solved_around(part, values, cells, progress)
-    return _result(part, cycle, limits_of(values), point, title, places)
+    amplitude = None if part.machine is None else values["amplitude"]
+    return _result(part, cycle, limits_of(values), point, title, places, amplitude)
 
 
 def _solved_around(
@@ -247,13 +249,15 @@ def solved_picture(
 
     indices = _solved_indices(grid, _of_grid(drawn))
     part = _grid_at(grid, indices)
-    limits, point = limits_of(part.values()), grid.operating_point(operating_point)
+    values = part.values()
+    limits, point = limits_of(values), grid.operating_point(operating_point)
     found = cells(results_drawn(pictures, has_limits=limits is not None), list(indices.values()))
     results: dict[str, Any] = {
         r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS
     }
     results |= {name: values.reshape(part.shape) for name, values in found.items()}
-    return _result(part, SteadyCycle(**results), limits, point, title)
+    amplitude = None if part.machine is None else values["amplitude"]
+    return _result(part, SteadyCycle(**results), limits, point, title, amplitude=amplitude)
 
 
 def _result(
@@ -263,6 +267,7 @@ def _result(
     point: Mapping[str, float] | None,
     title: str,
     places: Mapping[str, Floats] | None = None,
+    amplitude: Floats | None = None,
 ) -> SweepResult:
     """Hand a solved grid to pictures, in the quantities that were given."""
     told = None if point is None else part.told(point)
@@ -275,6 +280,7 @@ def _result(
         told,
         title,
         part.told(places or {}),
+        amplitude,
     )
 
 
@@ -319,12 +325,17 @@ def _bounces(fixed: Mapping[str, float]) -> bool:
     return fixed.get("restitution", 1.0) > 0.0
 
 
-def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:
+def _is_costly(grid: Grid) -> bool:
+    """Whether cells take far longer than most: bodies may bounce, or a filling acts on its machine."""
+    return _bounces(grid.fixed) or (grid.machine is not None and grid.fixed.get("filling", 1.0) > 0.0)
+
+
+def _resolution(ranges: int, kept: int, *, is_costly: bool) -> int:
     """Return the number of values of each range of a picture, beside so many axes whose values are kept."""
     intervals = _RESOLVED[ranges + kept if ranges > 1 else 1] - 1
     if ranges == 1 and kept:
         intervals //= _CURVES_COARSER * kept
-    return intervals // (_COARSER if bounces else 1) + 1
+    return intervals // (_COARSER if is_costly else 1) + 1
 
 
 def _resolved(axis: Axis, count: int) -> Axis:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
@@ -153,12 +154,15 @@ class Sweep(SolvedGrid):
         found = results_among(self._columns(columns), self._grid)
         return dataset(self._grid, self._title, found, values_of_block(self._block))
 
-    @property
+    @cached_property
     def _block(self) -> Block:
         return Block(self._grid.values(), self.cycle, self._grid.length)
 
     def _columns(self, names: Sequence[str] | None) -> tuple[Column, ...]:
-        usual = columns_of(self._grid.axes, drive=self._grid.drive, made_with=self._grid.made_with)
+        grid = self._grid
+        usual = columns_of(
+            grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+        )
         return usual if names is None else chosen(names, usual)
 
     def _summary(self) -> list[tuple[str, str]]:
@@ -229,7 +233,11 @@ def sweep(
     check_memory(
         grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
     )
-    return Sweep(grid, request.own, request.name or "", grid.solve(grid.values(), progress=progress))
+    values = grid.values()
+    solved = Sweep(grid, request.own, request.name or "", grid.solve(values, progress=progress))
+    if grid.machine is not None:  # its operating points are found once
+        vars(solved)["_block"] = Block(values, solved.cycle, grid.length)
+    return solved
 
 
 def request_of_call(

@@ -64,8 +64,16 @@ export function bindControls(form, store, change) {
   });
   document.addEventListener("focusout", () => (edited = null));
 
+  /** The pack that has the natural frequency; of several the first. @param {Box} box */
+  function packOf(box) {
+    const has = (/** @type {HTMLElement} */ option) => option.dataset.patch === `natural_hz=${store.state.natural_hz}`;
+    return [.../** @type {HTMLSelectElement} */ (box).options].find(has)?.value ?? "";
+  }
+
   /** What a box shows; handles of a band that is not there stand at the number itself. @param {Box} box */
-  function textOf({ name, type, dataset: { part } }) {
+  function textOf(box) {
+    const { name, type, dataset: { part } } = box;
+    if (name === "pack") return packOf(box);
     const text = store.state[name] ?? "";
     if (!text && type === "range" && BANDS.includes(name)) return `${store.value(name.replace("_band", ""))}`;
     return part ? text.split(":")[Number(part)] ?? "" : text;
@@ -86,7 +94,7 @@ export function bindControls(form, store, change) {
     }
     const bands = input("bands");
     bands.checked = BANDS.some((key) => state[key]);
-    bands.disabled = drive !== "line" || `${state.x} ${state.y}`.includes("friction");
+    bands.disabled = !["line", "machine"].includes(drive) || `${state.x} ${state.y}`.includes("friction");
     const other = BANDS[state.follow === "0" ? 2 : 1]; // the kinetic friction's, or its ratio's
     for (const key of BANDS) place(`row-${key}`).hidden = !state[key] && (!bands.checked || key === other);
   };

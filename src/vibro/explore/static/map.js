@@ -200,7 +200,7 @@ export class MapView {
     tip.hidden = !(within(u) === u && within(v) === v);
     if (!this.map || !pointer || tip.hidden) return;
     const { header: { x, y, bands, label, legend }, arrays } = this.map;
-    const { regime, lowest = regime, highest = regime, status, speed, values, marks } = arrays;
+    const { regime, lowest = regime, highest = regime, status, speed, values, amplitude, marks } = arrays;
     const [i, j] = [Math.round(u * (x.count - 1)), Math.round(v * (y.count - 1))];
     const cell = j * x.count + i;
     const names = [lowest, highest].map((codes) => this.schema.regimes.find((r) => r.code === codes[cell])?.label);
@@ -211,7 +211,7 @@ export class MapView {
     const rows = [
       [x.label, valueText(x, valueAt(x, i / (x.count - 1)))], [y.label, valueText(y, valueAt(y, j / (y.count - 1)))],
       ["regime", [...new Set(names)].filter(Boolean).join(" to ")],
-      ["mean speed [mm/s]", number(speed)], [label, number(values)],
+      ["mean speed [mm/s]", number(speed)], [label, number(values)], ["amplitude [mm]", number(amplitude)],
       ...[...new Set([...told, bands ? "" : trouble])].map((text) => ["", text]),
     ];
     tip.replaceChildren(...rows.filter(([, text]) => text).map(([name, text]) =>
