@@ -129,9 +129,9 @@ class _Settled:
             else:
                 met = amplitudes_met(question, found.setting)
                 most = _most_setting(question, found, met)
-                if not met.low > 0.0 or most <= machine.settings[0]:
+                if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
                     break
-                needed = _hull(met)
+                needed = _hull(met) if met.low > 0.0 else covered
                 if covered[0] <= met.low <= met.high <= covered[1] and math.isinf(most):
                     if met.speed < min(found.guarantee.speed_min, question.spec.goal.speed):
                         break

@@ -19,6 +19,7 @@ from vibro.core.codes import Regime
 from vibro.fillings import filling as filling_of
 from vibro.inverse.extremes import counted
 from vibro.inverse.proofs import corners
+from vibro.inverse.rounding import DIGITS, rounded
 from vibro.inverse.search import sobol
 from vibro.inverse.spaces import inside, off
 from vibro.machines.operating import operate
@@ -149,7 +150,9 @@ def covering(drive: Drive, covered: Span, most: float = math.inf) -> Drive:
     """
     assert drive.machine is not None
     low, high = drive.machine.settings
-    machine = replace(drive.machine, covered=covered, settings=(low, min(high, most)))
+    if most < high:
+        high = rounded(100.0 * most, DIGITS, down=True) / 100.0
+    machine = replace(drive.machine, covered=covered, settings=(low, high))
     low, high = (setting * machine.amplitude for setting in machine.settings)
     choices = {**drive.choices, "amplitude": ((low, high),)}
     return replace(
