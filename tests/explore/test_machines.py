@@ -19,9 +19,11 @@ from vibro.axes import Axis
 from vibro.core.codes import Status
 from vibro.errors import InputError
 from vibro.explore.answers import Answers
+from vibro.explore.controls import CONTROLS
 from vibro.explore.form import form_html
 from vibro.explore.levels import MapCells
 from vibro.explore.state import State, initial_state, read_state
+from vibro.quantities import MACHINE, QUANTITIES
 from vibro.results.steady import RESULTS
 from vibro.sweeps.grid import Grid, scene_of
 from vibro.sweeps.whole import request_of_call
@@ -152,6 +154,16 @@ def test_friction_has_bands_where_the_amplitude_does_not_depend_on_it(feeder: St
     assert unpacked(Answers(given).map(state))[0]["bands"]
 
 
+@pytest.mark.parametrize("name", MACHINE)
+def test_the_ends_of_sliders_and_axes_are_taken(name: str, feeder: State) -> None:
+    control = feeder.drives["machine"].controls.get(name, CONTROLS[name])
+    column = QUANTITIES[name].column
+    assert control.low < float(feeder.texts[column]) <= control.high
+    for value in (control.low, control.high):
+        read_state({column: str(value)}, feeder)
+    read_state({"x": column, "x_range": control.axis, "y": "drive_angle_deg"}, feeder)
+
+
 def test_the_form_has_knobs_and_packs(feeder: State) -> None:
     page = form_html(feeder)
     for key in KNOBS:
@@ -252,9 +264,7 @@ def test_where_springs_strike_the_page_says_so(tmp_path: Path) -> None:
         assert response.json()["hint"].startswith("lower the setting")
     calm = client.get("/point", params={"setting_percent": "50"})
     assert calm.status_code == 200
-    header, arrays = unpacked(
-        client.get("/map", params={"x": "setting_percent", "y": "frequency_hz"}).content
-    )
+    _, arrays = unpacked(client.get("/map", params={"x": "setting_percent", "y": "frequency_hz"}).content)
     assert np.isnan(arrays["amplitude"]).any()
     assert np.isfinite(arrays["amplitude"]).any()
 
