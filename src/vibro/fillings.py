@@ -3,26 +3,51 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.core.codes import Regime, Status
 from vibro.core.compiled import doors
 from vibro.drives import Ability, Ellipse, Line
 from vibro.errors import Problem, SceneError
 from vibro.reals import shielded
 from vibro.results.filling import Filling
+from vibro.scene import Scene
+from vibro.slopes import speed_exponent
 from vibro.solver import Grid, Scratch, over_cells
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
-    from vibro.scene import Scene
 
-__all__ = ["filling", "filling_of"]
+__all__ = [
+    "TYPICAL_MACHINES", "amplitude_exponent", "filling", "filling_of", "most_mass_ratio", "path_amplitude",
+]  # fmt: skip
 
+_KINK: Final = 0.2  # [1] relative difference of both sides that shows a kink
+_DAMPING_RATIO: Final = 0.015  # [1] of steel springs in feeders
 _RANGE: Final = 1024  # [cells] of a range, so that an interrupt is noticed within a fraction of a second
+_BESIDE: Final = 0.01  # [1] relative change of the amplitude that speeds of hopping bodies are compared over
 _ROWS: Final = 5  # shares, both parts of the second harmonic, and the bound
+
+
+def _compliance(frequency_ratio: float, trough_share: float) -> float:
+    """Compliance of a free machine of two masses to more mass on the trough, times the trough's mass.
+
+    Eq. (80); ``trough_share`` is that of the trough in both masses, 0 for one mass on springs.
+    """
+    damping, square = 2j * _DAMPING_RATIO * frequency_ratio, frequency_ratio * frequency_ratio
+    return abs((square - trough_share * (1.0 + damping)) / (square - 1.0 - damping))
+
+
+#: How strongly typical machines follow their filling, ``abs(m1 H)`` of Eq. (80), by what they are [1].
+TYPICAL_MACHINES: Final = {
+    "unbalance motors, soft mounts (f/f0 = 4)": _compliance(4.0, 0.0),
+    "two masses, m2 = 2 m1, below resonance (f/f0 = 0.90)": _compliance(0.90, 1.0 / 3.0),
+    "two masses, m2 = 2 m1, above resonance (f/f0 = 1.05)": _compliance(1.05, 1.0 / 3.0),
+}
 
 
 @shielded
@@ -89,7 +114,7 @@ def filling_of(scene: Scene, cycle: SteadyCycle, *, threads: int | None = None) 
         added_damping_share=damping,
         added_mass_share_error=error,
         added_damping_share_error=error,
-        energy_per_cycle=math.pi * _squared_speed(scene) * damping,
+        energy_per_cycle=_energy(scene, damping),
         second_harmonic=real + 1j * imaginary,
         bound=bound,
         status=cycle.status,
@@ -103,10 +128,84 @@ def _check_drive(scene: Scene) -> None:
         raise SceneError((Problem("drive", drive.kind, allowed),))
 
 
-def _squared_speed(scene: Scene) -> Any:
-    """Sum of the squared amplitudes of the trough's velocity in both directions [m^2/s^2]."""
+def _energy(scene: Scene, damping: Any) -> Any:
+    """Energy that is lost in a cycle, pi abs(X)^2 w^2 delta; inf beyond the range of doubles [J/kg]."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        speed = path_amplitude(scene) * (2.0 * math.pi * scene.frequency)
+        return np.where(damping == 0.0, 0.0, math.pi * speed**2 * damping)[()]
+
+
+def path_amplitude(scene: Scene) -> Any:
+    """Return abs(X), of lines the amplitude and of ellipses the root of the sum of both squares [m]."""
     drive = scene.arrays()
-    w = 2.0 * math.pi * drive.frequency
     if isinstance(drive, Ellipse):
-        return (drive.along_amplitude * w) ** 2 + (drive.normal_amplitude * w) ** 2
-    return (drive.amplitude * w) ** 2 if isinstance(drive, Line) else np.nan
+        return np.hypot(drive.along_amplitude, drive.normal_amplitude)
+    assert isinstance(drive, Line)
+    return drive.amplitude
+
+
+def amplitude_exponent(scene: Scene, cycle: SteadyCycle) -> Any:
+    """Return by how many percent the speed changes with one percent of amplitude.
+
+    In contact the exponent of Eq. (51). Of bodies that hop, and at thresholds, a difference of the speeds at
+    1 % less and 1 % more amplitude, which is no derivative; where both sides differ by more than a fifth,
+    that of the steeper side.
+
+    Parameters
+    ----------
+    scene : Scene
+        Operating points of any shape, with drives along lines or ellipses.
+    cycle : SteadyCycle
+        Their solution.
+
+    Returns
+    -------
+    array
+        NaN at rest, of means over irregular motion, and where the regime changes within 1 % [1].
+    """
+    _check_drive(scene)
+    exponent = np.asarray(speed_exponent(scene, cycle))
+    missing = np.isnan(exponent) & (cycle.status <= Status.BOUNDARY) & (cycle.regime != Regime.NO_SLIP)
+    if not missing.any():
+        return exponent[()]
+    sizes = ("amplitude", "along_amplitude", "normal_amplitude")
+    given = {f.name: getattr(scene, f.name) for f in fields(scene)}
+    given = {name: value for name, value in given.items() if value is not None}
+    found = []
+    for factor in (1.0 - _BESIDE, 1.0 + _BESIDE):
+        changed = {name: factor * value for name, value in given.items() if name in sizes}
+        beside = solve(Scene.allowing_infeasible(**{**given, **changed}))
+        known = (beside.status <= Status.BOUNDARY) & (beside.regime == cycle.regime)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            change = np.log(beside.mean_velocity / cycle.mean_velocity) / math.log(factor)
+        found.append(np.where(known, change, np.nan))
+    less, more = found
+    largest = np.where(np.isnan(less) | (np.abs(less) > np.abs(more)), less, more)
+    smooth = np.abs(less - more) <= _KINK * np.abs(largest)
+    return np.where(missing, np.where(smooth, 0.5 * (less + more), largest), exponent)[()]
+
+
+def most_mass_ratio(
+    scene: Scene, cycle: SteadyCycle, found: Filling, compliance: Any, *, change: float = 0.01
+) -> Any:
+    """Return up to what mass of the filling the motion may be taken as given.
+
+    Parameters
+    ----------
+    scene, cycle, found : Scene, SteadyCycle, Filling
+        Operating points, their solution, and what a filling weighs there.
+    compliance : array_like
+        Complex ``m1 H`` of the machine, or its size: how strongly its amplitude follows a mass on the trough
+        [1].
+    change : float, optional
+        Change of the speed that is of no account [1].
+
+    Returns
+    -------
+    array
+        Mass of the filling over that of the trough, to first order, Eq. (81); NaN where the speed's
+        dependence on the amplitude, or the filling's share, is unknown [1].
+    """
+    exponent = np.abs(amplitude_exponent(scene, cycle))
+    with np.errstate(divide="ignore"):
+        return (change / (exponent * np.abs(found.share) * np.abs(compliance)))[()]

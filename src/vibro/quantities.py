@@ -42,7 +42,8 @@ __all__ = [
     "MOST_HARMONICS", "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE",
     "SIZES", "SPEED",
     "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_HEIGHT", "START_NORMAL_VELOCITY", "START_PHASE",
-    "START_VELOCITY", "SWEPT", "TIME", "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "as_given",
+    "START_VELOCITY", "SWEPT", "TIME", "TOLD_HARMONICS", "TROUGH_MASS", "TWO_AXIS", "Kind", "Quantity",
+    "as_given",
     "catalogue_hint", "checked_number", "counted_harmonics", "drive_of", "exact_number",
     "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
 ]  # fmt: skip
@@ -311,6 +312,8 @@ LOAD: Final = Quantity(
 
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS, allowed=_POSITIVE)
+#: Mass of an empty trough and of what moves with it, beside the mass of its filling.
+TROUGH_MASS: Final = Quantity("trough_mass", _MASS, allowed=_POSITIVE)
 PITCH: Final = Quantity("pitch", LENGTH, allowed=_POSITIVE)
 LEAST_SPEED: Final = Quantity("speed", SPEED, allowed=_POSITIVE)
 STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)

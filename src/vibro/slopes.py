@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Regime, Status
+from vibro.core.codes import SPELT_PATTERNS, Pattern, Regime, Status
 from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.scene import Scene
@@ -24,7 +24,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Gradient", "Slides", "displacement_gradient", "load_slope", "scale_slope", "slides_of"]
+__all__ = [
+    "LEAST_DIFFERENCE", "Gradient", "Slides", "displacement_gradient", "load_slope", "scale_slope",
+    "slides_of", "speed_exponent",
+]  # fmt: skip
+
+#: [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.
+LEAST_DIFFERENCE: Final = 2.0**-26
 
 _STEP: Final = 1e-4  # [1] of the logarithm of the scale
 _AGREES: Final = 1e-3  # [1] of both differences, relative: the better one is closer by the square of that
@@ -154,6 +160,37 @@ def scale_slope(scene: Scene, cycle: SteadyCycle) -> Floats:
         fine = (4.0 * (more - less) / (2.0 * _STEP) - coarse) / 3.0
         known = known & (np.abs(fine - coarse) <= _AGREES * (1.0 + np.abs(fine)))
     return np.where(known, fine, np.nan)
+
+
+def speed_exponent(scene: Scene, cycle: SteadyCycle) -> Floats:
+    """Return the exponent of the speed over the amplitude, Eq. (51), of contact cycles.
+
+    Beyond one harmonic it is a difference of speeds, ``scale_slope``.
+
+    Parameters
+    ----------
+    scene : Scene
+        Operating points of any shape.
+    cycle : SteadyCycle
+        Their solution.
+
+    Returns
+    -------
+    array
+        d ln(speed) / d ln(amplitude) within the pattern; NaN at thresholds, for bodies that hop, and where
+        the speed is 0 [1].
+    """
+    pattern = cycle.pattern_code
+    displacement = cycle.displacement_per_cycle / scene.scale
+    one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
+    conveyed = np.abs(displacement) > np.where(one_way, 0.0, LEAST_DIFFERENCE)
+    if not scene.arrays().can(Ability.ONE_HARMONIC):
+        return np.where(conveyed, scale_slope(scene, cycle), np.nan)
+    slides = (pattern > Pattern.R) & (pattern < SPELT_PATTERNS)
+    known = slides & conveyed & (cycle.status == Status.OK)
+    slope = load_slope(scene, np.where(known, pattern, Pattern.NONE))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(known, 1.0 + slope / displacement, np.nan)
 
 
 def displacement_gradient(scene: Scene, pattern: ArrayLike) -> Gradient:

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
-    "ACCELERATION", "ANGLE", "CF_UNITS", "FORCE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS", "MASS_FLOW",
-    "MOMENT", "PERCENT", "PER_MINUTE", "PURE", "ROTATION", "SPEED", "STIFFNESS", "TIME", "WORKING_MOMENT",
-    "Kind",
+    "ACCELERATION", "ANGLE", "CF_UNITS", "ENERGY", "FORCE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS",
+    "MASS_FLOW", "MOMENT", "PERCENT", "PER_MINUTE", "POWER", "PURE", "ROTATION", "SPEED", "STIFFNESS",
+    "TIME", "WORKING_MOMENT", "Kind",
 ]  # fmt: skip
 
 
@@ -90,6 +90,8 @@ MASS: Final = Kind("kg", "kg", "_kg",
                    {"kg": Fraction(1), "g": Fraction(1, 1000), "mg": Fraction(1, 1_000_000),
                     "lb": Fraction("0.45359237")})
 FORCE: Final = Kind("N", "N", "_n", {"N": Fraction(1), "kN": Fraction(1000)})
+ENERGY: Final = Kind("J", "J", "_j", {})
+POWER: Final = Kind("W", "W", "_w", {})
 STIFFNESS: Final = Kind("N/m", "N/m", "_n_m",
                         {"N/m": Fraction(1), "kN/m": Fraction(1000), "N/mm": Fraction(1000)})
 ROTATION: Final = Kind("rpm", "Hz", "_rpm",
@@ -117,6 +119,8 @@ CF_UNITS: Final[Mapping[str, str]] = {
     ACCELERATION.unit: "m s-2",
     MASS.unit: "kg",
     FORCE.unit: "N",
+    ENERGY.unit: "J",
+    POWER.unit: "W",
     STIFFNESS.unit: "N m-1",
     ROTATION.unit: "min-1",
     MOMENT.unit: "kg mm",

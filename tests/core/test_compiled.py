@@ -21,6 +21,7 @@ from vibro import Scene, Status, VibroError
 from vibro.core import compiled as module
 from vibro.core.codes import SPELT_PATTERNS, Pattern
 from vibro.core.compiled import Doors, doors, library_path
+from vibro.fillings import filling_of
 from vibro.slopes import displacement_gradient, load_slope, slides_of
 
 if TYPE_CHECKING:
@@ -117,6 +118,7 @@ def test_reference_tables_have_the_same_bits(name: str) -> None:
 def test_random_scenes_have_the_same_bits(name: str) -> None:
     scene = DRAWN[name]()
     assert_same(lambda: vibro.solve(scene, flight="extreme" not in name))
+    assert_same(lambda: filling_of(scene, vibro.solve(scene, flight="extreme" not in name)))
 
 
 @pytest.mark.parametrize("name", ["lines", "ellipses"])
@@ -211,6 +213,13 @@ def wild(count: int, seed: int, *, ellipse: bool) -> Scene:
     return Scene(amplitude=np.maximum(amplitude, 5e-324), drive_angle=np.clip(drive, 0.0, end), **others)
 
 
+def assert_weighed(found: vibro.Filling) -> None:
+    """Check that shares are within their bound where there is a cycle, and nowhere else."""
+    cycles = np.isin(found.status, (Status.OK, Status.BOUNDARY))
+    assert (np.isfinite(found.share) == cycles).all()
+    assert (np.abs(found.share[cycles]) <= found.bound[cycles] * (1.0 + 1e-9) + 1e-12).all()
+
+
 WILD = pytest.mark.parametrize("ellipse", [False, True], ids=["lines", "ellipses"])
 
 
@@ -230,6 +239,7 @@ def test_no_wild_scene_raises_or_divides_by_zero_in_contact(ellipse: bool) -> No
             cycle = vibro.solve(scene, flight=False)
             assert_answered(cycle)
             vibro.solve(scene, accuracy="regimes")
+            assert_weighed(filling_of(scene, cycle))
         seen = set(cycle.pattern_code[cycle.status == Status.OK].tolist())
         assert seen >= {Pattern.R, Pattern.F_, Pattern.B_, Pattern.FB}
 
@@ -255,6 +265,7 @@ def test_no_wild_scene_raises_in_flight(ellipse: bool) -> None:
     scene = wild(150, 4, ellipse=ellipse)
     with plain():
         cycle = vibro.solve(scene)
+        assert_weighed(filling_of(scene, cycle))
     hops = cycle.throw_number > 1.0 + 1e-12
     assert hops.sum() > 40
     modelled = hops & (cycle.status != Status.FLIGHT_NOT_MODELLED)

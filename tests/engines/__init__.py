@@ -21,4 +21,7 @@ harmonic_flight
 integrated
     Motion, flights and bounces included, of a drive along a line or an ellipse: ``scipy.integrate.solve_ivp``
     with an event for every change, no closed form. Shares nothing.
+two_way
+    A vibrating machine and a body on it that act on each other, or a body alone on a trough that moves as
+    prescribed: event after event, matrix exponentials between them. Shares nothing.
 """

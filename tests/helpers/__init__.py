@@ -12,6 +12,7 @@ Scenes and loads:
     contact_loads     loads of bodies in contact; their motion with 50 digits (shares the record ``Loads``)
     hopping_bodies    loads of bodies that hop; rounds of ``engines.two_axis_walk`` (shares ``Loads``)
     followed          bodies stepped by the core; Newton's law by quadrature (shares the core's steps)
+    two_way_machines  machines with fillings, drawn, and as masses and springs of ``engines.two_way``
     solver_doors      the solver, compiled or as plain Python
     solver_boxes      boxes of the solver's bounds, drawn, and their bodies solved (shares the record ``Box``)
 Records and questions:

@@ -364,6 +364,34 @@ def test_errors_of_what_is_asked_of_a_machine(kind: str, call: Any, message: str
     assert message in str(caught.value)
 
 
+@pytest.mark.parametrize("law", ["constant", "square"])
+def test_a_machine_is_made_from_its_own_amplitudes(law: Any) -> None:
+    made: dict[str, Any] = {"trough_mass": 6.0, "counter_mass": math.inf if law == "square" else 12.0}
+    if law == "square":
+        right = Machine.unbalance(
+            vibrating_mass=6.0, static_moment=6e-3, mount_frequency=50.0, damping_ratio=0.02
+        )
+    else:
+        right = Machine.magnet(**made, natural_frequency=50.0, damping_ratio=0.02, force=30.0)
+    f = np.array([40.0, 47.0, 49.0, 50.5, 53.0, 60.0])
+    found = Machine.measured(points=np.stack([f, right.response(f).amplitude], axis=1), **made, law=law)
+    assert found.natural_frequency == pytest.approx(50.0, rel=1e-9)
+    assert found.response(44.0, added_mass=1.0 - 0.2j).amplitude == pytest.approx(
+        right.response(44.0, added_mass=1.0 - 0.2j).amplitude, rel=1e-7
+    )
+    assert found.voltage_exponent == right.voltage_exponent
+
+
+def test_points_on_one_side_of_the_resonance_make_no_machine() -> None:
+    points = [(40.0, 1e-3), (42.0, 1.2e-3), (44.0, 1.5e-3)]
+    with pytest.raises(InputError, match="they determine no natural frequency") as caught:
+        Machine.measured(points=points, trough_mass=6.0)
+    assert "both sides" in caught.value.hint
+    around = [(45.0, 1e-3), (50.0, 3e-3), (55.0, 1e-3)]
+    with pytest.raises(InputError, match="counter_mass = 12 kg: must be left out where law = 'square'"):
+        Machine.measured(points=around, trough_mass=6.0, counter_mass=12.0, law="square")
+
+
 def test_all_problems_are_told_at_once() -> None:
     with pytest.raises(InputError) as caught:
         Machine.unbalance(vibrating_mass=-1.0, static_moment=0.0, damping_ratio=2.0)

@@ -118,7 +118,13 @@ def _request(options: Options, argv: Sequence[str]) -> Request:
     if options.scene is None and not options.given:
         options = replace(options, given=_SAMPLE)
     return request_of(
-        options, argv, reads_map=True, takes_axes=True, ranges=_AROUND_A_SCENE, line_alone=_LINE_ALONE
+        options,
+        argv,
+        reads_map=True,
+        takes_axes=True,
+        ranges=_AROUND_A_SCENE,
+        line_alone=_LINE_ALONE,
+        without_machine="the methods that are compared know amplitudes alone",
     )
 
 

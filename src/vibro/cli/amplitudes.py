@@ -52,6 +52,10 @@ if TYPE_CHECKING:
 
 __all__ = ["list_amplitudes"]
 
+_NO_MACHINE: Final = (
+    "--speed asks for an amplitude, which follows from the machine; vibro map --setting 10:100 shows"
+    " the setting that reaches a speed"
+)
 _MOST_AMPLITUDES: Final = 2  # of a motion in the table; more would not fit
 _MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
@@ -98,7 +102,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
         If the scene file cannot be read.
     """
     speed = checked_number(text, LEAST_SPEED)
-    request = request_of(options, argv, asked_for=("amplitude", SCALE))
+    request = request_of(options, argv, asked_for=("amplitude", SCALE), without_machine=_NO_MACHINE)
     question(request, options, found=(LOAD.name,))
     unit, size = given_unit(text, LEAST_SPEED)
     drive = _Drive.of(request, hopping=hopping, unit=unit, size=size)

@@ -21,6 +21,7 @@ from vibro.cli.console import (
     tolerate_any_encoding,
 )
 from vibro.cli.design import design_command
+from vibro.cli.drive import drive_command
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
@@ -152,6 +153,7 @@ _SCENES: dict[str, Callable[..., int]] = {
     "accuracy": accuracy_command,
     "simulate": simulate_command,
     "compare": compare_command,
+    "drive": drive_command,
 }
 _OTHERS: dict[str, Callable[..., int]] = {
     "design": shares_options(design_command, of_scene=False),

@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 
 __all__ = ["compare_command"]
 
+_NO_MACHINE: Final = "a record is compared with the motion that the trough had"
+
 # In the place of what is measured, while the rest of a scene is read: valid whatever that is [SI].
 _HARMLESS: Final = {
     "amplitude": 1e-3,
@@ -154,7 +156,7 @@ def compare_command(
     trough = trough_of(record, reverse=reverse, down=elliptical)
     drive: MeasuredDrive | HarmonicDrive | None = None
     if trough is None:
-        request = request_of(options, context.obj)
+        request = request_of(options, context.obj, without_machine=_NO_MACHINE)
     else:
         first, request = _with_measured(trough, elliptical, options, context.obj, console)
         drive, fits = first, bool(names)
@@ -315,7 +317,8 @@ def _with_measured(
 
     def request_with(values: Mapping[str, Estimate]) -> Request:
         texts = {name: spelled(*map(QUANTITIES[name].from_si, value)) for name, value in values.items()}
-        return request_of(replace(options, given={**options.given, **texts}), argv)
+        given = {**options.given, **texts}
+        return request_of(replace(options, given=given), argv, without_machine=_NO_MACHINE)
 
     # One acceleration alone gives the amplitude by the drive angle of the scene, which is read with any.
     given = request_with({name: Estimate(_HARMLESS[name], 0.0) for name in found})
@@ -424,7 +427,9 @@ def _with_harmonics(
     }
     # The line that one sensor needs is part of the harmonics now.
     given = {name: text for name, text in options.given.items() if name not in LINEAR}
-    return harmonics, request_of(replace(options, given={**given, **texts}), argv)
+    return harmonics, request_of(
+        replace(options, given={**given, **texts}), argv, without_machine=_NO_MACHINE
+    )
 
 
 def _with_errors_of(measured: MeasuredMotion, drive: MeasuredDrive) -> MeasuredDrive:

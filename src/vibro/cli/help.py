@@ -20,10 +20,10 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = {
     "Scene": (
         *(name for name in QUANTITIES if name not in (*_OF_DRIVE, *MACHINE)), "stand_ratio", "pitch", "mass",
     ),
-    "Machine": (*MACHINE, "pack"),
+    "Machine": (*MACHINE, "pack", "trough_mass"),
     "Record": (
         "time", "displacement", "velocity", "acceleration", "friction", "trough_along", "trough_normal",
-        "sensitivity", "reverse", "absolute", "fit",
+        "sensitivity", "reverse", "absolute", "fit", "law", "amplitude_error",
     ),
     "Axes": ("x", "y", "at", "sweep"),
     "Solving": (

@@ -134,7 +134,9 @@ def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool
         )
     has_friction = not {*options.given, *own}.isdisjoint(_FRICTIONS)
     frictions = {} if has_friction else {"static_friction": "1", "kinetic_friction": "1"}
-    return request_of(replace(options, given={**options.given, **_HARMLESS, **frictions}), argv), has_friction
+    given = {**options.given, **_HARMLESS, **frictions}
+    why = "the record is what the machine does"
+    return request_of(replace(options, given=given), argv, without_machine=why), has_friction
 
 
 class _Target:

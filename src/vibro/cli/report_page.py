@@ -82,7 +82,8 @@ def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, floa
     from vibro.sweeps.request import RANGES
     from vibro.sweeps.run import sweep_blocks
 
-    request = request_of(options, argv)
+    why = "a printed report of a machine is not made; vibro drive has its set-up sheet"
+    request = request_of(options, argv, without_machine=why)
     question(request, options)
     swept = request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
     grid = make_grid(request)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.sweeps.request import Request
 
-__all__ = ["plain_number", "question", "refuse_machine", "request_of", "whole_number"]
+__all__ = ["plain_number", "question", "request_of", "whole_number"]
 
 
 class _CommandLine(NamedTuple):
@@ -62,7 +62,7 @@ def whole_number(option: str, text: str) -> int:
     return int(number)
 
 
-def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
+def request_of(options: Options, argv: Sequence[str], *, without_machine: str = "", **wanted: Any) -> Request:
     """Read the options and the scene file that they name, and check them together.
 
     Parameters
@@ -71,6 +71,8 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
         The shared options.
     argv : sequence of str
         The arguments as typed, the command first.
+    without_machine : str
+        Why the command takes no machine; empty if it does.
     **wanted
         As for ``gather``.
 
@@ -82,19 +84,12 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
         If the scene file cannot be read.
     """
     file = read_scene_file(options.scene) if options.scene else None
+    if without_machine and file is not None and file.machine is not None:
+        raise InputError(
+            f"{options.scene}: [machine]: {without_machine}",
+            hint="vibro solve tells the amplitude at its operating point: give that in place of [machine]",
+        )
     return gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
-
-
-def refuse_machine(request: Request, why: str, hint: str) -> None:
-    """Refuse a scene file with a machine, where a command cannot take it.
-
-    Raises
-    ------
-    InputError
-        With that reason and remedy.
-    """
-    if request.machine is not None:
-        raise InputError(f"[machine]: {why}", hint=hint)
 
 
 def question(request: Request, options: Options, found: Collection[str] = ()) -> None:

@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 __all__ = ["SeriesOutput", "scene_record"]
 
 
-def scene_record(request: Request) -> dict[str, float]:
-    """Return the quantities of a request by their columns, as given."""
-    return {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
+def scene_record(request: Request) -> dict[str, Any]:
+    """Return the quantities of a request by their columns, as given, and its machine."""
+    machine = {} if request.machine is None else {"machine": dict(request.machine.table)}
+    return {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()} | machine
 
 
 class SeriesOutput:
@@ -59,6 +60,8 @@ class SeriesOutput:
     ----------
     takes_stdout : bool
         Whether stdout is for the table alone.
+    writes_files : bool
+        Whether there will be files.
 
     Raises
     ------
@@ -81,6 +84,7 @@ class SeriesOutput:
         self._form = CsvFormat(options.excel, options.decimal_comma)
         self._argv, self._console = argv, console
         self.takes_stdout = options.output == "-"
+        self.writes_files = options.output is not None and not self.takes_stdout
         self._files: Staging | None = None
         if self.takes_stdout:
             check_stdout(json=options.json)

@@ -80,12 +80,23 @@ def solve_command(
     digits: DigitsOption = None,
     pitch: PitchOption = None,
     mass: MassOption = None,
+    trough_mass: Annotated[
+        str | None,
+        typer.Option(
+            "--trough-mass",
+            metavar="MASS",
+            help="Mass of the empty trough and of what moves with it [kg]; with --filling, of a scene"
+            " without a machine: up to what filling is the motion as given?",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
     With -o the row of a map's table is written to STEM.csv too; --columns chooses what it holds, and what
     --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed, or
-    which scales of a motion, with --hopping also those at which the body hops.
+    which scales of a motion, with --hopping also those at which the body hops. With --filling the answer
+    tells what that mass does to a trough that moves as given; a machine follows from its own table.
     """
     from vibro.cli.answer import answer_one, make_grid
     from vibro.cli.request import question, request_of
@@ -98,6 +109,7 @@ def solve_command(
         WITH_STROKE,
         standing,
     )
+    from vibro.sweeps.weighed import weighed
 
     if coexist:
         refuse_without_flight("--coexist", flight, accuracy)
@@ -112,6 +124,8 @@ def solve_command(
             "--digits": digits is not None,
             "--pitch": pitch is not None,
             "--mass": mass is not None,
+            "--filling": "filling" in options.given,
+            "--trough-mass": trough_mass is not None,
         }
         refused = [name for name, given in others.items() if given]
         return _amplitudes(speed, options, context.obj, refused, hopping=hopping)
@@ -121,6 +135,9 @@ def solve_command(
         )
     part = part_of(pitch, mass)
     extra = throughput_of(part)
+    options, load = _with_filling(options, trough_mass)
+    part |= load
+    extra += weighed(load)
     if stand_ratio is not None:
         part[STAND_RATIO.column] = checked_number(stand_ratio, STAND_RATIO)
         extra += standing(part[STAND_RATIO.column])
@@ -140,6 +157,27 @@ def solve_command(
         answer = replace(table, columns=every)
     report = partial(_report, grid=grid, part=part)
     return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report, answer)
+
+
+def _with_filling(options: Options, trough_mass: str | None) -> tuple[Options, dict[str, float]]:
+    """Take a filling out of the quantities of a scene without a machine; return its mass and the trough's."""
+    from vibro.files.scene_files import read_scene_file
+    from vibro.quantities import QUANTITIES, TROUGH_MASS, checked_number
+
+    if options.scene is not None and read_scene_file(options.scene).machine is not None:
+        if trough_mass is not None:
+            raise InputError("--trough-mass: the machine of the scene has one", hint="leave it out")
+        return options, {}
+    given = dict(options.given)
+    filling = given.pop("filling", None)
+    if filling is None:
+        if trough_mass is not None:
+            raise InputError("--trough-mass: there is no filling", hint="add --filling 2kg")
+        return options, {}
+    load = {QUANTITIES["filling"].column: checked_number(filling, QUANTITIES["filling"])}
+    if trough_mass is not None:
+        load[TROUGH_MASS.column] = checked_number(trough_mass, TROUGH_MASS)
+    return replace(options, given=given), load
 
 
 def _amplitudes(
@@ -185,11 +223,13 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
     from vibro.cli.report import aligned
     from vibro.quantities import STAND_RATIO
     from vibro.sweeps.one_scene import beginnings, facts_of, phase_rows, throughput_text
+    from vibro.sweeps.weighed import weighed_facts
 
     facts = facts_of(one, grid)
     if told := throughput_text(one, part):
         facts.append(("throughput", told))
     if STAND_RATIO.column in part:
         facts.append(("upright", _upright(one, part[STAND_RATIO.column])))
+    facts += weighed_facts(one, part)
     tables = [rows for rows in (beginnings(one), phase_rows(one)) if rows]
     return "\n\n".join([aligned(facts, right=False), *map(aligned, tables)])

@@ -88,7 +88,7 @@ _STATUS_MESSAGES: Final = {
     Status.RUNAWAY: "the body never comes to rest and gains speed every cycle: no steady cycle exists",
     Status.INDETERMINATE: "without static friction the steady motion depends on how the body was started",
     Status.FLIGHT_NOT_MODELLED: "the body leaves the trough; its flight is not modelled",
-    Status.INFEASIBLE: "the combination cannot be: mu_d > mu_s",
+    Status.INFEASIBLE: "the combination cannot be: mu_d > mu_s, or a machine whose masses strike",
     Status.AVERAGED: "the motion has no short period: mean over many flights, with its standard error",
     Status.UNRESOLVED: "the solver could not prove its answer; please report the scene",
 }

@@ -215,9 +215,9 @@ def force_bound(loads: Loads) -> float:
     """
     a, b = loads.drive_tangential, loads.drive_normal
     friction = a * loads.static_friction
-    square = b * b + friction * friction + 2.0 * b * friction * abs(loads.phase_cosine)
+    force = hypotenuse(b + friction * abs(loads.phase_cosine), friction * loads.phase_sine)
     whole = a * a + b * b
-    return 2.0 * loads.weight_normal * math.sqrt(square) / whole if whole > 0.0 else INF
+    return 2.0 * loads.weight_normal * force / whole if whole > 0.0 else INF
 
 
 def _integrals(motion: _Motion, phase: float, length: float, path: float) -> _Integrals:

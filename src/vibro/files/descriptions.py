@@ -235,6 +235,11 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
                      _by_key(*map(_axis, BY_COLUMN.values()))),
 })
 
+# Of a machine in a question settings may be chosen, as amplitudes may.
+_IN_DESIGN: Final = _by_key(
+    _entry(form.LIMITS, "setting", "settings of a machine that may be chosen", "up to 100", "20:100"),
+)
+
 #: Input of ``vibro design``; static friction must be positive, since without it no body rests.
 DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a goal", "design", {
     "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
@@ -249,8 +254,8 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
         _entry(form.NUMBER, "gravity", "", "9.81"),
         _entry(form.NUMBER, "restitution", "", "0"),
     ), True, (("static_friction",),)),
-    "drive": TableKind("[[drive]]", "a drive, along a line, an ellipse or in a given motion, and what may be"
-                       " chosen", _by_key(
+    "drive": TableKind("[[drive]]", "a drive, along a line, an ellipse, in a given motion or of a machine,"
+                       " and what may be chosen", _by_key(
         _entry(form.TEXT, "name", "name for tables, each its own", "`drive 1`, ...", kind=PURE),
         _entry(form.LIMITS, "amplitude", "amplitude along a line", "needed of a line, or the stroke", 0.8),
         _entry(form.LIMITS, "stroke", "twice that amplitude", "needed of a line, or the amplitude"),
@@ -259,6 +264,7 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
         _entry(form.SPAN, "normal_amplitude", "amplitude of an ellipse normal to the trough",
                "needed of an ellipse", 0.3),
         _entry(form.SPAN, "normal_phase", "phase by which the normal motion of an ellipse leads", "0"),
+        *(_IN_DESIGN.get(entry.key, entry) for entry in MACHINE_KEYS),
         *_MOTION,
         _entry(form.SPAN, "motion_scale", "factor of that whole motion", "1"),
         _entry(form.CHOICES, "frequency", "frequencies that may be chosen", "needed", "15:25"),

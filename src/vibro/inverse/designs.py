@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from vibro.core.codes import Regime
 from vibro.errors import InputError, shown
 from vibro.inverse.costs import speed_costs
+from vibro.inverse.machine_designs import find_covered
+from vibro.inverse.machine_drives import covering
 from vibro.inverse.proofs import first_ratio, last_ratio
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
 from vibro.inverse.rounding import DIGITS, MOST_DIGITS
-from vibro.inverse.rows import KINDS, SEARCHED, find
+from vibro.inverse.rows import KINDS, SEARCHED
 from vibro.quantities import SPEED
 from vibro.reals import shielded
-from vibro.results.designs import DesignResult
+from vibro.results.designs import Design, DesignResult
 
 if TYPE_CHECKING:
     import os
@@ -24,10 +26,11 @@ if TYPE_CHECKING:
     from vibro.inverse.rows import Finder
     from vibro.inverse.spaces import AnySetting, UncertaintySet
     from vibro.inverse.specs import Drive, Spec
-    from vibro.results.designs import Design
 
 __all__ = ["Chosen", "at_most", "checked_digits", "chosen_of", "design", "find_designs"]
 
+# A design, its setting, and the amplitudes that it covers.
+_Row = tuple[Design, tuple[float, ...] | None, tuple[float, float] | None]
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 
 
@@ -107,24 +110,26 @@ def find_designs(
     # designs of lower regimes are candidates for those of the goal's
     regimes = [regime for regime in _REGIMES if regime <= highest or not goal_only]
     total = len(spec.drives) * len(regimes) * len(KINDS)
-    finders: dict[tuple[str, Regime], Finder] = {}
+    finders: dict[tuple[str, Regime], dict[str, Finder]] = {}
 
     def search(drive: Drive, regime: Regime) -> None:
         done, where = len(finders) * len(KINDS), at_most(regime)
-        calmer = finders.get((drive.name, Regime(regime - 1)))
-        finders[drive.name, regime] = find(
+        calmer = finders.get((drive.name, Regime(regime - 1)), {})
+        finders[drive.name, regime] = find_covered(
             Question(spec, drive, regime),
-            calmer.found if calmer else {},
+            calmer,
             digits,
             lambda kind: tell(done + SEARCHED.index(kind), total, f"{drive.name}: {kind}, {where}"),
         )
 
-    def rows(drive: Drive, regime: Regime) -> Iterator[tuple[Design, tuple[float, ...] | None]]:
-        finder = finders[drive.name, regime]
+    def rows(drive: Drive, regime: Regime) -> Iterator[_Row]:
         for kind in KINDS:
-            yield finder.row(kind), finder.found[kind].setting if kind in finder.found else None
+            finder = finders[drive.name, regime][kind]
+            machine = finder.question.drive.machine
+            setting = finder.found[kind].setting if kind in finder.found else None
+            yield finder.row(kind), setting, None if machine is None else machine.covered
 
-    found: list[tuple[Design, tuple[float, ...] | None]] = []
+    found: list[_Row] = []
     for drive in spec.drives:
         for regime in regimes:
             if regime <= highest:
@@ -137,12 +142,12 @@ def find_designs(
             if regime is not highest:
                 found += rows(drive, regime)
     tell(total, total, "")
-    designs, settings = zip(*found, strict=True)
+    designs, settings, covered = zip(*found, strict=True)
     met = any(
         d.highest_regime == highest.label and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(spec.goal.speed)
         for d in designs
     )
-    return DesignResult(met, designs, settings)
+    return DesignResult(met, designs, settings, covered if any(covered) else ())
 
 
 @dataclass(frozen=True)
@@ -177,10 +182,11 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     highest = spec.goal.highest_regime
     # where nothing is uncertain no design is safer than another, and the safest would be the drive's limit
     wanted = "fastest" if not result.met else "safest" if spec.has_bands else "gentlest"
+    covered = result.covered or (None,) * len(result.designs)
     rows = [
-        (d, setting, drive)
+        (d, setting, covering(drive, interval) if interval else drive)
         for drive in spec.drives
-        for d, setting in zip(result.designs, result.settings, strict=True)
+        for d, setting, interval in zip(result.designs, result.settings, covered, strict=True)
         if (d.drive, d.highest_regime, d.design) == (drive.name, highest.label, wanted) and setting
     ]
     if not rows:
@@ -193,6 +199,8 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     best, values, drive = max(rows, key=merit)
     question, setting = Question(spec, drive, highest), drive.space.settings._make(values)
     costs = speed_costs(question.nominal_scene(setting))
+    if drive.machine is not None and drive.machine.natural_frequency is not None:
+        costs["frequency"] = "changes the amplitude too"
     return Chosen(drive, best, setting, _loads(question.box(setting)), costs)
 
 

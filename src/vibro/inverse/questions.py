@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from vibro.inverse.scenarios import Scenarios
     from vibro.inverse.spaces import AnySetting, Ends, Points, Space
-    from vibro.inverse.specs import Drive, Span, Spec
+    from vibro.inverse.specs import Drift, Drive, Span, Spec
 
     Floats = NDArray[np.float64]
 
@@ -61,6 +62,14 @@ class Question:
         """Whether bodies may hop."""
         return self.highest is Regime.HOPPING
 
+    @cached_property
+    def drift(self) -> Drift:
+        """Deviations of drive and trough; voltage and filling of a machine add to that of the amplitude."""
+        drift, machine = self.spec.drift, self.drive.machine
+        if machine is None:
+            return drift
+        return replace(drift, amplitude=(1.0 + drift.amplitude) * (1.0 + machine.drift) - 1.0)
+
     @property
     def landings(self) -> Landings:
         """Limits on landings."""
@@ -77,7 +86,7 @@ class Question:
         scale : float or array
             Factor on all bands and drifts about their middles; bands are cut at impossible values.
         """
-        bands, drift = self.spec.bands, self.spec.drift
+        bands, drift = self.spec.bands, self.drift
         is_ratio = "friction_ratio" in bands
         low, high = bands["trough_angle"]
         short, most = TOLERANCES.short, 1.0 if is_ratio else math.inf
@@ -113,7 +122,7 @@ class Question:
 
     def growth(self, scale: Floats | float) -> Floats | float:
         """Return the ratio of the largest load in a box to the nominal one."""
-        drift = self.spec.drift
+        drift = self.drift
         return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** self.space.power
 
     def hardest_impacts(

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.drives import Ellipse, Harmonics, Line, Piecewise
 from vibro.errors import InputError, Problems, shown
-from vibro.files.descriptions import DESIGN_FILE
+from vibro.files.descriptions import DESIGN_FILE, MACHINE_KEYS
+from vibro.files.machines import given_machine
 from vibro.files.motions import MOTIONS, motion_of
 from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
 from vibro.friction_catalogue import static_row
+from vibro.inverse.machine_reading import machine_drives
 from vibro.inverse.spaces import SPACES, MotionSpace
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
 from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES, SCALE
@@ -72,25 +74,31 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     (((50.0, 50.0), (100.0, 100.0)), 0.08)
     """
     if isinstance(source, Mapping):
-        return _spec(source, "", Problems())
+        return _spec(source, "", Problems(), None)
     if not isinstance(source, str | os.PathLike):
         raise InputError(f"{shown(source)}: must be a path, or a mapping with the tables of a question")
     path = Path(source)
     content = read_toml(path)
     refuse_other_kinds(content, DESIGN_FILE, path)
-    return _spec(content, path.stem, Problems(f"{path}: "))
+    return _spec(content, path.stem, Problems(f"{path}: "), path.parent)
 
 
-def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
+def _spec(content: Mapping[Any, Any], name: str, problems: Problems, folder: Path | None) -> Spec:
     refuse_unknown_tables(content, DESIGN_FILE, problems)
     scene, drift, goal, part = (
         Table(DESIGN_FILE, table, content.get(table, ABSENT), problems)
         for table in ("scene", "drift", "goal", "part")
     )
-    drives = _drive_tables(content.get("drive", []), problems)
+    tables = _drive_tables(content.get("drive", []), problems)
+    bands = _bands(scene, problems)
+    drives = [
+        (drive, table)
+        for i, table in enumerate(tables, 1)
+        for drive in _drives(table, f"drive {i}", problems, folder, drift.values.get("frequency", 0.0))
+    ]
     spec = Spec(
-        bands=_bands(scene, problems),
-        drives=tuple(_drive(table, f"drive {i}", problems) for i, table in enumerate(drives, 1)),
+        bands=bands,
+        drives=tuple(drive for drive, _ in drives),
         goal=_goal(goal, scene),
         drift=Drift(**drift.values),
         length=scene.values.get("trough_length"),
@@ -102,7 +110,7 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
     _check_names(spec.drives, problems)
     _check_drift(spec, drift)
     _check_angles(spec, drives, problems)
-    _check_accelerations(spec, drives)
+    _check_accelerations(spec.gravity, drives)
     problems.settle()
     return spec
 
@@ -144,6 +152,29 @@ def _drive_tables(given: Any, problems: Problems) -> list[Table]:
         )
     several = len(tables) > 1
     return [Table(DESIGN_FILE, "drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
+
+
+def _drives(
+    table: Table, usual_name: str, problems: Problems, folder: Path | None, drift: float
+) -> list[Drive]:
+    """Read a drive; a machine is one for each spring pack and frequency."""
+    keys = {entry.key: entry.quantity.name for entry in MACHINE_KEYS if entry.key in table.given}
+    if not keys:
+        return [_drive(table, usual_name, problems)]
+    others = [*_keys(("amplitude", "stroke", *ELLIPTICAL)), *(key for way in MOTIONS for key in way), SCALE]
+    for key in others:
+        if key in table.given:
+            hint = 'leave it out: setting_percent = "20:100" says what may be chosen'
+            table.refuse(key, "not beside a machine, whose amplitude follows from its setting", hint)
+    table.needs("drive_angle_deg")
+    if not table.values.keys() >= {*keys.values()}:
+        return []
+    drives: list[Drive] = []
+    with problems.taken(f"{table.heading} "):
+        values = {name: table.values[name] for name in keys.values()}
+        given = given_machine({key: table.given[key] for key in keys}, values, folder)
+        drives += machine_drives(table, given, usual_name, drift)
+    return drives
 
 
 def _drive(table: Table, usual_name: str, problems: Problems) -> Drive:
@@ -228,7 +259,7 @@ def _check_drift(spec: Spec, drift: Table) -> None:
             drift.refuse(key, f"no drive has {key}")
 
 
-def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> None:
+def _check_angles(spec: Spec, drives: Sequence[tuple[Drive, Table]], problems: Problems) -> None:
     """Refuse troughs so steep that parts slide by themselves, and drives that reach the trough's normal."""
     low, high = spec.bands["trough_angle"]
     highest = high + spec.drift.trough_angle
@@ -241,7 +272,7 @@ def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> No
                 f"[scene] trough_angle_deg: it is up to {_degrees(steepest)} either way, drift included; must"
                 f" be less than {_degrees(slides)}, where parts of static_friction {friction:g} slide down"
             )
-    for drive, table in zip(spec.drives, drives, strict=True):
+    for drive, table in drives:
         angles = drive.choices.get("drive_angle", ())
         reach = max((end for _, end in angles), default=0.0) + spec.drift.drive_angle + highest
         if angles and reach >= 0.5 * math.pi - _ROUNDED:
@@ -249,10 +280,10 @@ def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> No
             table.refuse("drive_angle_deg", why)
 
 
-def _check_accelerations(spec: Spec, drives: Sequence[Table]) -> None:
+def _check_accelerations(gravity: float, drives: Sequence[tuple[Drive, Table]]) -> None:
     """Refuse drives whose least acceleration exceeds their own limit."""
-    for drive, table in zip(spec.drives, drives, strict=True):
-        least, most = (a / spec.gravity for a in drive.accelerations)
+    for drive, table in drives:
+        least, most = (a / gravity for a in drive.accelerations)
         if least > drive.acceleration:
             table.refuse(
                 "acceleration_g", f"amplitude and frequency are such that it is at least {least:.6g}"

@@ -41,7 +41,7 @@ def roundings(drive: Drive, setting: AnySetting, digits: int, *, up: bool) -> It
     """
     turned = {knob: float(x) for knob, x in drive.space.turned(setting).items()}
     names = dict(zip(turned, drive.told, strict=True))
-    scales = {knob: drive.told_per_amplitude if knob == "amplitude" else 1.0 for knob in turned}
+    scales = {knob: drive.scale(knob) for knob in turned}
     values = {knob: float(QUANTITIES[names[knob]].from_si(x * scales[knob])) for knob, x in turned.items()}
     nearest_ends = {knob: drive.nearest(knob, x) for knob, x in turned.items()}
     ends = {knob: (low * scales[knob], high * scales[knob]) for knob, (low, high) in nearest_ends.items()}
@@ -81,9 +81,7 @@ def _beside(value: float, digits: int) -> Iterator[float]:
 def setting_of(drive: Drive, printed: tuple[float, ...]) -> AnySetting:
     """Return the setting of knobs as they are printed."""
     told = zip(drive.space.knobs, drive.told, printed, strict=True)
-    knobs = {knob: QUANTITIES[name].to_si(x) for knob, name, x in told}
-    if drive.in_stroke:
-        knobs["amplitude"] /= drive.told_per_amplitude
+    knobs = {knob: QUANTITIES[name].to_si(x) / drive.scale(knob) for knob, name, x in told}
     return drive.space.setting(**knobs)
 
 

@@ -25,9 +25,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from vibro.inverse.exchange import Exchange, Optimum
+    from vibro.inverse.machine_drives import Met
     from vibro.inverse.questions import Question
 
-__all__ = ["KINDS", "SEARCHED", "Finder", "find"]
+__all__ = ["KINDS", "SEARCHED", "Finder", "Rounded", "best_of", "find", "finder_of"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
 #: The same in the order in which they are searched.
@@ -46,9 +47,13 @@ _OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
 
 @dataclass(frozen=True)
 class Rounded(Found):
-    """A setting as it is printed, and the optimum that was rounded."""
+    """A setting as it is printed, and the optimum that was rounded.
+
+    Of a filled machine with its amplitudes and other numbers over all fillings.
+    """
 
     optimum: Optimum | None = None
+    met: Met | None = None
 
 
 @dataclass(frozen=True)
@@ -65,12 +70,15 @@ class Finder:
         The designs by their kind; those that do not exist are left out.
     digits : int
         Of printed settings; there are more where a setting with fewer does not hold.
+    refused : frozenset of str
+        Designs of a machine that are left out, as its filling makes unknown or other amplitudes there.
     """
 
     question: Question
     optimiser: Exchange
     found: Mapping[str, Rounded]
     digits: int = DIGITS
+    refused: frozenset[str] = frozenset()
 
     @property
     def target(self) -> float:
@@ -80,6 +88,8 @@ class Finder:
     def set_by(self, kind: str) -> str | None:
         """Return the active constraint of a design; without a design only the fastest has one."""
         found, optimiser = self.found.get(kind), self.optimiser
+        if kind in self.refused:
+            return "filling"
         if found is None:
             return optimiser.first_cap() if kind == "fastest" else None
         if kind == "safest" and found.margin:
@@ -109,13 +119,14 @@ class Finder:
         g, length, drive = found.guarantee, question.spec.length, question.drive
         columns = (QUANTITIES[name].column for name in drive.told)
         settings: dict[str, Any] = dict(zip(columns, found.printed, strict=True))
-        row = replace(row, **settings)
+        row = replace(row, **settings, **self._of_machine(found))
         speed, size, unit = g.speed_min, "stroke" if drive.in_stroke else "amplitude", "_mm"
         if drive.motion is not None:
             size, unit = "motion_scale", ""
         needed = self._nearest_drive(found, row.nominal or 0.0, settings["frequency_hz"])
         sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed{unit}": needed[1]}
-        if window := window_of(question, found):
+        # what voltage and filling make of another amplitude is not covered
+        if (drive.machine is None or not drive.machine.is_filled) and (window := window_of(question, found)):
             told = QUANTITIES[size]
             low, high = (float(told.from_si(drive.told_per_amplitude * end)) for end in window[:2])
             sizes |= {f"{size}_low{unit}": low, "low_set_by": window.low_set_by}
@@ -137,21 +148,46 @@ class Finder:
             excluded=g.excluded,
         )
 
+    def _of_machine(self, found: Rounded) -> dict[str, Any]:
+        """Return the columns of a machine: its spring pack, and its amplitudes at a setting."""
+        machine = self.question.drive.machine
+        if machine is None:
+            return {}
+        amplitude = float(self.question.space.amplitude(found.setting))
+        empty, met = amplitude / machine.middle, found.met
+        more: dict[str, Any] = {} if met is None else {"operating_points": met.number}
+        if met is not None and math.isfinite(met.second_harmonic):
+            more["second_harmonic_percent"] = 100.0 * met.second_harmonic
+        return {
+            "pack": machine.pack or None,
+            "natural_hz": machine.natural_frequency,
+            "amplitude_mm": _mm(amplitude),
+            "amplitude_empty_mm": _mm(empty),
+            "amplitude_least_mm": _mm(machine.covered[0] * empty),
+            "amplitude_most_mm": _mm(machine.covered[1] * empty),
+            **more,
+        }
+
     def designs(
-        self, calmer: Mapping[str, Rounded], tell: Callable[[str], None] = lambda _: None
+        self,
+        calmer: Mapping[str, Rounded],
+        tell: Callable[[str], None] = lambda _: None,
+        until: str = SEARCHED[-1],
     ) -> dict[str, Rounded]:
-        """Find the designs, by their kind; ``tell(kind)`` says which is searched."""
+        """Find the designs, by their kind; ``tell(kind)`` says which is searched, ``until`` which is last."""
         if not self.optimiser.has_more():
             return dict(calmer)
         tell("fastest")
         fastest = self._best("fastest", self._fastest(), calmer)
         if fastest is None:
             return {}
-        if fastest.guarantee.speed_min < self.target:
+        if fastest.guarantee.speed_min < self.target or until == "fastest":
             return {"fastest": fastest}
         tell("gentlest")
         gentlest = self._best("gentlest", self._least_acceleration(), calmer, fastest)
         assert gentlest is not None
+        if until == "gentlest":
+            return {"fastest": fastest, "gentlest": gentlest}
         tell("safest")
         if self.question.spec.has_bands:
             safest = self._best("safest", self._safest(), calmer, fastest, gentlest)
@@ -237,12 +273,9 @@ class Finder:
         known = [found for found in (new, calmer.get(kind), *others) if found is not None]
         if kind == "safest":
             known = [self._with_margin(found) for found in known]
-        merits: dict[str, Callable[[Rounded], float]] = {
-            "fastest": lambda found: found.guarantee.speed_min,
-            "gentlest": lambda found: -float(self.question.load(found.setting)),
-            "safest": lambda found: found.margin or 0.0,
-        }
-        return self._with_margin(max(known, key=merits[kind])) if known else None
+        if not known:
+            return None
+        return self._with_margin(max(known, key=lambda found: best_of(kind, self.question, found)))
 
     def _with_margin(self, found: Rounded) -> Rounded:
         """Add the margin of a design: at least 1 where it meets the goal."""
@@ -263,7 +296,9 @@ class Finder:
         drive conveys nothing, and if parts would land too hard.
         """
         speed, power = found.guarantee.speed_min, self.question.space.power
-        if speed >= self.target or not speed > 0.0:
+        # another frequency changes a machine's amplitude, but on soft mounts
+        machine = self.question.drive.machine
+        if speed >= self.target or not speed > 0.0 or (machine is not None and not machine.is_plain):
             return None, None
         for digits in more_digits(self.digits):
             for steps in range(_LOWERED):
@@ -281,11 +316,20 @@ class Finder:
         return None, None
 
 
+def best_of(kind: str, question: Question, found: Rounded) -> float:
+    """Return the merit of a design: the best of a kind has the largest."""
+    if kind == "fastest":
+        return found.guarantee.speed_min
+    return -float(question.load(found.setting)) if kind == "gentlest" else found.margin or 0.0
+
+
 def find(
     question: Question,
     calmer: Mapping[str, Rounded],
     digits: int = DIGITS,
     tell: Callable[[str], None] = lambda _: None,
+    *,
+    until: str = SEARCHED[-1],
 ) -> Finder:
     """Find the gentlest, the fastest and the safest setting that hold as they are printed.
 
@@ -299,9 +343,16 @@ def find(
         Of printed settings.
     tell : callable, optional
         ``tell(kind)`` says which design is searched.
+    until : str, optional
+        Kind of design that is searched last, in the order of ``SEARCHED``.
     """
-    finder = Finder(question, _OPTIMISERS[question.drive.kind](question), {}, digits)
-    return replace(finder, found=finder.designs(calmer, tell))
+    finder = finder_of(question, digits)
+    return replace(finder, found=finder.designs(calmer, tell, until))
+
+
+def finder_of(question: Question, digits: int = DIGITS) -> Finder:
+    """Return the finder of a question, without designs."""
+    return Finder(question, _OPTIMISERS[question.drive.kind](question), {}, digits)
 
 
 def _mm(value: float) -> float | None:

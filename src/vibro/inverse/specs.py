@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from vibro.drives import Ellipse, Harmonics, Line, Piecewise
+    from vibro.inverse.machine_drives import MachineDrive
     from vibro.inverse.spaces import Space
     from vibro.waveforms import Motion
 
@@ -43,6 +44,8 @@ class Drive:
         Whether the amplitude of a line was given as its stroke, and is told so.
     motion : Motion or None
         Of a drive that is a given motion.
+    machine : MachineDrive or None
+        Of a drive whose amplitude follows from the setting of a machine, and is told so.
     """
 
     name: str
@@ -51,6 +54,7 @@ class Drive:
     acceleration: float = math.inf
     in_stroke: bool = False
     motion: Motion | None = None
+    machine: MachineDrive | None = None
 
     @cached_property
     def space(self) -> Space:
@@ -64,15 +68,20 @@ class Drive:
 
     @property
     def told(self) -> tuple[str, ...]:
-        """Names of the quantities in which its knobs are told: a stroke where the question has one."""
-        return tuple(
-            "stroke" if self.in_stroke and knob == "amplitude" else knob for knob in self.space.knobs
-        )
+        """Names of the quantities in which its knobs are told: a stroke or a setting for the amplitude."""
+        size = "setting" if self.machine is not None else "stroke" if self.in_stroke else "amplitude"
+        return tuple(size if knob == "amplitude" else knob for knob in self.space.knobs)
 
     @property
     def told_per_amplitude(self) -> float:
         """Ratio of what is told, a stroke or an amplitude, to the amplitude [1]."""
         return 2.0 if self.in_stroke else 1.0
+
+    def scale(self, knob: str) -> float:
+        """Ratio of what is told of a knob to the knob [1]; of a machine's amplitude its setting [1/m]."""
+        if knob != "amplitude":
+            return 1.0
+        return self.told_per_amplitude if self.machine is None else 1.0 / self.machine.amplitude
 
     def span(self, knob: str) -> Span:
         """Return the range of a knob that has one [SI]."""
@@ -178,8 +187,9 @@ class Spec:
         told = [QUANTITIES[name].doubt(*_outside(name, (span,))) for name, span in self.bands.items()]
         for drive in self.drives:
             for name, knob in zip(drive.told, drive.space.knobs, strict=True):
-                scale = drive.told_per_amplitude if name == "stroke" else 1.0
-                told.append(QUANTITIES[name].doubt(*_outside(name, drive.choices[knob], scale)))
+                told.append(QUANTITIES[name].doubt(*_outside(name, drive.choices[knob], drive.scale(knob))))
+            if drive.machine is not None:
+                told.append(drive.machine.doubt(drive.name))
             gentle = float(f"{drive.accelerations[0] / self.gravity:.4g}")
             told.append(LOAD.doubt(gentle, gentle))
         return [text for text in dict.fromkeys(told) if text]
@@ -187,7 +197,12 @@ class Spec:
     @property
     def has_bands(self) -> bool:
         """Whether any band has a width or any quantity drifts."""
-        return self.drift != Drift() or any(low < high for low, high in self.bands.values())
+        machines = [drive.machine for drive in self.drives if drive.machine is not None]
+        return (
+            self.drift != Drift()
+            or any(low < high for low, high in self.bands.values())
+            or any(machine.has_bands for machine in machines)
+        )
 
 
 def _outside(name: str, spans: Sequence[Span], scale: float = 1.0) -> Span:

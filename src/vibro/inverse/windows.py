@@ -244,7 +244,7 @@ def window_of(question: Question, found: Found) -> Interval | None:
     most = min(most, amplitude * question.drive.acceleration / float(question.load(setting)))
     box = question.box(setting)
     unit = amplitude / (sum(box.factor) / 2.0)  # amplitude where the factor is 1
-    family = Family(replace(box, factor=(1.0, 1.0)), question.spec.drift.amplitude, question.landings)
+    family = Family(replace(box, factor=(1.0, 1.0)), question.drift.amplitude, question.landings)
     one = family.across(1.0, 1.0)
     tips = tip_ratio(one, question.spec.stand_ratio)
     if question.flies and math.isfinite(question.spec.stand_ratio):  # tipping at landings is not modelled

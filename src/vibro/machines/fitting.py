@@ -33,7 +33,7 @@ _START_COUNTS: Final = 60
 _START_DAMPING: Final = np.geomspace(1e-5, 1.0, 9)
 _KEPT_STARTS: Final = 3
 # The search ends where a step would lower the sum of squares, which is of the order of 1, by less.
-_ENOUGH: Final = 1e-10
+_ENOUGH: Final = 1e-8
 _MOST_STEPS: Final = 100
 # A profile that does not end within this change of a logarithm is unbounded: a factor of about 1000.
 _FARTHEST: Final = 7.0
@@ -72,6 +72,9 @@ class ResponseFit:
         Whether points lie on both sides of the largest amplitude.
     residual : (n,) array
         Measured over fitted amplitude, less 1 [1].
+    curve : tuple of float
+        Natural frequency, damping ratio and static amplitude of the fitted curve [Hz, 1, m]: the estimates,
+        and without them the best fit with a damping ratio of 0 or more.
     """
 
     law: str
@@ -91,6 +94,19 @@ class ResponseFit:
     is_error_stated: bool
     brackets_peak: bool
     residual: Floats
+    curve: tuple[float, float, float]
+
+    def amplitudes(self, frequency: Any) -> Floats:
+        """Return fitted amplitudes [m] at frequencies [Hz]."""
+        return _amplitudes(np.asarray(frequency, np.float64), self.curve, self.law)
+
+
+def _amplitudes(frequency: Floats, curve: tuple[float, float, float], law: str) -> Floats:
+    natural, damping, static = curve
+    x = (frequency / natural) ** 2
+    size = static * (x if LAWS[law] else 1.0)
+    with np.errstate(divide="ignore"):  # at resonance without damping
+        return np.asarray(size / np.sqrt((1.0 - x) ** 2 + 4.0 * damping**2 * x))
 
 
 class LeastSquares(NamedTuple):
@@ -176,6 +192,9 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
     if not brackets:
         linear = LeastSquares(*[math.nan] * 6)
     damping = math.sqrt(linear.damping_squared) if linear.damping_squared > 0.0 else math.nan
+    curve = (linear.natural_frequency, damping, linear.static_amplitude)
+    if math.isnan(damping):
+        curve = (math.exp(0.5 * best[1]), 0.5 * math.sqrt(best[2]), math.exp(best[0]))
     return ResponseFit(
         law=law,
         frequency=frequency,
@@ -193,7 +212,8 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
         amplitude_error=error,
         is_error_stated=stated is not None,
         brackets_peak=brackets,
-        residual=np.expm1(search.residuals(best) * search.error),
+        residual=amplitude / _amplitudes(frequency, curve, law) - 1.0,
+        curve=curve,
     )
 
 
@@ -266,7 +286,7 @@ class _Search:
             normal = part.T @ part
             while True:
                 damped = normal + weight * np.diag(normal.diagonal())
-                step = np.linalg.lstsq(damped, -gradient[moves], rcond=None)[0]
+                step = np.linalg.solve(damped, -gradient[moves])
                 tried = p.copy()
                 tried[moves] += step
                 tried[2] = max(tried[2], 0.0)
@@ -283,16 +303,16 @@ class _Search:
         return p
 
     def _starts(self) -> list[Floats]:
-        low, high = np.log(self.squared[0]), np.log(self.squared[-1])
-        beyond = math.log(_STARTS_BEYOND)
-        starts = []
-        for u in np.linspace(low - beyond, high + beyond, _START_COUNTS):
-            for z in _START_DAMPING:
-                p = np.array([0.0, u, z])
-                weights = self.error**-2
-                p[0] = float(np.sum(weights * self.residuals(p) * self.error) / weights.sum())
-                starts.append(p)
-        return sorted(starts, key=self.squares)[:_KEPT_STARTS]
+        """Return the best points of a grid of natural frequencies and damping."""
+        low, high, beyond = np.log(self.squared[0]), np.log(self.squared[-1]), math.log(_STARTS_BEYOND)
+        across = np.linspace(low - beyond, high + beyond, _START_COUNTS)
+        grid = np.array([(0.0, u, z) for u in across for z in _START_DAMPING])
+        x = self.squared * np.exp(-grid[:, 1:2])
+        above = self.measured + 0.5 * np.log((1.0 - x) ** 2 + grid[:, 2:] * x) - self.is_square * np.log(x)
+        weights = self.error**-2
+        grid[:, 0] = above @ weights / weights.sum()
+        squares = (above - grid[:, :1]) ** 2 @ weights
+        return [*grid[np.argsort(squares)[:_KEPT_STARTS]]]
 
     def best(self) -> Floats:
         """Return the least misfit."""

@@ -103,7 +103,8 @@ class Response:
 class Machine:
     """A linear machine that drives a trough along a line: one mass on the floor, or two on springs.
 
-    It is made by the classmethod of its kind: ``unbalance``, ``magnet``, ``exciter``, ``crank`` or ``rod``.
+    It is made by the classmethod of its kind: ``unbalance``, ``magnet``, ``exciter``, ``crank``, ``rod`` or
+    ``measured``.
 
     Attributes
     ----------
@@ -154,8 +155,10 @@ class Machine:
     gap: float = math.inf
 
     def __init__(self) -> None:
-        kinds = ", ".join(f"Machine.{kind}" for kind in ("unbalance", "magnet", "exciter", "crank", "rod"))
-        raise InputError("a machine is made by its kind", hint=f"use one of {kinds}")
+        raise InputError(
+            "a machine is made by its kind",
+            hint="call Machine.unbalance, .magnet, .exciter, .crank, .rod or .measured",
+        )
 
     @classmethod
     def _of(cls, kind: str, **values: float) -> Machine:
@@ -396,6 +399,81 @@ class Machine:
             )
         read.settle()
         return cls._of("rod", **values)
+
+    @classmethod
+    @shielded
+    def measured(
+        cls,
+        *,
+        points: Any,
+        trough_mass: float,
+        counter_mass: float = math.inf,
+        law: Literal["constant", "square"] = "constant",
+        voltage_exponent: float | None = None,
+        gap: float = math.inf,
+    ) -> Machine:
+        """Make a machine from amplitudes that were measured over the frequency, empty and at 100 % setting.
+
+        Parameters
+        ----------
+        points : array_like, shape (n, 2)
+            Frequency [Hz] and amplitude [m], of 3 or more frequencies on both sides of the resonance.
+        trough_mass : float
+            Of the trough with all that moves with it, > 0 [kg].
+        counter_mass : float, optional
+            > 0; without, the springs stand on the floor [kg].
+        law : {"constant", "square"}, optional
+            How the force depends on the frequency: constant of a magnet, and of unbalance on a counter mass;
+            square of unbalance on the trough.
+        voltage_exponent : float, optional
+            Of the force; without, 2 of a constant force, as a magnet's, and 0 of unbalance [1].
+        gap : float, optional
+            As of ``magnet``.
+
+        Raises
+        ------
+        InputError
+            With every argument that is out of its range, and if the points determine no natural frequency or
+            no damping.
+        SceneError
+            If the points are no such pairs.
+        """
+        from vibro.machines.fitting import fit_response
+
+        read = _Reader("measured")
+        fit = fit_response(points, law=law)
+        exponent = (0.0 if law == "square" else 2.0) if voltage_exponent is None else voltage_exponent
+        values = {
+            "trough_mass": read("trough_mass", trough_mass),
+            "counter_mass": read("counter_mass", counter_mass, infinite=True),
+            "voltage_exponent": read("voltage_exponent", exponent, least=True),
+            "gap": read("gap", gap, infinite=True),
+        }
+        if law == "square" and values["counter_mass"] < math.inf:
+            read.problem(
+                f"counter_mass = {counter_mass:.15g} kg: must be left out where law = 'square'",
+                "unbalance on a counter mass has law='constant' for the trough",
+                "counter_mass",
+            )
+        for name, value in (("natural frequency", fit.natural_frequency), ("damping", fit.damping_ratio)):
+            if math.isnan(value):
+                read.problem(
+                    f"points = {shown(points)}: they determine no {name}",
+                    "measure on both sides of the resonance, some points within 5 % of it; or give"
+                    " natural_frequency and damping_ratio to Machine.magnet",
+                    "points",
+                )
+                break
+        read.settle()
+        inertia = values["trough_mass"] * (2.0 * math.pi) ** 2  # over the square of a frequency
+        return cls._of(
+            "measured",
+            natural_frequency=fit.natural_frequency,
+            damping_ratio=fit.damping_ratio,
+            force=fit.static_amplitude * inertia * (1.0 if law == "square" else fit.natural_frequency**2),
+            force_exponent=2.0 if law == "square" else 0.0,
+            **values,
+        )
 
     @shielded
     def with_natural_frequency(self, natural_frequency: float) -> Machine:

@@ -61,7 +61,7 @@ class OperatingPoints:
     scene : Scene
         What lies in the trough, at the amplitude found: ``vibro.solve(points.scene)``.
     amplitude : array
-        NaN where the filling has no settled motion; see ``status`` [m].
+        NaN where the filling has no settled motion (see ``status``), or the masses strike each other [m].
     amplitude_empty : array
         Without filling [m].
     amplitude_low, amplitude_high : array
@@ -83,7 +83,7 @@ class OperatingPoints:
         Whether the shares jump at the amplitude, so that the machine never settles: more amplitude makes the
         filling take more than it has, less makes it take less. The motion given is that just below.
     strikes : array of bool
-        Whether the relative amplitude exceeds the machine's gap.
+        Whether the relative amplitude exceeds the machine's gap: no linear machine any more.
     status : array of int8
         ``Status``: OK, BOUNDARY at a jump, AVERAGED where irregular motion leaves the filling's shares to a
         bound, or why there is no settled motion.
@@ -155,7 +155,10 @@ class OperatingPoints:
 
 
 class _Case(NamedTuple):
-    """Arguments of a machine, checked and broadcast, and its empty motion."""
+    """Arguments of a machine, checked and broadcast, and its empty motion: flat arrays over the cells.
+
+    They are contiguous, so that a cell has the same bits in every grid: NumPy's loops differ by strides.
+    """
 
     shape: tuple[int, ...]
     frequency: Floats
@@ -170,7 +173,7 @@ class _Case(NamedTuple):
     @property
     def compliance(self) -> Complexes:
         """H [1/kg]."""
-        return np.zeros(self.shape, np.complex128) if self.linear is None else self.linear.compliance
+        return np.zeros(self.empty.shape, np.complex128) if self.linear is None else self.linear.compliance
 
 
 @shielded
@@ -216,14 +219,15 @@ def operate(
         Of the filling where it was measured; without, they are computed. The damping share without a mass
         share is not allowed; the other way round it is 0 [1].
     allow_strikes : bool, optional
-        Whether relative amplitudes above the machine's gap are marked in ``strikes`` rather than an error.
+        Whether cells whose relative amplitude exceeds the machine's gap are marked in ``strikes``, without an
+        amplitude, rather than an error.
     threads : int, optional
         As of ``vibro.solve``.
 
     Returns
     -------
     OperatingPoints
-        Arrays of the broadcast shape.
+        Arrays of the broadcast shape. A cell does not depend on the others.
 
     Raises
     ------
@@ -231,7 +235,8 @@ def operate(
         If an argument of the machine is out of its range, the masses strike each other, or the amplitude is
         infinite.
     SceneError
-        If an angle, a friction or a restitution is out of its range.
+        If an angle, a friction or a restitution is out of its range; kinetic above static friction gives the
+        status ``INFEASIBLE``.
 
     Notes
     -----
@@ -350,20 +355,24 @@ def _case(
         raise InputError(f"machine = {shown(machine)}: must be a vibro.Machine", hint=hint)
     f, s, u, f0, _ = machine.broadcast(frequency, setting, voltage, natural_frequency)
     mass = _masses(filling)
-    known = Scene(amplitude=1.0, frequency=f, **body)  # refuses angles and frictions by their names
+    known = Scene.allowing_infeasible(amplitude=1.0, frequency=f, **body)  # refuses angles by their names
     rest = {name: getattr(known, name) for name in (*_FRICTIONS, *_DEFAULTS)}
     shape = broadcast(("frequency", "filling", *rest), (f, mass, *rest.values()))[0].shape
-    f, s, u, f0, mass = (np.broadcast_to(x, shape) for x in (f, s, u, f0, mass))
+
+    def flat(x: Any) -> Any:
+        return np.ascontiguousarray(np.broadcast_to(x, shape)).reshape(-1)
+
+    f, s, u, f0, mass = (flat(x) for x in (f, s, u, f0, mass))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         empty, linear = driven(machine, f, s, u, f0)
     good = (empty > 0.0) & np.isfinite(empty)
     if not good.all():
-        i = np.unravel_index(int(np.argmin(good)), shape)
+        i = int(np.argmin(good))
         raise InputError(
             f"amplitude = {empty[i]:.6g} m at frequency = {f[i]:.15g} Hz: must be finite and > 0 m",
             hint="damping alone bounds the amplitude at resonance: give a damping_ratio > 0",
         )
-    return _Case(shape, f, s, u, f0, mass, empty, linear, rest)
+    return _Case(shape, f, s, u, f0, mass, empty, linear, {name: flat(x) for name, x in rest.items()})
 
 
 def _masses(value: Any) -> Floats:
@@ -402,7 +411,7 @@ def _shares(mass: Any, damping: Any, shape: tuple[int, ...]) -> Complexes | None
     share = values[0] - 1j * values[1]
     if np.broadcast_shapes(share.shape, shape) != shape:
         raise InputError(f"added_mass_share of shape {share.shape}: must broadcast to {shape}")
-    return np.broadcast_to(share, shape)
+    return np.ascontiguousarray(np.broadcast_to(share, shape)).reshape(-1)
 
 
 class _Found(NamedTuple):
@@ -420,16 +429,22 @@ class _Found(NamedTuple):
 
     @classmethod
     def empty(cls, case: _Case, shares: Complexes | None) -> _Found:
-        share = np.full(case.shape, np.nan + 0j) if shares is None else shares
-        known = 0.0 if shares is None else shares
+        size = case.empty.size
+        share = np.full(size, complex(np.nan, np.nan)) if shares is None else shares
+        known = np.zeros(size) if shares is None else shares
         amplitude = case.empty / np.abs(1.0 + case.filling * known * case.compliance)
-        amplitude = np.array(amplitude, np.float64).reshape(-1)
-        size = amplitude.size
-        second = np.where(case.filling > 0.0, np.nan, 0.0).reshape(-1).astype(np.complex128)
+        second = np.where(case.filling > 0.0, np.nan, 0.0).astype(np.complex128)
         return cls(
-            amplitude, amplitude.copy(), amplitude.copy(), np.array(share, np.complex128).reshape(-1), second,
-            np.ones(size, np.int64), np.zeros(size, np.bool_), np.zeros(size, np.int8), amplitude.copy(),
-        )  # fmt: skip
+            amplitude=amplitude,
+            low=amplitude.copy(),
+            high=amplitude.copy(),
+            share=share,
+            second=second,
+            number=np.ones(size, np.int64),
+            at_jump=np.zeros(size, np.bool_),
+            status=np.zeros(size, np.int8),
+            solved_at=amplitude.copy(),
+        )
 
 
 class _Nodes(NamedTuple):
@@ -487,22 +502,16 @@ class _Together(NamedTuple):
     @classmethod
     def of(cls, case: _Case, cells: Cells, threads: int | None) -> _Together:
         """Collect some cells."""
-
-        def flat(x: Any) -> Any:
-            return np.broadcast_to(x, case.shape).reshape(-1)[cells]
-
-        body = {name: flat(x) for name, x in case.body.items()}
-        fields = {"frequency": flat(case.frequency), **body}
-        empty, pull = flat(case.empty), flat(case.filling) * flat(case.compliance)
+        body = {name: x[cells] for name, x in case.body.items()}
+        fields = {"frequency": case.frequency[cells], **body}
+        empty, pull = case.empty[cells], (case.filling * case.compliance)[cells]
         alpha, mu_s, beta = body["drive_angle"], body["static_friction"], body["trough_angle"]
         loads = critical_loads_of_lines(alpha, mu_s, body["kinetic_friction"], beta)
         unit = body["gravity"] / (2.0 * np.pi * fields["frequency"]) ** 2  # [m] amplitude at a load of 1
         critical = np.stack([load * unit for load in loads], axis=-1)
         first = np.fmin(loads.forward_onset, loads.back_onset)
         onset = unit * np.where(mu_s > 0.0, np.nan_to_num(first, nan=0.0, posinf=math.inf), 0.0)
-        linear, size = empty / np.abs(1.0 + pull), np.abs(pull)
-        # Eq. (91): A abs(lambda - i delta) is at most this, whatever the amplitude
-        reach = size * 2.0 * (np.sin(alpha) + mu_s * np.cos(alpha)) * np.cos(beta) * unit
+        linear, reach = empty / np.abs(1.0 + pull), _reach(case)[cells]
         low = np.maximum(empty * (1.0 - _ROUNDING) - reach, onset * (1.0 + _BESIDE[0]))
         low = np.where(low > 0.0, low, _LEAST * linear)
         high = (empty + reach) * (1.0 + _ROUNDING)
@@ -511,7 +520,7 @@ class _Together(NamedTuple):
     def weigh(self, cells: Cells, amplitude: Floats) -> Filling:
         """Weigh the filling of some cells at some amplitudes."""
         fields = {name: x[cells] for name, x in self.fields.items()}
-        scene = Scene(amplitude=amplitude, **fields)
+        scene = Scene.allowing_infeasible(amplitude=amplitude, **fields)
         return filling_of(scene, solve(scene, threads=self.threads), threads=self.threads)
 
     def residual(self, cells: Cells, amplitude: Floats) -> tuple[Floats, NDArray[np.int8]]:
@@ -606,72 +615,93 @@ def _first_of(nodes: _Nodes, marked: NDArray[np.bool_], none: int) -> Cells:
 
 
 def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
-    """Weigh the filling at the amplitudes found."""
+    """Weigh the filling at the amplitudes found; its motion may turn out to be irregular there."""
     full = np.flatnonzero(case.filling > 0.0)
     if not full.size:
         return
     fields = {"frequency": case.frequency, **case.body}
-    flat = {name: np.broadcast_to(x, case.shape).reshape(-1)[full] for name, x in fields.items()}
-    scene = Scene(amplitude=found.solved_at[full], **flat)
+    scene = Scene.allowing_infeasible(
+        amplitude=found.solved_at[full], **{name: x[full] for name, x in fields.items()}
+    )
     filling = filling_of(scene, solve(scene, threads=threads), threads=threads)
-    is_known = ~np.isnan(found.amplitude[full])
-    found.share[full] = np.where(is_known, filling.share, np.nan)
-    found.second[full] = np.where(is_known, filling.second_harmonic, np.nan)
-    stiff = (case.compliance == 0.0).reshape(-1)[full]
-    found.status[full] = np.where(stiff | (found.status[full] == 0), filling.status, found.status[full])
+    stiff = case.compliance[full] == 0.0  # a filling without any effect on the amplitude
+    told = ~stiff & (found.status[full] != int(Status.OK))
+    found.status[full] = np.where(told, found.status[full], filling.status)
+    found.share[full] = np.where(np.isnan(found.amplitude[full]), np.nan, filling.share)
+    found.second[full] = np.where(np.isnan(found.amplitude[full]), np.nan, filling.second_harmonic)
+    late = full[~told & ~stiff & (filling.status == int(Status.AVERAGED))]
+    reach = _reach(case)[late]
+    found.low[late], found.high[late] = np.maximum(case.empty[late] - reach, 0.0), case.empty[late] + reach
+    late = full[~told & ~stiff & ~is_answered(filling.status)]
+    found.amplitude[late] = found.low[late] = found.high[late] = np.nan
+    found.number[late] = 0
+
+
+def _reach(case: _Case) -> Floats:
+    """Return m abs(H) A abs(lambda - i delta) at most, whatever the amplitude, Eq. (91) [m]."""
+    body = case.body
+    alpha, beta = body["drive_angle"], body["trough_angle"]
+    unit = body["gravity"] / (2.0 * np.pi * case.frequency) ** 2
+    pressed = 2.0 * (np.sin(alpha) + body["static_friction"] * np.cos(alpha)) * np.cos(beta)
+    return np.asarray(case.filling * np.abs(case.compliance) * pressed * unit)
 
 
 def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
     """Assemble the results."""
-    shape = case.shape
-    amplitude = found.amplitude.reshape(shape)
-    share, second = (x.reshape(shape) for x in (found.share, found.second))
-    added = np.where(case.filling > 0.0, case.filling * np.where(np.isnan(share), 0.0, share), 0.0)
+    zero = np.zeros(case.empty.shape)
+    added = np.where(
+        case.filling > 0.0, case.filling * np.where(np.isnan(found.share), 0.0, found.share), 0.0
+    )
     if machine.kind == "crank":
-        phase, relative, harmonic = np.zeros(shape), amplitude, np.zeros(shape)
-        ratio = filled = np.zeros(shape)
+        phase, relative, harmonic, ratio, filled = zero, found.amplitude, zero, zero, zero
     else:
         moved = transfer(machine.masses, case.frequency, case.natural, added)
-        force = machine.force_at(case.frequency, case.setting, case.voltage)
         twice = transfer(machine.masses, 2.0 * case.frequency, case.natural, 0.0)
-        phase = np.angle(moved.trough + 0.0)
-        relative = force * np.abs(moved.relative)
-        harmonic = 0.25 * np.abs(case.filling * second * twice.compliance)
+        force = machine.force_at(case.frequency, case.setting, case.voltage)
+        phase, relative = np.angle(moved.trough + 0.0), force * np.abs(moved.relative)
+        harmonic = 0.25 * np.abs(case.filling * found.second * twice.compliance)
         with np.errstate(divide="ignore"):
             ratio = case.frequency / case.natural
             filled = case.frequency / machine.filled_natural_frequency(case.natural, added.real)
-    unknown = np.isnan(amplitude)
+    unknown = np.isnan(found.amplitude)
     phase, relative, filled = (np.where(unknown, np.nan, np.real(x)) for x in (phase, relative, filled))
     strikes = relative > machine.gap
     if np.any(strikes) and not allow_strikes:
-        i = np.unravel_index(int(np.argmax(strikes)), shape)
+        i = int(np.argmax(strikes))
         raise InputError(
             f"relative amplitude = {relative[i]:.6g} m at frequency = {case.frequency[i]:.15g} Hz, setting ="
             f" {case.setting[i]:.6g}: must be <= gap = {machine.gap:.6g} m, or the masses strike each other",
             hint="lower the setting, or take a spring pack farther from resonance",
             fields=["gap"],
         )
-    scene = Scene(
-        amplitude=found.solved_at.reshape(shape)[()],
-        frequency=case.frequency[()],
-        **{k: x[()] for k, x in case.body.items()},
+    for x in (found.amplitude, found.low, found.high):
+        x[strikes] = np.nan
+    found.number[strikes] = 0
+
+    def shaped(x: NDArray[Any]) -> Any:
+        return x.reshape(case.shape)[()]
+
+    scene = Scene.allowing_infeasible(
+        amplitude=shaped(found.solved_at),
+        frequency=shaped(case.frequency),
+        **{name: shaped(x) for name, x in case.body.items()},
     )
     return OperatingPoints(
         scene=scene,
-        amplitude=amplitude[()],
-        amplitude_empty=case.empty[()],
-        amplitude_low=found.low.reshape(shape)[()],
-        amplitude_high=found.high.reshape(shape)[()],
-        phase=phase[()],
-        relative_amplitude=relative[()],
-        frequency_ratio=ratio[()],
-        filled_frequency_ratio=filled[()],
-        added_mass_share=share.real[()],
-        added_damping_share=(-share.imag)[()],
-        second_harmonic=harmonic[()],
-        number=found.number.reshape(shape)[()],
-        at_jump=found.at_jump.reshape(shape)[()],
-        strikes=strikes[()],
-        status=found.status.reshape(shape)[()],
+        amplitude=shaped(found.amplitude),
+        amplitude_empty=shaped(case.empty),
+        amplitude_low=shaped(found.low),
+        amplitude_high=shaped(found.high),
+        phase=shaped(phase),
+        relative_amplitude=shaped(relative),
+        frequency_ratio=shaped(ratio),
+        filled_frequency_ratio=shaped(filled),
+        added_mass_share=shaped(found.share.real),
+        added_damping_share=shaped(-found.share.imag),
+        second_harmonic=shaped(harmonic),
+        number=shaped(found.number),
+        at_jump=shaped(found.at_jump),
+        strikes=shaped(strikes),
+        status=shaped(found.status),
         damping_ratio=machine.damping_ratio,
     )

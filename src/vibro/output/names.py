@@ -9,8 +9,8 @@ if TYPE_CHECKING:
 
 __all__ = ["PICTURES", "PICTURE_FORMATS", "file_suffix", "suffixed"]
 
-#: Every picture of a map or a design that has a name of its own, and the formats that pictures may have.
-PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight", "band")
+#: Every picture of a map, a design or a machine that has a name of its own, and the formats of pictures.
+PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight", "band", "response")
 PICTURE_FORMATS: Final = ("png", "svg", "pdf")
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Spec
+    from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design, SettingFields, SpeedBand
 
     Floats = NDArray[np.float64]
@@ -225,7 +225,12 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
     if float(design.speed_min_mm_s or 0.0) < settings.goal:
         goal += " (not met)"
     return "\n".join(
-        [spans_text(spans) + _ratio(design), goal, *_drift(spec, elliptical=shape == "normal_phase")]
+        [
+            spans_text(spans) + _ratio(design),
+            goal,
+            *_drift(spec, elliptical=shape == "normal_phase"),
+            *_machine(settings.chosen.drive),
+        ]
     )
 
 
@@ -248,6 +253,17 @@ def _drift(spec: Spec, *, elliptical: bool) -> list[str]:
     ]
     said = ", ".join(f"±{number_text(size)}{unit}" for size, unit in parts if size)
     return [f"drift: {said}"] if said else []
+
+
+def _machine(drive: Drive) -> list[str]:
+    """Describe the amplitudes that voltage and filling make; empty where they make none."""
+    if drive.machine is None or not drive.machine.has_bands:
+        return []
+    low, high = (number_text(end) for end in drive.machine.covered)
+    return [
+        f"voltage and filling make {low} to {high} of the empty trough's amplitude at the design,\n"
+        "$A$ is in their middle"
+    ]
 
 
 def _regime_map(settings: Settings) -> Figure:
@@ -278,7 +294,9 @@ def _speed_map(settings: Settings) -> Figure:
     layers.draw_numbers(speed, scale)
     layers.draw_level(speed, settings.goal, f"goal {number_text(settings.goal)} mm/s")
     layers.draw_drive()
-    layers.draw_meets()
+    machine = settings.chosen.drive.machine
+    if machine is None or not machine.is_filled:  # other amplitudes are not covered
+        layers.draw_meets()
     colour_bar(figure, [layers], scale, "guaranteed speed [mm/s]")
     return _finish(figure, layers, settings)
 

@@ -134,8 +134,12 @@ class Fields:
 
     @cached_property
     def infeasible(self) -> Floats:
-        """Positive where the combination is infeasible: mu_d > mu_s."""
-        return np.asarray(self._scene.kinetic_friction - self._scene.static_friction + self._zeros)
+        """Positive where the combination is infeasible: mu_d > mu_s, or the masses of a machine strike."""
+        excess = np.asarray(self._scene.kinetic_friction - self._scene.static_friction + self._zeros)
+        if self.panel.amplitude is None:
+            return excess
+        cells = self.panel.cycle["status"] == Status.INFEASIBLE
+        return np.where(cells & (excess <= 0.0), 0.5, excess)
 
     @cached_property
     def rest(self) -> Floats:

@@ -38,6 +38,9 @@ _PICTURES: Final = {
     "band": "Speeds from the slowest to the fastest part over the amplitude",
 }
 _HEADS: Final = {
+    "empty": "amplitude, empty",
+    "least": "amplitude, least",
+    "most": "amplitude, most",
     "accel.": "acceleration",
     "guaranteed": "every part at least",
     "proved above": "proved above",

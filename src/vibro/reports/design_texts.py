@@ -39,6 +39,7 @@ _NONE: Final = "-"
 _HEAD_OF: Final = {
     "amplitude": "amplitude",
     "stroke": "stroke",
+    "setting": "setting",
     "along_amplitude": "along",
     "normal_amplitude": "normal",
     "normal_phase": "phase",
@@ -46,6 +47,10 @@ _HEAD_OF: Final = {
     "drive_angle": "angle",
     "motion_scale": "scale",
 }
+# Heads of the amplitudes of a machine at a setting: of its empty trough, and those that its bands make of it.
+_OF_MACHINES: Final = {
+    "empty": "amplitude_empty_mm", "least": "amplitude_least_mm", "most": "amplitude_most_mm",
+}  # fmt: skip
 # Heads of what follows from it, with their units.
 _HEADS: Final = {
     "accel.": "[g]",
@@ -77,6 +82,14 @@ _PROOFS: Final[Mapping[str, str]] = {
     "searched": "the slowest part that was found; less than that is proved of all, or nothing",
     "sampled": "parts hop: the slowest of sampled parts, which another part may miss",
 }
+
+
+# What is sure of a filled machine.
+_FILLED: Final = (
+    "filling: speeds hold from the least to the most amplitude; that no voltage and filling makes others is"
+    " sampled, not proved"
+)
+_SECOND: Final = 0.1  # [%] of the amplitude: second harmonic above which it is told
 
 
 class DesignTable(NamedTuple):
@@ -213,7 +226,10 @@ def design_table(drive: Drive, spec: Spec, result: DesignResult, regimes: Sequen
     Settings have all their digits, so that typed in they hold; bounds are rounded so that they hold too.
     """
     units = {name: QUANTITIES[name].unit for name in drive.told}
-    heads = {_HEAD_OF[name]: f"[{unit}]" if unit else "" for name, unit in units.items()} | _HEADS
+    heads = {_HEAD_OF[name]: f"[{unit}]" if unit else "" for name, unit in units.items()}
+    if drive.machine is not None:
+        heads |= dict.fromkeys([*_OF_MACHINES][: 3 if drive.machine.has_bands else 1], "[mm]")
+    heads |= _HEADS
     shown = [head for head in heads if spec.has_bands or head not in _OF_BANDS]
     # where nothing is uncertain no design is safer than another
     kinds = KINDS if spec.has_bands else KINDS[:2]
@@ -252,20 +268,30 @@ def drive_limits(drive: Drive) -> str:
     """Say what a drive can do."""
     parts = []
     for knob, name in zip(drive.space.knobs, drive.told, strict=True):
-        label, scale = QUANTITIES[name].label, drive.told_per_amplitude if knob == "amplitude" else 1.0
+        quantity, scale = QUANTITIES[name], drive.scale(knob)
+        label = quantity.label
         spans = [(low * scale, high * scale) for low, high in drive.choices[knob]]
         if knob == "amplitude" and spans[0][0] == 0.0:
-            parts.append(f"{label} up to {_given(LENGTH.from_si(spans[0][1]))} mm")
+            parts.append(f"{label} up to {_given(quantity.from_si(spans[0][1]))} {quantity.unit}")
             continue
         parts.append(f"{label} {' or '.join(_span(name, span).removeprefix(f'{label} ') for span in spans)}")
-    if math.isfinite(drive.acceleration):
-        parts.append(f"acceleration up to {number(drive.acceleration)} g")
+    machine = drive.machine
+    limit = drive.acceleration if machine is None else machine.acceleration
+    if math.isfinite(limit):
+        parts.append(f"acceleration up to {number(limit)} g")
+    if machine is not None:
+        parts[1:1] = [f"{number(LENGTH.from_si(machine.full_amplitude), 'mm')} empty at 100 %"]
+        parts += [f"springs of {number(f0, 'Hz')}" for f0 in [machine.natural_frequency] if f0 is not None]
+        bands = {"voltage": (machine.voltage, (1.0, 1.0)), "filling": (machine.filling, (0.0, 0.0))}
+        parts += [_span(name, band) for name, (band, usual) in bands.items() if band != usual]
     return ", ".join(parts)
 
 
 def _cells(design: Design, drive: Drive) -> dict[str, str]:
     """Write the numbers of a design, by their heads."""
     setting = {_HEAD_OF[name]: _exact(getattr(design, QUANTITIES[name].column)) for name in drive.told}
+    sizes = {head: getattr(design, column) for head, column in _OF_MACHINES.items()}
+    setting |= {head: _NONE if size is None else number(size) for head, size in sizes.items()}
     return setting | {
         "accel.": _rounded(design.acceleration_g, upper=True),
         "guaranteed": _rounded(design.speed_min_mm_s, upper=False),
@@ -289,7 +315,11 @@ def _rounded(value: float | None, *, upper: bool) -> str:
 def chosen_facts(spec: Spec, chosen: Chosen, *, met: bool) -> list[tuple[str, str]]:
     """Return what is to be known of the chosen design, as pairs of a name and a text."""
     design = chosen.design
-    if design.motion_scale is not None:
+    if design.setting_percent is not None:
+        empty = number(design.amplitude_empty_mm or 0.0)
+        setting = f"setting {_exact(design.setting_percent)} %, {empty} mm empty,"
+        setting += f" {_exact(design.frequency_hz)} Hz, {_exact(design.drive_angle_deg)} deg"
+    elif design.motion_scale is not None:
         setting = f"scale {_exact(design.motion_scale)}, {_exact(design.frequency_hz)} Hz"
     elif design.drive_angle_deg is not None:
         stroke = " stroke" if design.stroke_mm is not None else ""
@@ -305,9 +335,13 @@ def chosen_facts(spec: Spec, chosen: Chosen, *, met: bool) -> list[tuple[str, st
             "chosen" if met else "closest",
             f"{design.drive}, {design.design} with {at_most(_regime(design.highest_regime))}: {setting}",
         ),
-        (size_of(design), _window(design)),
+        (size_of(design), _window(design, chosen.drive)),
         ("margin", _margin(spec, design)),
     ]
+    machine = chosen.drive.machine
+    if machine is not None and machine.has_bands:
+        least, most = (number(x or 0.0) for x in (design.amplitude_least_mm, design.amplitude_most_mm))
+        facts.insert(1, ("amplitude met", f"{least} ... {most} mm over voltage and filling, covered"))
     if design.traverse_time_max_s is not None:
         facts.append(("traverse time", f"at most {bound(design.traverse_time_max_s, 's', upper=True)}"))
     if design.throw_number_max is not None:
@@ -356,8 +390,10 @@ def _cost(cost: float | str) -> str:
     return f"{cost:+.3g} %" if abs(cost) > _NOTHING else "0 %"
 
 
-def _window(design: Design) -> str:
+def _window(design: Design, drive: Drive) -> str:
     """Say which amplitudes, or scales, keep the guarantee at the same frequency and drive angle."""
+    if drive.machine is not None and drive.machine.is_filled:
+        return "no window: at another one the filling makes other amplitudes of it"
     if design.window is None:
         return "none keeps the goal"
     low, high = design.window
@@ -401,6 +437,18 @@ def remarks(result: DesignResult) -> list[str]:
         lines.append(
             f"samples: of {samples} hopping parts, spread evenly, none is slower: one drawn at random is "
             f"with a chance of at most {100.0 * _UNSEEN / samples:.2g} % (confidence 95 %)"
+        )
+    if any(d.operating_points is not None for d in result.designs):
+        lines.append(_FILLED)
+        if (second := max(d.second_harmonic_percent or 0.0 for d in result.designs)) > _SECOND:
+            lines.append(
+                f"second harmonic: the filling puts up to {number(float(f'{second:.2g}'))} % of the amplitude"
+                " on the trough, which is not fed back: at 1 % expect errors of speed of up to 15 %"
+            )
+    if several := _all_called(d for d in result.designs if (d.operating_points or 0) > 1):
+        lines.append(
+            "some filling has several amplitudes; the least, which is reached when the feeder is switched on,"
+            f" is covered: {several}"
         )
     if coexists := _all_called(d for d in result.designs if d.coexists):
         lines.append(f"disturbed parts can settle into another motion than those from rest: {coexists}")

@@ -169,7 +169,19 @@ class Design:
     drive: str = _column("", "name of the drive")
     highest_regime: str = _column("", "highest regime allowed")
     design: str = _column("", "gentlest, fastest or safest")
-    amplitude_mm: float | None = _optional("mm", "nominal amplitude")
+    setting_percent: float | None = _optional("%", "setting of a machine: its force over that at 100 %")
+    pack: str | None = _optional("", "name of its spring pack")
+    natural_hz: float | None = _optional("Hz", "natural frequency of the empty machine")
+    amplitude_empty_mm: float | None = _optional("mm", "amplitude of its empty trough, at the middle voltage")
+    amplitude_least_mm: float | None = _optional(
+        "mm", "smallest amplitude that its voltage and filling make of it"
+    )
+    amplitude_most_mm: float | None = _optional("mm", "largest amplitude that they make of it")
+    second_harmonic_percent: float | None = _optional(
+        "%", "largest second harmonic of the trough that its filling makes, over the amplitude"
+    )
+    operating_points: int | None = _optional("", "largest number of amplitudes that one filling may have")
+    amplitude_mm: float | None = _optional("mm", "nominal amplitude; of a machine between the last two")
     stroke_mm: float | None = _optional("mm", "nominal stroke, where the question gives strokes")
     frequency_hz: float | None = _optional("Hz", "nominal frequency")
     drive_angle_deg: float | None = _optional("deg", "nominal drive angle")
@@ -249,6 +261,10 @@ _OF_STROKES: Final = (
     "stroke_mm", "drive_angle_deg", "stroke_low_mm", "stroke_high_mm", "stroke_needed_mm",
 )  # fmt: skip
 _OF_MOTIONS: Final = ("motion_scale", "motion_scale_low", "motion_scale_high", "motion_scale_needed")
+_OF_MACHINES: Final = (
+    "setting_percent", "pack", "natural_hz", "amplitude_empty_mm", "amplitude_least_mm",
+    "amplitude_most_mm", "second_harmonic_percent", "operating_points",
+)  # fmt: skip
 _OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", *_SIZES)
 
 
@@ -267,16 +283,20 @@ class DesignResult:
         Of each design the motion of the trough, in full precision: its amplitudes along and normal to it [m],
         the phase by which the latter leads [rad], and the frequency [Hz]; of a given motion its scale [1] and
         the frequency.
+    covered : tuple of pair of float, or None
+        Of each design of a machine the smallest and the largest amplitude over that of the empty trough that
+        it covers [1]; empty without machines.
     """
 
     met: bool
     designs: tuple[Design, ...]
     settings: tuple[tuple[float, ...] | None, ...]
+    covered: tuple[tuple[float, float] | None, ...] = ()
 
     @property
     def columns(self) -> tuple[DesignColumn, ...]:
         """Columns of its table; those of a kind of drive only if some design uses them."""
-        kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES, _OF_MOTIONS)
+        kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES, _OF_MOTIONS, _OF_MACHINES)
         used = [kind for kind in kinds if any(getattr(d, kind[0]) is not None for d in self.designs)]
         shown = {name for kind in used or [_OF_LINES] for name in kind}  # without a design as for lines
         left_out = {name for kind in kinds for name in kind} - shown

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.results.steady import Result
+from vibro.units import ENERGY, FORCE, POWER
 
 if TYPE_CHECKING:
     import numpy as np
@@ -11,7 +14,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Filling"]
+__all__ = ["WEIGHED", "Filling"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,3 +57,49 @@ class Filling:
     def share(self) -> Any:
         """Complex share ``added_mass_share - 1j * added_damping_share`` [1]."""
         return self.added_mass_share - 1j * self.added_damping_share
+
+
+#: Columns about a filling whose mass is given, and whose trough moves as the scene says.
+WEIGHED: Final = (
+    Result(
+        name="added_mass_share",
+        meaning="share of the filling's mass that acts as mass of the trough",
+        symbol=r"\lambda",
+        column="added_mass_share",
+    ),
+    Result(
+        name="added_mass_share_error",
+        meaning="standard error of that share where it is a mean over many cycles, else 0",
+        column="added_mass_share_error",
+    ),
+    Result(
+        name="added_damping_share",
+        meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
+        symbol=r"\delta",
+        column="added_damping_share",
+    ),
+    Result(
+        name="added_damping_share_error",
+        meaning="standard error of that share where it is a mean over many cycles, else 0",
+        column="added_damping_share_error",
+    ),
+    Result(
+        name="bound",
+        meaning="bound of both shares together, by the filling's weight alone",
+        column="share_bound",
+    ),
+    Result(
+        name="energy",
+        meaning="energy that the filling takes from the drive in a cycle",
+        symbol=r"\pi m\lvert X\rvert^2\omega^2\delta",
+        kind=ENERGY,
+        column="energy_per_cycle_j",
+    ),
+    Result(name="power", meaning="power that the filling takes from the drive", kind=POWER, column="power_w"),
+    Result(
+        name="second_harmonic_force",
+        meaning="amplitude of the filling's force on the trough at twice the frequency, along the drive",
+        kind=FORCE,
+        column="second_harmonic_force_n",
+    ),
+)

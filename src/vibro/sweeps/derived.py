@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.codes import SPELT_PATTERNS, Pattern, Status
-from vibro.drives import Ability
 from vibro.limits import stays_upright, tipping_load
 from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.steady import (
@@ -25,7 +23,7 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.results.sweep import Block, Column
-from vibro.slopes import load_slope, scale_slope
+from vibro.slopes import LEAST_DIFFERENCE, speed_exponent
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -49,9 +47,6 @@ __all__ = [
     "standing",
     "throughput",
 ]
-
-#: [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.
-LEAST_DIFFERENCE: Final = 2.0**-26
 
 
 def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:
@@ -97,22 +92,7 @@ def _stroke(block: Block) -> Floats:
 
 
 def _speed_exponent(block: Block) -> Floats:
-    """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where the speed is 0.
-
-    Beyond one harmonic it is a difference of speeds, ``scale_slope``.
-    """
-    cycle, scene = block.cycle, scene_of(block.values)
-    pattern = cycle.pattern_code
-    displacement = cycle.displacement_per_cycle / scene.scale
-    one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
-    conveyed = np.abs(displacement) > np.where(one_way, 0.0, LEAST_DIFFERENCE)
-    if not scene.arrays().can(Ability.ONE_HARMONIC):
-        return np.where(conveyed, scale_slope(scene, cycle), np.nan)
-    slides = (pattern > Pattern.R) & (pattern < SPELT_PATTERNS)
-    known = slides & conveyed & (cycle.status == Status.OK)
-    slope = load_slope(scene, np.where(known, pattern, Pattern.NONE))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(known, 1.0 + slope / displacement, np.nan)
+    return speed_exponent(scene_of(block.values), block.cycle)
 
 
 def _acceleration(block: Block) -> Floats:

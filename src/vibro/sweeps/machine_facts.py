@@ -60,7 +60,8 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[tuple[
     facts.append(("amplitude", told))
     if np.asarray(points.number).item() > 1:
         facts.append(("all amplitudes", _all_amplitudes(given, values)))
-    facts.append(("springs bend", f"{_mm(points.relative_amplitude)} to each side"))
+    if given.kind not in ("unbalance", "crank"):  # whose springs bend as the trough moves, or which have none
+        facts.append(("springs bend", f"{_mm(points.relative_amplitude)} to each side"))
     second = 100.0 * abs(np.asarray(points.second_harmonic).item())
     if filling and math.isfinite(second):
         facts.append(("second harmonic", f"{second:.3g} % of the amplitude, from the filling"))
@@ -149,5 +150,5 @@ def _all_amplitudes(given: GivenMachine, values: Mapping[str, Any]) -> str:
     case = {
         name: None if x is None else float(np.asarray(x).item()) for name, x in case_of(given, values).items()
     }
-    found = operating_points(given.machine, **case)  # type: ignore[arg-type]
+    found = operating_points(given.machine, **case)
     return f"{', '.join(map(_mm, found))}; the least is reached when the machine is switched on"

@@ -134,17 +134,25 @@ def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
 
 
 def withheld(cycle: SteadyCycle, values: Mapping[str, Any]) -> SteadyCycle:
-    """Take away the numbers of cells without an operating point, and give them its status."""
-    status = values[OPERATING]["status"]
-    lost = np.isnan(values["amplitude"])
-    if not lost.any():
+    """Let no cell be surer than its operating point.
+
+    Cells without an operating point lose their numbers and get its status. Where the filling moves
+    irregularly the amplitude is the middle of an interval, and the speed has no standard error; where it
+    hovers about a threshold, cells are at a boundary.
+    """
+    shape = cycle.status.shape
+    status = np.broadcast_to(values[OPERATING]["status"], shape)
+    lost = np.broadcast_to(np.isnan(values["amplitude"]), shape) & (cycle.status != Status.INFEASIBLE)
+    if not lost.any() and (status == Status.OK).all():
         return cycle
-    lost, status = (np.broadcast_to(x, cycle.status.shape) for x in (lost, status))
-    lost = lost & (cycle.status != Status.INFEASIBLE)
     arrays: dict[str, Any] = {}
     for result in RESULTS:
         nothing = np.nan if result.is_number else _UNANSWERED.get(result.name, 0)
         arrays[result.name] = np.where(lost, nothing, getattr(cycle, result.name)).astype(result.dtype)
-    why = np.where(is_answered(status), Status.INFEASIBLE, status)
-    arrays["status"] = np.where(lost, why, cycle.status).astype(np.int8)
+    unsure = ~lost & (status == Status.AVERAGED) & is_answered(cycle.status)
+    arrays["mean_velocity_error"][unsure] = np.nan
+    hovers = ~lost & (status == Status.BOUNDARY) & (cycle.status == Status.OK)
+    why = np.where(is_answered(status), Status.INFEASIBLE, status)  # of those without one, masses strike
+    found = np.where(unsure, Status.AVERAGED, np.where(hovers, Status.BOUNDARY, cycle.status))
+    arrays["status"] = np.where(lost, why, found).astype(np.int8)
     return replace(cycle, **arrays)

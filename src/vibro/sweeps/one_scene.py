@@ -27,6 +27,7 @@ from vibro.quantities import (
     counted_harmonics,
     scene_fields,
 )
+from vibro.results.operating import OPERATING
 from vibro.scene import Scene
 from vibro.sweeps.derived import (
     LEAST_DIFFERENCE,
@@ -167,14 +168,14 @@ class OneScene:
     def facts(self) -> list[tuple[str, str]]:
         """Return the lines of every report, as pairs of a name and a text."""
         given = {
-            name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+            name: f"{QUANTITIES[name].label} {self._told(name, value)}"
             for name, value in self.given.items()
             if value != DEFAULTS.get(name)
             and QUANTITIES[name].order <= TOLD_HARMONICS
             and name not in MACHINE
         }
         if "amplitude" in given:
-            stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
+            stroke = self._told("stroke", 2.0 * self.given["amplitude"])
             given["amplitude"] += f" (stroke {stroke} peak to peak)"
         elif "stroke" in given:
             amplitude = QUANTITIES["amplitude"].text(0.5 * self.given["stroke"])
@@ -205,6 +206,12 @@ class OneScene:
         if self._cycle.flight_fraction > 0.0:
             facts.append(("restitution", bounce_text(self.given["restitution"])))
         return facts
+
+    def _told(self, name: str, value: float) -> str:
+        """Write a quantity as it was given; an amplitude that follows from a machine to 6 digits."""
+        if OPERATING in self.values and name in ("amplitude", "stroke"):
+            return number(value, LENGTH.unit)
+        return QUANTITIES[name].text(value)
 
     def _at_first(self) -> float:
         """Return the mean speed of an undisturbed body in its first cycles from rest [mm/s]."""

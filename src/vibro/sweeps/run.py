@@ -39,7 +39,8 @@ _WALKED_BLOCK: Final = 8_192
 
 # [values of an axis] Resolution of a picture of one, two or three axes, independent of the table's axes.
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
-# Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show.
+# Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show; an
+# operating point with a filling takes 0.1 ms.
 _COARSER: Final = 2
 # [values of each range] of a table that is fine enough for maps of bodies that bounce: cells of 4 % of
 # the side of a map, or 5 % of that of a facet, which is smaller.
@@ -156,7 +157,7 @@ def sweep_picture(
     drawn = _of_grid(drawn)
     part = _grid_at(grid, drawn)
     ranges = [name for name in part.axes if name not in drawn]
-    count = _resolution(len(ranges), len(part.axes) - len(ranges), bounces=_bounces(part.fixed))
+    count = _resolution(len(ranges), len(part.axes) - len(ranges), is_costly=_is_costly(part))
     axes = {name: _resolved(axis, count) if name in ranges else axis for name, axis in part.axes.items()}
     part = replace(part, axes=axes)
     point = grid.operating_point(operating_point)
@@ -324,12 +325,17 @@ def _bounces(fixed: Mapping[str, float]) -> bool:
     return fixed.get("restitution", 1.0) > 0.0
 
 
-def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:
+def _is_costly(grid: Grid) -> bool:
+    """Whether cells take far longer than most: bodies may bounce, or a filling acts on its machine."""
+    return _bounces(grid.fixed) or (grid.machine is not None and grid.fixed.get("filling", 1.0) > 0.0)
+
+
+def _resolution(ranges: int, kept: int, *, is_costly: bool) -> int:
     """Return the number of values of each range of a picture, beside so many axes whose values are kept."""
     intervals = _RESOLVED[ranges + kept if ranges > 1 else 1] - 1
     if ranges == 1 and kept:
         intervals //= _CURVES_COARSER * kept
-    return intervals // (_COARSER if bounces else 1) + 1
+    return intervals // (_COARSER if is_costly else 1) + 1
 
 
 def _resolved(axis: Axis, count: int) -> Axis:

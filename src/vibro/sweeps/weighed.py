@@ -1,0 +1,151 @@
+"""Columns and lines about a filling of known mass, whose trough moves as the scene says."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.fillings import TYPICAL_MACHINES, filling_of, most_mass_ratio, path_amplitude
+from vibro.quantities import MASS, PERCENT, TROUGH_MASS
+from vibro.results.filling import WEIGHED
+from vibro.results.sweep import Column
+from vibro.sweeps.derived import column_of
+from vibro.sweeps.grid import scene_of
+from vibro.sweeps.one_scene import number
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.results.filling import Filling
+    from vibro.results.sweep import Block
+    from vibro.sweeps.one_scene import OneScene
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["weighed", "weighed_facts"]
+
+_FILLING: Final = "filling_kg"
+#: Of ``TYPICAL_MACHINES``, in their order.
+_LIMITS: Final = ("soft_mounts", "below_resonance", "above_resonance")
+
+
+def weighed(part: Mapping[str, float]) -> tuple[Column, ...]:
+    """Return the columns about a filling.
+
+    Parameters
+    ----------
+    part : mapping of str to float
+        ``filling_kg``, and ``trough_mass_kg`` if it is known; without a filling there are no columns.
+    """
+    if _FILLING not in part:
+        return ()
+    mass, trough = part[_FILLING], part.get(TROUGH_MASS.column)
+    columns = [Column(_FILLING, MASS.unit, partial(_constant, mass), meaning="mass of the filling")]
+    if trough is not None:
+        meaning = "mass of the empty trough and of what moves with it"
+        columns.append(Column(TROUGH_MASS.column, MASS.unit, partial(_constant, trough), meaning=meaning))
+    columns += [column_of(result, partial(_weight, result.name, mass)) for result in WEIGHED]
+    for name, (machine, compliance) in zip(_LIMITS, TYPICAL_MACHINES.items(), strict=True):
+        columns.append(
+            Column(
+                f"given_motion_{name}_percent",
+                PERCENT.unit,
+                partial(_limit, compliance),
+                meaning=f"filling over the trough's mass up to which its motion is as given: {machine}",
+            )
+        )
+    return tuple(columns)
+
+
+def _constant(value: float, block: Block) -> Floats:
+    return np.full((1,) * len(block.shape), value)
+
+
+def _filling(block: Block) -> Filling:
+    return filling_of(scene_of(block.values), block.cycle)
+
+
+def _weight(name: str, mass: float, block: Block) -> Floats:
+    """Evaluate a result of ``WEIGHED`` [SI]."""
+    scene, found = scene_of(block.values), _filling(block)
+    if name == "energy":
+        return np.asarray(mass * found.energy_per_cycle)
+    if name == "power":
+        return np.asarray(mass * found.energy_per_cycle * scene.frequency)
+    if name == "second_harmonic_force":
+        acceleration = path_amplitude(scene) * (2.0 * math.pi * scene.frequency) ** 2
+        return np.asarray(mass * np.abs(found.second_harmonic) * acceleration)
+    return np.asarray(getattr(found, name))
+
+
+def _limit(compliance: float, block: Block) -> Floats:
+    scene = scene_of(block.values)
+    return np.asarray(PERCENT.from_si(most_mass_ratio(scene, block.cycle, _filling(block), compliance)))
+
+
+def weighed_facts(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
+    """Return the lines of a report about a filling, as pairs of a name and a text.
+
+    Parameters
+    ----------
+    one : OneScene
+        The solved scene.
+    part : mapping of str to float
+        As for ``weighed``.
+    """
+    columns = {column.name: one.value(column) for column in weighed(part)}
+    if not columns:
+        return []
+    mass, trough = part[_FILLING], part.get(TROUGH_MASS.column)
+    told = number(mass, MASS.unit)
+    share, damping = columns["added_mass_share"], columns["added_damping_share"]
+    if math.isnan(share):
+        if one.status is not Status.AVERAGED:
+            return [("filling", f"{told}: unknown, as the motion is")]
+        most = number(columns["share_bound"])
+        return [("filling", f"{told}: unknown, as the motion is irregular; at most {most} of it acts")]
+    facts = [
+        (
+            "filling",
+            f"{told}: acts as {number(share * mass, MASS.unit)} of added mass (share {number(share)}) and"
+            f" {number(damping * mass, MASS.unit)} of added damping (share {number(damping)})",
+        ),
+        (
+            "energy lost",
+            f"{number(columns['energy_per_cycle_j'], 'J')} a cycle, {number(columns['power_w'], 'W')}",
+        ),
+        ("force at 2 f", f"{number(columns['second_harmonic_force_n'], 'N')} on the trough"),
+    ]
+    if one.regime is Regime.NO_SLIP:
+        return [
+            *facts,
+            ("given motion", "the part rests, and is a mass of the trough"),
+        ]
+    exceeded = False
+    for i, (name, machine) in enumerate(zip(_LIMITS, TYPICAL_MACHINES, strict=True)):
+        percent = columns[f"given_motion_{name}_percent"]
+        if math.isnan(percent):
+            return [*facts, ("given motion", "unknown: the regime changes within 1 % of amplitude")]
+        text = f"{_rounded(percent)} % of the trough's mass"
+        if trough is not None:
+            limit = percent / 100.0 * trough
+            text += f", {_rounded(limit)} kg{' (exceeded)' if mass > limit else ''}"
+            exceeded = exceeded or mass > limit
+        head = ("", "") if i else ("given motion", "good to 1 % of speed up to ")
+        facts.append((head[0], f"{head[1]}{text}: {machine}"))
+    if exceeded:
+        facts.append(
+            ("", "this filling changes the motion itself: describe its machine in a table [machine]")
+        )
+    return facts
+
+
+def _rounded(value: float) -> str:
+    """Write an estimate of first order: two digits."""
+    return f"{value:.2g}"

@@ -1,0 +1,161 @@
+"""Fits of machines to measured amplitudes: reference rows, coverage of intervals, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from vibro.errors import SceneError
+from vibro.machines.fitting import fit_response, least_squares
+
+if TYPE_CHECKING:
+    from vibro.machines.fitting import Law
+
+with (Path(__file__).parents[1] / "data/machines/fits.csv").open(encoding="utf-8", newline="") as _file:
+    ROWS: list[dict[str, Any]] = [*csv.DictReader(_file)]
+BELOW = {"f03", "f06", "f09"}  # points on one side of the resonance alone
+
+
+def points_of(row: dict[str, str]) -> Any:
+    """Return frequency [Hz] and amplitude [m] of each point."""
+    pairs = np.array([[float(x) for x in pair.split(":")] for pair in row["points_hz_mm"].split(";")])
+    return pairs * [1.0, 1e-3]
+
+
+def amplitudes(x: Any, damping: float, law: str) -> Any:
+    """Amplitude over the static one at frequencies over the natural one."""
+    return (x**2 if law == "square" else 1.0) / np.sqrt((1.0 - x**2) ** 2 + 4.0 * (damping * x) ** 2)
+
+
+def number(text: str) -> float:
+    """Read a cell, which may be empty."""
+    return float(text or "nan")
+
+
+def test_the_table_is_whole() -> None:
+    assert len(ROWS) == 9
+    assert {row["force_law"] for row in ROWS} == {"constant", "square"}
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["id"])
+def test_reference(row: dict[str, str]) -> None:
+    points, error = points_of(row), float(row["amplitude_sd"])
+    found = least_squares(points[:, 0], points[:, 1], np.full(len(points), error), row["force_law"])
+    close: dict[str, Any] = {"rel": 1e-8, "nan_ok": True}
+    damping = math.sqrt(found.damping_squared) if found.damping_squared > 0.0 else math.nan
+    assert found.natural_frequency == pytest.approx(number(row["f0_hz"]), **close)
+    assert found.damping_squared == pytest.approx(number(row["damping_squared"]), **close)
+    assert damping == pytest.approx(number(row["damping_ratio"]), **close)
+    assert 1e3 * found.static_amplitude == pytest.approx(number(row["static_amplitude_mm"]), **close)
+    assert found.natural_frequency_sd == pytest.approx(number(row["f0_sd_hz"]), **close)
+    assert found.damping_squared_sd / (2.0 * damping) == pytest.approx(number(row["damping_sd"]), **close)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["id"])
+def test_no_estimate_without_points_on_both_sides(row: dict[str, Any]) -> None:
+    law: Law = row["force_law"]
+    found = fit_response(points_of(row), law=law, amplitude_error=float(row["amplitude_sd"]))
+    low, high = found.natural_frequency_interval
+    assert low < float(row["true_f0_hz"]) < high
+    if row["id"] in BELOW:
+        assert not found.brackets_peak
+        assert np.isnan([found.natural_frequency, found.damping_ratio, found.static_amplitude]).all()
+    else:
+        assert found.natural_frequency == pytest.approx(float(row["f0_hz"]), rel=1e-8)
+        assert found.damping_ratio == pytest.approx(float(row["damping_ratio"]), rel=1e-8)
+
+
+COVERED = [
+    pytest.param([0.94, 0.98, 1.04], 0.04, "constant", True, 1000, id="three points"),
+    pytest.param([0.95, 0.98, 1.0, 1.02, 1.05], 0.04, "constant", False, 300, id="error from residuals"),
+    pytest.param([1.05, 1.2, 1.4, 2.0], 0.03, "square", True, 300, id="above alone"),
+]
+
+
+@pytest.mark.parametrize(("ratios", "damping", "law", "is_stated", "draws"), COVERED)
+def test_coverage(ratios: list[float], damping: float, law: Law, is_stated: bool, draws: int) -> None:
+    rng, natural, static, error = np.random.default_rng(7), 50.0, 1e-3, 0.02
+    x, held = np.array(ratios), np.zeros(3)
+    for _ in range(draws):
+        noisy = static * amplitudes(x, damping, law) * np.exp(error * rng.standard_normal(x.size))
+        fit = fit_response(
+            np.stack([natural * x, noisy], axis=1), law=law, amplitude_error=error if is_stated else None
+        )
+        intervals = fit.natural_frequency_interval, fit.damping_ratio_interval, fit.static_amplitude_interval
+        truth = natural, damping, static
+        held += [low <= value <= high for (low, high), value in zip(intervals, truth, strict=True)]
+    # 95 % less three standard errors of a share of the draws
+    assert np.all(held / draws >= 0.95 - 3.0 * math.sqrt(0.95 * 0.05 / draws)), held / draws
+
+
+def test_exact_points_give_the_machine_back() -> None:
+    x = np.array([0.8, 0.95, 1.0, 1.03, 1.2])
+    for law in ("constant", "square"):
+        points = np.stack([50.0 * x, 2e-3 * amplitudes(x, 0.02, law)], axis=1)
+        fit = fit_response(points[::-1], law=law)
+        assert fit.natural_frequency == pytest.approx(50.0, rel=1e-10)
+        assert fit.damping_ratio == pytest.approx(0.02, rel=1e-9)
+        assert fit.static_amplitude == pytest.approx(2e-3, rel=1e-9)
+        assert np.abs(fit.residual).max() < 1e-9
+        np.testing.assert_allclose(fit.amplitudes(fit.frequency), fit.amplitude, rtol=1e-9)
+
+
+def test_an_unknown_error_needs_five_points() -> None:
+    points = points_of(ROWS[0])
+    fit = fit_response(points)
+    assert fit.natural_frequency == pytest.approx(float(ROWS[0]["f0_hz"]), rel=1e-8)  # three points: exact
+    assert np.isnan([*fit.natural_frequency_interval, fit.natural_frequency_sd, fit.damping_ratio_sd]).all()
+    assert np.isnan(fit.amplitude_error).all()
+    seven = fit_response(points_of(ROWS[1]))
+    assert not seven.is_error_stated
+    assert 0.01 < seven.amplitude_error[0] < 0.06
+    low, high = seven.natural_frequency_interval
+    assert low < 98.0 < high
+
+
+def test_errors_of_each_point_weight_it() -> None:
+    x = np.array([0.9, 0.96, 1.0, 1.04, 1.1])
+    exact = 1e-3 * amplitudes(x, 0.03, "constant")
+    wrong = exact * [1.0, 1.0, 1.0, 1.0, 1.5]
+    points = np.stack([50.0 * x, wrong], axis=1)
+    errors = np.array([0.02, 0.02, 0.02, 0.02, 5e-1])
+    even, weighted = (fit_response(points, amplitude_error=e).natural_frequency for e in (0.02, errors))
+    assert abs(weighted - 50.0) < 0.1 * abs(even - 50.0)
+    shuffled = fit_response(points[::-1], amplitude_error=errors[::-1])
+    assert shuffled.natural_frequency == pytest.approx(weighted, rel=1e-12)
+
+
+def test_no_damping_ratio_where_its_square_is_negative() -> None:
+    points = [(49.0, 1e-3), (50.2, 18.3e-3), (51.0, 1.29e-3)]  # 1 / A^2 vanishes between them
+    fit = fit_response(points, amplitude_error=0.1)
+    assert fit.brackets_peak
+    assert fit.damping_squared < 0.0
+    assert math.isnan(fit.damping_ratio)
+    assert math.isnan(fit.damping_ratio_sd)
+    assert fit.damping_ratio_interval[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("points", "more", "field"),
+    [
+        ([(48.0, 1e-3), (50.0, 2e-3)], {}, "points"),
+        ([(48.0, 1e-3), (50.0, 2e-3), (50.0, 2e-3)], {}, "points"),
+        ([(48.0, 1e-3), (50.0, 0.0), (52.0, 2e-3)], {}, "points"),
+        ([(48.0, 1e-3), (50.0, math.inf), (52.0, 2e-3)], {}, "points"),
+        ("points.csv", {}, "points"),
+        ([1.0, 2.0, 3.0], {}, "points"),
+        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"law": "cubic"}, "law"),
+        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"amplitude_error": 2.0}, "amplitude_error"),
+        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"amplitude_error": [0.1, 0.1]}, "amplitude_error"),
+        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"amplitude_error": "2%"}, "amplitude_error"),
+    ],
+)
+def test_wrong_input_is_named(points: Any, more: dict[str, Any], field: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        fit_response(points, **more)
+    assert [problem.field for problem in caught.value.problems] == [field]
