@@ -64,7 +64,7 @@ def test_it_begins_with_what_the_machine_has(feeder: State) -> None:
     assert feeder.texts["drive"] == "machine"
     assert KNOBS.items() <= feeder.texts.items()
     assert (feeder.texts["x"], feeder.texts["x_range"]) == ("voltage_percent", "90:110")  # its band
-    assert (feeder.texts["y"], feeder.texts["y_range"]) == ("filling_kg", "0:3")
+    assert (feeder.texts["y"], feeder.texts["y_range"]) == ("filling_kg", "0:6")
     assert "amplitude_mm" not in feeder.texts
     assert read_state(feeder.texts, feeder) == feeder
     assert read_state({}, feeder) == feeder
@@ -226,7 +226,7 @@ def test_a_map_tells_the_amplitude_of_each_cell(feeder: State) -> None:
     setting = np.linspace(header["x"]["from"], header["x"]["to"], header["x"]["count"])
     assert np.allclose(arrays["amplitude"][0], arrays["amplitude"][0, -1] * setting / setting[-1], rtol=1e-6)
     header, arrays = unpacked(answers.map(read_state({**FULL}, feeder)))
-    assert "the filling's weight is interpolated" in header["progress"]["text"]  # regimes depend on it too
+    assert "the rest interpolated" in header["progress"]["text"]  # regimes depend on it too
     assert header["curves"]
     assert np.isfinite(arrays["amplitude"]).any()
     assert "amplitude" not in unpacked(answers.map(read_state({"drive": "line"}, feeder)))[1]

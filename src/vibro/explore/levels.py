@@ -163,7 +163,7 @@ class MapCells:
         if not self._has_limits:
             return share, "boundaries of back slip: a preview"
         if self._is_weighed:
-            return share, f"{share:.0%} exact, of the rest the filling's weight is interpolated"
+            return share, f"{share:.0%} exact, the rest interpolated"
         if self._line is None or not self._line.is_known:
             slow = "hopping: " if self._is_quick else ""
             return share, f"{slow}{share:.0%} exact, the rest from neighbours or to come"

@@ -117,7 +117,9 @@ def scene_text(state: State) -> str:
     ]
     motion = state.point.motion.table if state.point.motion else {}
     machine = dict(state.point.machine.table) if state.point.machine else {}
-    machine |= {QUANTITIES[name].column: point[name] for name in moved - {"natural"}}
+    for name in moved - {"natural"}:
+        value = point[name]
+        machine[QUANTITIES[name].column] = int(value) if value == int(value) else value
     tables = ["[scene]", *scene, ""]
     for name, table in (("motion", motion), ("machine", machine)):
         if table:
