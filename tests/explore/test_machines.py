@@ -186,8 +186,8 @@ def test_with_a_filling_cells_come_coarse_to_fine(feeder: State) -> None:
     grid = small(read_state({**FULL}, feeder), (20, 37))
     cells = MapCells(grid, patience=0.0)
     first = cells.shown
-    assert first.exact[::16, ::16].all()
-    assert first.exact.sum() == first.exact[::16, ::16].size
+    assert first.exact[0, 0]
+    assert first.exact.sum() == 1  # of a lattice of 64 cells
     assert first.limits is not None
     values = grid.values()
     wanted = grid.solve(values)
@@ -210,7 +210,11 @@ def test_with_a_filling_cells_come_coarse_to_fine(feeder: State) -> None:
 def test_between_exact_cells_the_weight_of_the_filling_is_interpolated(feeder: State) -> None:
     """The amplitude follows, with its peak at resonance, so that the first picture is nearly right."""
     grid = read_state({**FULL, "x_range": "30:80"}, feeder).grid()
-    first = MapCells(grid, patience=0.0).shown
+    cells = MapCells(grid, patience=0.0)
+    while not cells.shown.exact[::16, ::16].all():
+        cells.advance(1e-9)
+    first = cells.shown
+    assert first.exact.mean() < 0.05
     picked = np.flatnonzero(~first.exact)[::97]
     values = grid.picked(picked)
     foreseen = first.values["amplitude"].reshape(-1)[picked]
