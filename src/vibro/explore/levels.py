@@ -50,7 +50,7 @@ _WEIGHED_SPACINGS: Final = (
     64,
     32,
     *_SPACINGS,
-)  # of cells between which the weight of a filling is interpolated
+)  # between which fillings' weights are interpolated
 
 _LIMIT_ROWS: Final = 15  # of a map whose critical loads are found at once, which takes 40 us a cell
 _FIRST_CELLS: Final = 64  # solved first, to measure how long they take
