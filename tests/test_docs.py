@@ -140,7 +140,7 @@ def test_columns_are_those_of_the_tables() -> None:
     listed = [row[3].strip("`") for row in rows() if row[3] != "-"]
     assert len(set(listed)) == len(listed)
     extra = (WITH_LENGTH, WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_ARRIVAL, WITH_STROKES)
-    every = columns_of(QUANTITIES, *extra, *throughput(25.0, 0.1), *standing(1.0))
+    every = columns_of(QUANTITIES, *extra, *throughput(25.0, 0.1), *standing(1.0), machine=True)
     assert {column.name for column in every} <= set(listed)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from vibro.quantities import HARMONIC, IN_GRAVITIES, MASS, QUANTITIES, SPEED, SWEPT, TIME
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.filling import WEIGHED
+from vibro.results.operating import MACHINE_RESULTS
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
@@ -73,6 +74,10 @@ SYNONYMS = {
     "displacement_per_cycle_mm": "advance a stroke, conveying step",
     "flight_fraction": "$n$ over a period; *relative Wurfzeit*, *Zeitkennziffer*",
     "traverse_time_s": "transit time, *Durchlaufzeit*",
+    "filling_kg": "load, bed; *Füllung*, *Beladung*",
+    "natural_hz": "$f_n$, $n_0$; *Eigenfrequenz*",
+    "frequency_ratio": "$z$, $\\lambda$; tuning, *Abstimmung*",
+    "added_mass_share": "coefficient of combination; *Mitschwingfaktor*",
 }
 """What others write for the same, by column."""
 
@@ -100,6 +105,8 @@ def _result(result: Result) -> str:
     name = f"SteadyCycle.{result.name}"
     if result in ELSEWHERE:
         name = f"results.steady.{result.name.upper()}"
+    elif result in MACHINE_RESULTS:
+        name = f"OperatingPoints.{result.name}"
     unit = result.kind.si_unit if result.dtype is float or result.is_number else "code"
     return _row(result.symbol, name, unit, result.column, result.meaning)
 
@@ -123,7 +130,7 @@ def tables() -> str:
         results.append(_result(result))
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
-    results += [_result(result) for result in ELSEWHERE]
+    results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS)]
     head = [HEADER, "|---|---|---|---|---|---|"]
     units = ["| quantity | without a unit | a number may carry |", "|---|---|---|", *_units()]
     parts = [

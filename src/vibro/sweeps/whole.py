@@ -200,7 +200,7 @@ def sweep(
         ``frequency_hz``, ``static_friction``, ``kinetic_friction`` or
         ``friction_ratio``, ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``;
         beside a machine, which the scene file describes, ``setting_percent``, ``voltage_percent``,
-        ``filling_kg`` and ``natural_hz``, and no amplitude. A
+        ``filling_kg`` and ``natural_hz``, or ``pack``, the name of its spring pack, and no amplitude. A
         value is a number, an ascending sequence of numbers, or an axis such as ``"0.1:3:100"`` or
         ``"10,20"``; numbers may carry units as texts, ``"800um"``. Without amplitude and frequency they
         sweep 0.1:3 mm and 5:60 Hz.
@@ -259,6 +259,10 @@ def request_of_call(
     *typed : str
         Arguments before these, as they were typed.
     """
+    quantities = dict(quantities)
+    pack = quantities.pop("pack", None)
+    if not isinstance(pack, str | None):
+        raise InputError(f"pack = {shown(pack)}: must be a name", hint='write it like pack="6 leaves"')
     unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
         hint = (
@@ -270,7 +274,9 @@ def request_of_call(
     file = None if scene_file is None else _read(scene_file)
     typed += (repr(str(scene_file)),) if scene_file is not None else ()
     call = _Call(function.__name__, (*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))
-    return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
+    return gather(
+        given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False, pack=pack
+    )
 
 
 def _read(path: str | PathLike[str]) -> SceneFile:
