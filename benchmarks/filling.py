@@ -72,6 +72,17 @@ def feeder(ratio: float, filling: float) -> Case:
     return Case("worked feeder", machine, 50.0, filling, body)
 
 
+def near_onset() -> Case:
+    """Return a feeder of the same masses whose parts mostly stick: speed changes most with amplitude there."""
+    body = {"drive_angle": math.radians(29.0), "static_friction": 0.62, "kinetic_friction": 0.44}
+    amplitude = 0.43 * 9.81 / math.sin(body["drive_angle"]) / (2.0 * math.pi * 50.0) ** 2
+    machine = vibro.Machine.magnet(
+        trough_mass=6.0, counter_mass=12.0, natural_frequency=50.0 / 0.85, damping_ratio=0.012,
+        calibration=vibro.Calibration(amplitude, 50.0),
+    )  # fmt: skip
+    return Case("onset of slip", machine, 50.0, 0.31 * 6.0, body)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--machines", type=int, default=20)
@@ -84,6 +95,7 @@ def main() -> None:
         for filling in FILLINGS:
             found = compare(feeder(ratio, filling))
             print(row(f"f/f0 {ratio:.2f}, {filling:g} kg", found, empty), flush=True)
+    print(row("onset of slip, f/f0 0.85, 31 %", compare(near_onset())), flush=True)
     print(f"\n{head}")
     off: dict[bool, list[tuple[float, float, float]]] = {True: [], False: []}
     for case in drawn(options.machines, options.seed):
