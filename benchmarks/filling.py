@@ -73,7 +73,7 @@ def feeder(ratio: float, filling: float) -> Case:
 
 
 def near_onset() -> Case:
-    """Return a feeder of the same masses whose parts mostly stick: speed changes most with amplitude there."""
+    """Return a feeder of the same masses whose parts mostly stick: amplitude changes the speed most there."""
     body = {"drive_angle": math.radians(29.0), "static_friction": 0.62, "kinetic_friction": 0.44}
     amplitude = 0.43 * 9.81 / math.sin(body["drive_angle"]) / (2.0 * math.pi * 50.0) ** 2
     machine = vibro.Machine.magnet(
