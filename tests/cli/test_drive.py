@@ -40,7 +40,8 @@ def test_the_sheet(run: Run, tmp_path: Path) -> None:
     assert lines["load-proof"].startswith("load-proof 86.6 0.577 20.6 0.35 24.24 0.3499")
     assert "It takes 20.6 times today's force" in said
     assert "for a trough that moves as a sine" in said
-    assert "second harmonic" in result.stderr
+    assert "warning: the filling puts a second harmonic of up to 1 %" in result.stderr
+    assert "* with the second harmonic that the filling gives its trough" in said
     assert [path.name for path in tmp_path.iterdir()] == ["feeder.toml"]
 
 
@@ -93,6 +94,10 @@ def test_json_has_every_number_of_the_sheet(run: Run, tmp_path: Path) -> None:
     assert empty["mean_velocity_mm_s"] == pytest.approx(24.24, abs=0.01)
     assert full["amplitude_mm"] == pytest.approx(0.2518, abs=1e-4)
     assert empty["added_mass_share"] is None
+    assert empty["mean_velocity_with_second_harmonic_mm_s"] is None
+    bent = full["mean_velocity_with_second_harmonic_mm_s"]
+    assert full["second_harmonic_percent"] > 0.1
+    assert 0.01 < abs(bent / full["mean_velocity_mm_s"] - 1.0) < 0.2
     assert told["resonant_filling_kg"] is None
     assert 0.02 < told["tolerated_filling_kg"] < 0.05
     assert [pack["name"] for pack in told["packs"]] == ["as fitted", "6 leaves", "load-proof"]
@@ -204,17 +209,19 @@ def test_the_fit(run: Run, points: Path) -> None:
     assert result.exit_code == 0, result.stderr
     lines = lines_of(result.stdout)
     assert lines["amplitude error"].endswith("from the residuals")
-    assert lines["natural frequency [Hz]"].startswith("natural frequency [Hz] 53.0")
+    assert lines["natural frequency [Hz]"].startswith("natural frequency [Hz] 52.99")
     assert lines["48"].startswith("48 0.165 ")
     assert 'kind = "measured"' in result.stdout
     assert max(map(len, result.stdout.splitlines()[2:])) <= 80
     pasted = result.stdout[result.stdout.index("[machine]") :]
     scene = feeder().split("[machine]")[0]
-    # Only points can be pasted without masses; the file's path stays right.
-    path = written(points.parent, f"{scene}{pasted}", "pasted")
-    solved = run("solve", path)
-    assert solved.exit_code in (0, 2)
-    assert "points" not in solved.stderr
+    bare = run("solve", written(points.parent, f"{scene}{pasted}", "pasted"))
+    assert bare.exit_code == 2
+    assert "trough_mass_kg is missing" in bare.stderr
+    weighed = written(points.parent, f"{scene}{pasted}trough_mass_kg = 6\n", "pasted")
+    solved = run("solve", weighed, "--json")
+    assert solved.exit_code == 0, solved.stderr
+    assert json.loads(solved.stdout)["frequency_ratio"] == pytest.approx(50.0 / 52.994, abs=1e-4)
 
 
 def test_the_fit_as_json_and_files(run: Run, points: Path, tmp_path: Path) -> None:

@@ -31,8 +31,8 @@ def test_a_report_tells_the_machine_and_what_its_filling_does(run: Run, tmp_path
     told = lines_of(result.stdout)
     assert [name for name in told if name in LINES] == [*LINES]
     assert told["machine"] == (
-        "magnet, trough 6 kg, counter mass 12 kg, setting 100 % (of 40...100 %), voltage 100 % (of 90...110 %),"
-        " natural frequency 55.6 Hz"
+        "magnet, trough 6 kg, counter mass 12 kg, setting 100 % (of 40...100 %),"
+        " voltage 100 % (of 90...110 %), natural frequency 55.6 Hz"
     )
     assert told["resonance"].startswith("f/f0 = 0.8993 empty, 0.9097 with the filling: below resonance")
     assert told["filling"] == "2 kg: 10.6 % of it acts as mass, 9.22 % as damping (computed)"
@@ -248,7 +248,8 @@ def test_plain_scenes_load_no_machine() -> None:
         "import sys; from vibro.cli.app import app\n"
         "try: app(sys.argv[1:])\n"
         "except SystemExit: pass\n"
-        "print('LOADED', [name for name in sys.modules if name.startswith(('vibro.machines', 'vibro.fillings'))])"
+        "rooms = 'vibro.machines', 'vibro.fillings'\n"
+        "print('LOADED', [name for name in sys.modules if name.startswith(rooms)])"
     )
     args = ["solve", "-A", "1", "-f", "15", "-a", "20", *FRICTION]
     result = subprocess.run(

@@ -281,7 +281,7 @@ def _toml(table: Mapping[str, Any]) -> str:
     lines = ["[machine]   # with the fitted values"]
     lines += [f"{key} = {_toml_value(value)}" for key, value in table.items()]
     if table["kind"] == "measured" and "trough_mass_kg" not in table:
-        lines.append("# a filling needs trough_mass_kg, that of the trough and what moves with it")
+        lines.append("# add trough_mass_kg = ..., that of the trough and what moves with it")
     return "\n".join(lines)
 
 
