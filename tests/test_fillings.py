@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.reactions import measured_reaction
+from helpers.reactions import measured_means, measured_reaction
 from helpers.reference_tables import read_rows
 from helpers.scenes import Groups, at_load, contact_groups, driven, line_of, random_scenes, replaced
 from helpers.solver_doors import plain
@@ -16,12 +16,15 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import Filling, Scene, SceneError, Status, filling
-from vibro.fillings import TYPICAL_MACHINES, amplitude_exponent, most_mass_ratio
+from vibro.fillings import TYPICAL_MACHINES, amplitude_exponent, filling_of, most_mass_ratio
 from vibro.slopes import slides_of
 
 ROUNDING = 1e-12  # [1] of shares, which are of the order of 1
 ROWS = read_rows("reactions")
-ALL = ("added_mass_share", "added_damping_share", "second_harmonic", "energy_per_cycle", "bound", "status")
+ALL = (
+    "added_mass_share", "added_damping_share", "added_mass_share_error", "added_damping_share_error",
+    "second_harmonic", "energy_per_cycle", "bound", "status",
+)  # fmt: skip
 
 
 def row_scene(row: dict[str, str]) -> Scene:
@@ -131,6 +134,52 @@ def test_energy_is_what_impacts_take_too(
     _assert_energy(scene)
 
 
+# --------------------------------------------------------------------------------- irregular motion
+
+
+@pytest.mark.parametrize(
+    ("throw", "drive", "restitution", "phase_deg"),
+    [(2.6, 30.0, 0.24, None), (4.3, 35.0, 0.5, None), (2.9, 20.0, 0.43, None), (3.4, 40.0, 0.6, 70.0)],
+)
+def test_means_agree_with_a_long_history_within_their_errors(
+    throw: float, drive: float, restitution: float, phase_deg: float | None
+) -> None:
+    groups = Groups(throw / math.sin(math.radians(drive)), drive, 0.5, 0.4)
+    scene = driven(groups, phase_deg, restitution)
+    found = filling(scene)
+    assert found.status == Status.AVERAGED
+    assert abs(found.share) <= found.bound
+    seen = np.array([part.share for part in measured_means(scene, 100, 10)])
+    for ours, error, theirs in (
+        (found.added_mass_share, found.added_mass_share_error, seen.real),
+        (found.added_damping_share, found.added_damping_share_error, -seen.imag),
+    ):
+        assert 0.0 < error < 0.1
+        assert abs(ours - theirs.mean()) < 4.0 * math.hypot(
+            error, theirs.std(ddof=1) / math.sqrt(theirs.size)
+        )
+
+
+def test_stable_cycles_of_one_bounce_count_where_they_capture_bodies() -> None:
+    # at K < 2 the mean speed counts them too, so that the error is the scatter of these motions
+    scene = driven(Groups(1.8 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), None, 0.6)
+    found, cycle = filling(scene), vibro.solve(scene)
+    assert cycle.status == Status.AVERAGED
+    assert abs(found.share) <= found.bound
+    captured = [one for one in vibro.attractors(scene) if one.stable and set(one.pattern) == {"H"}]
+    assert captured
+    assert found.added_damping_share_error > 0.01
+
+
+def test_means_are_left_out_where_they_are_not_asked_for() -> None:
+    scene = driven(Groups(2.6 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), None, 0.24)
+    found = filling_of(scene, vibro.solve(scene))
+    assert found.status == Status.AVERAGED
+    assert np.isnan(found.share)
+    assert np.isnan(found.added_mass_share_error)
+    assert found.bound > 0.0
+
+
 # ------------------------------------------------------------------------------------ limits and scales
 
 
@@ -233,6 +282,7 @@ def test_a_grid_has_the_numbers_of_its_cells() -> None:
 
 def test_plain_python_gives_the_same_bits() -> None:
     scenes = [random_scenes(200, 3, most_trough_deg=10.0), *FOLLOWED.values(), *map(row_scene, ROWS)]
+    scenes.append(driven(Groups(2.6 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), None, 0.24))
     fast = [filling(scene) for scene in scenes]
     with plain():
         slow = [filling(scene) for scene in scenes]

@@ -30,7 +30,7 @@ _KINK: Final = 0.2  # [1] relative difference of both sides that shows a kink
 _DAMPING_RATIO: Final = 0.015  # [1] of steel springs in feeders
 _RANGE: Final = 1024  # [cells] of a range, so that an interrupt is noticed within a fraction of a second
 _BESIDE: Final = 0.01  # [1] relative change of the amplitude that speeds of hopping bodies are compared over
-_ROWS: Final = 5  # shares, both parts of the second harmonic, and the bound
+_ROWS: Final = 7  # shares, both parts of the second harmonic, errors of the shares, and the bound
 
 
 def _compliance(frequency_ratio: float, trough_share: float) -> float:
@@ -90,11 +90,16 @@ def filling(scene: Scene, *, threads: int | None = None) -> Filling:
     0.798523 0.179928
     """
     _check_drive(scene)
-    return filling_of(scene, solve(scene, threads=threads), threads=threads)
+    return filling_of(scene, solve(scene, threads=threads), averages=True, threads=threads)
 
 
-def filling_of(scene: Scene, cycle: SteadyCycle, *, threads: int | None = None) -> Filling:
-    """Return the same for scenes whose steady cycles ``solve`` has found."""
+def filling_of(
+    scene: Scene, cycle: SteadyCycle, *, averages: bool = False, threads: int | None = None
+) -> Filling:
+    """Return the same for scenes whose steady cycles ``solve`` has found.
+
+    Without ``averages``, which take several ms a cell, cells of irregular motion have NaN for shares.
+    """
     _check_drive(scene)
     grid, solver, scratch = Grid(scene.arrays()), doors(), Scratch()
     pattern = np.ascontiguousarray(cycle.pattern_code, np.int64).reshape(-1)
@@ -104,16 +109,19 @@ def filling_of(scene: Scene, cycle: SteadyCycle, *, threads: int | None = None) 
     grid.hold(pattern, status, values)
 
     def weigh(begin: int, end: int) -> None:
-        solver.weigh(grid.scenes, grid.place(), *given, out, scratch.flights, scratch.hops, begin, end)
+        solver.weigh(
+            grid.scenes, grid.place(), *given, out, scratch.flights, scratch.hops, begin, end, averages
+        )
 
     over_cells(weigh, grid.size, _RANGE, threads)
-    mass, damping, real, imaginary, bound = (row.reshape(grid.shape)[()] for row in values)
-    error: Any = np.where(np.isnan(mass), np.nan, 0.0)[()]
+    mass, damping, real, imaginary, mass_error, damping_error, bound = (
+        row.reshape(grid.shape)[()] for row in values
+    )
     return Filling(
         added_mass_share=mass,
         added_damping_share=damping,
-        added_mass_share_error=error,
-        added_damping_share_error=error,
+        added_mass_share_error=mass_error,
+        added_damping_share_error=damping_error,
         energy_per_cycle=_energy(scene, damping),
         second_harmonic=real + 1j * imaginary,
         bound=bound,

@@ -48,9 +48,9 @@ def completed(*words: str) -> list[str]:
         (("sim",), ["simulate"]),
         (("map", "--x", "mu_"), ["mu_s", "mu_ratio", "mu_d"]),
         (("map", "--y", "dr"), ["drive_angle"]),
-        (("map", "--at", "f"), ["f=", "frequency=", "friction_ratio="]),
+        (("map", "--at", "f"), ["f0=", "f=", "filling=", "frequency=", "friction_ratio="]),
         (("map", "--show", "im"), ["impact"]),
-        (("map", "--columns", "regime,amp"), ["regime,amplitude_mm"]),
+        (("map", "--columns", "regime,amp"), ["regime,amplitude_mm", "regime,amplitude_empty_mm"]),
         (
             ("solve", "--columns", "mean_velocity_mm_s,mean_v"),
             ["mean_velocity_mm_s,mean_velocity_error_mm_s"],
@@ -78,7 +78,7 @@ def test_every_name_is_there() -> None:
     assert completed("map", "--x", "") == [*(QUANTITIES[name].letter for name in SWEPT), *SWEPT]
     assert completed("simulate", "--panels", "") == list(PANELS)
     assert completed("map", "--columns", "") == column_names()
-    every = columns_of(drive=[name for name in DRIVES if name in SWEPT])
+    every = columns_of(drive=[name for name in DRIVES if name in SWEPT], machine=True)
     assert [column.name for column in chosen(column_names(), every)] == column_names()
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from helpers.commands import Run, rows_of
-from helpers.packed import GIVEN_DRIVES, state_of, table_of
+from helpers.packed import FEEDER, GIVEN_DRIVES, state_of, table_of
 
 from vibro.explore.answers import Answers
 from vibro.explore.state import HEIGHT, WIDTH, initial_state, read_state
@@ -85,6 +85,44 @@ def test_a_given_motion_comes_with_its_scene_file(
     again = initial_state(request_of_call(tmp_path / "scene.toml", {}))
     kept = {key: text for key, text in state.texts.items() if key not in NOT_IN_FILES}
     assert kept.items() <= again.texts.items()  # and so is the fingerprint of the motion
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        {"x_range": "95:105", "filling_kg": "0", "y": "setting_percent", "y_range": "30:60"},
+        {"filling_kg": "1.5", "setting_percent": "40", "x": "frequency_hz", "y": "drive_angle_deg"},
+        {"filling_kg": "0", "natural_hz": "47.6", "setting_percent": "30", "x": "frequency_hz"},
+    ],
+    ids=["empty", "full", "another pack"],
+)
+def test_a_machine_comes_with_its_scene_file(
+    query: dict[str, str], run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "feeder.toml").write_text(FEEDER, encoding="utf-8")
+    initial = initial_state(request_of_call(tmp_path / "feeder.toml", {}))
+    state = read_state({"y": "setting_percent", **query}, initial)
+    answers = Answers(initial)
+    told, table = answers.point(state), table_of(answers, state)
+    (tmp_path / "scene.toml").write_text(told["toml"], encoding="utf-8")
+    assert "scene.toml" in told["apart"]
+    words = shlex.split(told["command"])
+    assert words[:3] == ["vibro", "map", "scene.toml"]
+    typed = run(*words[1:-1], "-")
+    assert typed.exit_code == 0
+    assert typed.stdout == table
+    again = initial_state(request_of_call(tmp_path / "scene.toml", {}))
+    kept = {key: text for key, text in state.texts.items() if key not in NOT_IN_FILES}
+    assert kept.items() <= again.texts.items()
+    if "natural_hz" not in query:
+        solved = run("solve", "scene.toml", "--json")
+        speed = float(json.loads(solved.stdout)["mean_velocity_mm_s"])
+        assert told["speed"] == f"{speed:.6g} mm/s"
+        rows = re.findall("<tr>(.*?)</tr>", told["tables"])
+        texts = [" ".join(unescape(re.sub("<[^>]*>", " ", row)).split()) for row in rows]
+        lines = [" ".join(line.split()) for line in run("solve", "scene.toml").stdout.splitlines()]
+        assert {text for text in texts if not text.startswith("traverse time")} <= {*lines}
 
 
 def test_the_operating_point_is_told_as_solve_does(answers: Answers, run: Run) -> None:

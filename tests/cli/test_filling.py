@@ -90,7 +90,7 @@ def test_json_and_tables_have_the_same_numbers(run: Run, tmp_path: Path) -> None
     ("args", "told"),
     [
         ("-A .1 -f 15", "given motion the part rests, and is a mass of the trough"),
-        ("-A 12 -f 15 --restitution .6", "unknown, as the motion is irregular; at most 0.19095 of it acts"),
+        ("-A 12 -f 15 --restitution .6", "given motion unknown: the motion is irregular"),
         ("-A 8 -f 15 --flight off", "filling 2 kg: unknown, as the motion is"),
         ("-A 3.2291 -f 15", "given motion unknown: the regime changes within 1 % of amplitude"),
     ],
@@ -126,3 +126,13 @@ def test_drives_with_harmonics_are_refused(run: Run) -> None:
     result = run("solve", *drive, "--filling", "2kg")
     assert result.exit_code == ExitCode.WRONG_INPUT
     assert "drive = with harmonics: must be along a line or an ellipse" in result.stderr
+
+
+def test_means_over_irregular_motion_have_errors(run: Run) -> None:
+    args = [*NUT, "-A", "12", "--restitution", ".6", "--filling", "2kg"]
+    filling = lines_of(run("solve", *args).stdout)[0]
+    assert filling.count("(standard error)") == 2
+    told = json.loads(run("solve", *args, "--json").stdout)
+    assert told["status"] == "averaged"
+    assert 0.0 < told["added_mass_share_error"] < 0.05
+    assert 0.0 < told["added_damping_share_error"] < told["added_damping_share"] < told["share_bound"]

@@ -12,9 +12,9 @@ from helpers.hopping_bodies import FLIGHTS, HOPS, ellipse, line, unit, walker
 
 from vibro.core import averages as averages_module
 from vibro.core.averages import (
+    Bodies,
     Means,
     _balance,
-    _Bodies,
     _slide,
     _variances,
     _with_single_bounces,
@@ -37,9 +37,9 @@ def _averaged(loads: Loads, restitution: float, length: int = 12, longest: bool 
     return averages(track_of(loads, restitution), restitution, length, longest, FLIGHTS, HOPS)
 
 
-def _bodies() -> _Bodies:
+def _bodies() -> Bodies:
     """Return what ``averages`` has left of its bodies."""
-    return _Bodies(
+    return Bodies(
         time=FLIGHTS.phase,
         path=FLIGHTS.speed,
         gain=FLIGHTS.length,

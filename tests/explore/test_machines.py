@@ -19,9 +19,11 @@ from vibro.axes import Axis
 from vibro.core.codes import Status
 from vibro.errors import InputError
 from vibro.explore.answers import Answers
+from vibro.explore.controls import CONTROLS
 from vibro.explore.form import form_html
 from vibro.explore.levels import MapCells
 from vibro.explore.state import State, initial_state, read_state
+from vibro.quantities import MACHINE, QUANTITIES
 from vibro.results.steady import RESULTS
 from vibro.sweeps.grid import Grid, scene_of
 from vibro.sweeps.whole import request_of_call
@@ -62,7 +64,7 @@ def test_it_begins_with_what_the_machine_has(feeder: State) -> None:
     assert feeder.texts["drive"] == "machine"
     assert KNOBS.items() <= feeder.texts.items()
     assert (feeder.texts["x"], feeder.texts["x_range"]) == ("voltage_percent", "90:110")  # its band
-    assert (feeder.texts["y"], feeder.texts["y_range"]) == ("filling_kg", "0:3")
+    assert (feeder.texts["y"], feeder.texts["y_range"]) == ("filling_kg", "0:6")
     assert "amplitude_mm" not in feeder.texts
     assert read_state(feeder.texts, feeder) == feeder
     assert read_state({}, feeder) == feeder
@@ -152,6 +154,16 @@ def test_friction_has_bands_where_the_amplitude_does_not_depend_on_it(feeder: St
     assert unpacked(Answers(given).map(state))[0]["bands"]
 
 
+@pytest.mark.parametrize("name", MACHINE)
+def test_the_ends_of_sliders_and_axes_are_taken(name: str, feeder: State) -> None:
+    control = feeder.drives["machine"].controls.get(name, CONTROLS[name])
+    column = QUANTITIES[name].column
+    assert control.low < float(feeder.texts[column]) <= control.high
+    for value in (control.low, control.high):
+        read_state({column: str(value)}, feeder)
+    read_state({"x": column, "x_range": control.axis, "y": "drive_angle_deg"}, feeder)
+
+
 def test_the_form_has_knobs_and_packs(feeder: State) -> None:
     page = form_html(feeder)
     for key in KNOBS:
@@ -174,8 +186,8 @@ def test_with_a_filling_cells_come_coarse_to_fine(feeder: State) -> None:
     grid = small(read_state({**FULL}, feeder), (20, 37))
     cells = MapCells(grid, patience=0.0)
     first = cells.shown
-    assert first.exact[::16, ::16].all()
-    assert first.exact.sum() == first.exact[::16, ::16].size
+    assert first.exact[0, 0]
+    assert first.exact.sum() == 1  # of a lattice of 64 cells
     assert first.limits is not None
     values = grid.values()
     wanted = grid.solve(values)
@@ -198,7 +210,11 @@ def test_with_a_filling_cells_come_coarse_to_fine(feeder: State) -> None:
 def test_between_exact_cells_the_weight_of_the_filling_is_interpolated(feeder: State) -> None:
     """The amplitude follows, with its peak at resonance, so that the first picture is nearly right."""
     grid = read_state({**FULL, "x_range": "30:80"}, feeder).grid()
-    first = MapCells(grid, patience=0.0).shown
+    cells = MapCells(grid, patience=0.0)
+    while not cells.shown.exact[::16, ::16].all():
+        cells.advance(1e-9)
+    first = cells.shown
+    assert first.exact.mean() < 0.05
     picked = np.flatnonzero(~first.exact)[::97]
     values = grid.picked(picked)
     foreseen = first.values["amplitude"].reshape(-1)[picked]
@@ -214,7 +230,7 @@ def test_a_map_tells_the_amplitude_of_each_cell(feeder: State) -> None:
     setting = np.linspace(header["x"]["from"], header["x"]["to"], header["x"]["count"])
     assert np.allclose(arrays["amplitude"][0], arrays["amplitude"][0, -1] * setting / setting[-1], rtol=1e-6)
     header, arrays = unpacked(answers.map(read_state({**FULL}, feeder)))
-    assert "the filling's weight is interpolated" in header["progress"]["text"]  # regimes depend on it too
+    assert "the rest interpolated" in header["progress"]["text"]  # regimes depend on it too
     assert header["curves"]
     assert np.isfinite(arrays["amplitude"]).any()
     assert "amplitude" not in unpacked(answers.map(read_state({"drive": "line"}, feeder)))[1]
@@ -252,9 +268,7 @@ def test_where_springs_strike_the_page_says_so(tmp_path: Path) -> None:
         assert response.json()["hint"].startswith("lower the setting")
     calm = client.get("/point", params={"setting_percent": "50"})
     assert calm.status_code == 200
-    header, arrays = unpacked(
-        client.get("/map", params={"x": "setting_percent", "y": "frequency_hz"}).content
-    )
+    _, arrays = unpacked(client.get("/map", params={"x": "setting_percent", "y": "frequency_hz"}).content)
     assert np.isnan(arrays["amplitude"]).any()
     assert np.isfinite(arrays["amplitude"]).any()
 

@@ -29,6 +29,7 @@ Sweeps and files:
     shard_writers     runs that write one folder, are killed, or meet (a program)
     sharded_maps      ``vibro map --table parquet`` and its folder
     outputs           sets of output files
+    machine_files     scene files with a machine of every kind
     workbooks         workbooks of sweeps, written and read back
     buffers           where malloc places large buffers
 Pictures, pages, commands:

@@ -7,12 +7,18 @@ and the history says where it is and what force acts on it.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from bisect import bisect_left
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 import vibro
 from vibro.drives import Ellipse, Line
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vibro.results.history import History, Phase
 
 TURN = 2.0 * math.pi
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
@@ -31,13 +37,31 @@ class Measured(NamedTuple):
 
 def measured_reaction(scene: vibro.Scene, cycles: float = 400.0) -> Measured:
     """Follow a body from rest until its motion repeats, and integrate over the cycle."""
-    frequency, e = float(scene.frequency), float(scene.restitution)
-    w = TURN * frequency
+    frequency = float(scene.frequency)
     first = vibro.simulate(scene, cycles=cycles)
     assert first.period_cycles, "does not settle"
-    turns = first.settles_at * frequency + first.period_cycles
-    history = vibro.simulate(scene, cycles=turns + 1.0)
-    begin, end = first.settles_at, first.settles_at + first.period_cycles / frequency
+    begin, period = first.settles_at, first.period_cycles
+    history = vibro.simulate(scene, cycles=begin * frequency + period + 1.0)
+    return _measured(history, history.phases, begin, period)
+
+
+def measured_means(scene: vibro.Scene, cycles: int, parts: int) -> list[Measured]:
+    """Follow a body whose motion does not repeat from rest, and integrate over parts of some cycles each."""
+    history = vibro.simulate(scene, cycles=(parts + 1) * cycles)
+    period, found = cycles / float(scene.frequency), []
+    starts = [phase.start for phase in history.phases]
+    for part in range(1, parts + 1):
+        begin = part * period
+        some = history.phases[bisect_left(starts, begin) : bisect_left(starts, begin + period) + 1]
+        found.append(_measured(history, some, begin, cycles))
+    return found
+
+
+def _measured(history: History, phases: Sequence[Phase], begin: float, period: int) -> Measured:
+    """Integrate over the phases that begin in some drive cycles."""
+    scene = history.scene
+    frequency, e = float(scene.frequency), float(scene.restitution)
+    w, end = TURN * frequency, begin + period / frequency
     drive = scene.arrays()
     assert isinstance(drive, Line | Ellipse)
     lead, x = float(drive.phase), float(drive.along)
@@ -48,7 +72,6 @@ def measured_reaction(scene: vibro.Scene, cycles: float = 400.0) -> Measured:
     force = np.zeros((2, 2), complex)  # harmonic, axis
     moved = float(history.sample(end).position - history.sample(begin).position)
     losses = float(scene.gravity) * math.sin(float(scene.trough_angle)) * moved
-    phases = history.phases
     for i, phase in enumerate(phases):
         if phase.start < begin - 1e-9 / frequency or phase.start > end - 1e-9 / frequency:
             continue
@@ -72,7 +95,6 @@ def measured_reaction(scene: vibro.Scene, cycles: float = 400.0) -> Measured:
             losses += 0.5 * (phase.end_velocity**2 - after.start_velocity**2)
             for k in (1, 2):
                 force[k - 1] -= np.exp(-1j * k * w * phase.end) * np.array([slip, impulse])
-    period = first.period_cycles
     force *= 1j / math.pi * w / period / w**2
     path = np.array([x, y * np.exp(1j * lead)])
     size = x * x + y * y

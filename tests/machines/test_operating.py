@@ -234,6 +234,12 @@ def test_a_jump_without_a_point_is_told() -> None:
     assert calm.amplitude[0] < onset < calm.amplitude[1]
 
 
+def test_machines_whose_filling_never_slips_need_no_search() -> None:
+    points = vibro.operate(feeder(1.05), setting=0.05, filling=[1e-9, 1e-6], **SLIDER)
+    assert list(points.number) == [1, 1]
+    assert list(points.added_mass_share) == [1.0, 1.0]
+
+
 def test_known_shares_need_no_solver(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: Any, **__: Any) -> None:
         raise AssertionError
@@ -304,6 +310,24 @@ def test_irregular_motion_leaves_an_interval() -> None:
     settled = points.status == Status.OK
     assert np.all(points.amplitude_low[settled] == points.amplitude_high[settled])
     assert any("irregularly" in text for text in points.remarks())
+
+
+def test_borders_of_irregular_motion_are_no_operating_points() -> None:
+    """A bouncing filling has irregular motion between settled one; without a share there is no residual."""
+    machine = feeder(0.9)
+    for setting in np.linspace(1.5, 5.0, 15):
+        case = {**SLIDER, "filling": 1.0, "setting": setting, "restitution": 0.4}
+        listed = vibro.operating_points(machine, **case)
+        pull = machine.response(50.0).compliance
+        empty = setting * 0.35e-3
+        body = {name: case[name] for name in (*SLIDER, "restitution")}
+        for amplitude in listed:
+            share = vibro.filling(vibro.Scene(amplitude=amplitude, **body)).share
+            residual = amplitude * abs(1.0 + pull * share) / empty - 1.0
+            beside = vibro.filling(vibro.Scene(amplitude=amplitude * np.array([1 - 1e-9, 1 + 1e-9]), **body))
+            signs = np.sign(amplitude * np.abs(1.0 + pull * beside.share) - empty)
+            is_jump = not np.isnan(signs).any() and signs[0] != signs[1]
+            assert np.isnan(residual) or abs(residual) < 1e-9 or is_jump
 
 
 def test_the_gap_is_an_error_or_a_mark() -> None:

@@ -21,6 +21,7 @@ from vibro.errors import InputError
 from vibro.files import tables
 from vibro.files.tables import CsvFormat
 from vibro.quantities import DRIVES, QUANTITIES, SWEPT
+from vibro.results.operating import FIELDS, OPERATING
 from vibro.results.sweep import Block, Column
 from vibro.sweeps import derived
 from vibro.sweeps.columns import Table, chosen, column_names, columns_of, records, to_frame
@@ -252,7 +253,8 @@ def test_every_column_pickles() -> None:
     given = replace(solved, values={name: np.full((1, 1), i) for i, name in enumerate(QUANTITIES, 1)})
     extra = [column for column in vars(derived).values() if isinstance(column, Column)]
     extra += [*derived.throughput(25.0, 0.012), *derived.standing(0.8)]
-    columns = columns_of(QUANTITIES, *extra, drive=DRIVES)
+    solved = replace(solved, values={**solved.values, OPERATING: np.ones((1, 1), FIELDS)})
+    columns = columns_of(QUANTITIES, *extra, drive=DRIVES, machine=True)
     names = {column.name for column in columns}
     assert names >= {*column_names(), *inputs, "arrival_time_s", "mass_flow_kg_h", "upright", "pattern"}
     for column in columns:

@@ -170,7 +170,11 @@ def test_restitution_is_an_axis() -> None:
     ("given", "problem", "hint"),
     [
         ({"amplitud_mm": 1}, "unknown argument 'amplitud_mm'", "did you mean 'amplitude_mm'?"),
-        ({"velocity": 1}, "unknown argument 'velocity'", "known are amplitude_mm, stroke_mm"),
+        (
+            {"velocity": 1},
+            "unknown argument 'velocity'",
+            "known are setting_percent, voltage_percent, filling_kg, natural_hz, amplitude_mm",
+        ),
         (
             {"amplitude_mm": 1, "frequency_hz": "10:20"},
             "missing: drive angle (drive_angle_deg), static friction (static_friction), kinetic friction "

@@ -6,6 +6,7 @@ import shlex
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.cli.console import Console
+from vibro.core.codes import Level
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, Quantity, exact_number
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.sweeps.request import Request
 
-__all__ = ["plain_number", "question", "request_of", "whole_number"]
+__all__ = ["plain_number", "question", "request_of", "warn_of_machine", "whole_number"]
 
 
 class _CommandLine(NamedTuple):
@@ -90,6 +91,15 @@ def request_of(options: Options, argv: Sequence[str], *, without_machine: str = 
             hint="vibro solve tells the amplitude at its operating point: give that in place of [machine]",
         )
     return gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
+
+
+def warn_of_machine(request: Request, console: Console) -> None:
+    """Say on stderr what is known of a machine's operating point beside its numbers."""
+    from vibro.sweeps.machine_facts import machine_warnings
+
+    if request.machine is not None:
+        for text in machine_warnings(request.machine, request.grid(Level.EXACT).values()):
+            console.warn(text)
 
 
 def question(request: Request, options: Options, found: Collection[str] = ()) -> None:

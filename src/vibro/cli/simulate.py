@@ -115,7 +115,7 @@ def simulate_command(
     The phases are printed, the first 24 of them, a chain of bounces that die out as one. With -o all go to
     STEM-phases.csv, the sampled motion to STEM.csv, forces per unit mass, and its picture to STEM.png.
     """
-    from vibro.cli.request import plain_number, question, request_of, whole_number
+    from vibro.cli.request import plain_number, question, request_of, warn_of_machine, whole_number
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
@@ -136,6 +136,8 @@ def simulate_command(
     request = request_of(options, context.obj)
     question(request, options)
     scene = request.scene()
+    if request.machine is not None:
+        warn_of_machine(request, console)
     frequency = float(scene.frequency)
     time = None if duration is None else float(exact_number(duration, DURATION))
     number = None if cycles is None else plain_number("--cycles", cycles)

@@ -23,7 +23,9 @@ from vibro.core.return_map import Hops, release, return_map, with_same_ground_sp
 from vibro.core.samples import BODIES, fly
 from vibro.core.waves import SINE
 
-__all__ = ["Means", "averages"]
+__all__ = [
+    "CAPTURED", "MOST_TURNS", "Bodies", "Means", "Spread", "averages", "bodies_in", "spread_of", "start_of",
+]  # fmt: skip
 
 # [1] Ratio of the variance of a body's mean to that expected from its two halves: above which the sample is
 # shorter than the memory of the motion, and above which bodies have gone different ways. For halves without
@@ -34,10 +36,11 @@ _PARTED: Final = 8.0
 _TOGETHER: Final = 5.0
 _STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
 
-# [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
-# cycles; above it their basins are narrow.
-_CAPTURED: Final = 2.0
-_MOST_TURNS: Final = 64
+#: [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
+#: cycles; above it their basins are narrow.
+CAPTURED: Final = 2.0
+#: Drive cycles of the longest of these.
+MOST_TURNS: Final = 64
 
 _FIRST_REACH: Final = 0.25  # [A w cos alpha] first step in search of the velocity of balance
 _BALANCED: Final = 0.1  # [1] imbalance left, over its statistical error
@@ -68,7 +71,7 @@ class Means(NamedTuple):
     peak: float
 
 
-class _Bodies(NamedTuple):
+class Bodies(NamedTuple):
     """What is known of the bodies of a scene; of their halves in rows 2 i and 2 i + 1 of body i.
 
     Attributes
@@ -142,18 +145,9 @@ def averages(
     the bodies.
     """
     loads = track.loads
-    # the search for a cycle is over, so that its flights make room for what is known of the bodies
-    bodies = _Bodies(
-        time=flights.phase,
-        path=flights.speed,
-        gain=flights.length,
-        swing=flights.impact,
-        start=flights.impulse,
-        row=flights.before,
-    )
+    bodies = bodies_in(flights)
     unresolved = Means(Status.UNRESOLVED, NAN, NAN, NAN, NAN, NAN)
-    throw, released = loads.drive_normal / loads.weight_normal, release(track)
-    start = with_same_ground_speed(loads, released.velocity, released.phase, track.lift_off)
+    throw, start = loads.drive_normal / loads.weight_normal, start_of(track)
     total, aloft, impact, lands = 0.0, 0.0, 0.0, False
     row = 0
     for i in range(BODIES):
@@ -187,13 +181,7 @@ def averages(
     for i in range(2 * BODIES):
         mean += bodies.path[i]
     mean /= total
-    own, halves, drift = _variances(bodies, mean, total)
-    ratio = own / halves if halves > 0.0 else (INF if own > 0.0 else 1.0)
-    # Without memory both are the variance of a body's mean.
-    variance = (own if ratio > _DRIFTS else 0.5 * (own + halves)) / BODIES
-    if lands or ratio > _PARTED:
-        variance += _STUDENT * max(own - halves, 0.0)
-    variance += drift
+    spread = spread_of(bodies, mean, total, lands)
 
     # Where friction is too weak to hold gravity every flight without a stop adds speed downhill. The drive
     # takes no more than twice its own speed from that, and one landing no more than its friction.
@@ -202,24 +190,76 @@ def averages(
     undecided = loose and not runs and not slid.forgets
     if runs or (undecided and longest):
         return unresolved._replace(status=Status.RUNAWAY)
-    if not longest and (remembers or undecided or drift > 0.0 or (not lands and ratio > _DRIFTS)):
+    if not longest and (
+        remembers or undecided or spread.drift > 0.0 or (not lands and spread.ratio > _DRIFTS)
+    ):
         return unresolved
     means = Means(
         status=Status.AVERAGED,
         displacement=TURN * mean,
-        deviation=TURN * math.sqrt(variance),
+        deviation=TURN * math.sqrt(spread.variance),
         flight_fraction=min(aloft / total, 1.0),
         impact=loads.weight_normal * impact,
         peak=slid.peak,
     )
     if loads.waves.kind != SINE:
         means = _with_captures(track, restitution, means, start, flights, hops)
-    if throw < _CAPTURED:
+    if throw < CAPTURED:
         return _with_single_bounces(track, restitution, means, start, hops, bodies.path)
     return means
 
 
-def _variances(bodies: _Bodies, mean: float, total: float) -> tuple[float, float, float]:
+def bodies_in(flights: Flights) -> Bodies:
+    """Return the room for what is known of the bodies: that of the flights of a search that is over."""
+    return Bodies(
+        time=flights.phase,
+        path=flights.speed,
+        gain=flights.length,
+        swing=flights.impact,
+        start=flights.impulse,
+        row=flights.before,
+    )
+
+
+def start_of(track: Track) -> float:
+    """Return the relative velocity of a body from rest at the first lift-off."""
+    released = release(track)
+    return with_same_ground_speed(track.loads, released.velocity, released.phase, track.lift_off)
+
+
+class Spread(NamedTuple):
+    """How far a mean over the bodies may be off.
+
+    Attributes
+    ----------
+    variance : float
+        Square of its standard error.
+    ratio : float
+        Variance of a body's mean over that expected from its halves.
+    drift : float
+        Part of the variance by which first halves of all bodies differ from second ones.
+    """
+
+    variance: float
+    ratio: float
+    drift: float
+
+
+def spread_of(bodies: Bodies, mean: float, total: float, lands: bool) -> Spread:
+    """Tell how far the mean of ``bodies.path`` per radian may be off.
+
+    ``total`` is the duration of all samples [rad]; ``lands`` says whether there are contacts.
+    """
+    own, halves, drift = _variances(bodies, mean, total)
+    ratio = own / halves if halves > 0.0 else (INF if own > 0.0 else 1.0)
+    # Without memory both are the variance of a body's mean.
+    variance = (own if ratio > _DRIFTS else 0.5 * (own + halves)) / BODIES
+    if lands or ratio > _PARTED:
+        variance += _STUDENT * max(own - halves, 0.0)
+    return Spread(variance + drift, ratio, drift)
+
+
+def _variances(bodies: Bodies, mean: float, total: float) -> tuple[float, float, float]:
     """Return the variance of a body's mean, from the scatter of the bodies and from their halves.
 
     The third number is the square of what first halves of all bodies differ by from second ones; 0 where
@@ -239,7 +279,7 @@ def _variances(bodies: _Bodies, mean: float, total: float) -> tuple[float, float
     return own / (BODIES - 1), halves, drift
 
 
-def _slide(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
+def _slide(track: Track, hops: Hops, bodies: Bodies) -> _Slid:
     """Follow the bodies from their velocities at the start of the samples; write paths and gains."""
     loads = track.loads
     downhill = -math.copysign(1.0, loads.weight_tangential) if loads.weight_tangential != 0.0 else 0.0
@@ -272,7 +312,7 @@ class _Imbalance(NamedTuple):
     path: float
 
 
-def _balance(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
+def _balance(track: Track, hops: Hops, bodies: Bodies) -> _Slid:
     """Give all bodies the same velocity over the ground, that at which gravity and friction balance.
 
     Where a body never stops in its sample it is off, the longer the less friction there is, by the error of
@@ -354,7 +394,7 @@ def _with_single_bounces(
     motions, total, impact, peak = 1, means.displacement, means.impact, means.peak
     bed = bed_of(loads)
     indices = 1 if loads.waves.kind == SINE else 2 * loads.waves.size
-    for i in range(_MOST_TURNS * indices):
+    for i in range(MOST_TURNS * indices):
         turns = 1 + i // indices
         bounce = single_bounce(bed, restitution, turns, i % indices)
         if not (bounce.exists and bounce.stable):

@@ -10,19 +10,21 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.bounces import Flights
-from vibro.core.codes import Mode
+from vibro.core.averages import CAPTURED, MOST_TURNS, bodies_in, spread_of, start_of
+from vibro.core.bounces import Flights, single_bounce
+from vibro.core.codes import Mode, Status
 from vibro.core.cycle_slides import SlideLeg, cycle_slides
-from vibro.core.drives import Loads, along_cosine, along_sine, free_along, phase_difference
-from vibro.core.elementary import INF, PI, braked, circle, hypotenuse
-from vibro.core.flight import ACCUMULATED, after_landing, bed_of
-from vibro.core.hopping import cycle_of, enter
+from vibro.core.drives import Loads, along_cosine, along_sine, free_along, free_normal, phase_difference
+from vibro.core.elementary import INF, NAN, TURN, braked, circle, hypotenuse
+from vibro.core.flight import ACCUMULATED, after_landing, bed_of, flight
+from vibro.core.hopping import cycle_of, enter, means_of
 from vibro.core.legs import Track, contact_leg, mode_of, track_of
-from vibro.core.orbits import orbit_from
-from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, landed
+from vibro.core.orbits import hopping_cycle, orbit_from
+from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, landed, write_hop
+from vibro.core.samples import BODIES, kick
 from vibro.core.waves import at_break
 
-__all__ = ["Reaction", "force_bound", "reaction_in_contact", "reaction_of_hops"]
+__all__ = ["Reaction", "force_bound", "mean_reaction", "reaction_in_contact", "reaction_of_hops"]
 
 # [rad] Legs up to this length are integrated by Gauss's rule of eight nodes, whose terms all are as small as
 # the leg; its error is below 1e-16 of them (tests/core/test_filling.py). Longer ones have closed forms.
@@ -46,12 +48,16 @@ class Reaction(NamedTuple):
         lambda and delta: first harmonic, Eq. (76).
     second_real, second_imaginary : float
         Second harmonic along the line, Eq. (77); of an ellipse its size, and 0.
+    mass_error, damping_error : float
+        Standard errors of the first two where they are means, else 0.
     """
 
     added_mass: float
     added_damping: float
     second_real: float
     second_imaginary: float
+    mass_error: float
+    damping_error: float
 
 
 class _Integrals(NamedTuple):
@@ -95,7 +101,7 @@ def reaction_in_contact(loads: Loads, pattern: int) -> Reaction:
         walk = _with_slide(loads, walk, slides.first)
     if slides.second.way != 0.0:
         walk = _with_slide(loads, walk, slides.second)
-    return _reaction(loads, walk, 1)
+    return _reaction(loads, walk, TURN)
 
 
 def _from_rest() -> _Walk:
@@ -126,7 +132,7 @@ def reaction_of_hops(loads: Loads, restitution: float, flights: Flights, hops: H
 
     ``flights`` and ``hops`` are scratch memory.
     """
-    track = track_of(loads, restitution)
+    track, bed = track_of(loads, restitution), bed_of(loads)
     entry = enter(track, restitution, flights, hops)
     cycle = cycle_of(track, entry.motion)
     walk = _from_rest()._replace(velocity=orbit_from(cycle, hops, entry.velocity).velocity)
@@ -134,43 +140,46 @@ def reaction_of_hops(loads: Loads, restitution: float, flights: Flights, hops: H
         landing, rest = hops.landing[row], hops.rest[row]
         if row + 1 == cycle.last and cycle.rest > 0.0:
             landing, rest = cycle.landing, cycle.rest
-        walk = _with_flight(track, restitution, flights, hops, row, walk, rest > 0.0)
+        phase, impact, length, bounced = flights.phase[row], flights.impact[row], flights.length[row], 0.0
+        if rest > 0.0:
+            bounced = after_landing(bed, phase + length, impact, restitution, ACCUMULATED).length
+        hop = _Hop(phase, flights.speed[row], length - bounced, bounced, impact)
+        walk = _with_flight(loads, restitution, hop, landed(hops, row, walk.velocity), walk)
         if rest > 0.0:
             walk = _with_contact(track, landing, rest, walk)
-    if cycle.first == cycle.last:
-        walk = _with_contact(track, cycle.landing, cycle.rest, walk)
-    return _reaction(loads, walk, entry.motion.cycles)
+    return _reaction(loads, walk, TURN * entry.motion.cycles)
 
 
-def _with_flight(
-    track: Track, restitution: float, flights: Flights, hops: Hops, row: int, walk: _Walk, contact: bool
-) -> _Walk:
-    """Add a flight, and the bounces that are summed after it.
+class _Hop(NamedTuple):
+    """A flight: its take-off, length and landing speed, and how long the bounces last that are summed."""
 
-    They last 1e-8 rad at most and are so low that the body keeps the speed along the trough which the first
-    impact leaves, and none normal to it.
+    phase: float
+    speed: float
+    length: float
+    bounced: float
+    impact: float
+
+
+def _with_flight(loads: Loads, restitution: float, hop: _Hop, after: float, walk: _Walk) -> _Walk:
+    """Add a flight, and the bounces that are summed after it; ``after`` is the velocity then.
+
+    These are so short and low that the body keeps the speed along the trough which the first impact leaves,
+    and none normal to it.
     """
-    loads, bed = track.loads, bed_of(track.loads)
-    phase, n = flights.phase[row], loads.weight_normal
-    bounced = 0.0
-    if contact:
-        end = phase + flights.length[row]
-        bounced = after_landing(bed, end, flights.impact[row], restitution, ACCUMULATED).length
-    length = flights.length[row] - bounced
+    phase, length, n = hop.phase, hop.length, loads.weight_normal
     a, b = loads.drive_tangential, loads.drive_normal
     ahead = _Motion(
         walk.velocity, a * along_cosine(loads, phase), a * along_sine(loads, phase), loads.weight_tangential
     )
-    off = _Motion(n * flights.speed[row], b * math.cos(phase), b * math.sin(phase), n)
+    off = _Motion(n * hop.speed, b * math.cos(phase), b * math.sin(phase), n)
     flown = free_along(loads, phase, walk.velocity, length)
     along = _plus(walk.along, _integrals(ahead, phase, length, flown.path))
     normal = _plus(walk.normal, _integrals(off, phase, length, 0.0))
-    if bounced > 0.0:
-        impulse = flights.impact[row] * (1.0 + restitution)
-        left = braked(flown.velocity, loads.kinetic_friction * n * impulse)
+    if hop.bounced > 0.0:
+        left = braked(flown.velocity, loads.kinetic_friction * n * hop.impact * (1.0 + restitution))
         chain = _Motion(left, 0.0, 0.0, 0.0)
-        along = _plus(along, _integrals(chain, phase + length, bounced, left * bounced))
-    return _Walk(along, normal, landed(hops, row, walk.velocity))
+        along = _plus(along, _integrals(chain, phase + length, hop.bounced, left * hop.bounced))
+    return _Walk(along, normal, after)
 
 
 def _with_contact(track: Track, landing: float, rest: float, walk: _Walk) -> _Walk:
@@ -189,23 +198,135 @@ def _with_contact(track: Track, landing: float, rest: float, walk: _Walk) -> _Wa
     return _Walk(along, walk.normal, velocity)
 
 
-def _reaction(loads: Loads, walk: _Walk, cycles: int) -> Reaction:
+def _reaction(loads: Loads, walk: _Walk, duration: float) -> Reaction:
     """Project the harmonics on the trough's path, Eqs. (75)-(77)."""
     a, b, x, y = loads.drive_tangential, loads.drive_normal, walk.along, walk.normal
-    square = (a * a + b * b) * PI * cycles
+    square = a * a + b * b
     if square == 0.0:
-        return Reaction(1.0, 0.0, 0.0, 0.0)  # where the trough stands still the body rests on it
-    ahead, beside = a * loads.phase_cosine, a * loads.phase_sine
-    real = (ahead * x.first_real - beside * x.first_imaginary + b * y.first_real) / square
-    imaginary = (ahead * x.first_imaginary + beside * x.first_real + b * y.first_imaginary) / square
-    if beside == 0.0:
-        second_real = 2.0 * (ahead * x.second_real + b * y.second_real) / square
-        second_imaginary = 2.0 * (ahead * x.second_imaginary + b * y.second_imaginary) / square
-        return Reaction(1.0 + real, 0.0 - imaginary, second_real + 0.0, second_imaginary + 0.0)
+        return Reaction(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # where the trough stands still the body rests on it
+    scale = 2.0 / (square * duration)
+    first = _projected(loads, x, y)
+    mass, damping = 1.0 + scale * first.real, 0.0 - scale * first.imaginary
+    ahead, scale = a * loads.phase_cosine, 2.0 * scale
+    if loads.phase_sine == 0.0:
+        second_real = scale * (ahead * x.second_real + b * y.second_real)
+        second_imaginary = scale * (ahead * x.second_imaginary + b * y.second_imaginary)
+        return Reaction(mass, damping, second_real + 0.0, second_imaginary + 0.0, 0.0, 0.0)
     forward = hypotenuse(x.second_real, x.second_imaginary)
     upward = hypotenuse(y.second_real, y.second_imaginary)
-    size = 2.0 * hypotenuse(forward, upward) * hypotenuse(a, b) / square
-    return Reaction(1.0 + real, 0.0 - imaginary, size, 0.0)
+    size = scale * hypotenuse(forward, upward) * hypotenuse(a, b)
+    return Reaction(mass, damping, size, 0.0, 0.0, 0.0)
+
+
+class _Parts(NamedTuple):
+    real: float
+    imaginary: float
+
+
+def _projected(loads: Loads, along: _Integrals, normal: _Integrals) -> _Parts:
+    """Project integrals of the first harmonic on the trough's path: a e^(i phi) x + b y."""
+    a, b = loads.drive_tangential, loads.drive_normal
+    ahead, beside = a * loads.phase_cosine, a * loads.phase_sine
+    return _Parts(
+        ahead * along.first_real - beside * along.first_imaginary + b * normal.first_real,
+        ahead * along.first_imaginary + beside * along.first_real + b * normal.first_imaginary,
+    )
+
+
+def mean_reaction(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> Reaction:
+    """Average over the samples of ``averages``, with the standard errors of the means.
+
+    ``flights`` and ``hops`` are scratch memory. The bodies and their kicks are those whose mean speed
+    ``hopping`` tells, as are the stable cycles of one bounce that count as one motion each.
+    """
+    track = track_of(loads, restitution)
+    if means_of(track, restitution, flights, hops).status != Status.AVERAGED:
+        return Reaction(NAN, NAN, NAN, NAN, NAN, NAN)
+    bodies, total, lands = bodies_in(flights), 0.0, False
+    for row in range(int(bodies.row[3 * BODIES - 1])):
+        lands = lands or hops.rest[row] > 0.0
+    whole, begun = _from_rest(), 0
+    for i in range(BODIES):
+        walk = _from_rest()._replace(velocity=bodies.start[2 * i])
+        flown = -1.0
+        for half in range(2):
+            walk = _from_rest()._replace(velocity=walk.velocity)
+            for row in range(int(bodies.row[3 * i + half]), int(bodies.row[3 * i + half + 1])):
+                hop = _hop_of_sample(loads, restitution, hops, i, begun, row, flown)
+                flown = hop.impact
+                walk = _with_flight(loads, restitution, hop, landed(hops, row, walk.velocity), walk)
+                if hops.rest[row] > 0.0:
+                    walk = _with_contact(track, hops.landing[row], hops.rest[row], walk)
+            here = _projected(loads, walk.along, walk.normal)
+            bodies.path[2 * i + half], bodies.gain[2 * i + half] = here.real, here.imaginary
+            total += bodies.time[2 * i + half]
+            whole = _Walk(_plus(whole.along, walk.along), _plus(whole.normal, walk.normal), 0.0)
+        begun = int(bodies.row[3 * i + 2])
+    found = _reaction(loads, whole, total)
+    # the shares are 2 / (a^2 + b^2) times means per radian
+    scale = 2.0 / (loads.drive_tangential * loads.drive_tangential + loads.drive_normal * loads.drive_normal)
+    mass_error = scale * math.sqrt(spread_of(bodies, (found.added_mass - 1.0) / scale, total, lands).variance)
+    for i in range(2 * BODIES):
+        bodies.path[i] = bodies.gain[i]
+    damping_error = scale * math.sqrt(spread_of(bodies, -found.added_damping / scale, total, lands).variance)
+    found = found._replace(mass_error=mass_error, damping_error=damping_error)
+    if loads.drive_normal < CAPTURED * loads.weight_normal:
+        return _with_single_bounces(track, restitution, found, hops)
+    return found
+
+
+def _hop_of_sample(
+    loads: Loads, restitution: float, hops: Hops, body: int, begun: int, row: int, impact: float
+) -> _Hop:
+    """Find a flight of a body from what ``hops`` holds of it, whose first row is ``begun``.
+
+    ``impact`` is the landing speed of the flight before; negative where that is unknown.
+    """
+    bed, n, length = bed_of(loads), loads.weight_normal, hops.length[row]
+    rested = hops.rest[row - 1] > 0.0
+    phase = bed.lift_off if rested else hops.landing[row - 1]
+    if hops.rest[row] > 0.0 and (rested or impact >= 0.0):
+        # its length has that of the bounces that are summed after it
+        speed = kick(row - begun, body) if rested else restitution * impact
+        flown = flight(bed, phase, speed)
+        alone = min(flown.length, length)
+        return _Hop(phase, speed, alone, length - alone, flown.impact)
+    fall = free_normal(loads, phase, 0.0, length)
+    speed = -fall.path / (n * length)  # at which the body is back on the trough then
+    return _Hop(phase, speed, length, 0.0, max(-fall.velocity / n - speed, 0.0))
+
+
+def _with_single_bounces(track: Track, restitution: float, found: Reaction, hops: Hops) -> Reaction:
+    """Average over irregular motion and the stable cycles of one bounce, as ``averages`` does."""
+    loads, bed, start = track.loads, bed_of(track.loads), start_of(track)
+    motions, mass, damping = 1, found.added_mass, found.added_damping
+    mass_squares, damping_squares = mass * mass, damping * damping
+    real, imaginary = found.second_real, found.second_imaginary
+    for turns in range(1, MOST_TURNS + 1):
+        bounce = single_bounce(bed, restitution, turns, 0)
+        if not (bounce.exists and bounce.stable):
+            continue
+        length = TURN * turns
+        write_hop(loads, bounce.phase, length, length, hops, 0)
+        orbit = orbit_from(hopping_cycle(track, 0, 1, 0.0, 0.0, length), hops, start)
+        hop = _Hop(bounce.phase, bounce.speed, length, 0.0, length / (1.0 + restitution))
+        walk = _from_rest()._replace(velocity=orbit.velocity)
+        one = _reaction(loads, _with_flight(loads, restitution, hop, orbit.velocity, walk), length)
+        motions += 1
+        mass, damping = mass + one.added_mass, damping + one.added_damping
+        mass_squares += one.added_mass * one.added_mass
+        damping_squares += one.added_damping * one.added_damping
+        real, imaginary = real + one.second_real, imaginary + one.second_imaginary
+    if motions == 1:
+        return found
+    mass, damping = mass / motions, damping / motions
+    mass_variance = max(mass_squares - motions * mass * mass, 0.0) / (motions - 1)
+    damping_variance = max(damping_squares - motions * damping * damping, 0.0) / (motions - 1)
+    return Reaction(
+        mass, damping, real / motions, imaginary / motions,
+        math.sqrt(found.mass_error * found.mass_error + mass_variance),
+        math.sqrt(found.damping_error * found.damping_error + damping_variance),
+    )  # fmt: skip
 
 
 def force_bound(loads: Loads) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vibro.core.averages import averages
+from vibro.core.averages import Means, averages
 from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces, normal_multiplier
 from vibro.core.buffers import Bytes
 from vibro.core.codes import IRREGULAR, Status
@@ -31,6 +31,7 @@ __all__ = [
     "enter",
     "entered",
     "hopping",
+    "means_of",
     "write_hopping_letters",
 ]
 
@@ -119,10 +120,8 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
         return _unanswered(Status.RUNAWAY)
     track = track_of(loads, restitution)
     out = _cycle(track, restitution, flights, hops)
-    for stage in range(3):
-        if out.status == Status.UNRESOLVED:
-            length = _SHORT_SAMPLE if stage == 0 else (_MIDDLE_SAMPLE if stage == 1 else _LONG_SAMPLE)
-            out = _means(track, restitution, length, stage == 2, flights, hops)
+    if out.status == Status.UNRESOLVED:
+        out = _irregular(means_of(track, restitution, flights, hops))
     if out.status == Status.OK and is_held_at_limit(loads):
         out = out._replace(status=int(Status.BOUNDARY))
     if out.status <= Status.BOUNDARY or out.status == Status.AVERAGED:
@@ -179,11 +178,18 @@ def write_hopping_letters(
     return spell(cycle, hops, orbit_from(cycle, hops, entry.velocity).velocity, out, room).number
 
 
-def _means(
-    track: Track, restitution: float, length: int, longest: bool, flights: Flights, hops: Hops
-) -> Hopping:
-    """Average over samples of a length; ``UNRESOLVED`` where longer ones are needed."""
-    means = averages(track, restitution, length, longest, flights, hops)
+def means_of(track: Track, restitution: float, flights: Flights, hops: Hops) -> Means:
+    """Average over samples, over longer ones where shorter ones do not suffice."""
+    means = averages(track, restitution, _SHORT_SAMPLE, False, flights, hops)
+    if means.status == Status.UNRESOLVED:
+        means = averages(track, restitution, _MIDDLE_SAMPLE, False, flights, hops)
+    if means.status == Status.UNRESOLVED:
+        means = averages(track, restitution, _LONG_SAMPLE, True, flights, hops)
+    return means
+
+
+def _irregular(means: Means) -> Hopping:
+    """Form the answer of a scene that does not repeat."""
     if means.status != Status.AVERAGED:
         return _unanswered(means.status)
     return Hopping(

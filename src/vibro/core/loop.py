@@ -19,7 +19,7 @@ from vibro.core.derivatives import Change, displacement_rate, load_slope
 from vibro.core.drives import proved_multiplier
 from vibro.core.elementary import NAN, TURN
 from vibro.core.evolution import evolve
-from vibro.core.filling import Reaction, force_bound, reaction_in_contact, reaction_of_hops
+from vibro.core.filling import Reaction, force_bound, mean_reaction, reaction_in_contact, reaction_of_hops
 from vibro.core.hopping import hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.motions import (
@@ -295,21 +295,23 @@ class Weights(NamedTuple):
     added_damping: Doubles
     second_real: Doubles
     second_imaginary: Doubles
+    mass_error: Doubles
+    damping_error: Doubles
     bound: Doubles
 
 
 def weigh(
     scenes: Scenes, place: Place, pattern: Integers, status: Bytes, out: Weights, flights: Flights,
-    hops: Hops, begin: int, end: int,
+    hops: Hops, begin: int, end: int, averages: bool,
 ) -> None:  # fmt: skip
     """Sum up the force of bodies on the trough, in cells whose patterns and statuses are known.
 
-    ``flights`` and ``hops`` are scratch memory. Means over irregular motion are left NaN.
+    ``flights`` and ``hops`` are scratch memory. Means over irregular motion are left NaN unless ``averages``.
     """
     angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)
-        found, bound = Reaction(NAN, NAN, NAN, NAN), NAN
+        found, bound = Reaction(NAN, NAN, NAN, NAN, NAN, NAN), NAN
         if status[i] <= Status.BOUNDARY or status[i] == Status.AVERAGED:
             point = point_at(scenes, place, angles)
             angles = point.angles
@@ -318,6 +320,9 @@ def weigh(
                 found = reaction_in_contact(point.loads, pattern[i])
             elif status[i] != Status.AVERAGED:
                 found = reaction_of_hops(point.loads, point.restitution, flights, hops)
+            elif averages:
+                found = mean_reaction(point.loads, point.restitution, flights, hops)
         out.added_mass[i], out.added_damping[i] = found.added_mass, found.added_damping
         out.second_real[i], out.second_imaginary[i] = found.second_real, found.second_imaginary
+        out.mass_error[i], out.damping_error[i] = found.mass_error, found.damping_error
         out.bound[i] = bound

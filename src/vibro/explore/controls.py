@@ -214,11 +214,11 @@ def machine_drive(machine: GivenMachine, values: Mapping[str, float]) -> Drive:
         Quantities of the scene in the units outside, to either side of which sliders and axes reach.
     """
     tuned = [values[name] for name in ("frequency", "natural") if name in values]
-    around = _control(0.5 * min(tuned), 1.5 * max(tuned), 0.1, 1.5 * max(tuned))
+    around = _control(0.5 * min(tuned), 1.5 * max(tuned), 0.1)
     controls = {"frequency": around, "natural": around}
-    mass = machine.machine.trough_mass
-    if math.isfinite(mass):
-        controls["filling"] = _control(0.0, mass, 0.001 * mass, 0.5 * mass)
+    most = max(machine.machine.trough_mass, *machine.bands.get("filling", (0.0, 0.0)))
+    if math.isfinite(most):
+        controls["filling"] = _control(0.0, most, 0.001 * most)
     knobs = [name for name in MACHINE if machine.takes(name)]
     quantities = tuple(name for name in CONTROLS if name in (*knobs, "drive_angle"))
     return Drive("by the scene's machine", quantities, "frequency", "filling", controls)
@@ -231,10 +231,10 @@ def is_weighed(machine: GivenMachine | None, axes: Collection[str], fixed: Mappi
     return "filling" in axes or fixed["filling"] > 0.0
 
 
-def _control(low: float, high: float, step: float, last: float) -> Control:
-    """Return a slider with round numbers, and an axis from its lower end to ``last``."""
-    low, high, last = (float(f"{end:.3g}") for end in (low, high, last))
-    return Control(low, high, float(f"{step:.1g}"), f"{low:g}:{last:g}")
+def _control(low: float, high: float, step: float) -> Control:
+    """Return a slider with round numbers, and an axis of the same ends."""
+    low, high = (float(f"{end:.3g}") for end in (low, high))
+    return Control(low, high, float(f"{step:.1g}"), f"{low:g}:{high:g}")
 
 
 def drives_of(quantity: str, drives: Mapping[str, Drive]) -> list[str]:

@@ -46,9 +46,15 @@ LOADS: Final = 512
 _FIRST_LOADS: Final = 128
 _FIRST_BOUNCING: Final = 64
 _SPACINGS: Final = (16, 8, 4, 2, 1)  # of the lattices [cells]
+_WEIGHED_SPACINGS: Final = (
+    64,
+    32,
+    *_SPACINGS,
+)  # between which fillings' weights are interpolated
 
 _LIMIT_ROWS: Final = 15  # of a map whose critical loads are found at once, which takes 40 us a cell
 _FIRST_CELLS: Final = 64  # solved first, to measure how long they take
+_FIRST_WEIGHED: Final = 8  # which take up to 60 ms each where bodies bounce
 _TURN: Final = 0.25  # [s] that solving so many at once may take: of few, each takes ten times as long
 
 _ANY_AMPLITUDE: Final = {"amplitude": np.ones((1, 1))}
@@ -133,7 +139,8 @@ class MapCells:
             self._solved = SteadyCycle(**nothing)
             waiting = np.ones(grid.shape, np.bool_)
         self._exact = ~waiting
-        self._waiting = _coarse_to_fine(waiting, _SPACINGS[0])
+        self._spacings = _WEIGHED_SPACINGS if self._is_weighed else _SPACINGS
+        self._waiting = _coarse_to_fine(waiting, self._spacings[0])
         self._done = 0
         self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
         if self._line is not None and not grid.fixed["restitution"] and expected <= patience:
@@ -142,10 +149,10 @@ class MapCells:
         if self._has_limits:
             self._limits = limits_of(values)
         self._preview: tuple[int, dict[str, NDArray[Any]], SteadyCycle] | None = None
-        self._turn = _Turn()
+        self._turn = _Turn(_FIRST_WEIGHED if self._is_weighed else _FIRST_CELLS)
         if not self._is_quick:
             end = time.perf_counter() + patience
-            self._solve_more(math.prod(-(-n // _SPACINGS[0]) for n in grid.shape))  # the widest lattice
+            self._solve_more(math.prod(-(-n // self._spacings[0]) for n in grid.shape))  # the widest lattice
             while not self._is_solved and time.perf_counter() < end:
                 self._turn.take(self._solve_more)
         self._show()
@@ -163,7 +170,7 @@ class MapCells:
         if not self._has_limits:
             return share, "boundaries of back slip: a preview"
         if self._is_weighed:
-            return share, f"{share:.0%} exact, of the rest the filling's weight is interpolated"
+            return share, f"{share:.0%} exact, the rest interpolated"
         if self._line is None or not self._line.is_known:
             slow = "hopping: " if self._is_quick else ""
             return share, f"{slow}{share:.0%} exact, the rest from neighbours or to come"
@@ -258,7 +265,7 @@ class MapCells:
             Which cells have numbers then.
         """
         shape = self._exact.shape
-        spacing = next(s for s in _SPACINGS[::-1] if math.prod(-(-n // s) for n in shape) <= self._done)
+        spacing = next(s for s in self._spacings[::-1] if math.prod(-(-n // s) for n in shape) <= self._done)
         if self._preview is None or self._preview[0] != spacing:
             self._preview = spacing, *foreseen(self._grid, self._given, self._found, spacing)
         _, added, cycle = self._preview
@@ -279,17 +286,17 @@ class MapCells:
         solved = np.zeros(shape, np.bool_)
         solved.reshape(-1)[self._waiting[: self._done]] = True
         source = np.full(shape, -1, np.intp)
-        for spacing in _SPACINGS:
+        for spacing in self._spacings:
             corner = np.ix_(*(np.arange(n) // spacing * spacing for n in shape))
             source = np.where(solved[corner], numbers[corner], source)
         return source
 
 
 class _Turn:
-    """How many cells are solved at once: as many as take a turn's time."""
+    """How many cells are solved at once: as many as take a turn's time, and at least so many."""
 
-    def __init__(self) -> None:
-        self._count = _FIRST_CELLS
+    def __init__(self, least: int) -> None:
+        self._least = self._count = least
 
     def take(self, work: Callable[[int], int]) -> None:
         """Do as much work as a turn has time for; ``work`` returns how much it did."""
@@ -297,7 +304,7 @@ class _Turn:
         done = work(self._count)
         taken = time.perf_counter() - start
         if done == self._count:
-            self._count = max(_FIRST_CELLS, int(self._count * min(4.0, _TURN / taken)))
+            self._count = max(self._least, int(self._count * min(4.0, _TURN / taken)))
 
 
 class _Line:

@@ -274,7 +274,8 @@ class _Drawn:
         found: Curves = []
         for which, (mu_s, mu_d) in extreme_frictions(self._state).items():
             frictions = {"static_friction": mu_s, "kinetic_friction": mu_d}
-            limits = limits_of(self._values | {name: np.full((1, 1), mu) for name, mu in frictions.items()})
+            of_all = {name: np.full((1, 1), mu) for name, mu in frictions.items()}
+            limits = limits_of({**self._values, **of_all})
             assert limits is not None
             critical = {n: loads.T if self._is_turned else loads for n, loads in limits._asdict().items()}
             fields = Fields(replace(self.panel, critical=critical))

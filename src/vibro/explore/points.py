@@ -45,9 +45,9 @@ def point_of(state: State) -> dict[str, Any]:
     -------
     dict
         JSON values: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
-        ``speed``; ``tables`` with what ``vibro solve`` prints and warns of, as HTML; ``guaranteed``, for all bodies in the
-        bands, and whether their least speed is ``unproved``; ``bands``, with kinetic friction given by
-        itself, and following static friction; ``command`` and ``toml``, which make the same map, and
+        ``speed``; ``tables`` with what ``vibro solve`` prints and warns of, as HTML; ``guaranteed``, for all
+        bodies in the bands, and whether their least speed is ``unproved``; ``bands``, with kinetic friction
+        given by itself, and following static friction; ``command`` and ``toml``, which make the same map, and
         ``apart``, how their maps differ from it, or what the command needs.
     """
     point = state.point
@@ -117,7 +117,9 @@ def scene_text(state: State) -> str:
     ]
     motion = state.point.motion.table if state.point.motion else {}
     machine = dict(state.point.machine.table) if state.point.machine else {}
-    machine |= {QUANTITIES[name].column: point[name] for name in moved - {"natural"}}
+    for name in moved - {"natural"}:
+        value = point[name]
+        machine[QUANTITIES[name].column] = int(value) if value == int(value) else value
     tables = ["[scene]", *scene, ""]
     for name, table in (("motion", motion), ("machine", machine)):
         if table:

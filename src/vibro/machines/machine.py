@@ -668,6 +668,47 @@ class Machine:
         own, other = (float(m.response(frequency).amplitude) for m in (self, pack))
         return own / other
 
+    @shielded
+    def mass_to_resonance(
+        self, frequency: ArrayLike, *, natural_frequency: ArrayLike | None = None
+    ) -> Floats:
+        """Return the mass on the trough with which the machine is in resonance with the drive.
+
+        Parameters
+        ----------
+        frequency : array_like
+            Of the drive, > 0 [Hz].
+        natural_frequency : array_like, optional
+            Of other spring packs [Hz].
+
+        Returns
+        -------
+        array
+            Of a filling ``filling * added_mass_share``; without base mount and damping [kg]. Negative where
+            the drive is above resonance, so that a filling leads away from it; inf where no mass is enough,
+            and of a crank.
+
+        Raises
+        ------
+        InputError
+            If an argument is out of its range, or they do not broadcast.
+
+        Examples
+        --------
+        >>> machine = Machine.magnet(trough_mass=6, natural_frequency=55, damping_ratio=0.02, force=40)
+        >>> print(f"{machine.mass_to_resonance(50):.2f} kg")
+        1.26 kg
+        """
+        f, _, _, f0, _ = self.broadcast(frequency, 1.0, 1.0, natural_frequency)
+        if self.kind == "crank":
+            return np.full(f.shape, math.inf)[()]
+        r, m1 = self.masses.counter_inverse, self.trough_mass
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            detuning = (f0 - f) * (f0 + f)  # f0^2 - f^2, exact near resonance
+            left = f**2 / m1 - detuning * r  # f0^2 over the filled trough mass
+            added = detuning * (1.0 + m1 * r) / left
+        return np.where(left > 0.0, added, math.inf)[()]
+
     def _calibrated(self, known: Calibration) -> Machine:
         reached = self.response(
             known.frequency, setting=known.setting, voltage=known.voltage, added_mass=known.filling

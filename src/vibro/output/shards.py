@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from vibro.output.workers import Workers
+    from vibro.sweeps.grid import Grid
 
 __all__ = [
     "Job", "Made", "Progress", "Summary", "check_job", "check_shard", "check_workers", "make_shard",
@@ -120,8 +121,7 @@ def make_shard(job: Job, shard: int) -> Made | None:
             form.open(sink, grid, job.plan.table)
             for start in range(first, end, ROW_GROUP):
                 stop = min(start + ROW_GROUP, end)
-                cycle = grid.solve_cells(start, stop, job.threads, job.look)
-                block = Block(grid.cells(start, stop), cycle, grid.length)
+                block = _block(grid, start, stop, job)
                 tally.add(block)
                 form.write(block)
             form.close({**place_of(job.plan, shard), **tally.told()})
@@ -130,6 +130,14 @@ def make_shard(job: Job, shard: int) -> Made | None:
     except FileNotFoundError:
         return None
     return Made(shard, path.name, sink.digest, sink.size, tally)
+
+
+def _block(grid: Grid, start: int, stop: int, job: Job) -> Block:
+    """Solve some cells in a row; operating points of a machine are found once."""
+    if grid.machine is not None:
+        values = grid.cells(start, stop)
+        return Block(values, grid.solve(values, job.threads, job.look), grid.length)
+    return Block(grid.cells(start, stop), grid.solve_cells(start, stop, job.threads, job.look), grid.length)
 
 
 def check_shard(job: Job, shard: int) -> Made | None:

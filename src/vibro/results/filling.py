@@ -23,8 +23,7 @@ class Filling:
 
     A filling of the mass m acts on the trough at the drive's frequency as the complex mass
     ``m * share`` would, ``share = added_mass_share - 1j * added_damping_share``. Arrays have the scene's
-    shape. NaN where there is no settled motion; where that is irregular (status ``AVERAGED``) only ``bound``
-    is known.
+    shape. NaN where there is no settled motion; means where that is irregular (status ``AVERAGED``).
 
     Attributes
     ----------

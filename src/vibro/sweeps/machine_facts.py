@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.quantities import LENGTH, MACHINE, MASS, QUANTITIES
+from vibro.quantities import LENGTH, MACHINE, MASS, QUANTITIES, SPEED
+from vibro.steady import solve
+from vibro.sweeps.grid import scene_of
 from vibro.sweeps.machines import case_of, points_of
 
 if TYPE_CHECKING:
@@ -58,6 +60,8 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[tuple[
         if low < high:
             told += f", certainly between {_mm(low)} and {_mm(high)}"
     facts.append(("amplitude", told))
+    if filling and low < high:
+        facts.append(("speeds", _speeds(values, low, high)))
     if np.asarray(points.number).item() > 1:
         facts.append(("all amplitudes", _all_amplitudes(given, values)))
     if given.kind not in ("unbalance", "crank"):  # whose springs bend as the trough moves, or which have none
@@ -128,7 +132,7 @@ def _filling(given: GivenMachine, points: OperatingPoints, filling: float) -> st
         told = "none: the trough is empty"
         if "filling" in given.bands:
             _, high = given.bands["filling"]
-            told += f"; --filling {high:.15g}kg is the end of the machine's band"
+            told += f" (the file's band ends at {MASS.text(high)})"
         return told
     mass, damping = (
         float(np.asarray(x).item()) for x in (points.added_mass_share, points.added_damping_share)
@@ -141,6 +145,16 @@ def _filling(given: GivenMachine, points: OperatingPoints, filling: float) -> st
     return (
         f"{MASS.text(filling)}: {100.0 * mass:.3g} % of it acts as mass, {100.0 * damping:.3g} % as damping"
         f" ({whose})"
+    )
+
+
+def _speeds(values: Mapping[str, Any], low: float, high: float) -> str:
+    """Tell the speeds at both ends of the interval in which the amplitude lies."""
+    ends = LENGTH.from_si(np.array([low, high]))
+    cells = {name: np.asarray(x).reshape(1) for name, x in values.items()}
+    speeds = SPEED.from_si(solve(scene_of({**cells, "amplitude": ends})).mean_velocity)
+    return " and ".join(
+        f"{speed:.4g} mm/s at {end:.4g} mm" for speed, end in zip(speeds.tolist(), ends.tolist(), strict=True)
     )
 
 

@@ -137,8 +137,8 @@ def withheld(cycle: SteadyCycle, values: Mapping[str, Any]) -> SteadyCycle:
     """Let no cell be surer than its operating point.
 
     Cells without an operating point lose their numbers and get its status. Where the filling moves
-    irregularly the amplitude is the middle of an interval, and the speed has no standard error; where it
-    hovers about a threshold, cells are at a boundary.
+    irregularly the amplitude is known to an interval: cells are averaged, and those that would be exact have
+    no standard error. Where the amplitude hovers about a threshold, cells are at a boundary.
     """
     shape = cycle.status.shape
     status = np.broadcast_to(values[OPERATING]["status"], shape)
@@ -150,7 +150,7 @@ def withheld(cycle: SteadyCycle, values: Mapping[str, Any]) -> SteadyCycle:
         nothing = np.nan if result.is_number else _UNANSWERED.get(result.name, 0)
         arrays[result.name] = np.where(lost, nothing, getattr(cycle, result.name)).astype(result.dtype)
     unsure = ~lost & (status == Status.AVERAGED) & is_answered(cycle.status)
-    arrays["mean_velocity_error"][unsure] = np.nan
+    arrays["mean_velocity_error"][unsure & (cycle.status != Status.AVERAGED)] = np.nan
     hovers = ~lost & (status == Status.BOUNDARY) & (cycle.status == Status.OK)
     why = np.where(is_answered(status), Status.INFEASIBLE, status)  # of those without one, masses strike
     found = np.where(unsure, Status.AVERAGED, np.where(hovers, Status.BOUNDARY, cycle.status))

@@ -393,7 +393,8 @@ def _check_machine(
         if len(machine.packs) == 1:
             own[natural.name] = axis_of(next(iter(machine.packs.values())), natural)
         else:
-            hint = f"--pack or pack=: {', '.join(machine.packs)}; or give a natural frequency"
+            packs = " or ".join(f'pack="{name}"' for name in machine.packs)
+            hint = f"give {packs}, or a natural frequency"
             problems.add("which spring pack is fitted is not given", hint, natural.name)
 
 

@@ -15,7 +15,7 @@ from vibro.results.filling import WEIGHED
 from vibro.results.sweep import Column
 from vibro.sweeps.derived import column_of
 from vibro.sweeps.grid import scene_of
-from vibro.sweeps.one_scene import number
+from vibro.sweeps.one_scene import estimate, number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -68,7 +68,7 @@ def _constant(value: float, block: Block) -> Floats:
 
 
 def _filling(block: Block) -> Filling:
-    return filling_of(scene_of(block.values), block.cycle)
+    return filling_of(scene_of(block.values), block.cycle, averages=True)
 
 
 def _weight(name: str, mass: float, block: Block) -> Floats:
@@ -104,18 +104,15 @@ def weighed_facts(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, s
         return []
     mass, trough = part[_FILLING], part.get(TROUGH_MASS.column)
     told = number(mass, MASS.unit)
-    share, damping = columns["added_mass_share"], columns["added_damping_share"]
-    if math.isnan(share):
-        if one.status is not Status.AVERAGED:
-            return [("filling", f"{told}: unknown, as the motion is")]
-        most = number(columns["share_bound"])
-        return [("filling", f"{told}: unknown, as the motion is irregular; at most {most} of it acts")]
+    if math.isnan(columns["added_mass_share"]):
+        return [("filling", f"{told}: unknown, as the motion is")]
+    acts = []
+    for name in ("added_mass", "added_damping"):
+        share, error = columns[f"{name}_share"], columns[f"{name}_share_error"]
+        amount = estimate(share * mass, error * mass, MASS.unit)
+        acts.append(f"{amount} of {name.replace('_', ' ')} (share {number(share)})")
     facts = [
-        (
-            "filling",
-            f"{told}: acts as {number(share * mass, MASS.unit)} of added mass (share {number(share)}) and"
-            f" {number(damping * mass, MASS.unit)} of added damping (share {number(damping)})",
-        ),
+        ("filling", f"{told}: acts as {' and '.join(acts)}"),
         (
             "energy lost",
             f"{number(columns['energy_per_cycle_j'], 'J')} a cycle, {number(columns['power_w'], 'W')}",
@@ -131,7 +128,9 @@ def weighed_facts(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, s
     for i, (name, machine) in enumerate(zip(_LIMITS, TYPICAL_MACHINES, strict=True)):
         percent = columns[f"given_motion_{name}_percent"]
         if math.isnan(percent):
-            return [*facts, ("given motion", "unknown: the regime changes within 1 % of amplitude")]
+            irregular = one.status is Status.AVERAGED
+            why = "the motion is irregular" if irregular else "the regime changes within 1 % of amplitude"
+            return [*facts, ("given motion", f"unknown: {why}")]
         text = f"{_rounded(percent)} % of the trough's mass"
         if trough is not None:
             limit = percent / 100.0 * trough

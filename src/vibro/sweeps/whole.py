@@ -198,7 +198,9 @@ def sweep(
         ``drive_angle_deg``, or for an ellipse ``along_amplitude_mm``, ``normal_amplitude_mm`` and
         ``normal_phase_deg``, with ``_2`` before the unit for its second harmonic (``along_phase_2_deg``);
         ``frequency_hz``, ``static_friction``, ``kinetic_friction`` or
-        ``friction_ratio``, ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``. A
+        ``friction_ratio``, ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``;
+        beside a machine, which the scene file describes, ``setting_percent``, ``voltage_percent``,
+        ``filling_kg`` and ``natural_hz``, or ``pack``, the name of its spring pack, and no amplitude. A
         value is a number, an ascending sequence of numbers, or an axis such as ``"0.1:3:100"`` or
         ``"10,20"``; numbers may carry units as texts, ``"800um"``. Without amplitude and frequency they
         sweep 0.1:3 mm and 5:60 Hz.
@@ -257,6 +259,10 @@ def request_of_call(
     *typed : str
         Arguments before these, as they were typed.
     """
+    quantities = dict(quantities)
+    pack = quantities.pop("pack", None)
+    if not isinstance(pack, str | None):
+        raise InputError(f"pack = {shown(pack)}: must be a name", hint='write it like pack="6 leaves"')
     unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
         hint = (
@@ -268,7 +274,9 @@ def request_of_call(
     file = None if scene_file is None else _read(scene_file)
     typed += (repr(str(scene_file)),) if scene_file is not None else ()
     call = _Call(function.__name__, (*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))
-    return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
+    return gather(
+        given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False, pack=pack
+    )
 
 
 def _read(path: str | PathLike[str]) -> SceneFile:
@@ -279,7 +287,7 @@ def _read(path: str | PathLike[str]) -> SceneFile:
 
 @shielded
 def read_scene(path: str | PathLike[str]) -> Scene:
-    """Read the operating point of a scene file: its table ``[scene]``.
+    """Read the operating point of a scene file: its table ``[scene]``, and ``[machine]`` if it has one.
 
     Parameters
     ----------
@@ -289,7 +297,8 @@ def read_scene(path: str | PathLike[str]) -> Scene:
     Returns
     -------
     Scene
-        Of shape (); the trough's length is no part of it.
+        Of shape (); the trough's length is no part of it. With a machine the amplitude is that of its
+        operating point.
 
     Raises
     ------

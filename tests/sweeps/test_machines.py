@@ -1,0 +1,307 @@
+"""Sweeps whose amplitude follows from a machine: against reference rows, in memory and in files."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.machine_files import FEEDER, KINDS, SCENE, UNBALANCE, feeder, written
+
+import vibro
+from vibro.core.codes import Regime, Status
+from vibro.errors import InputError
+from vibro.plots.fields import Fields
+from vibro.plots.view import choose_view, panels
+from vibro.quantities import MACHINE, QUANTITIES
+from vibro.results.operating import FIELDS, MACHINE_RESULTS, OPERATING
+from vibro.sweeps.grid import Grid, scene_of
+from vibro.sweeps.run import sweep_picture
+from vibro.sweeps.whole import request_of_call
+
+TABLE = Path(__file__).parents[1] / "data" / "machines" / "operating.csv"
+ROWS = [*csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines())]
+PACKS = """
+[[machine.pack]]
+name = "soft"
+natural_hz = 47.6
+[[machine.pack]]
+name = "stiff"
+natural_hz = 55.6
+"""
+
+
+def grid_of(path: Path, **quantities: Any) -> Grid:
+    from vibro.core.codes import Level
+
+    return request_of_call(path, quantities).grid(Level.EXACT)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["id"])
+def test_a_full_feeder_is_that_of_the_reference(tmp_path: Path, row: dict[str, str]) -> None:
+    """tests/data/machines: 34 digits, an event walk and phasors that share nothing with vibro."""
+    text = f"""
+[scene]
+frequency_hz = {row["frequency_hz"]}
+drive_angle_deg = {row["drive_angle_deg"]}
+static_friction = {row["static_friction"]}
+kinetic_friction = {row["kinetic_friction"]}
+[machine]
+kind = "magnet"
+trough_mass_kg = {row["m1_kg"]}
+counter_mass_kg = {row["m2_kg"]}
+natural_hz = {row["natural_hz"]}
+damping_ratio = {row["damping_ratio"]}
+force_n = {row["force_n"]}
+filling_kg = {row["filling_kg"]}
+"""
+    frame = vibro.sweep(written(tmp_path, text), trough_angle_deg=[0, 1]).to_frame()
+    for column in (
+        "amplitude_empty_mm", "amplitude_mm", "added_mass_share", "added_damping_share", "mean_velocity_mm_s",
+    ):  # fmt: skip
+        assert frame[column][0] == pytest.approx(float(row[column]), rel=1e-8), column
+    assert frame["frequency_ratio"][0] == float(row["frequency_hz"]) / float(row["natural_hz"])
+    assert vibro.read_scene(tmp_path / "feeder.toml").amplitude == pytest.approx(
+        float(row["amplitude_mm"]) / 1000.0, rel=1e-8
+    )
+
+
+def test_every_axis_of_a_machine_has_its_column_and_its_effect(tmp_path: Path) -> None:
+    path = feeder(tmp_path)
+    axes: dict[str, Any] = {
+        "setting_percent": [50, 100],
+        "voltage_percent": [90, 100],
+        "filling_kg": [0, "500g"],
+        "natural_hz": [47.6, 55.6],
+    }
+    t = vibro.sweep(path, **axes)
+    assert [*t.axes] == [*axes]
+    frame = t.to_frame()
+    assert [*frame.columns[:5]] == [*axes, "amplitude_mm"]
+    names = [*frame.columns]
+    results = [result.column for result in MACHINE_RESULTS]
+    assert names[names.index("model") - len(results) : names.index("model")] == results
+    empty = frame["amplitude_empty_mm"].to_numpy().reshape(2, 2, 2, 2)
+    np.testing.assert_allclose(empty[1], 2.0 * empty[0], rtol=1e-14)  # the force is the setting
+    np.testing.assert_allclose(
+        empty[:, 0], 0.81 * empty[:, 1], rtol=1e-14
+    )  # and goes with the voltage squared
+    np.testing.assert_array_equal(empty[:, :, 0], empty[:, :, 1])
+    assert empty[1, 1, 0, 1] == pytest.approx(0.35, rel=1e-14)
+    full = frame["amplitude_mm"].to_numpy().reshape(2, 2, 2, 2)
+    np.testing.assert_array_equal(full[:, :, 0], empty[:, :, 0])
+    assert (full[:, :, 1, 1] > empty[:, :, 1, 1]).all()  # below resonance
+    assert (full[:, :, 1, 0] < empty[:, :, 1, 0]).all()  # above it
+
+
+def test_a_table_without_axes_of_the_machine_tells_its_quantities(tmp_path: Path) -> None:
+    frame = vibro.sweep(feeder(tmp_path), static_friction=[0.3, 0.35]).to_frame()
+    told = [QUANTITIES[name].column for name in MACHINE]
+    assert frame[told].drop_duplicates().to_numpy().tolist() == [[100.0, 100.0, 0.0, 55.6]]
+    assert "setting_percent" not in vibro.sweep(amplitude_mm=1, frequency_hz=15, drive_angle_deg=20,
+        static_friction=0.74, kinetic_friction=0.57).to_frame()  # fmt: skip
+
+
+def test_cells_are_those_of_one_scene_each(tmp_path: Path) -> None:
+    """Whatever box they are taken from, to the last bit."""
+    grid = grid_of(
+        feeder(tmp_path), setting_percent="40:100:5", filling_kg="0:2:7", static_friction=[0.3, 0.4]
+    )
+    whole = grid.values()
+    cycle = grid.solve(whole)
+    amplitude, found = whole["amplitude"].reshape(-1), whole[OPERATING].reshape(-1)
+    for start, stop in ((0, 1), (3, 20), (17, 70)):
+        part = grid.cells(start, stop)
+        operating: Any = part[OPERATING]
+        expected: Any = found[start:stop]
+        np.testing.assert_array_equal(part["amplitude"], amplitude[start:stop])
+        for name in FIELDS.names or ():
+            np.testing.assert_array_equal(operating[name], expected[name])
+        solved = grid.solve_cells(start, stop)
+        for name, x in solved.arrays().items():
+            np.testing.assert_array_equal(x, cycle.arrays()[name].reshape(-1)[start:stop])
+    picked = grid.picked(np.array([5, 44, 69]))
+    np.testing.assert_array_equal(picked["amplitude"], amplitude[[5, 44, 69]])
+
+
+def test_files_hold_what_memory_holds(tmp_path: Path) -> None:
+    path = feeder(tmp_path, PACKS)
+    axes: dict[str, Any] = {
+        "filling_kg": "0:3:9",
+        "natural_hz": [47.6, 55.6],
+        "setting_percent": "50:90:3",
+    }
+    frame = vibro.sweep(path, **axes).to_frame()
+    one, _, three = (
+        vibro.write_sweep(tmp_path / name, path, shard_cells=cells, workers=workers, **axes)
+        for name, cells, workers in (("one", 10, 1), ("two", 25, 2), ("three", 10, 2))
+    )
+    for sweep in (one, three, *(vibro.open_sweep(tmp_path / name) for name in ("one", "two", "three"))):
+        assert sweep.to_frame().equals(frame)
+        assert sweep.fixed["voltage_percent"] == 100.0
+    shards = sorted(p.name for p in (tmp_path / "one").glob("*.parquet"))
+    assert len(shards) == 6
+    for name in shards:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "three" / name).read_bytes()
+    assert one.draw("speed", at={"natural": 55.6})
+
+
+def test_a_spring_pack_is_called_by_its_name(tmp_path: Path) -> None:
+    path = feeder(tmp_path, PACKS)
+    frame = vibro.sweep(path, pack="soft", setting_percent=[50, 100]).to_frame()
+    assert frame["natural_hz"].tolist() == [47.6, 47.6]
+    assert frame.equals(vibro.sweep(path, natural_hz=47.6, setting_percent=[50, 100]).to_frame())
+    with pytest.raises(InputError, match="a spring pack and a natural frequency are given"):
+        vibro.sweep(path, pack="soft", natural_hz=50)
+    with pytest.raises(InputError, match="there is no spring pack 'softer'"):
+        vibro.sweep(path, pack="softer")
+    with pytest.raises(InputError, match="pack = 1: must be a name"):
+        vibro.sweep(path, pack=1)
+
+
+def test_labelled_arrays_have_the_amplitude_as_a_result(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+    t = vibro.sweep(feeder(tmp_path), setting_percent=[50, 100], filling_kg=[0, 1])
+    data = t.to_xarray()
+    assert data["amplitude_mm"].dims == ("setting_percent", "filling_kg")
+    assert {"amplitude_mm", "added_mass_share", "relative_amplitude_mm"} <= {*data.data_vars}
+    assert data.coords["natural_hz"].item() == 55.6
+    assert '"kind": "magnet"' in data.attrs["machine"]
+
+
+def test_masses_that_strike_leave_a_cell_without_numbers(tmp_path: Path) -> None:
+    path = feeder(tmp_path, "gap_mm = 0.4\n")
+    t = vibro.sweep(path, setting_percent=[50, 70, 90], static_friction=[0.2, 0.35])
+    frame = t.to_frame()
+    # the springs bend by 1.5 times the amplitude: 0.26, 0.37 and 0.47 mm; and 0.28 is above 0.2
+    assert frame["status"].tolist() == ["infeasible", "ok", "infeasible", "ok", "infeasible", "infeasible"]
+    lost = frame.iloc[5]
+    assert np.isnan(lost[["amplitude_mm", "mean_velocity_mm_s", "throw_number"]].to_numpy(float)).all()
+    assert lost["regime"] == ""
+    assert lost["relative_amplitude_mm"] == pytest.approx(0.4725)
+    assert t.cycle.regime[2, 1] == Regime.UNDEFINED
+    with pytest.raises(
+        InputError, match=r"the masses strike: .* 0.4725 mm, and gap_mm allows 0.4 mm"
+    ) as caught:
+        vibro.read_scene(feeder(tmp_path, "gap_mm = 0.4\nsetting_percent = 90\n"))
+    assert "lower the setting" in caught.value.hint
+
+
+def test_pictures_have_the_critical_loads_of_the_amplitudes_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("vibro.sweeps.run._RESOLVED", {1: 81, 2: 61, 3: 21})
+    path = feeder(tmp_path)
+    grid = grid_of(path, setting_percent="10:100", filling_kg="0:2")
+    result = sweep_picture(grid, {}, {"setting": 100.0, "filling": 0.0}, "")
+    assert result.amplitude is not None
+    assert result.shape == result.amplitude.shape == (31, 31)  # half as fine as without a filling
+    empty = grid_of(path, setting_percent="10:100", voltage_percent="90:110")
+    assert sweep_picture(empty, {}, None, "").shape == (61, 61)
+    ((panel,),) = panels(result, choose_view(result.axes))
+    fields = Fields(panel)
+    hops = panel.cycle["regime"] == Regime.HOPPING
+    assert 0.1 < hops.mean() < 0.9
+    np.testing.assert_array_equal(fields.log_ratio["hop"] > 0.0, hops)
+    np.testing.assert_allclose(np.exp(fields.log_ratio["hop"]), panel.cycle["throw_number"], rtol=1e-12)
+
+
+def test_pictures_name_the_axes_of_machines(tmp_path: Path) -> None:
+    path = feeder(tmp_path, "gap_mm = 0.4\n")
+    t = vibro.sweep(path, setting_percent="10:100:30", natural_hz="52:60:30")
+    for name in ("regime", "speed"):
+        figure = t.draw(name)
+        axes = figure.axes[0]
+        assert (axes.get_xlabel(), axes.get_ylabel()) == ("setting $s$ [%]", "natural frequency $f_0$ [Hz]")
+        assert any("infeasible" in text.get_text() for text in axes.texts)  # where the masses strike
+    assert vibro.sweep(path, filling_kg="0:2:9").draw("speed").axes[-1].get_xlabel() == "filling $m$ [kg]"
+
+
+def test_shares_that_are_given_replace_the_computed_ones(tmp_path: Path) -> None:
+    path = feeder(tmp_path, 'filling_kg = 2\nadded_mass_share = "0.1:0.3"\nadded_damping_share = 0.05\n')
+    frame = vibro.sweep(path, setting_percent=[50, 100]).to_frame()
+    assert frame["added_mass_share"].tolist() == [0.2, 0.2]
+    ratio = frame["amplitude_mm"] / frame["amplitude_empty_mm"]
+    made = vibro.Machine.magnet(
+        trough_mass=6, counter_mass=12, natural_frequency=55.6, damping_ratio=0.015, force=1.0
+    )
+    expected = made.response(50.0, added_mass=2 * (0.2 - 0.05j)).amplitude / made.response(50.0).amplitude
+    np.testing.assert_allclose(ratio, float(expected), rtol=1e-14)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_is_swept(tmp_path: Path, kind: str) -> None:
+    path = feeder(tmp_path, table=KINDS[kind])
+    frame = vibro.sweep(path, frequency_hz=[45, 50], filling_kg=[0, 1]).to_frame()
+    assert (frame["status"] == "ok").all()
+    assert (frame["amplitude_mm"] > 0.0).all()
+    same = frame["amplitude_mm"] == frame["amplitude_empty_mm"]
+    assert same.tolist() == ([True, True, kind == "crank", kind == "crank"])
+
+
+@pytest.mark.parametrize(
+    ("table", "given", "problem"),
+    [
+        ("", {"setting_percent": 50}, "setting = 50 %: there is no machine"),
+        ("", {"filling_kg": "0:2"}, "filling = 0 kg: there is no machine"),
+        (FEEDER, {"amplitude_mm": 1}, "the call gives the amplitude beside \\[machine\\]"),
+        (FEEDER, {"stroke_mm": 1}, "the call gives the stroke beside \\[machine\\]"),
+        (FEEDER, {"along_amplitude_mm": 1, "normal_amplitude_mm": 1}, "moves its trough along a line"),
+        (FEEDER, {"voltage_percent": 0}, "voltage = 0 %: must be finite and > 0 %"),
+        (FEEDER, {"filling_kg": -1}, "filling = -1 kg: must be finite and >= 0 kg"),
+        (UNBALANCE, {"natural_hz": 3}, "natural frequency = 3 Hz: means nothing to a machine of kind"),
+        (UNBALANCE, {"voltage_percent": [90, 100]}, "voltage = 90 %: means nothing to a machine of kind"),
+        (
+            FEEDER.replace("natural_hz = 55.6\n", "").replace("calibration", "force_n = 50 #") + PACKS,
+            {},
+            "which spring pack is fitted is not given",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_stand_beside_a_machine_is_named(
+    tmp_path: Path, table: str, given: dict[str, Any], problem: str
+) -> None:
+    given = {"static_friction": [0.3, 0.4]} | given | ({} if table else {"amplitude_mm": 1})
+    with pytest.raises(InputError, match=problem):
+        vibro.sweep(feeder(tmp_path, table=table), **given)
+
+
+def test_an_amplitude_or_a_motion_in_the_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"\[scene\] gives the amplitude beside \[machine\]"):
+        vibro.sweep(feeder(tmp_path, scene=f"{SCENE}amplitude_mm = 1\n"))
+    motion = "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n"
+    with pytest.raises(InputError, match="a motion stands beside"):
+        vibro.sweep(feeder(tmp_path, motion, scene=SCENE.replace("drive_angle_deg = 20\n", "")))
+
+
+def test_bands_are_the_axes_of_a_map_where_nothing_else_varies(tmp_path: Path) -> None:
+    path = feeder(tmp_path, 'voltage_percent = "90:110"\nfilling_kg = "0:2"\n')
+    grid = grid_of(path)
+    assert [*grid.axes] == ["voltage", "filling"]
+    assert [axis.values[[0, -1]].tolist() for axis in grid.axes.values()] == [[90.0, 110.0], [0.0, 2.0]]
+    assert grid_of(path, setting_percent="50:100").fixed["filling"] == 0.0
+
+
+def test_the_operating_point_is_that_of_the_file(tmp_path: Path) -> None:
+    request = request_of_call(feeder(tmp_path, "setting_percent = 80\n"), {"filling_kg": "0:2"})
+    grid = request.grid(vibro.core.codes.Level.EXACT)
+    assert grid.operating_point(request.own) == {"filling": 0.0}
+
+
+def test_irregular_motion_says_so(tmp_path: Path) -> None:
+    """The amplitude is known to an interval: no cell is exact there."""
+    path = feeder(tmp_path, "filling_kg = 1\n", scene=f"{SCENE}restitution = 0.3\n")
+    t = vibro.sweep(path, setting_percent="200:400:9")
+    grid = t._grid
+    values = grid.values()
+    found: Any = values[OPERATING]
+    averaged = found["status"] == Status.AVERAGED
+    assert averaged.any()
+    assert (t.cycle.status[averaged] == Status.AVERAGED).all()
+    alone = vibro.solve(scene_of(values))
+    exact = alone.status == Status.OK
+    assert np.isnan(t.cycle.mean_velocity_error[averaged & exact]).all()
+    np.testing.assert_array_equal(t.cycle.mean_velocity_error[~exact], alone.mean_velocity_error[~exact])
+    np.testing.assert_array_equal(t.cycle.mean_velocity, alone.mean_velocity)
