@@ -62,6 +62,20 @@ def test_designs_and_guarantees_are_found() -> None:
     assert vibro.feasible_amplitudes(nut, 1e-150)
 
 
+@pytest.mark.parametrize("filling", [1e-300, 1e-3, 1e300])
+@pytest.mark.parametrize("ratio", [1e-8, 1.0, 1e8])
+def test_extreme_machines_are_answered_or_refused(ratio: float, filling: float) -> None:
+    machine = vibro.Machine.magnet(
+        trough_mass=1e-150, counter_mass=2.0, natural_frequency=50.0 * ratio, damping_ratio=0.0, force=1e-120
+    )
+    assert machine.response(50.0, added_mass=filling).amplitude >= 0.0
+    with contextlib.suppress(vibro.InputError):  # of infinite amplitudes, and inertia beyond all numbers
+        points = vibro.operate(machine, frequency=50.0, filling=filling, **NUT)
+        assert points.amplitude > 0.0 or points.status != vibro.Status.OK
+        assert isinstance(points.remarks(), list)
+        assert points.speed_with_second_harmonic() >= 0.0 or points.status != vibro.Status.OK
+
+
 def test_every_public_function_is_shielded() -> None:
     functions = {name: getattr(vibro, name) for name in vibro.__all__}
     plain = [name for name, f in functions.items() if inspect.isroutine(f) and not hasattr(f, "__wrapped__")]

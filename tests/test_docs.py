@@ -55,9 +55,9 @@ def cited(text: str) -> set[int]:
 
 
 def rows() -> list[tuple[str, ...]]:
-    """Cells of every table of the nomenclature that names code: not of units, nor of columns of designs."""
+    """Cells of every table of the nomenclature that names code: not of units, designs and fillings."""
     found = []
-    page = re.sub(r"## (Units|Designs)\n.*?(?=\n## )", "", NOMENCLATURE, flags=re.DOTALL)
+    page = re.sub(r"## (Units|Designs|A filling)\n.*?(?=\n## )", "", NOMENCLATURE, flags=re.DOTALL)
     for line in page.splitlines():
         if line.startswith("|") and line not in (HEADER, PLAIN_HEADER) and not line.startswith("|---"):
             found.append(tuple(cell.strip() for cell in line.strip("|").split("|")))
@@ -140,7 +140,7 @@ def test_columns_are_those_of_the_tables() -> None:
     listed = [row[3].strip("`") for row in rows() if row[3] != "-"]
     assert len(set(listed)) == len(listed)
     extra = (WITH_LENGTH, WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_ARRIVAL, WITH_STROKES)
-    every = columns_of(QUANTITIES, *extra, *throughput(25.0, 0.1), *standing(1.0))
+    every = columns_of(QUANTITIES, *extra, *throughput(25.0, 0.1), *standing(1.0), machine=True)
     assert {column.name for column in every} <= set(listed)
 
 

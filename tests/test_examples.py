@@ -127,3 +127,23 @@ def test_the_feeder_cannot_and_the_readme_says_how_far_it_gets() -> None:
     assert found[:2] == pytest.approx([4.64, 6.22], abs=5e-3)
     assert found[5:7] == pytest.approx([15.48, 20.72], abs=5e-3)
     assert found[2] >= 228.0
+
+
+def test_a_full_feeder_is_slower_above_resonance_and_faster_below() -> None:
+    def speed(filling: int, *more: object) -> float:
+        result = run("solve", EXAMPLES / "full_feeder.toml", "--filling", filling, *more, "--json")
+        return float(json.loads(result.stdout)["mean_velocity_mm_s"])
+
+    below = ("--pack", "6 leaves", "--setting", 92.6)
+    assert [speed(0), speed(0, *below)] == pytest.approx([24.2, 24.2], abs=0.05)
+    assert speed(4) / speed(0) - 1.0 == pytest.approx(-0.56, abs=0.005)
+    assert speed(4, *below) / speed(0, *below) - 1.0 == pytest.approx(0.35, abs=0.005)
+
+
+def test_the_amplitudes_over_frequency_are_of_that_feeder() -> None:
+    points = EXAMPLES / "data" / "feeder_response.csv"
+    fitted = json.loads(run("drive", EXAMPLES / "full_feeder.toml", "--fit", points, "--json").stdout)
+    low, high = fitted["natural_frequency_hz"]["interval"]
+    assert low < 47.619 < high
+    low, high = fitted["damping_ratio"]["interval"]
+    assert low < 0.015 < high

@@ -77,7 +77,7 @@ def sign_changes(
     residual : callable
         Of the indices of brackets and as many arguments; returns their values.
     below, above : (n,) array
-        Ends at which it is < 0, and >= 0.
+        Ends at which it is < 0, and > 0; 0 at one of them is a root.
     values : pair of (n,) array
         Its values there.
 
@@ -106,5 +106,5 @@ def sign_changes(
             t += (c[i] - a[i]) / (b[i] - a[i]) * fa[i] / (fc[i] - fa[i]) * fb[i] / (fc[i] - fb[i])
             least = np.minimum(_NEIGHBOURS * np.abs(a[i]) / np.abs(b[i] - a[i]), 0.5)
         share[i] = np.clip(np.where(safe, t, 0.5), 0.5 * least, 1.0 - 0.5 * least)
-    low = fa < 0.0
+    low = (fa < 0.0) | ((fa == 0.0) & (fb > 0.0))
     return np.where(low, a, b), np.where(low, b, a), np.where(low, fa, fb), np.where(low, fb, fa)

@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 from vibro.errors import FileError, InputError
 from vibro.files.descriptions import MACHINE_KEYS, SCENE_FILE
 from vibro.files.json_schema import schema_of
-from vibro.files.machines import GivenMachine, machine_of, read_points
+from vibro.files.machines import GivenMachine, machine_of
 from vibro.files.scene_files import read_scene_file
 
 PACKS = """
@@ -88,12 +88,9 @@ def test_a_moment_is_that_of_all_motors(tmp_path: Path, lines: str, moment: floa
 
 
 def test_points_are_those_of_a_file_beside_the_scene(tmp_path: Path) -> None:
-    for text in ("frequency_hz,amplitude_mm\n40,0.5\n50,0.9\n", "40;0.5\n50;0.9\n", "40\t0.5mm\n50\t900um"):
-        path = written(tmp_path, text, "points.csv")
-        assert read_points(path) == [(40.0, 0.5), (50.0, 0.9)]
     points = KINDS["measured"].split("points = ")[1].split("\n")[0]
-    rows = "\n".join(f"{f},{a}" for f, a in json.loads(points))
-    written(tmp_path, rows, "points.csv")
+    rows = "\n".join(f"{f},{2.0 * a}" for f, a in json.loads(points))
+    written(tmp_path, f"frequency_hz,stroke_mm\n{rows}\n", "points.csv")
     of_file = machine(tmp_path, KINDS["measured"].replace(points, '"points.csv"'))
     assert of_file.arguments == machine(tmp_path, KINDS["measured"]).arguments
     assert of_file.table["points"] == [tuple(point) for point in json.loads(points)]
@@ -169,19 +166,6 @@ def test_what_is_wrong_in_a_machine_is_named(tmp_path: Path, text: str, problem:
     assert hint in caught.value.hint
 
 
-@pytest.mark.parametrize(
-    ("text", "problem"),
-    [
-        ("f,A\n40,0.5\n", "its columns are f, A: must be frequency_hz and amplitude_mm"),
-        ("40,0.5\n50,0.9,1\n", "point 2 has 3 values"),
-        ("40,0.5\n50,high\n", "point 2: amplitude = 'high': not a number"),
-    ],
-)
-def test_points_that_are_none_are_named(tmp_path: Path, text: str, problem: str) -> None:
-    with pytest.raises(InputError, match=problem):
-        read_points(written(tmp_path, text, "points.csv"))
-
-
 def test_a_file_of_points_that_is_missing_is_named(tmp_path: Path) -> None:
     written(tmp_path, "40,0.5\n", "point.csv")
     with pytest.raises(FileError, match=r"cannot read .*points.csv") as caught:
@@ -222,3 +206,11 @@ def test_a_machine_lies_beside_its_scene(tmp_path: Path) -> None:
         "frequency", "drive_angle", "static_friction", "kinetic_friction",
     }  # fmt: skip
     assert read_scene_file(written(tmp_path, SCENE)).machine is None
+
+
+def test_the_docs_show_a_machine_that_is_read(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    text = next(block for block in page.split("```toml\n") if block.startswith("[machine]")).split("```")[0]
+    given = machine(tmp_path, text)
+    assert (given.packs, given.bands["filling"]) == ({"6 leaves": 47.6}, (0.0, 2.0))
+    assert given.machine.response(50.0).amplitude == pytest.approx(0.35e-3)

@@ -10,6 +10,8 @@ from pathlib import Path
 
 from vibro.quantities import HARMONIC, IN_GRAVITIES, MASS, QUANTITIES, SPEED, SWEPT, TIME
 from vibro.results.designs import DESIGN_COLUMNS
+from vibro.results.filling import WEIGHED
+from vibro.results.operating import MACHINE_RESULTS
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
@@ -28,6 +30,10 @@ from vibro.scene import Scene
 UNITS = """\
 In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
 sign. Frictions and the restitution are pure numbers."""
+FILLING = """\
+What `vibro solve --filling` adds, where the trough moves as the scene says: section 18 of
+[theory.md](theory.md). Three columns `given_motion_..._percent` say up to what filling, over the trough's
+mass, that holds within 1 % of speed."""
 PAGE = Path(__file__).parents[2] / "docs" / "nomenclature.md"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""
@@ -68,6 +74,10 @@ SYNONYMS = {
     "displacement_per_cycle_mm": "advance a stroke, conveying step",
     "flight_fraction": "$n$ over a period; *relative Wurfzeit*, *Zeitkennziffer*",
     "traverse_time_s": "transit time, *Durchlaufzeit*",
+    "filling_kg": "load, bed; *Füllung*, *Beladung*",
+    "natural_hz": "$f_n$, $n_0$; *Eigenfrequenz*",
+    "frequency_ratio": "$z$, $\\lambda$; tuning, *Abstimmung*",
+    "added_mass_share": "coefficient of combination; *Mitschwingfaktor*",
 }
 """What others write for the same, by column."""
 
@@ -95,6 +105,8 @@ def _result(result: Result) -> str:
     name = f"SteadyCycle.{result.name}"
     if result in ELSEWHERE:
         name = f"results.steady.{result.name.upper()}"
+    elif result in MACHINE_RESULTS:
+        name = f"OperatingPoints.{result.name}"
     unit = result.kind.si_unit if result.dtype is float or result.is_number else "code"
     return _row(result.symbol, name, unit, result.column, result.meaning)
 
@@ -118,7 +130,7 @@ def tables() -> str:
         results.append(_result(result))
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
-    results += [_result(result) for result in ELSEWHERE]
+    results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS)]
     head = [HEADER, "|---|---|---|---|---|---|"]
     units = ["| quantity | without a unit | a number may carry |", "|---|---|---|", *_units()]
     parts = [
@@ -128,6 +140,10 @@ def tables() -> str:
     ]
     designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
     parts.append(["## Designs", "", "| CSV column | unit | meaning |", "|---|---|---|", *designs])
+    weighed = [f"| `{r.column}` | {r.kind.unit or '1'} | {r.meaning} |" for r in WEIGHED]
+    parts.append(
+        ["## A filling", "", FILLING, "", "| CSV column | unit | meaning |", "|---|---|---|", *weighed]
+    )
     return "".join("\n".join([*part, "", ""]) for part in parts)
 
 

@@ -11,6 +11,7 @@ import typer
 from vibro.cli.console import Console
 from vibro.cli.options import FormatOption, Options, picture_formats
 from vibro.errors import InputError, cut, shown
+from vibro.quantities import QUANTITIES, kinetic_friction, nearest_double
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["drive_command"]
 
-_SETTINGS: Final = (25.0, 50.0, 75.0, 100.0)
+_SETTINGS: Final = (25.0, 50.0, 75.0, 100.0)  # [%] of the machine's own
 _MOST_SETTINGS: Final = 12
 _BANDS: Final = ("voltage", "filling", "static_friction", "kinetic_friction")
 
@@ -81,15 +82,14 @@ def drive_command(
         )
     from vibro.cli.drive_fit import fit_points
 
-    if options.given:
-        names = ", ".join(f"--{name.replace('_', '-')}" for name in options.given)
+    unused = [QUANTITIES[name].options[0] for name in options.given]
+    if unused := unused + (["--pack"] if options.pack is not None else []):
+        names = ", ".join(unused)
         raise InputError(f"{names}: not used by --fit", hint="leave it out, or leave out --fit")
     file = _scene_file(options.scene)
-    frequency = file.scene["frequency"].value if file and "frequency" in file.scene else None
     return fit_points(
         fit,
         file.machine if file else None,
-        frequency,
         law=law,
         amplitude_error=amplitude_error,
         formats=wanted,
@@ -121,7 +121,6 @@ def _sheet(formats: Sequence[str], options: Options, argv: Sequence[str], consol
     from vibro.cli.words import in_options
     from vibro.core.codes import Status
     from vibro.output.record import json_text
-    from vibro.quantities import kinetic_friction
     from vibro.reports.set_up_sheet import SheetRequest, make_sheet
 
     if options.scene is None:
@@ -178,7 +177,6 @@ def _sheet(formats: Sequence[str], options: Options, argv: Sequence[str], consol
 def _settings(typed: dict[str, str], given: GivenMachine) -> tuple[float, ...]:
     """Return the settings that are told, ascending, and leave the largest in what was typed."""
     from vibro.axes import parse_axis
-    from vibro.quantities import QUANTITIES
 
     quantity = QUANTITIES["setting"]
     if "setting" in typed:
@@ -196,15 +194,13 @@ def _settings(typed: dict[str, str], given: GivenMachine) -> tuple[float, ...]:
 
         return tuple(np.linspace(*given.bands["setting"], len(_SETTINGS)).tolist())
     own = given.own.get("setting", 100.0)
-    return _SETTINGS if own == _SETTINGS[-1] else (own,)
+    return tuple(own * share / 100.0 for share in _SETTINGS)
 
 
 def _given_bands(
     typed: dict[str, str], given: GivenMachine, own: Mapping[str, float]
 ) -> dict[str, tuple[float, float]]:
     """Return the bands in users' units, and leave nominal values in what was typed."""
-    from vibro.quantities import QUANTITIES, nearest_double
-
     bands = {name: band for name, band in given.bands.items() if name in _BANDS}
     if filling := given.own.get("filling"):
         bands["filling"] = filling, filling

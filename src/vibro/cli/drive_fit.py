@@ -41,17 +41,12 @@ _BOTH_SIDES: Final = (
     "no estimate: the largest amplitude is at an end of the points, so that the\n"
     "resonance may lie beyond them"
 )
-_FORCE_KEYS: Final = (
-    "force_n", "calibration", "static_moment_kg_mm", "motors", "centrifugal_force_n", "at_hz", "at_rpm",
-    "working_moment_kg_cm", "working_moment_is",
-)  # fmt: skip
-_KILOGRAM_CENTIMETRES: Final = 100.0  # [kg cm] of a kg m
+_APART: Final = 0.05  # [1] of amplitudes of the points and of the file's machine that are told
 
 
 def fit_points(
     path: Path,
     given: GivenMachine | None,
-    frequency: float | None,
     *,
     law: str | None,
     amplitude_error: str | None,
@@ -68,8 +63,6 @@ def fit_points(
         The points.
     given : GivenMachine or None
         The machine of the scene file, whose masses the new table has.
-    frequency : float or None
-        The scene's, at which the new table's calibration is [Hz].
     law, amplitude_error : str or None
         As typed.
     formats, options, argv, console
@@ -125,7 +118,9 @@ def fit_points(
                 f" points are fewer than the {POINTS_FOR_ERROR} whose residuals tell it; state it, such as"
                 " --amplitude-error 2%"
             )
-        table = _machine_table(fit, given, path, frequency)
+        table = _machine_table(fit, given, path)
+        if doubt := _doubt(fit, table):
+            console.warn(doubt)
         content = _content(fit, path, table)
         output.write(lambda: {"": _columns(fit)}, lambda: {"response": _figure(fit, path)}, content)
     if output.takes_stdout:
@@ -244,46 +239,49 @@ def _rounded(value: float, error: float) -> float:
     return round(value, max(0, 2 - math.floor(math.log10(error))))
 
 
-def _machine_table(
-    fit: ResponseFit, given: GivenMachine | None, path: Path, frequency: float | None
-) -> dict[str, Any] | None:
-    """Return the table ``[machine]`` with what was fitted; None without an estimate."""
+def _machine_table(fit: ResponseFit, given: GivenMachine | None, path: Path) -> dict[str, Any] | None:
+    """Return the table ``[machine]`` with what was fitted; None without an estimate.
+
+    The force stays that of the file: nobody said at which setting the points were measured.
+    """
     if math.isnan(fit.natural_frequency) or (given is not None and math.isnan(fit.damping_ratio)):
         return None
     if given is None:
         return {"kind": "measured", "points": str(path), "law": fit.law}
-    natural = _rounded(fit.natural_frequency, fit.natural_frequency_sd)
-    damping = _rounded(fit.damping_ratio, fit.damping_ratio_sd)
-    table = {key: value for key, value in given.table.items() if key not in _FORCE_KEYS}
     if given.kind == "measured":
         pairs = zip(fit.frequency.tolist(), (1e3 * fit.amplitude).tolist(), strict=True)
-        return {**table, "points": [[f, float(f"{a:.6g}")] for f, a in pairs]}
-    table |= {"mount_hz" if given.kind == "unbalance" else "natural_hz": natural, "damping_ratio": damping}
-    if given.kind == "magnet":
-        at = frequency if frequency is not None else float(fit.frequency[np.argmin(fit.amplitude)])
-        at = int(at) if at.is_integer() else at
-        amplitude = float(f"{1e3 * fit.amplitudes(at):.5g}")
-        table["calibration"] = {"amplitude_mm": amplitude, "frequency_hz": at}
-    elif given.kind in ("unbalance", "exciter"):
-        masses = (
-            ("vibrating_mass_kg",) if given.kind == "unbalance" else ("trough_mass_kg", "counter_mass_kg")
-        )
-        moment = fit.static_amplitude * sum(given.table[name] for name in masses)
-        table |= {
-            "working_moment_kg_cm": float(f"{_KILOGRAM_CENTIMETRES * moment:.5g}"),
-            "working_moment_is": "amplitude",
-        }
-    else:
-        table |= {key: given.table[key] for key in ("crank_radius_mm",) if key in given.table}
-    return table
+        return {**given.table, "points": [[f, float(f"{a:.6g}")] for f, a in pairs]}
+    natural = "mount_hz" if given.kind == "unbalance" else "natural_hz"
+    return {
+        **given.table,
+        natural: _rounded(fit.natural_frequency, fit.natural_frequency_sd),
+        "damping_ratio": _rounded(fit.damping_ratio, fit.damping_ratio_sd),
+    }
+
+
+def _doubt(fit: ResponseFit, table: Mapping[str, Any] | None) -> str:
+    """Say at which setting the points were measured, if the machine's force is right; empty near 100 %."""
+    from vibro.files.machines import machine_of
+
+    if table is None or table["kind"] == "measured":
+        return ""
+    at = float(fit.frequency[np.argmin(fit.amplitude)])
+    ratio = float(fit.amplitudes(at) / machine_of(table).machine.response(at).amplitude)
+    if abs(ratio - 1.0) <= _APART:
+        return ""
+    return (
+        f"the points have {ratio:.3g} times the amplitude of this machine at a setting of 100 %: they were"
+        f" measured at {100.0 * ratio:.3g} %, or the force or the moment of the file is another; it stays as"
+        " given"
+    )
 
 
 def _toml(table: Mapping[str, Any]) -> str:
     """Write a table of a scene file, to be pasted."""
-    lines = ["[machine]   # fitted, with setting and voltage of the points as 100 %"]
+    lines = ["[machine]   # with the fitted values"]
     lines += [f"{key} = {_toml_value(value)}" for key, value in table.items()]
     if table["kind"] == "measured" and "trough_mass_kg" not in table:
-        lines.append("# a filling needs trough_mass_kg, that of the trough and what moves with it")
+        lines.append("# add trough_mass_kg = ..., that of the trough and what moves with it")
     return "\n".join(lines)
 
 

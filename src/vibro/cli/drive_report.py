@@ -33,6 +33,7 @@ _PROOFS: Final = {
     "searched": "searched, not proved",
     "sampled": "sampled, not proved",
 }
+_AT: Final = 0.01  # [%] distance from resonance that counts as none
 _FRICTIONS: Final = ("static_friction", "kinetic_friction")
 
 
@@ -137,6 +138,8 @@ def _resonance(sheet: Sheet, empty: Row, full: Row) -> str:
         f"{ratio:.4g} {state}" for ratio, state in zip(ratios, ("empty", "full"), strict=False)
     )
     away = 100.0 * abs(ratios[0] - 1.0)
+    if away < _AT:
+        return f"{told}: at resonance when empty"
     told += f": {away:.2g} % {'below' if ratios[0] < 1.0 else 'above'} resonance when empty"
     sides = {ratio < 1.0 for ratio in ratios}
     if len(sides) == 2:
@@ -191,18 +194,28 @@ def _states(sheet: Sheet, empty: Row, full: Row) -> list[tuple[str, Row]]:
 
 
 def _settings(sheet: Sheet) -> str:
-    head = ("setting", "trough", "amplitude [mm]", "speed [mm/s]", "throw no.", "f/f0", "regime")
-    rows: list[tuple[str, ...]] = [head]
+    is_bent = any(not math.isnan(full.bent_speed) for _, full in sheet.settings)
+    bent = [("speed*", "[mm/s]")] if is_bent else []
+    first = [("setting", ""), ("trough", ""), ("amplitude", "[mm]"), ("speed", "[mm/s]")]
+    heads = [*first, *bent, ("throw", "number"), ("f/f0", ""), ("regime", "")]
+    rows: list[tuple[str, ...]] = [*zip(*heads, strict=True)]
     for empty, full in sheet.settings:
         for state, row in _states(sheet, empty, full):
             ratio = row.filled_frequency_ratio if row.filling else row.frequency_ratio
-            rows.append(
-                (
-                    f"{row.setting:.4g} %", state, _amplitude(row), _speed(row), _number(row.throw_number, 3),
-                    "-" if math.isinf(ratio) or not ratio else _number(ratio, 4), _regime(row),
-                )
-            )  # fmt: skip
-    return aligned(rows)
+            other = [("" if math.isnan(row.bent_speed) else f"{row.bent_speed:.4g}")] if is_bent else []
+            near = "-" if math.isinf(ratio) or not ratio else _number(ratio, 4)
+            told = [
+                state,
+                _amplitude(row),
+                _speed(row),
+                *other,
+                _number(row.throw_number, 3),
+                near,
+                _regime(row),
+            ]
+            rows.append((f"{row.setting:.4g} %", *told))
+    note = "\n* with the second harmonic that the filling gives its trough" if is_bent else ""
+    return aligned(rows) + note
 
 
 def _guaranteed(sheet: Sheet) -> str:
@@ -239,8 +252,9 @@ def _how(sheet: Sheet, last: Bounds) -> str:
     looked += ["all corners of friction"] if frictions else []
     looked += ["both ends of the shares"] if sheet.request.machine.shares else []
     return (
-        f"Speeds hold over every amplitude of the interval{over}. The interval holds the {last.looked_at}"
-        f" operating points that were looked at ({', '.join(looked)}); between them it is not proved."
+        f"Speeds hold over every amplitude of the interval{over}, for a trough that moves as a sine. The"
+        f" interval holds the {last.looked_at} operating points that were looked at ({', '.join(looked)});"
+        " between them it is not proved."
     )
 
 
@@ -366,6 +380,7 @@ _NUMBERS: Final = {
     "relative_amplitude": "relative_amplitude_mm",
     "speed": "mean_velocity_mm_s",
     "speed_error": "mean_velocity_error_mm_s",
+    "bent_speed": "mean_velocity_with_second_harmonic_mm_s",
     "throw_number": "throw_number",
     "frequency_ratio": "frequency_ratio",
     "filled_frequency_ratio": "filled_frequency_ratio",

@@ -167,7 +167,7 @@ MACHINE_KEYS: Final = (
     _entry(form.one_of({kind: kind for kind in KINDS}), "kind", "what drives the trough", "needed",
            "magnet", kind=PURE),
     _entry(form.NUMBER, "trough_mass", "mass of the empty trough and of what moves with it",
-           "needed of magnet, exciter and rod", 6, IN_MASS),
+           "needed of magnet, exciter, rod and measured", 6, IN_MASS),
     _entry(form.MASS_OR_FLOOR, "counter_mass", "mass on the other side of the springs, or the floor",
            "needed of magnet and exciter", 12, IN_MASS),
     _entry(form.NUMBER, "vibrating_mass", "whole mass on the mounts, with its motors", "needed of unbalance",
@@ -237,7 +237,7 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
 
 # Of a machine in a question settings may be chosen, as amplitudes may.
 _IN_DESIGN: Final = _by_key(
-    _entry(form.LIMITS, "setting", "settings of a machine that may be chosen", "up to 100", "20:100"),
+    _entry(form.LIMITS, "setting", "settings of a machine that may be chosen", "up to 100, of a crank 100", "20:100"),
 )
 
 #: Input of ``vibro design``; static friction must be positive, since without it no body rests.

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import FileError, InputError, cut, did_you_mean, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.descriptions import KINDS, MACHINE_KEYS
-from vibro.files.nearby import suggestion
-from vibro.quantities import MACHINE, QUANTITIES, exact_number, nearest_double
+from vibro.files.points import read_points
+from vibro.quantities import MACHINE, QUANTITIES, nearest_double
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from vibro.machines.machine import Machine
 
-__all__ = ["GivenMachine", "given_machine", "machine_of", "read_points"]
+__all__ = ["GivenMachine", "given_machine", "machine_of"]
 
 Points = list[tuple[float, float]]
 
@@ -51,7 +50,7 @@ _NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
     "exciter": ("trough_mass_kg", "counter_mass_kg", "damping_ratio"),
     "crank": ("crank_radius_mm",),
     "rod": ("trough_mass_kg", "crank_radius_mm", "rod_stiffness_n_m", "damping_ratio"),
-    "measured": ("points", "law"),
+    "measured": ("points", "law", "trough_mass_kg"),
 }
 _EXAMPLES: Final = {
     "vibrating_mass_kg": 120, "trough_mass_kg": 6, "counter_mass_kg": 12, "damping_ratio": 0.015,
@@ -66,7 +65,6 @@ _NAMES: Final = {  # of arguments of Machine, where they are called otherwise
 }  # fmt: skip
 _SAME: Final = 0.01  # relative difference of two moments that are the same but for rounding of makers
 _SLIPS: Final = (2.0, 4.0, 0.5, 0.25)  # ratios of moments of makers' conventions
-_HEADER: Final = ("frequency_hz", "amplitude_mm")
 _MILLIMETRES: Final = 1000.0  # [mm] of a metre
 
 
@@ -357,66 +355,6 @@ def _points_of(given: Any, folder: Path | None) -> Points:
         raise InputError(
             f"points = {shown(given)}: must be pairs of numbers", hint="points = [[45, 0.2], ...]"
         )
-    return read_points(folder / given)
-
-
-def read_points(path: Path) -> Points:
-    """Read measured amplitudes.
-
-    Parameters
-    ----------
-    path : Path
-        Text of two columns, frequency [Hz] and amplitude [mm], separated by a comma, a semicolon or a tab;
-        a first line, if it is none of numbers, has their names.
-
-    Returns
-    -------
-    list of pair of float
-        Frequency [Hz] and amplitude [mm], as given.
-
-    Raises
-    ------
-    FileError
-        If it cannot be read.
-    InputError
-        If it has no such columns.
-    """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError) as exc:
-        why = exc.strerror if isinstance(exc, OSError) and exc.strerror else exc
-        raise FileError(
-            f"cannot read {path}: {why}", hint=suggestion(path, (".csv", ".txt", ".tsv"))
-        ) from exc
-    separator = next((mark for mark in (";", "\t") if mark in text), ",")
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(map(str.strip, row))]
-    if rows and rows[0][0].strip()[:1].isalpha():
-        _check_header(rows.pop(0), path)
-    return [_point(row, number, path) for number, row in enumerate(rows, 1)]
-
-
-def _check_header(names: Sequence[str], path: Path) -> None:
-    found = tuple(name.strip() for name in names)
-    if found != _HEADER:
-        raise InputError(
-            f"{path}: its columns are {cut(', '.join(found))}: must be {' and '.join(_HEADER)}",
-            hint="rename them, and convert their units",
-        )
-
-
-def _point(row: Sequence[str], number: int, path: Path) -> tuple[float, float]:
-    if len(row) != len(_HEADER):
-        raise InputError(
-            f"{path}: point {number} has {len(row)} values: must be {' and '.join(_HEADER)}",
-            hint="write a line a point, such as 45,0.21",
-        )
-    try:
-        frequency, amplitude = (
-            float(exact_number(text, QUANTITIES[name]))
-            for text, name in zip(row, ("frequency", "amplitude"), strict=True)
-        )
-    except InputError as exc:
-        raise InputError(
-            *(f"{path}: point {number}: {problem}" for problem in exc.problems), hint=exc.hint
-        ) from None
-    return frequency, amplitude
+    found = read_points(folder / given)
+    amplitudes = (float(f"{_MILLIMETRES * a:.15g}") for a in found.amplitude.tolist())
+    return [*zip(found.frequency.tolist(), amplitudes, strict=True)]

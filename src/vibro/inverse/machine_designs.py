@@ -26,7 +26,8 @@ __all__ = ["find_covered"]
 
 _ROUNDS: Final = 8
 _WIDE: Final = 1.1  # [1] of the width that is needed, above which a narrower interval is tried
-_BELOW: Final = 0.999  # of the setting at which masses strike each other
+_BELOW: Final = 0.999  # of the setting at which masses strike each other, or bodies begin to hop
+_STEP: Final = 1.02  # by which settings are lowered at least where bodies slip back or hop
 # Room at both ends beyond samples: a share of the interval's width [1], and of its upper end [1].
 _ROOM: Final = (0.02, 1e-3)
 
@@ -127,11 +128,13 @@ class _Settled:
                 wide, covered = covered, _middle(covered, narrow)
             else:
                 met = amplitudes_met(question, found.setting)
-                most = _BELOW * met.most_setting if met.strikes else most
-                if not met.low > 0.0 or most <= machine.settings[0]:
+                most = _most_setting(question, found, met)
+                if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
                     break
-                needed = _hull(met)
-                if _covers(covered, met):
+                needed = _hull(met) if met.low > 0.0 else covered
+                if covered[0] <= met.low <= met.high <= covered[1] and math.isinf(most):
+                    if met.speed < min(found.guarantee.speed_min, question.spec.goal.speed):
+                        break
                     one = _Held(finder, replace(found, met=met))
                     best = max(filter(None, (best, one)), key=lambda x: best_of(kind, question, x.found))
                     if covered[1] - covered[0] <= _WIDE * (needed[1] - needed[0]):
@@ -145,9 +148,20 @@ class _Settled:
         return best
 
 
-def _covers(covered: Span, met: Met) -> bool:
-    """Whether all amplitudes are known and within an interval, and no masses strike each other."""
-    return bool(covered[0] <= met.low <= met.high <= covered[1]) and not met.strikes
+def _most_setting(question: Question, found: Rounded, met: Met) -> float:
+    """Return the setting to try where that of a design is too large, about; inf where it is not [1].
+
+    It is where masses strike each other, or where the second harmonic, of which the search knows nothing,
+    brings bodies into a regime that the goal forbids.
+    """
+    machine, least = question.drive.machine, math.inf
+    assert machine is not None
+    if met.strikes:
+        least = _BELOW * met.most_setting
+    if met.regime > question.highest:
+        setting = float(question.space.amplitude(found.setting)) / machine.amplitude
+        least = min(least, _BELOW * setting / max(met.throw_number, _STEP))
+    return least
 
 
 def _hull(met: Met) -> Span:

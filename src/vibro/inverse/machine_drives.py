@@ -15,10 +15,16 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.codes import Regime
+from vibro.fillings import filling as filling_of
+from vibro.inverse.extremes import counted
 from vibro.inverse.proofs import corners
+from vibro.inverse.rounding import DIGITS, rounded
 from vibro.inverse.search import sobol
 from vibro.inverse.spaces import inside, off
 from vibro.machines.operating import operate
+from vibro.scene import Scene
+from vibro.steady import solve
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -29,6 +35,8 @@ if TYPE_CHECKING:
     from vibro.inverse.spaces import Setting
     from vibro.inverse.specs import Drive, Span
     from vibro.machines.machine import Machine
+    from vibro.machines.operating import OperatingPoints
+    from vibro.results.steady import SteadyCycle
 
     Floats = NDArray[np.float64]
 
@@ -142,7 +150,9 @@ def covering(drive: Drive, covered: Span, most: float = math.inf) -> Drive:
     """
     assert drive.machine is not None
     low, high = drive.machine.settings
-    machine = replace(drive.machine, covered=covered, settings=(low, min(high, most)))
+    if most < high:
+        high = rounded(100.0 * most, DIGITS, down=True) / 100.0
+    machine = replace(drive.machine, covered=covered, settings=(low, high))
     low, high = (setting * machine.amplitude for setting in machine.settings)
     choices = {**drive.choices, "amplitude": ((low, high),)}
     return replace(
@@ -165,8 +175,13 @@ class Met(NamedTuple):
     strikes : bool
         Whether they do strike each other.
     second_harmonic : float
-        Largest second harmonic that the filling puts on the trough, over its amplitude; NaN where it is
-        unknown [1].
+        Largest second harmonic that the filling puts on the trough, over its amplitude [1].
+    speed : float
+        Least mean speed of the samples with that harmonic in the trough's motion [m/s].
+    regime : Regime
+        Highest one of them.
+    throw_number : float
+        Largest one of them [1].
     """
 
     low: float
@@ -174,7 +189,10 @@ class Met(NamedTuple):
     number: int
     most_setting: float = math.inf
     strikes: bool = False
-    second_harmonic: float = math.nan
+    second_harmonic: float = 0.0
+    speed: float = math.inf
+    regime: Regime = Regime.NO_SLIP
+    throw_number: float = 0.0
 
 
 def amplitudes_met(question: Question, setting: Setting) -> Met:
@@ -236,14 +254,44 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
     empty = scale * machine.full_amplitude
     low, high = (np.asarray(x) / empty for x in (found.amplitude_low, found.amplitude_high))
     most = scale * machine.machine.gap / np.asarray(found.relative_amplitude)
-    return Met(
+    met = Met(
         float(low.min()),
         float(high.max()),
         int(np.max(found.number)),
         float(np.min(most[np.isfinite(most)], initial=math.inf)),
         bool(np.any(found.strikes)),
-        float(np.fmax.reduce(np.ravel(found.second_harmonic))),
     )
+    if not met.low > 0.0:
+        return met
+    size, cycle = _with_second_harmonic(machine.machine, found, filling)
+    return met._replace(
+        second_harmonic=float(size.max()),
+        speed=float(np.fmin.reduce(counted(cycle, fast=False))),
+        regime=Regime(int(cycle.regime.max())),
+        throw_number=float(cycle.throw_number.max()),
+    )
+
+
+def _with_second_harmonic(
+    machine: Machine, points: OperatingPoints, filling: Floats
+) -> tuple[Floats, SteadyCycle]:
+    """Return the second harmonic that fillings put on the trough, over its amplitude, and cycles with it.
+
+    It is left out where the filling moves irregularly, so that only a bound of it is known.
+    """
+    scene = points.scene
+    fields = {name: value for field, name, value in scene.arrays().members() if field == name}
+    frequency, angle = np.asarray(fields["frequency"]), np.asarray(fields.pop("drive_angle"))
+    # the force m A w^2 h of the filling at twice the frequency, times the receptance -H / (2 w)^2
+    compliance = machine.response(2.0 * frequency).compliance
+    second = np.nan_to_num(-0.25 * filling * filling_of(scene).second_harmonic * compliance)
+    size, phase, amplitude = np.abs(second), np.angle(second), np.asarray(fields.pop("amplitude"))
+    ways: Any = {
+        f"{way}_harmonics": [(part * amplitude, 0.0), (part * amplitude * size, phase)]
+        for way, part in (("along", np.cos(angle)), ("normal", np.sin(angle)))
+    }
+    bent = Scene(**fields, **ways)
+    return size, solve(bent)
 
 
 def most_setting(machine: MachineDrive, drift: float) -> float:

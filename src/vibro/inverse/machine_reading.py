@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["machine_drives"]
 
+_FIXED: Final = ("crank", "rod")  # kinds whose setting is their crank's radius
 _OWN: Final = "own springs"
 
 
@@ -92,7 +93,7 @@ def _drive(
     pack: str,
 ) -> Drive | None:
     values = table.values
-    setting = values.get("setting", (0.0, 1.0)) if given.takes("setting") else (1.0, 1.0)
+    usual = (1.0, 1.0) if given.kind in _FIXED else (0.0, 1.0)
     low, high = (
         float(QUANTITIES["voltage"].to_si(x)) for x in given.bands.get("voltage", (given.own["voltage"],) * 2)
     )
@@ -102,7 +103,7 @@ def _drive(
         pack=pack,
         natural_frequency=machine.natural_frequency if tuned else None,
         frequency=spans[0][0],
-        settings=setting,
+        settings=values.get("setting", usual),
         voltage=(low, high),
         filling=given.bands.get("filling", (given.own["filling"],) * 2),
         shares=given.shares,
@@ -117,8 +118,6 @@ def _drive(
         why = f"trough and counter mass strike each other above {100.0 * most:.4g} %"
         table.refuse("setting_percent", why, 'setting_percent: allow less, such as "10:50"')
         return None
-    drive = replace(
-        drive, covered=empty_band(drive, drift), settings=(drive.settings[0], min(drive.settings[1], most))
-    )
+    drive = replace(drive, covered=empty_band(drive, drift))
     choices = {"amplitude": (), "frequency": spans, "drive_angle": values.get("drive_angle", ())}
-    return covering(Drive(name, Line, choices, machine=drive), drive.covered)
+    return covering(Drive(name, Line, choices, machine=drive), drive.covered, most)

@@ -155,9 +155,13 @@ class Finder:
             return {}
         amplitude = float(self.question.space.amplitude(found.setting))
         empty, met = amplitude / machine.middle, found.met
-        more: dict[str, Any] = {} if met is None else {"operating_points": met.number}
-        if met is not None and math.isfinite(met.second_harmonic):
-            more["second_harmonic_percent"] = 100.0 * met.second_harmonic
+        more: dict[str, Any] = {}
+        if met is not None:
+            more = {
+                "operating_points": met.number,
+                "second_harmonic_percent": 100.0 * met.second_harmonic,
+                "speed_second_harmonic_mm_s": _mm(met.speed),
+            }
         return {
             "pack": machine.pack or None,
             "natural_hz": machine.natural_frequency,

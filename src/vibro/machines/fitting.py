@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-    Law = Literal["constant", "square"]
 
-__all__ = ["LAWS", "LEAST_POINTS", "ResponseFit", "fit_response"]
+__all__ = ["LAWS", "LEAST_POINTS", "POINTS_FOR_ERROR", "Law", "ResponseFit", "fit_response"]
+
+Law = Literal["constant", "square"]
 
 #: Exponents of the force over frequency, by the name of the law.
 LAWS: Final = {"constant": 0, "square": 2}

@@ -703,9 +703,9 @@ class Machine:
         if self.kind == "crank":
             return np.full(f.shape, math.inf)[()]
         r, m1 = self.masses.counter_inverse, self.trough_mass
-        detuning = (f0 - f) * (f0 + f)  # f0^2 - f^2, exact near resonance
-        left = f**2 / m1 - detuning * r  # f0^2 over the filled trough mass
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            detuning = (f0 - f) * (f0 + f)  # f0^2 - f^2, exact near resonance
+            left = f**2 / m1 - detuning * r  # f0^2 over the filled trough mass
             added = detuning * (1.0 + m1 * r) / left
         return np.where(left > 0.0, added, math.inf)[()]
 

@@ -226,7 +226,8 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
                 legend[name] = dict(line)
         above.set_ylim(0.0, top)
         beneath.axhline(0.0, color=INK, linewidth=0.5)
-        beneath.set_ylim(min(0.0, *(float(np.nanmin(speed)) for _, speed in drive.curves)), _top(drive, 1))
+        slowest = min(float(np.min(speed, initial=0.0, where=speed < 0.0)) for _, speed in drive.curves)
+        beneath.set_ylim(slowest, _top(drive, 1))
         above.set_ylabel("amplitude $A$ [mm]")
         beneath.set_ylabel("mean speed [mm/s]")
         beneath.set_xlabel("frequency of the drive $f$ [Hz]")
@@ -239,5 +240,7 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
 def _top(drive: DrivePicture, which: int) -> float:
     """Return the upper end of amplitudes (0) or speeds (1): above the operating points, not far above."""
     here = max((float(pair[which]) for pair in drive.points if pair[which] > 0.0), default=math.inf)
-    highest = max(float(np.nanmax(pair[which], initial=0.0)) for pair in drive.curves)
+    highest = max(
+        float(np.max(x, initial=0.0, where=x > 0.0)) for x in (pair[which] for pair in drive.curves)
+    )
     return 1.05 * min(highest, _MOST_ABOVE * here) or 1.0

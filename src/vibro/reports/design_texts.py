@@ -86,10 +86,9 @@ _PROOFS: Final[Mapping[str, str]] = {
 
 # What is sure of a filled machine.
 _FILLED: Final = (
-    "filling: speeds hold from the least to the most amplitude; that no voltage and filling makes others is"
-    " sampled, not proved"
+    "filling: speeds hold from the least to the most amplitude; that no voltage and filling makes others, and"
+    " that the goal is kept with the second harmonic, is sampled, not proved"
 )
-_SECOND: Final = 0.1  # [%] of the amplitude: second harmonic above which it is told
 
 
 class DesignTable(NamedTuple):
@@ -341,6 +340,11 @@ def chosen_facts(spec: Spec, chosen: Chosen, *, met: bool) -> list[tuple[str, st
     machine = chosen.drive.machine
     if machine is not None and machine.has_bands:
         least, most = (number(x or 0.0) for x in (design.amplitude_least_mm, design.amplitude_most_mm))
+        if design.second_harmonic_percent is not None:
+            size, speed = design.second_harmonic_percent, design.speed_second_harmonic_mm_s
+            with_it = f"up to {number(size)} % of the amplitude from the filling"
+            slowest = "" if speed is None else f"; with it the slowest sampled part has {number(speed)} mm/s"
+            facts.insert(1, ("second harmonic", with_it + slowest))
         facts.insert(1, ("amplitude met", f"{least} ... {most} mm over voltage and filling, covered"))
     if design.traverse_time_max_s is not None:
         facts.append(("traverse time", f"at most {bound(design.traverse_time_max_s, 's', upper=True)}"))
@@ -440,11 +444,6 @@ def remarks(result: DesignResult) -> list[str]:
         )
     if any(d.operating_points is not None for d in result.designs):
         lines.append(_FILLED)
-        if (second := max(d.second_harmonic_percent or 0.0 for d in result.designs)) > _SECOND:
-            lines.append(
-                f"second harmonic: the filling puts up to {number(float(f'{second:.2g}'))} % of the amplitude"
-                " on the trough, which is not fed back: at 1 % expect errors of speed of up to 15 %"
-            )
     if several := _all_called(d for d in result.designs if (d.operating_points or 0) > 1):
         lines.append(
             "some filling has several amplitudes; the least, which is reached when the feeder is switched on,"

@@ -102,7 +102,7 @@ class Row(NamedTuple):
     amplitude, amplitude_low, amplitude_high, relative_amplitude : float
         [mm]; the amplitude lies between both for certain.
     speed, speed_error : float
-        Mean speed with its standard error [mm/s].
+        Mean speed with its standard error, of a trough that moves as a sine [mm/s].
     regime : Regime
         What happens to the filling, or to a single part in the empty trough.
     status : Status
@@ -118,6 +118,9 @@ class Row(NamedTuple):
         the masses strike each other, so that there is no amplitude.
     amplitudes : tuple of float
         All of them where several exist [mm].
+    bent_speed : float
+        Mean speed with the trough's second harmonic, where that is above 0.1 % of the amplitude and the case
+        is one of the settings; else NaN [mm/s].
     """
 
     setting: float
@@ -144,6 +147,7 @@ class Row(NamedTuple):
     near_resonance: bool
     strikes: bool
     amplitudes: tuple[float, ...] = ()
+    bent_speed: float = math.nan
 
     @property
     def hops(self) -> bool:
@@ -288,16 +292,10 @@ def make_sheet(
     least = min(request.band("filling"))
     part = book.add(**nominal, filling=least) if 0.0 < least < full else None
     steps = _steps(request, full)
-    moved = {
-        name: [
-            [
-                book.add(**{**nominal, **at, name: at.get(name, request.values[name]) * grown})
-                for grown in growth
-            ]
-            for at in ({"filling": 0.0}, {"filling": full})
-        ]
-        for name, growth in steps.items()
-    }
+    moved = {}
+    for name, growth in steps.items():
+        states = [{**request.values, **nominal, "filling": filling} for filling in (0.0, full)]
+        moved[name] = [[book.add(**{**at, name: at[name] * grown}) for grown in growth] for at in states]
     packs, no_load_proof = _packs(request)
     fitted = [
         [book.add(setting=force * last, filling=filling, natural=natural) for filling in (0.0, full)]
@@ -307,6 +305,7 @@ def make_sheet(
     mass = machine.trough_mass
     light = [book.add(setting=last, filling=mass * share) for share in _LIGHT if mass < math.inf]
     rows = book.solved()
+    book.bend(rows, [full for _, full in settings])
     pairs = tuple((rows[i], rows[j]) for i, j in settings)
     _refuse_strikes(request.machine, pairs)
     sensitivities = {
@@ -352,9 +351,22 @@ class _Book:
         self._cases.append({**self._request.values, "filling": 0.0, **changes})
         return len(self._cases) - 1
 
+    def _values(self, cases: Sequence[Mapping[str, float]]) -> dict[str, Floats]:
+        return {name: np.array([case[name] for case in cases]) for name in cases[0]}
+
+    def bend(self, rows: list[Row], places: Sequence[int]) -> None:
+        """Add speeds with the trough's second harmonic to rows in which it matters."""
+        bent = [i for i in places if rows[i].second_harmonic > WARNED_HARMONIC]
+        if not bent:
+            return
+        points = points_of(self._request.machine, self._values([self._cases[i] for i in bent]))
+        speeds = LENGTH.from_si(points.speed_with_second_harmonic())
+        for i, speed in zip(bent, speeds.tolist(), strict=True):
+            rows[i] = rows[i]._replace(bent_speed=speed)
+
     def solved(self) -> list[Row]:
         """Return the rows of all cases."""
-        values = {name: np.array([case[name] for case in self._cases]) for name in self._cases[0]}
+        values = self._values(self._cases)
         given = self._request.machine
         points = points_of(given, values)
         cycle = solve(points.scene)
@@ -406,8 +418,8 @@ def _refuse_strikes(given: GivenMachine, pairs: Sequence[tuple[Row, Row]]) -> No
             raise InputError(
                 f"{_case(row)}: the masses strike: the relative amplitude would be {across:.4g} mm, and"
                 f" gap_mm allows {gap:.4g} mm",
-                hint=f"tell lower settings, such as --setting {row.setting / 2.0:.3g}, or take a spring pack"
-                " farther from resonance",
+                hint=f"lower it, such as setting={row.setting / 2.0:.3g}, or take a spring pack farther from"
+                " resonance",
             )
 
 
@@ -571,14 +583,13 @@ def _warnings(request: SheetRequest, pairs: Sequence[tuple[Row, Row]], bounds: S
     if averaged := [row for row in rows if row.filling and row.status is Status.AVERAGED]:
         said.append(
             f"{_cases(averaged, rows)}: the filling hops irregularly; its force is bounded, and the"
-            " amplitude lies in the interval that is told"
+            " amplitude lies in the interval that is told; the speed is that at the middle of it"
         )
     second = max((row.second_harmonic for row in rows if row.filling), default=math.nan)
     if second > WARNED_HARMONIC:
         said.append(
             f"the filling puts a second harmonic of up to {100.0 * second:.2g} % of the amplitude on the"
-            " trough, which speeds here leave out: where it was 0.3 to 1.9 %, they were 8 % lower to 15 %"
-            " higher"
+            " trough; the speed with it is told for each setting, all other speeds are those of a sine"
         )
     for row in rows:
         if math.isnan(row.amplitude) and not row.strikes:

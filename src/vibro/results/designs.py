@@ -180,6 +180,9 @@ class Design:
     second_harmonic_percent: float | None = _optional(
         "%", "largest second harmonic of the trough that its filling makes, over the amplitude"
     )
+    speed_second_harmonic_mm_s: float | None = _optional(
+        "mm/s", "least speed of sampled parts with that harmonic in the motion"
+    )
     operating_points: int | None = _optional("", "largest number of amplitudes that one filling may have")
     amplitude_mm: float | None = _optional("mm", "nominal amplitude; of a machine between the last two")
     stroke_mm: float | None = _optional("mm", "nominal stroke, where the question gives strokes")
@@ -263,7 +266,8 @@ _OF_STROKES: Final = (
 _OF_MOTIONS: Final = ("motion_scale", "motion_scale_low", "motion_scale_high", "motion_scale_needed")
 _OF_MACHINES: Final = (
     "setting_percent", "pack", "natural_hz", "amplitude_empty_mm", "amplitude_least_mm",
-    "amplitude_most_mm", "second_harmonic_percent", "operating_points",
+    "amplitude_most_mm", "second_harmonic_percent",
+    "speed_second_harmonic_mm_s", "operating_points",
 )  # fmt: skip
 _OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", *_SIZES)
 

@@ -1,0 +1,130 @@
+"""Pictures of machines: what is drawn of data that is made up, and that labels stand apart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from vibro.plots.responses import DrivePicture, FitPicture, drive_figure, fit_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+X = np.linspace(40.0, 60.0, 201)
+
+
+def response(natural: float, x: Any = X) -> Any:
+    return 0.03 / np.hypot(1.0 - (x / natural) ** 2, 0.03 * x / natural)
+
+
+def drive(**changes: Any) -> DrivePicture:
+    empty, full = response(48.0), response(46.0)
+    drawn = DrivePicture(
+        frequency=X,
+        curves=((empty, 100.0 * empty), (full, 100.0 * full)),
+        voltage=((0.81 * empty, 1.21 * empty), (0.81 * full, 1.21 * full)),
+        drive=50.0,
+        points=((0.34, 34.0), (0.15, 15.0)),
+        resonances=(48.0, 46.0),
+        hop=np.full(X.size, 0.3),
+        slip=np.full(X.size, 0.03),
+        full=2.0,
+    )
+    return drawn._replace(**changes)
+
+
+def texts(figure: Figure) -> list[str]:
+    (legend,) = figure.legends
+    return [text.get_text() for text in legend.get_texts()]
+
+
+def apart(figure: Figure) -> None:
+    """No text lies on another one, or outside the figure."""
+    figure.draw_without_rendering()
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    (legend,) = figure.legends
+    labels = [axes.xaxis.label for axes in figure.axes] + [axes.yaxis.label for axes in figure.axes]
+    drawn = [text for text in (*legend.get_texts(), *labels, figure._suptitle) if text and text.get_text()]  # type: ignore[attr-defined]
+    boxes = [text.get_window_extent(renderer) for text in drawn]
+    for i, box in enumerate(boxes):
+        assert figure.bbox.x0 <= box.x0
+        assert box.x1 <= figure.bbox.x1
+        assert not any(box.overlaps(later) for later in boxes[i + 1 :]), drawn[i].get_text()
+
+
+def test_amplitude_stands_above_speed_on_one_axis() -> None:
+    figure = drive_figure(drive(), "magnet", "setting 100 %")
+    above, beneath = figure.axes
+    assert above.get_xlim() == beneath.get_xlim() == (40.0, 60.0)
+    assert above.get_ylabel() == "amplitude $A$ [mm]"
+    assert beneath.get_ylabel() == "mean speed [mm/s]"
+    assert beneath.get_xlabel() == "frequency of the drive $f$ [Hz]"
+    assert texts(figure) == [
+        "empty", "with 2 kg", "band of voltage, empty", "band of voltage, with 2 kg",
+        "natural frequency empty", "natural frequency with 2 kg", "frequency of the drive",
+        "operating point empty", "operating point with 2 kg", "bodies hop above", "bodies slip above",
+    ]  # fmt: skip
+    points = [tuple(np.ravel(line.get_xydata())) for line in above.lines if line.get_marker() in ("o", "s")]
+    assert (50.0, 0.34) in points
+    assert (50.0, 0.15) in points
+    lines = {float(line.get_xdata()[0]) for line in above.lines if len(line.get_xdata()) == 2}  # type: ignore[arg-type,index]
+    assert {50.0, 48.0, 46.0} <= lines
+    apart(figure)
+
+
+def test_the_peak_does_not_hide_the_operating_point() -> None:
+    figure = drive_figure(drive(), "magnet", "")
+    for axes, value in zip(figure.axes, (0.34, 34.0), strict=True):
+        assert value < axes.get_ylim()[1] < 4.0 * value
+
+
+def test_without_a_filling_a_voltage_and_hops() -> None:
+    empty = response(48.0)
+    bare = drive(
+        curves=((empty, 0.0 * empty),), voltage=(), points=((0.34, 0.0),), resonances=(),
+        hop=np.full(X.size, np.inf), slip=np.full(X.size, np.inf), full=0.0,
+    )  # fmt: skip
+    figure = drive_figure(bare, "crank", "")
+    assert texts(figure) == ["empty", "frequency of the drive", "operating point empty"]
+    apart(figure)
+
+
+def test_where_nothing_is_known_nothing_is_drawn() -> None:
+    nothing = np.full(X.size, np.nan)
+    lost = drive(
+        curves=((response(48.0), 0.0 * X), (nothing, nothing)), points=((0.34, 0.0), (np.nan, np.nan))
+    )
+    apart(drive_figure(lost, "magnet", ""))
+
+
+def fitted(**changes: Any) -> FitPicture:
+    f = np.array([45.0, 47.0, 48.0, 50.0, 53.0])
+    drawn = FitPicture(f, response(48.0, f), 0.02 * f / f, X, response(48.0), 48.0, (47.8, 48.3))
+    return drawn._replace(**changes)
+
+
+def test_the_fit_has_points_curve_and_interval() -> None:
+    figure = fit_figure(fitted(), "points", "natural frequency 48 Hz")
+    assert texts(figure) == [
+        "95 % interval of the natural frequency",
+        "natural frequency",
+        "fitted",
+        "measured, with standard error",
+    ]
+    apart(figure)
+
+
+@pytest.mark.parametrize("interval", [(np.nan, np.nan), (70.0, np.inf)])
+def test_a_fit_without_an_estimate(interval: tuple[float, float]) -> None:
+    unknown = np.full(5, np.nan)
+    figure = fit_figure(fitted(natural_frequency=np.nan, interval=interval, error=unknown), "points", "none")
+    assert texts(figure) == ["fitted", "measured"]
+
+
+def test_a_curve_without_damping_leaves_the_points_visible() -> None:
+    curve = response(48.0).copy()
+    curve[100] = np.inf
+    figure = fit_figure(fitted(curve_amplitude=curve), "points", "")
+    assert np.isfinite(figure.axes[0].get_ylim()).all()
