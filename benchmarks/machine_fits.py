@@ -1,7 +1,7 @@
 """Count how often the 95 % intervals of machines that are fitted to amplitudes hold the truth.
 
-For each set of points 2000 draws of noise. An interval should hold the truth in 95 % of them, by chance +-1 %; in
-more where it is the bound of the damping, 0, that ends an interval.
+For each set of points 2000 draws of noise. An interval should hold the truth in 95 % of them, by chance
++-1 %; in more where it is the bound of the damping, 0, that ends it.
 
 Usage: python benchmarks/machine_fits.py [DRAWS]
 """

@@ -32,7 +32,7 @@ def blocks(language: str) -> list[str]:
 
 
 def kind_of(table: str) -> str:
-    return re.findall(r'^kind = "(\w+)"', table, flags=re.MULTILINE)[0]
+    return str(re.findall(r'^kind = "(\w+)"', table, flags=re.MULTILINE)[0])
 
 
 def test_every_kind_is_shown() -> None:

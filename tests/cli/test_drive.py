@@ -187,6 +187,33 @@ def test_files_without_a_machine_or_with_one_that_strikes(run: Run, tmp_path: Pa
     assert run("drive", tmp_path / "none.toml").exit_code == 1
 
 
+def test_a_body_that_runs_away_has_no_speed(run: Run, tmp_path: Path) -> None:
+    result = run("drive", written(tmp_path, feeder(1.05, BANDS)), "--trough-angle", "25", "--setting", "80")
+    assert result.exit_code == 0, result.stderr
+    said = folded(result.stdout)
+    assert "80 % empty 0.28 - " in said
+    assert "runaway" in said
+    assert "unknown, as the empty trough has no speed" in said
+    assert "setting 80 %: no speed is guaranteed" in result.stderr
+
+
+def test_bands_of_friction_are_cut_where_kinetic_exceeds_static(run: Run, tmp_path: Path) -> None:
+    path = written(tmp_path, feeder(1.05, BANDS))
+    cut = json.loads(run("drive", path, "--mu-s", "0:0.5", "--setting", "20", "--json").stdout)
+    whole = json.loads(run("drive", path, "--mu-s", "0.28:0.5", "--setting", "20", "--json").stdout)
+    assert cut["guaranteed"][0]["amplitude_mm"] == whole["guaranteed"][0]["amplitude_mm"]
+    ratio = run("drive", path, "--mu-ratio", "0.8", "--mu-s", "0.3:0.4")
+    assert ratio.exit_code == 2
+    assert "give --mu-d lo:hi" in ratio.stderr
+
+
+def test_resonance_without_damping(run: Run, tmp_path: Path) -> None:
+    path = written(tmp_path, feeder(1.25).replace("0.015", "0"))
+    result = run("drive", path, "-f", "40")
+    assert result.exit_code == 2
+    assert "damping" in result.stderr
+
+
 POINTS = """f [Hz];stroke [mm]
 48,0;0,330
 50,0;0,508

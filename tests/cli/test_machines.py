@@ -164,18 +164,15 @@ def test_a_body_is_followed_in_a_full_trough(run: Run, tmp_path: Path) -> None:
     assert json.loads(same.stdout)["phases"] == content["phases"]
 
 
-@pytest.mark.parametrize("command", ["accuracy", "report", "compare", "motion", "speed"])
+@pytest.mark.parametrize("command", ["accuracy", "compare", "motion", "speed"])
 def test_other_commands_say_that_they_take_none(run: Run, tmp_path: Path, command: str) -> None:
     path = feeder(tmp_path)
     record = tmp_path / "record.csv"
     record.write_text("t [s],x [mm]\n" + "".join(f"{i / 1000},{i % 7}\n" for i in range(200)))
     trough = tmp_path / "trough.csv"
     trough.write_text("t [s],ax [m/s^2]\n" + "".join(f"{i / 1000},{i % 7}\n" for i in range(200)))
-    if command == "report":
-        pytest.importorskip("markdown_it", reason="the extra report")
     args = {
         "accuracy": ("accuracy", path),
-        "report": ("report", path, "-o", tmp_path / "r"),
         "compare": ("compare", path, record),
         "motion": ("motion", path, trough, "--trough-along", "ax [m/s^2]"),
         "speed": ("solve", path, "--speed", "60"),

@@ -216,7 +216,10 @@ def wild(count: int, seed: int, *, ellipse: bool) -> Scene:
 def assert_weighed(found: vibro.Filling) -> None:
     """Check that shares are within their bound where there is a cycle, and nowhere else."""
     cycles = np.isin(found.status, (Status.OK, Status.BOUNDARY))
-    assert (np.isfinite(found.share) == cycles).all()
+    assert (np.isfinite(found.share) == cycles)[found.status != Status.AVERAGED].all()
+    means = found.status == Status.AVERAGED
+    errors = found.added_mass_share_error + found.added_damping_share_error
+    assert (np.abs(found.share) <= found.bound + 4.0 * errors)[means & np.isfinite(found.share)].all()
     assert (np.abs(found.share[cycles]) <= found.bound[cycles] * (1.0 + 1e-9) + 1e-12).all()
 
 
@@ -265,7 +268,7 @@ def test_no_wild_scene_raises_in_flight(ellipse: bool) -> None:
     scene = wild(150, 4, ellipse=ellipse)
     with plain():
         cycle = vibro.solve(scene)
-        assert_weighed(filling_of(scene, cycle))
+        assert_weighed(filling_of(scene, cycle, averages=True))
     hops = cycle.throw_number > 1.0 + 1e-12
     assert hops.sum() > 40
     modelled = hops & (cycle.status != Status.FLIGHT_NOT_MODELLED)

@@ -215,6 +215,31 @@ def test_shares_that_are_given_as_bands_widen_the_amplitudes(tmp_path: Path) -> 
     assert [bounds.low, bounds.high] == pytest.approx([1e3 * a for a in ends], rel=1e-9)
 
 
+def test_several_operating_points_are_all_told(tmp_path: Path) -> None:
+    """Beside an onset, tests/machines/test_operating.py."""
+    sheet = sheet_of(tmp_path, feeder(), (47.0,), {"filling": (2.7, 2.7)})
+    full = sheet.settings[0][1]
+    assert full.number == len(full.amplitudes) == 3
+    assert full.amplitude == pytest.approx(full.amplitudes[0], rel=1e-12)
+    (text,) = [text for text in sheet.warnings if "operating points" in text]
+    assert all(f"{amplitude:.4g}" in text for amplitude in full.amplitudes)
+    assert "setting 47 %, 2.7 kg" in text
+    around = sheet_of(tmp_path, feeder(), (47.0,), {"filling": (2.6, 2.8)})
+    assert around.bounds[0].low <= full.amplitudes[0]
+    assert full.amplitudes[-1] <= around.bounds[0].high
+
+
+def test_irregular_hops_leave_an_interval(tmp_path: Path) -> None:
+    text = other("unbalance").replace("static_moment_kg_mm = 150", "static_moment_kg_mm = 225")
+    text = text.replace("kinetic_friction = 0.4", "kinetic_friction = 0.4\nrestitution = 0.4")
+    sheet = sheet_of(tmp_path, text, (100.0,), {"filling": (20.0, 20.0)})
+    full = sheet.settings[0][1]
+    assert full.status is Status.AVERAGED
+    assert full.amplitude_low < full.amplitude < full.amplitude_high
+    assert full.speed_error > 0.0
+    assert any("hops irregularly" in text for text in sheet.warnings)
+
+
 def test_the_speed_with_the_second_harmonic(tmp_path: Path) -> None:
     """Followed in time the worked feeder with 4 kg is 49.0 % slower, theory.md; the sine says 55.8 %."""
     sheet = sheet_of(tmp_path, feeder(), (100.0,), {"filling": (4.0, 4.0)})

@@ -138,6 +138,11 @@ def _sheet(formats: Sequence[str], options: Options, argv: Sequence[str], consol
     values = {**request.fixed}
     if "friction_ratio" in values:
         ratio = values.pop("friction_ratio")
+        if "static_friction" in bands:
+            raise InputError(
+                "--mu-ratio beside a band of static friction leaves the band of kinetic friction open",
+                hint="give --mu-d lo:hi instead",
+            )
         values.setdefault("kinetic_friction", float(kinetic_friction(ratio, values["static_friction"])))
     values["filling"] = 0.0
     with SeriesOutput(

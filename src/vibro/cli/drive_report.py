@@ -178,7 +178,8 @@ def _tolerated(sheet: Sheet) -> str:
     """Say up to which filling the empty amplitude is good enough."""
     mass = sheet.request.machine.machine.trough_mass
     if math.isnan(sheet.tolerated):
-        return "nothing moves in the empty trough"
+        moves = math.isnan(sheet.settings[-1][0].speed)
+        return "unknown, as the empty trough has no speed" if moves else "nothing moves in the empty trough"
     if math.isinf(mass):
         return "holds for any filling: the crank does not give way"
     if math.isinf(sheet.tolerated):
@@ -235,7 +236,8 @@ def _guaranteed(sheet: Sheet) -> str:
                 _PROOFS[known.proof_min],
             )
         )  # fmt: skip
-    return f"{aligned(rows)}\n{textwrap.fill(_how(sheet, sheet.bounds[-1]), _WIDTH)}"
+    bounded = [one for one in sheet.bounds if one.guarantee is not None]
+    return aligned(rows) + (f"\n{textwrap.fill(_how(sheet, bounded[-1]), _WIDTH)}" if bounded else "")
 
 
 def _span(low: float, high: float) -> str:
@@ -346,8 +348,9 @@ def _amplitude(row: Row) -> str:
         return "strikes"
     if math.isnan(row.amplitude):
         return "-"
-    if row.amplitude_low < row.amplitude_high:
-        return f"{row.amplitude_low:.3g}...{row.amplitude_high:.3g}"
+    low, high = f"{row.amplitude_low:.4g}", f"{row.amplitude_high:.4g}"
+    if low != high:
+        return f"{low}...{high}"
     return f"{row.amplitude:.4g}"
 
 

@@ -27,7 +27,7 @@ from vibro.core.waves import at_break
 __all__ = ["Reaction", "force_bound", "mean_reaction", "reaction_in_contact", "reaction_of_hops"]
 
 # [rad] Legs up to this length are integrated by Gauss's rule of eight nodes, whose terms all are as small as
-# the leg; its error is below 1e-16 of them (tests/core/test_filling.py). Longer ones have closed forms.
+# the leg, within 4e-16 (tests/test_fillings.py). Longer ones have closed forms.
 _SHORT: Final = 1.0
 _NODE_1: Final = 0.18343464249564980494
 _NODE_2: Final = 0.52553240991632898582

@@ -225,7 +225,7 @@ class Sheet(NamedTuple):
         Percent of amplitude that 1 % more of the trough's mass brings, empty [1].
     tolerated : float
         Filling up to which its force changes the speed by less than 1 % [kg]; inf if one as heavy as the
-        trough does not, NaN if nothing moves in the empty trough.
+        trough does not, NaN if nothing moves in the empty trough, or its speed is unknown.
     picture : DrivePicture or None
         Amplitude and speed over frequency, if wanted.
     warnings : tuple of str
@@ -477,6 +477,8 @@ def _packs(request: SheetRequest) -> tuple[list[tuple[str, float, float]], str]:
         force = machine.load_proof_force(request.values["frequency"])
     except InputError as exc:
         return packs, exc.problems[0].partition(": ")[2] + (f" ({exc.hint})" if exc.hint else "")
+    if not force < math.inf:
+        return packs, "today's amplitude is infinite: the drive is at resonance, without damping"
     return [*packs, ("load-proof", natural, force)], ""
 
 
@@ -507,7 +509,7 @@ def _resonant_filling(machine: Any, frequency: float, share: complex) -> float:
 
 def _tolerated(empty: Row, light: Sequence[Row]) -> float:
     """Return the last of ascending fillings before one changes the speed by 1 %; inf if none does [kg]."""
-    if not empty.speed:
+    if not abs(empty.speed) > 0.0:
         return math.nan
     last = 0.0
     for row in light:
@@ -525,7 +527,8 @@ def _bounds(request: SheetRequest, setting: float) -> Bounds:
         "static_friction": sorted({*request.band("static_friction"), request.values["static_friction"]}),
         "kinetic_friction": sorted({*request.band("kinetic_friction"), request.values["kinetic_friction"]}),
     }
-    cases = [dict(zip(axes, case, strict=True)) for case in product(*axes.values()) if case[3] <= case[2]]
+    cases = [dict(zip(axes, case, strict=True)) for case in product(*axes.values())]
+    cases = [case for one in cases for case in _cut(one, request)]
     values: dict[str, Any] = {name: np.full(len(cases), value) for name, value in request.values.items()}
     values |= {name: np.array([case[name] for case in cases]) for name in axes}
     values["setting"] = np.full(len(cases), setting)
@@ -550,6 +553,19 @@ def _bounds(request: SheetRequest, setting: float) -> Bounds:
     bands |= {"amplitude": (low, high)} if low < high else {}
     found = guarantee(Scene(amplitude=0.5 * (low + high), **_scene_of(request)), **bands)
     return Bounds(setting, float(LENGTH.from_si(low)), float(LENGTH.from_si(high)), count, found)
+
+
+def _cut(case: dict[str, float], request: SheetRequest) -> list[dict[str, float]]:
+    """Move a corner with mu_d > mu_s to where the bands are cut: along either axis, if they reach there."""
+    static, kinetic = case["static_friction"], case["kinetic_friction"]
+    if kinetic <= static:
+        return [case]
+    moved = []
+    if kinetic <= max(request.band("static_friction")):
+        moved.append({**case, "static_friction": kinetic})
+    if static >= min(request.band("kinetic_friction")):
+        moved.append({**case, "kinetic_friction": static})
+    return moved
 
 
 def _points(given: GivenMachine, values: Mapping[str, Any], mass: Any, damping: Any) -> OperatingPoints:
