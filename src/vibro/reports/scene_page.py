@@ -69,7 +69,7 @@ _MOST_LETTERS: Final = 12  # of a pattern
 _MOST_PHASES: Final = 8  # in a table that still fits on the page
 _HELD: Final = (
     "The amplitude is held at {} here. The machine and its filling change it with most inputs:"
-    " vibro drive tells what that does."
+    " a set-up sheet tells what that does."
 )
 _OF_MACHINES: Final = (
     "A linear machine, and a rigid trough that moves as a sine along its line, the same over its whole"
