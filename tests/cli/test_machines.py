@@ -237,6 +237,17 @@ def test_every_kind_has_a_report(run: Run, tmp_path: Path, kind: str) -> None:
     assert lines_of(result.stdout)["machine"].startswith(kind)
 
 
+def test_all_operating_points_are_listed_where_there_are_several(run: Run, tmp_path: Path) -> None:
+    args = ("--setting", "18", "--filling", "4", "--natural", "51")
+    result = run("solve", feeder(tmp_path), *args)
+    told = lines_of(result.stdout)["all amplitudes"]
+    sizes = [float(text) for text in told.partition(" mm;")[0].replace(" mm", "").split(", ")]
+    assert len(sizes) == 3
+    assert sizes == sorted(sizes)
+    assert f"{sizes[0]:.4g} mm with 4 kg" in lines_of(result.stdout)["amplitude"]  # the least is reported
+    assert "3 operating points exist" in result.stderr
+
+
 def test_python_reads_the_operating_point(tmp_path: Path) -> None:
     scene = vibro.read_scene(feeder(tmp_path, "filling_kg = 2\n"))
     assert scene.shape == ()
