@@ -53,7 +53,10 @@ def completed(*words: str) -> list[str]:
         (("map", "--columns", "regime,amp"), ["regime,amplitude_mm", "regime,amplitude_empty_mm"]),
         (
             ("solve", "--columns", "mean_velocity_mm_s,mean_v"),
-            ["mean_velocity_mm_s,mean_velocity_error_mm_s"],
+            [
+                "mean_velocity_mm_s,mean_velocity_error_mm_s",
+                "mean_velocity_mm_s,mean_velocity_with_second_harmonic_mm_s",
+            ],
         ),
         (("design", "--format", "png,"), ["png,svg", "png,pdf"]),
         (("simulate", "--panels", "forces,v"), ["forces,velocity"]),

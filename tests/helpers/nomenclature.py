@@ -11,7 +11,7 @@ from pathlib import Path
 from vibro.quantities import HARMONIC, IN_GRAVITIES, MASS, QUANTITIES, SPEED, SWEPT, TIME
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.filling import WEIGHED
-from vibro.results.operating import MACHINE_RESULTS
+from vibro.results.operating import BENT_SPEED, MACHINE_RESULTS
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
@@ -105,7 +105,7 @@ def _result(result: Result) -> str:
     name = f"SteadyCycle.{result.name}"
     if result in ELSEWHERE:
         name = f"results.steady.{result.name.upper()}"
-    elif result in MACHINE_RESULTS:
+    elif result in (*MACHINE_RESULTS, BENT_SPEED):
         name = f"OperatingPoints.{result.name}"
     unit = result.kind.si_unit if result.dtype is float or result.is_number else "code"
     return _row(result.symbol, name, unit, result.column, result.meaning)
@@ -130,7 +130,7 @@ def tables() -> str:
         results.append(_result(result))
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
-    results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS)]
+    results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS, BENT_SPEED)]
     head = [HEADER, "|---|---|---|---|---|---|"]
     units = ["| quantity | without a unit | a number may carry |", "|---|---|---|", *_units()]
     parts = [

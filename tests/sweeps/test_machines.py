@@ -171,6 +171,20 @@ def test_labelled_arrays_have_the_amplitude_as_a_result(tmp_path: Path) -> None:
     assert '"kind": "magnet"' in data.attrs["machine"]
 
 
+def test_the_speed_with_the_second_harmonic_is_told_where_it_is_named(tmp_path: Path) -> None:
+    t = vibro.sweep(feeder(tmp_path, "gap_mm = 0.6\n"), filling_kg=[0, 2], setting_percent=[50, 80, 200])
+    names = ["status", "mean_velocity_mm_s", "mean_velocity_with_second_harmonic_mm_s"]
+    status, sine, bent = (t.to_frame(names)[name].to_numpy() for name in names)
+    assert status.tolist() == ["ok", "ok"] * 2 + ["infeasible"] * 2
+    np.testing.assert_allclose(bent[[0, 2]], sine[[0, 2]], rtol=1e-9)  # of an empty trough
+    assert ((bent / sine)[[1, 3]] > 1.001).all()
+    assert np.isnan(bent[4:]).all()
+    assert names[2] not in t.to_frame()
+    with pytest.raises(InputError, match="no column"):
+        vibro.sweep(amplitude_mm=[1, 2], frequency_hz=15, drive_angle_deg=20, static_friction=0.4,
+                    kinetic_friction=0.3).to_frame(names)  # fmt: skip
+
+
 def test_masses_that_strike_leave_a_cell_without_numbers(tmp_path: Path) -> None:
     path = feeder(tmp_path, "gap_mm = 0.4\n")
     t = vibro.sweep(path, setting_percent=[50, 70, 90], static_friction=[0.2, 0.35])

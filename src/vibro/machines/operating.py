@@ -135,19 +135,7 @@ class OperatingPoints:
     @shielded
     def scene_with_second_harmonic(self) -> Scene:
         """What lies in the trough, which moves with its second harmonic too, where that is known."""
-        second = np.nan_to_num(self.second_phasor)
-        first, angle = self.scene.amplitude, self.scene.drive_angle
-        assert first is not None
-        assert angle is not None
-        along, normal = first * np.cos(angle), first * np.sin(angle)
-        size, phase = np.abs(second), np.asarray(np.angle(second))
-        still = np.zeros(())
-        given: dict[str, Any] = {f.name: getattr(self.scene, f.name) for f in fields(self.scene)}
-        motion = Motion.harmonics(
-            along=[(along, still), (along * size, phase)], normal=[(normal, still), (normal * size, phase)]
-        )
-        other = {"amplitude": None, "drive_angle": None, "motion": motion}
-        return Scene.allowing_infeasible(**{**given, **other})
+        return with_second_harmonic(self.scene, self.second_phasor)
 
     @shielded
     def speed_with_second_harmonic(self, *, threads: int | None = None) -> Floats:
@@ -211,6 +199,23 @@ class OperatingPoints:
         size = np.size(self.amplitude)
         where = [(int(np.count_nonzero(cells)), text) for cells, text in told]
         return [text if size == 1 else f"{count} of {size}: {text}" for count, text in where if count]
+
+
+def with_second_harmonic(scene: Scene, phasor: Complexes) -> Scene:
+    """Add the trough's second harmonic, as of ``OperatingPoints``, to scenes along a line."""
+    second = np.nan_to_num(phasor)
+    first, angle = scene.amplitude, scene.drive_angle
+    assert first is not None
+    assert angle is not None
+    along, normal = first * np.cos(angle), first * np.sin(angle)
+    size, phase = np.abs(second), np.asarray(np.angle(second))
+    still = np.zeros(())
+    given: dict[str, Any] = {f.name: getattr(scene, f.name) for f in fields(scene)}
+    motion = Motion.harmonics(
+        along=[(along, still), (along * size, phase)], normal=[(normal, still), (normal * size, phase)]
+    )
+    other = {"amplitude": None, "drive_angle": None, "motion": motion}
+    return Scene.allowing_infeasible(**{**given, **other})
 
 
 class _Case(NamedTuple):

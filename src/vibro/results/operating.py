@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from vibro.quantities import LENGTH, PERCENT
+from vibro.quantities import LENGTH, PERCENT, SPEED
 from vibro.results.steady import Result
 
-__all__ = ["FIELDS", "MACHINE_RESULTS", "OPERATING"]
+__all__ = ["BENT_SPEED", "FIELDS", "MACHINE_RESULTS", "OPERATING"]
 
 #: Key of a block's values under which these results are, as one array of ``FIELDS``, in SI units.
 OPERATING: Final = "operating"
@@ -56,7 +56,20 @@ MACHINE_RESULTS: Final = (
         column="second_harmonic_percent",
     ),
 )
-#: Numbers of each cell: the results, the status (``vibro.Status``), and how many operating points exist.
+#: Told where it is named alone: it takes far longer than the speed under the sine.
+BENT_SPEED: Final = Result(
+    name="speed_with_second_harmonic",
+    meaning="mean conveying speed where the trough moves with the second harmonic of its filling too",
+    kind=SPEED,
+    column="mean_velocity_with_second_harmonic_mm_s",
+)
+#: Numbers of each cell: the results, the second harmonic with its phase, the status (``vibro.Status``), and
+#: how many operating points exist.
 FIELDS: Final = np.dtype(
-    [*((result.name, np.float64) for result in MACHINE_RESULTS), ("status", np.int8), ("number", np.int8)]
+    [
+        *((result.name, np.float64) for result in MACHINE_RESULTS),
+        ("second_phasor", np.complex128),
+        ("status", np.int8),
+        ("number", np.int8),
+    ]
 )

@@ -19,6 +19,7 @@ from vibro.results.sweep import Block, Column
 from vibro.sweeps.derived import (
     TRAVERSE,
     WITH_ACCELERATION,
+    WITH_BENT_SPEED,
     WITH_EXPONENT,
     WITH_LENGTH,
     WITH_MULTIPLIER,
@@ -131,7 +132,9 @@ def _of_machine(axes: Collection[str]) -> list[Column]:
 def column_names() -> list[str]:
     """Return the names of all columns that tables can have, with any drive."""
     drive = [name for name in DRIVES if name in SWEPT]
-    return [column.name for column in (*columns_of(drive=drive, machine=True), *_ON_REQUEST)]
+    return [column.name for column in (
+        *columns_of(drive=drive, machine=True), *_ON_REQUEST, WITH_BENT_SPEED,
+    )]  # fmt: skip
 
 
 def listed(names: object) -> list[str]:
@@ -166,6 +169,8 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     """
     names = listed(names)
     known = {column.name: column for column in (*columns, *_ON_REQUEST)}
+    if MACHINE_RESULTS[0].column in known:
+        known[WITH_BENT_SPEED.name] = WITH_BENT_SPEED
     unknown = [name for name in names if name not in known]
     if unknown or not names:
         hints = [did_you_mean(unknown[0], known)] if unknown else []

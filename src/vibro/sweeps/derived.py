@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.limits import stays_upright, tipping_load
-from vibro.quantities import LENGTH, QUANTITIES
+from vibro.quantities import LENGTH, QUANTITIES, SPEED
+from vibro.results.operating import BENT_SPEED
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
@@ -25,6 +26,7 @@ from vibro.results.steady import (
 from vibro.results.sweep import Block, Column
 from vibro.slopes import LEAST_DIFFERENCE, speed_exponent
 from vibro.sweeps.grid import scene_of
+from vibro.sweeps.machines import bent_speed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,6 +40,7 @@ __all__ = [
     "TRAVERSE",
     "WITH_ACCELERATION",
     "WITH_ARRIVAL",
+    "WITH_BENT_SPEED",
     "WITH_EXPONENT",
     "WITH_LENGTH",
     "WITH_MULTIPLIER",
@@ -99,6 +102,10 @@ def _acceleration(block: Block) -> Floats:
     return scene_of(block.values).load
 
 
+def _bent_speed(block: Block) -> Floats:
+    return np.asarray(SPEED.from_si(bent_speed(block.values, scene_of(block.values))))
+
+
 def _multiplier(block: Block) -> Floats:
     return np.asarray(block.cycle.largest_multiplier)
 
@@ -123,6 +130,7 @@ def _rate(result: Result, pitch: float, of_one: float, block: Block) -> Floats:
 TRAVERSE: Final = column_of(TRAVERSE_TIME, _traverse_time)
 WITH_ACCELERATION: Final = column_of(ACCELERATION, _acceleration)
 WITH_ARRIVAL: Final = column_of(ARRIVAL_TIME, _arrival)
+WITH_BENT_SPEED: Final = column_of(BENT_SPEED, _bent_speed)
 WITH_EXPONENT: Final = column_of(SPEED_EXPONENT, _speed_exponent)
 WITH_LENGTH: Final = Column(
     QUANTITIES["trough_length"].column, LENGTH.unit, _length, meaning=QUANTITIES["trough_length"].meaning

@@ -12,6 +12,7 @@ from vibro.errors import InputError
 from vibro.quantities import LENGTH, MACHINE, QUANTITIES
 from vibro.results.operating import FIELDS, OPERATING
 from vibro.results.steady import RESULTS
+from vibro.steady import solve
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,8 +22,9 @@ if TYPE_CHECKING:
     from vibro.files.machines import GivenMachine
     from vibro.machines.operating import OperatingPoints
     from vibro.results.steady import SteadyCycle
+    from vibro.scene import Scene
 
-__all__ = ["case_of", "check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
+__all__ = ["bent_speed", "case_of", "check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
 
 _SCENE: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
@@ -94,6 +96,14 @@ def operated(
         {} if "natural" in values else {"natural": np.full((1,) * ndim, given.machine.natural_frequency)}
     )
     return {"amplitude": np.asarray(LENGTH.from_si(amplitude)), OPERATING: found, **springs}
+
+
+def bent_speed(values: Mapping[str, Any], scene: Scene) -> Any:
+    """Return the speeds of cells whose troughs move with their second harmonics too [m/s]."""
+    from vibro.machines.operating import with_second_harmonic
+
+    speed = solve(with_second_harmonic(scene, values[OPERATING]["second_phasor"])).mean_velocity
+    return np.where(np.isnan(values["amplitude"]), np.nan, speed)
 
 
 def empty_amplitude(given: GivenMachine, values: Mapping[str, float]) -> float:
