@@ -9,8 +9,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 from helpers.commands import ELLIPSE, NUT, SLIP_STICK
+from helpers.packed import FEEDER
 from helpers.reports import ReadPage
 
 import vibro
@@ -59,6 +61,31 @@ def test_the_numbers_are_those_of_the_solver(run: Run) -> None:
     assert "vibro report" in read.text
     assert f"vibro {vibro.__version__}" in read.text
     assert "The circle is the operating point." in read.text
+
+
+def test_a_machine_is_told_with_what_its_amplitude_follows_from(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "feeder.toml"
+    axes = '[map]\nsetting_percent = "20:60"\nfrequency_hz = "45:52"\n'
+    given = "setting_percent = 50\nadded_mass_share = 0.2\n"
+    path.write_text(FEEDER + given + axes, encoding="utf-8")
+    read = page(run, path)
+    amplitude = 1e3 * float(np.asarray(vibro.read_scene(path).amplitude).item())
+    assert ["amplitude", f"{amplitude:.6g} mm", "of the machine"] in read.rows
+    assert "magnet, trough 6 kg, counter mass 12 kg, setting 50 %" in read.text
+    assert "below resonance, where more mass mostly means more amplitude" in read.text
+    assert f"The amplitude is held at {amplitude:.6g} mm here." in read.text
+    assert "Map over setting and frequency" in read.text
+    assert "present amplitude, or at" not in read.text  # at another frequency it has another amplitude
+    assert "moves exactly as stated" not in read.text
+    assert "A linear machine" in read.text
+
+
+def test_a_machine_that_strikes_is_refused(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "feeder.toml"
+    path.write_text(FEEDER.replace("filling_kg = 2", "gap_mm = 0.4"), encoding="utf-8")
+    result = run("report", path, "-q")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "the masses strike: the relative amplitude would be 0.525 mm" in result.stderr
 
 
 def test_landings_are_told_where_the_part_hops(run: Run) -> None:

@@ -127,6 +127,7 @@ def test_packs_alone_make_a_machine_whose_force_is_known(tmp_path: Path) -> None
         (FEEDER + "motors = 2\n", "motors = 2: does not belong to a machine of kind magnet", "unbalance"),
         (UNBALANCE + "natural_hz = 3\n", "natural_hz = 3: does not belong", "mount_hz"),
         (UNBALANCE + "voltage_percent = 90\n", "voltage_percent = 90: does not belong", "magnet"),
+        (KINDS["crank"] + "setting_percent = 50\n", "setting_percent = 50: does not belong", "magnet"),
         (UNBALANCE.replace("motors = 2\n", ""), "that of one motor, and motors is missing", "motors = 2"),
         (UNBALANCE.replace("static_moment_kg_mm = 95", ""), "the moment is missing", "working_moment_kg_cm"),
         (

@@ -258,6 +258,7 @@ def test_masses_must_not_strike_each_other() -> None:
     )  # fmt: skip
     assert points.relative_amplitude.max() <= 0.6 * relative
     assert points.relative_amplitude.max() >= 0.55 * relative
+    assert design.set_by == "gap"
 
 
 def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -344,6 +345,7 @@ def test_settings_are_lowered_where_the_second_harmonic_makes_parts_hop(
     assert design.setting_percent == pytest.approx(40.0, rel=5e-3)
     assert design.setting_percent is not None
     assert design.setting_percent <= 40.0
+    assert design.set_by == "hop"
     monkeypatch.setattr(machine_designs, "amplitudes_met", lambda *_: Met(0.99, 1.01, 1, speed=0.0))
     slow = design_of(find_designs(spec, goal_only=True), "fastest")
     assert (slow.setting_percent, slow.set_by) == (None, "filling")

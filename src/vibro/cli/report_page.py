@@ -79,16 +79,18 @@ def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, floa
     from vibro.reports.scene_page import SceneReport, scene_page
     from vibro.sweeps.columns import Table, columns_of, records
     from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
+    from vibro.sweeps.machines import check_operating
     from vibro.sweeps.request import RANGES
     from vibro.sweeps.run import sweep_blocks
 
-    why = "a printed report of a machine is not made; vibro drive has its set-up sheet"
-    request = request_of(options, argv, without_machine=why)
+    request = request_of(options, argv)
     question(request, options)
     swept = request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
     grid = make_grid(request)
     with _placed(request.name or "vibro-report", options, argv, console) as write:
         (block,) = sweep_blocks(grid)
+        if grid.machine is not None:
+            check_operating(grid.machine, block.values)
         given = frozenset(STANDS_FOR.get(name, name) for name in options.given) | request.own.keys()
         command = shlex.join(["vibro", *argv])
         with console.progress("drawing", None):

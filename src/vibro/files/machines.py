@@ -23,7 +23,7 @@ __all__ = ["GivenMachine", "given_machine", "machine_of"]
 Points = list[tuple[float, float]]
 
 _ENTRIES: Final = {entry.key: entry for entry in MACHINE_KEYS}
-_COMMON: Final = ("kind", "setting_percent", "filling_kg", "added_mass_share", "added_damping_share")
+_COMMON: Final = ("kind", "filling_kg", "added_mass_share", "added_damping_share")
 _MOMENTS: Final = (
     "static_moment_kg_mm", "working_moment_kg_cm", "working_moment_is", "centrifugal_force_n", "at_hz",
     "at_rpm", "motors",
@@ -31,17 +31,20 @@ _MOMENTS: Final = (
 _SPRINGS: Final = ("natural_hz", "pack", "damping_ratio")
 # Keys of each kind, besides those of all.
 _KEYS: Final[Mapping[str, tuple[str, ...]]] = {
-    "unbalance": ("vibrating_mass_kg", *_MOMENTS, "mount_hz", "damping_ratio"),
+    "unbalance": ("vibrating_mass_kg", *_MOMENTS, "mount_hz", "damping_ratio", "setting_percent"),
     "magnet": (
         "trough_mass_kg", "counter_mass_kg", *_SPRINGS, "force_n", "calibration", "voltage_exponent",
-        "base_stiffness_n_m", "gap_mm", "voltage_percent",
+        "base_stiffness_n_m", "gap_mm", "setting_percent", "voltage_percent",
     ),
     "exciter": (
-        "trough_mass_kg", "counter_mass_kg", *_MOMENTS, *_SPRINGS, "base_stiffness_n_m",
+        "trough_mass_kg", "counter_mass_kg", *_MOMENTS, *_SPRINGS, "base_stiffness_n_m", "setting_percent",
     ),
     "crank": ("crank_radius_mm",),
     "rod": ("trough_mass_kg", "crank_radius_mm", "rod_stiffness_n_m", *_SPRINGS),
-    "measured": ("points", "trough_mass_kg", "counter_mass_kg", "law"),
+    "measured": (
+        "points", "trough_mass_kg", "counter_mass_kg", "law", "voltage_exponent", "gap_mm", "setting_percent",
+        "voltage_percent",
+    ),
 }  # fmt: skip
 # Those of them that must be given; a moment, a force and springs are looked at one by one.
 _NEEDED: Final[Mapping[str, tuple[str, ...]]] = {

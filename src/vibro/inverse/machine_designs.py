@@ -11,6 +11,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from vibro.core.codes import Regime
 from vibro.inverse.machine_drives import amplitudes_met, covering
 from vibro.inverse.rounding import DIGITS
 from vibro.inverse.rows import KINDS, SEARCHED, Finder, Rounded, best_of, find, finder_of
@@ -28,6 +29,8 @@ _ROUNDS: Final = 8
 _WIDE: Final = 1.1  # [1] of the width that is needed, above which a narrower interval is tried
 _BELOW: Final = 0.999  # of the setting at which masses strike each other, or bodies begin to hop
 _STEP: Final = 1.02  # by which settings are lowered at least where bodies slip back or hop
+# What ends the settings of a design that a second harmonic brings beyond a regime.
+_BEYOND: Final = {Regime.FORWARD_SLIP: "back slip", Regime.BACK_SLIP: "hop"}
 # Room at both ends beyond samples: a share of the interval's width [1], and of its upper end [1].
 _ROOM: Final = (0.02, 1e-3)
 
@@ -121,7 +124,7 @@ class _Settled:
             finder, machine = find(question, {}, self._digits, self._tell, until=kind), question.drive.machine
             found = finder.found.get(kind)
             assert machine is not None
-            covered, most = machine.covered, math.inf
+            covered, most, ended_by = machine.covered, math.inf, "gap"
             if found is None:
                 if narrow is None:
                     return best
@@ -129,6 +132,8 @@ class _Settled:
             else:
                 met = amplitudes_met(question, found.setting)
                 most = _most_setting(question, found, met)
+                if met.regime > question.highest:
+                    ended_by = _BEYOND[question.highest]
                 if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
                     break
                 needed = _hull(met) if met.low > 0.0 else covered
@@ -142,7 +147,7 @@ class _Settled:
                     wide, covered = covered, _middle(covered, needed)
                 else:
                     narrow, covered = covered, needed if wide is None else _middle(covered, wide)
-            question = replace(question, drive=covering(question.drive, covered, most))
+            question = replace(question, drive=covering(question.drive, covered, most, ended_by))
         if best is None:
             self._refused.add(kind)
         return best

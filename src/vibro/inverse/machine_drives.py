@@ -77,6 +77,8 @@ class MachineDrive:
     covered : pair of float
         Smallest and largest amplitude that voltage and filling make, over that of the empty trough at the
         middle voltage, which designs cover [1].
+    ended_by : str
+        What keeps settings from being larger: ``limit``, ``gap``, ``hop`` or ``back slip``.
     """
 
     machine: Machine
@@ -89,6 +91,7 @@ class MachineDrive:
     shares: Mapping[str, Span] = field(default_factory=dict)
     acceleration: float = math.inf
     covered: Span = (1.0, 1.0)
+    ended_by: str = "limit"
 
     @cached_property
     def full_amplitude(self) -> float:
@@ -143,16 +146,18 @@ class MachineDrive:
         return self.voltage[0] < self.voltage[1] or self.is_filled
 
 
-def covering(drive: Drive, covered: Span, most: float = math.inf) -> Drive:
+def covering(drive: Drive, covered: Span, most: float = math.inf, ended_by: str = "gap") -> Drive:
     """Return the drive of the same machine whose designs cover another interval of amplitudes.
 
-    ``most`` is the largest setting, where that of the machine is too large [1].
+    ``most`` is the largest setting [1], where that of the machine is too large, and ``ended_by`` tells why.
     """
     assert drive.machine is not None
     low, high = drive.machine.settings
     if most < high:
         high = rounded(100.0 * most, DIGITS, down=True) / 100.0
-    machine = replace(drive.machine, covered=covered, settings=(low, high))
+    else:
+        ended_by = drive.machine.ended_by
+    machine = replace(drive.machine, covered=covered, settings=(low, high), ended_by=ended_by)
     low, high = (setting * machine.amplitude for setting in machine.settings)
     choices = {**drive.choices, "amplitude": ((low, high),)}
     return replace(

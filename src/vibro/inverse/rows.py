@@ -87,6 +87,10 @@ class Finder:
 
     def set_by(self, kind: str) -> str | None:
         """Return the active constraint of a design; without a design only the fastest has one."""
+        machine, by = self.question.drive.machine, self._set_by(kind)
+        return machine.ended_by if by == "limit" and machine is not None else by
+
+    def _set_by(self, kind: str) -> str | None:
         found, optimiser = self.found.get(kind), self.optimiser
         if kind in self.refused:
             return "filling"

@@ -73,6 +73,7 @@ _BEYOND: Final[Mapping[str, str]] = {
     "hop": "the first part hops",
     "limit": "the drive ends",
     "tip": "the first part lifts an edge",
+    "gap": "trough and counter mass strike each other",
     "unconfirmed": "no amplitude is confirmed",
 }
 _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop within the window too

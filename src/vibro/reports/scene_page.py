@@ -15,11 +15,12 @@ from vibro.motion.histories import simulate
 from vibro.motion.trace import trace
 from vibro.plots import map_figures
 from vibro.plots.history import choose_panels, history_figure
-from vibro.quantities import LENGTH, QUANTITIES, SCALE, STANDS_FOR, counted_harmonics
+from vibro.quantities import LENGTH, MACHINE, QUANTITIES, SCALE, STANDS_FOR, counted_harmonics
 from vibro.reports.change_texts import change_texts
 from vibro.reports.page import Page, Section, Table
 from vibro.reports.pictures import picture
 from vibro.reports.scene_texts import (
+    AS_STATED,
     LIMITS,
     MEANINGS,
     REGIMES,
@@ -35,9 +36,11 @@ from vibro.reports.scene_texts import (
     valued,
 )
 from vibro.sweeps.derived import WITH_STROKE
+from vibro.sweeps.machine_facts import machine_warnings
 from vibro.sweeps.one_scene import (
     OneScene,
     facts_of,
+    machine_lines,
     number,
     phase_rows,
     throughput_text,
@@ -50,6 +53,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from vibro.files.machines import GivenMachine
     from vibro.results.history import History
     from vibro.results.sweep import Block
     from vibro.sweeps.grid import Grid
@@ -63,6 +67,14 @@ _SAMPLES: Final = 200  # a cycle
 _PANELS: Final = "trough,velocity,position"
 _MOST_LETTERS: Final = 12  # of a pattern
 _MOST_PHASES: Final = 8  # in a table that still fits on the page
+_HELD: Final = (
+    "The amplitude is held at {} here. The machine and its filling change it with most inputs:"
+    " vibro drive tells what that does."
+)
+_OF_MACHINES: Final = (
+    "A linear machine, and a rigid trough that moves as a sine along its line, the same over its whole"
+    " length. The filling acts by the first harmonic of its force."
+)
 _MAPS: Final = {
     "regime": "What the part does",
     "speed": "How fast it is conveyed",
@@ -146,13 +158,16 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
         texts=[_questioned(doubt) for doubt in report.point.doubts()],
         tables=[Table("The drive, the trough and the part", (), [*_inputs(report, one, facts)])],
     )
+    if report.grid.machine is not None:
+        yield _machine(report.grid.machine, one, report.grid)
     yield Section(
         title="What the part does",
         is_half=True,
         tables=[Table("Steady motion", (), [*_results(report, one, facts)])],
     )
-    if said := transition_texts(one):
-        has_frequencies = not any(math.isnan(t.frequency) for t in one.transitions())
+    if said := transition_texts(one, of_machine=report.grid.machine is not None):
+        has_frequencies = report.grid.machine is None
+        has_frequencies &= not any(math.isnan(t.frequency) for t in one.transitions())
         at = f"; the frequency is that at the present {one.size}" if has_frequencies else ""
         yield Section(
             title="What comes next, and how far it is",
@@ -160,8 +175,9 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
             texts=[f"The drive is scaled as a whole here{at}."],
             items=said,
         )
-    yield _changes(one)
-    yield _kept(one)
+    held = "" if report.grid.machine is None else _HELD.format(number(one.given["amplitude"], LENGTH.unit))
+    yield _changes(one, held)
+    yield _kept(one, held)
     yield _maps(report, one)
     yield _motion(report, one)
     phases = phase_rows(one)
@@ -174,7 +190,15 @@ def _sections(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> I
         items=assumptions(one.given, report.given)
         or ["Nothing: trough angle, gravity and restitution were given."],
     )
-    yield Section(title="Limits of the model", items=LIMITS)
+    limits = [_OF_MACHINES if text == AS_STATED and report.grid.machine else text for text in LIMITS]
+    yield Section(title="Limits of the model", items=limits)
+
+
+def _machine(machine: GivenMachine, one: OneScene, grid: Grid) -> Section:
+    """Tell from what the amplitude follows, and what a reader must know of that."""
+    warnings = [f"{text[:1].upper()}{text[1:]}." for text in machine_warnings(machine, one.values)]
+    table = Table("The amplitude follows from these", (), machine_lines(one, grid))
+    return Section(title="The machine and its filling", texts=warnings, tables=[table])
 
 
 def _questioned(doubt: str) -> str:
@@ -191,11 +215,16 @@ def _inputs(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Ite
         yield key, told, "given"
     for name, value in shown.items():
         quantity = QUANTITIES[name]
+        if report.grid.machine is not None and name in MACHINE:  # told of the machine
+            continue
         if name == SCALE and value == 1.0:
             continue
         source = "given" if STANDS_FOR.get(name, name) in report.given else "assumed"
         if name == "kinetic_friction" and "friction_ratio" in one.given:
             source = "from the ratio"
+        if report.grid.machine is not None and name == "amplitude":
+            yield quantity.label, number(value, quantity.unit), "of the machine"
+            continue
         yield quantity.label, valued(name, value), source
     if report.point.length is not None:
         yield "trough length", valued("trough_length", report.point.length), "given"
@@ -257,8 +286,9 @@ def _maps(report: SceneReport, one: OneScene) -> Section:
     )
 
 
-def _changes(one: OneScene) -> Section:
+def _changes(one: OneScene, held: str) -> Section:
     texts, rows = change_texts(one)
+    texts = [*([held] if held and rows else []), *texts]
     caption = "One change at a time, solved again" + ", with standard errors" * any(
         "+-" in r[1] for r in rows
     )
@@ -266,12 +296,13 @@ def _changes(one: OneScene) -> Section:
     return Section(title="What the speed depends on", is_half=True, texts=texts, tables=tables)
 
 
-def _kept(one: OneScene) -> Section:
+def _kept(one: OneScene, held: str) -> Section:
     title, rows = "What keeps the regime", kept_rows(one)
     if not rows:
         why = "the part gains speed in every cycle" if one.runs else one.status.message
         return Section(title=title, texts=[f"There is no steady motion that could be kept: {why}."])
-    notes = [
+    notes = [held] if held else []
+    notes += [
         "Exact: by closed forms or proofs, to rounding; ends are rounded inwards. Searched: others"
         " may be missed between the values that were tried. Static friction is looked at up to"
         f" {MOST_FRICTION:g}."

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vibro.sweeps.one_scene import OneScene
 
 __all__ = [
+    "AS_STATED",
     "DOES",
     "LIMITS",
     "MEANINGS",
@@ -103,13 +104,17 @@ _ASSUMED: Final[Mapping[str, str]] = {
     "restitution": "A part that lands does not bounce (restitution {}): it counts only where parts hop.",
     "normal_phase": "Both motions of the trough pass their middles together (normal phase {}).",
 }
+#: Of ``LIMITS`` what a machine does otherwise.
+AS_STATED: Final = (
+    "A rigid trough that moves exactly as stated, the same over its whole length, whatever lies on it."
+)
 #: What the model leaves out.
 LIMITS: Final = (
     "One rigid part that is small against the trough, alone: no tipping or rolling, no parts that push each"
     " other, no air.",
     "Dry friction with one static and one kinetic coefficient. Those of real parts scatter by a tenth and"
     " more, and change with wear, dust, oil and humidity: measure them on the trough.",
-    "A rigid trough that moves exactly as stated, the same over its whole length, whatever lies on it.",
+    AS_STATED,
     "The numbers are exact for this model, but for means of irregular hopping, which carry a standard error:"
     " a feeder differs from them by what the model leaves out and by errors of the input.",
 )
@@ -159,10 +164,11 @@ def next_text(one: OneScene) -> tuple[str, str]:
     return "", ""
 
 
-def transition_texts(one: OneScene) -> list[str]:
-    """Say what begins where as the drive grows, a sentence each."""
+def transition_texts(one: OneScene, *, of_machine: bool = False) -> list[str]:
+    """Say what begins where as the drive grows, a sentence each; of a machine not at which frequency."""
     said = []
     for t in one.transitions():
+        t = t._replace(frequency=math.nan) if of_machine else t
         end = f", until {_where(one, t.end_ratio)}" if one.scene.motion is not None and t.end_ratio else ""
         if t.ratio > 1.0:
             said.append(f"From {_where(one, t.ratio)}{_or_at(t)} on the part {_BEGUN[t.name]}{end}.")

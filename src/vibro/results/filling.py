@@ -74,7 +74,7 @@ WEIGHED: Final = (
     Result(
         name="added_damping_share",
         meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
-        symbol=r"\delta",
+        symbol="δ",
         column="added_damping_share",
     ),
     Result(
@@ -90,7 +90,6 @@ WEIGHED: Final = (
     Result(
         name="energy",
         meaning="energy that the filling takes from the drive in a cycle",
-        symbol=r"\pi m\lvert X\rvert^2\omega^2\delta",
         kind=ENERGY,
         column="energy_per_cycle_j",
     ),

@@ -38,7 +38,7 @@ MACHINE_RESULTS: Final = (
     Result(
         name="added_damping_share",
         meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
-        symbol=r"\delta",
+        symbol="δ",
         column="added_damping_share",
     ),
     Result(

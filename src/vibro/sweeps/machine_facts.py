@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["machine_facts", "machine_warnings"]
 
 _SOFT: Final = 3.0  # of the drive over the mounts' frequency: as stiff as makers have them
+_ROUNDING: Final = 1e-12  # [1] share of a filling's mass
+_BENT: Final = 0.1  # [%] of the amplitude: second harmonic that the speed is told with too
 _MASSES: Final = {
     "vibrating_mass_kg": "vibrating mass", "trough_mass_kg": "trough", "counter_mass_kg": "counter mass",
 }  # fmt: skip
@@ -68,7 +70,11 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[tuple[
         facts.append(("springs bend", f"{_mm(points.relative_amplitude)} to each side"))
     second = 100.0 * abs(np.asarray(points.second_harmonic).item())
     if filling and math.isfinite(second):
-        facts.append(("second harmonic", f"{second:.3g} % of the amplitude, from the filling"))
+        told = f"{second:.3g} % of the amplitude, from the filling"
+        speed = float(SPEED.from_si(np.asarray(points.speed_with_second_harmonic()).item()))
+        if second > _BENT and math.isfinite(speed):
+            told += f"; with it the mean speed is {speed:.4g} mm/s"
+        facts.append(("second harmonic", told))
     return facts
 
 
@@ -119,12 +125,19 @@ def _resonance(points: OperatingPoints, filling: float) -> str:
     told = f"f/f0 = {empty:.4g} empty"
     if filling and math.isfinite(full):
         told += f", {full:.4g} with the filling"
+    if empty == 1.0:
+        return f"{told}: at resonance, where damping alone decides the amplitude"
     sides = [ratio < 1.0 for ratio in (empty, *([full] if filling and math.isfinite(full) else []))]
     if all(sides):
         return f"{told}: below resonance, where more mass mostly means more amplitude"
     if not any(sides):
         return f"{told}: above resonance, where more mass means less amplitude"
     return f"{told}: the filling takes the machine across resonance"
+
+
+def _share(value: float) -> str:
+    """Write a share in percent; of rounding alone nothing."""
+    return f"{100.0 * value:.3g}" if abs(value) > _ROUNDING else "0"
 
 
 def _filling(given: GivenMachine, points: OperatingPoints, filling: float) -> str:
@@ -143,8 +156,7 @@ def _filling(given: GivenMachine, points: OperatingPoints, filling: float) -> st
     if any(low < high for low, high in given.shares.values()):
         whose = "the middles of given bands"
     return (
-        f"{MASS.text(filling)}: {100.0 * mass:.3g} % of it acts as mass, {100.0 * damping:.3g} % as damping"
-        f" ({whose})"
+        f"{MASS.text(filling)}: {_share(mass)} % of it acts as mass, {_share(damping)} % as damping ({whose})"
     )
 
 
