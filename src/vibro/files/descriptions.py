@@ -237,7 +237,8 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
 
 # Of a machine in a question settings may be chosen, as amplitudes may.
 _IN_DESIGN: Final = _by_key(
-    _entry(form.LIMITS, "setting", "settings of a machine that may be chosen", "up to 100, of a crank 100", "20:100"),
+    _entry(form.LIMITS, "setting", "settings of a machine that may be chosen", "up to 100, of a crank 100",
+           "20:100"),
 )
 
 #: Input of ``vibro design``; static friction must be positive, since without it no body rests.
