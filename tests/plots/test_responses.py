@@ -91,6 +91,14 @@ def test_without_a_filling_a_voltage_and_hops() -> None:
     apart(figure)
 
 
+def test_further_operating_points_are_drawn() -> None:
+    figure = drive_figure(drive(others=(0.2, 0.25)), "magnet", "")
+    assert "other operating points with 2 kg" in texts(figure)
+    (crosses,) = [line for line in figure.axes[0].lines if line.get_marker() == "x"]
+    assert np.asarray(crosses.get_xydata()).tolist() == [[50.0, 0.2], [50.0, 0.25]]
+    apart(figure)
+
+
 def test_where_nothing_is_known_nothing_is_drawn() -> None:
     nothing = np.full(X.size, np.nan)
     lost = drive(

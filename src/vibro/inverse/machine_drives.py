@@ -16,14 +16,12 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.fillings import filling as filling_of
 from vibro.inverse.extremes import counted
 from vibro.inverse.proofs import corners
 from vibro.inverse.rounding import DIGITS, rounded
 from vibro.inverse.search import sobol
 from vibro.inverse.spaces import inside, off
 from vibro.machines.operating import operate
-from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -35,8 +33,6 @@ if TYPE_CHECKING:
     from vibro.inverse.spaces import Setting
     from vibro.inverse.specs import Drive, Span
     from vibro.machines.machine import Machine
-    from vibro.machines.operating import OperatingPoints
-    from vibro.results.steady import SteadyCycle
 
     Floats = NDArray[np.float64]
 
@@ -268,35 +264,13 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
     )
     if not met.low > 0.0:
         return met
-    size, cycle = _with_second_harmonic(machine.machine, found, filling)
+    cycle = solve(found.scene_with_second_harmonic)
     return met._replace(
-        second_harmonic=float(size.max()),
+        second_harmonic=float(np.nan_to_num(found.second_harmonic).max()),
         speed=float(np.fmin.reduce(counted(cycle, fast=False))),
         regime=Regime(int(cycle.regime.max())),
         throw_number=float(cycle.throw_number.max()),
     )
-
-
-def _with_second_harmonic(
-    machine: Machine, points: OperatingPoints, filling: Floats
-) -> tuple[Floats, SteadyCycle]:
-    """Return the second harmonic that fillings put on the trough, over its amplitude, and cycles with it.
-
-    It is left out where the filling moves irregularly, so that only a bound of it is known.
-    """
-    scene = points.scene
-    fields = {name: value for field, name, value in scene.arrays().members() if field == name}
-    frequency, angle = np.asarray(fields["frequency"]), np.asarray(fields.pop("drive_angle"))
-    # the force m A w^2 h of the filling at twice the frequency, times the receptance -H / (2 w)^2
-    compliance = machine.response(2.0 * frequency).compliance
-    second = np.nan_to_num(-0.25 * filling * filling_of(scene).second_harmonic * compliance)
-    size, phase, amplitude = np.abs(second), np.angle(second), np.asarray(fields.pop("amplitude"))
-    ways: Any = {
-        f"{way}_harmonics": [(part * amplitude, 0.0), (part * amplitude * size, phase)]
-        for way, part in (("along", np.cos(angle)), ("normal", np.sin(angle)))
-    }
-    bent = Scene(**fields, **ways)
-    return size, solve(bent)
 
 
 def most_setting(machine: MachineDrive, drift: float) -> float:

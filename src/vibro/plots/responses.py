@@ -138,6 +138,8 @@ class DrivePicture(NamedTuple):
         Amplitudes above which bodies hop, and slip [mm]; infinite where they never do.
     full : float
         The filling [kg].
+    others : tuple of float
+        Amplitudes of further operating points at the drive, with the filling [mm].
     """
 
     frequency: Floats
@@ -149,6 +151,7 @@ class DrivePicture(NamedTuple):
     hop: Floats
     slip: Floats
     full: float
+    others: tuple[float, ...] = ()
 
 
 _STATES: Final[tuple[Mapping[str, Any], ...]] = (
@@ -164,6 +167,9 @@ _POINT: Final[Mapping[str, Any]] = {
     "markeredgewidth": 2.0,
     "linestyle": "none",
 }
+_OTHER: Final[Mapping[str, Any]] = {
+    "color": "#BB5566", "marker": "x", "markersize": 7.0, "markeredgewidth": 2.0, "linestyle": "none",
+}  # fmt: skip
 _RESONANCES: Final = (_RESONANCE, {**_RESONANCE, "linestyle": (0, (1, 3))})
 _HOP: Final[Mapping[str, Any]] = {"color": INK, "linewidth": 1.1, "linestyle": (0, (7, 2, 1.5, 2))}
 _SLIP: Final[Mapping[str, Any]] = {"color": "#8A8A8A", "linewidth": 1.1, "linestyle": (0, (3, 1.5))}
@@ -218,6 +224,9 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
             for axes, value in zip((above, beneath), point, strict=True):
                 axes.plot(drive.drive, value, zorder=6, **marker)
             legend[f"operating point {names[i]}"] = marker
+        if drive.others:
+            above.plot([drive.drive] * len(drive.others), drive.others, zorder=5, **_OTHER)
+            legend[f"other operating points {names[-1]}"] = dict(_OTHER)
         top = _top(drive, 0)
         lines = (drive.hop, _HOP, "bodies hop above"), (drive.slip, _SLIP, "bodies slip above")
         for critical, line, name in lines:

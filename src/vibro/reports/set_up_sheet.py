@@ -667,6 +667,7 @@ def _picture(request: SheetRequest) -> DrivePicture:
         hop=np.asarray(length * loads.hop),
         slip=np.asarray(length * np.minimum(loads.forward_onset, loads.back_onset)),
         full=request.full,
+        others=ends[-1].amplitudes[1:],
     )
 
 
