@@ -12,7 +12,7 @@ from helpers.questions import answered
 
 import vibro
 from vibro import Regime
-from vibro.inverse import designs
+from vibro.inverse import machine_designs
 from vibro.inverse.designs import chosen_of, find_designs
 from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import Found
@@ -281,7 +281,7 @@ class Known:
         def row(kind: str) -> Design:
             return Design(drive=place[0], highest_regime=place[1].label, design=kind, speed_min_mm_s=speed)
 
-        return SimpleNamespace(found=designs, row=row)
+        return SimpleNamespace(question=question, found=designs, row=row)
 
 
 TWO = {**LINE, "drive": [{**LINE["drive"][0], "name": name} for name in "ab"]}
@@ -292,7 +292,7 @@ REGIMES = [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING]
 
 def test_every_regime_takes_over_the_designs_of_the_lower_one(monkeypatch: pytest.MonkeyPatch) -> None:
     known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
-    monkeypatch.setattr(designs, "find", known)
+    monkeypatch.setattr(machine_designs, "find", known)
     result = find_designs(read_spec(TWO))
     calmer = {(name, regime): found for name, regime, found in known.asked}
     assert len(calmer) == len(known.asked) == 6
@@ -306,7 +306,7 @@ def test_every_regime_takes_over_the_designs_of_the_lower_one(monkeypatch: pytes
 def test_the_goals_regime_is_searched_and_told_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """Beside lower ones, whose designs are candidates; designs of each regime come with their settings."""
     known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
-    monkeypatch.setattr(designs, "find", known)
+    monkeypatch.setattr(machine_designs, "find", known)
     progress: list[tuple[int, int, str]] = []
     result = find_designs(read_spec(TWO), lambda *done: progress.append(done))
     low, goal, high = REGIMES
@@ -334,7 +334,7 @@ def test_other_regimes_than_the_goals_can_be_left_out(
     goal: str, searched: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES})
-    monkeypatch.setattr(designs, "find", known)
+    monkeypatch.setattr(machine_designs, "find", known)
     spec = read_spec({**TWO, "goal": {"speed_mm_s": 5, "highest_regime": goal}})
     progress: list[Any] = []
     result = find_designs(spec, lambda *done: progress.append(done), goal_only=True)
@@ -355,7 +355,7 @@ def test_other_regimes_than_the_goals_can_be_left_out(
     ],
 )
 def test_a_goal_is_met_within_its_regime(speeds: Any, met: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(designs, "find", Known(speeds))
+    monkeypatch.setattr(machine_designs, "find", Known(speeds))
     assert find_designs(read_spec(TWO)).met is met
 
 
