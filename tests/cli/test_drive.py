@@ -28,9 +28,9 @@ def test_the_sheet(run: Run, tmp_path: Path) -> None:
     assert result.exit_code == 0, result.stderr
     said, lines = folded(result.stdout), lines_of(result.stdout)
     assert "f/f0 = 1.05 empty, 1.064 full: 5 % above resonance when empty." in said
-    assert "Above resonance: more filling, less amplitude" in said
+    assert "This filling brings less amplitude" in said
     assert "no filling brings it to the drive" in said
-    assert "2 kg act like 0.248 kg more of trough, a mass share of 12.4 %" in said
+    assert "2 kg act like 0.2477 kg more of trough, a mass share of 12.4 %" in said
     assert "100 % empty 0.35 24.24 1.2 1.05 hopping" in said
     assert "100 % 2 kg 0.2518 16.4" in said
     assert "25 % 2 kg 0.02602 0 " in said
@@ -57,7 +57,7 @@ def test_every_line_fits_into_80_columns(run: Run, tmp_path: Path, kind: str) ->
 
 def test_below_resonance_a_filling_adds_amplitude(run: Run, tmp_path: Path) -> None:
     said = folded(run("drive", written(tmp_path, feeder(0.9, BANDS))).stdout)
-    assert "10 % below resonance when empty. Below resonance: more filling, more amplitude" in said
+    assert "10 % below resonance when empty. This filling brings more amplitude" in said
     assert "kg of filling, at the share found here, bring it to the drive" in said
 
 
@@ -183,7 +183,10 @@ def test_files_without_a_machine_or_with_one_that_strikes(run: Run, tmp_path: Pa
     strikes = run("drive", written(tmp_path, feeder(1.05, "gap_mm = 0.3\n")))
     assert strikes.exit_code == 2
     assert "masses strike" in strikes.stderr
-    assert "--setting" in strikes.stderr
+    hinted = strikes.stderr.partition("such as --setting ")[2].partition(",")[0]
+    assert 50.0 < float(hinted) < 75.0
+    lower = run("drive", written(tmp_path, feeder(1.05, "gap_mm = 0.3\n")), "--setting", hinted)
+    assert lower.exit_code == 0, lower.stderr
     assert run("drive", tmp_path / "none.toml").exit_code == 1
 
 

@@ -396,3 +396,17 @@ def test_errors_of_what_is_no_case() -> None:
     with pytest.raises(InputError, match="amplitude = inf m at frequency = 50 Hz") as caught:
         vibro.operate(undamped, **SLIDER)
     assert "damping_ratio > 0" in caught.value.hint
+
+
+def test_an_infinite_amplitude_is_an_error_or_a_mark() -> None:
+    body = {name: x for name, x in SLIDER.items() if name != "frequency"}
+    undamped = vibro.Machine.magnet(trough_mass=6, natural_frequency=50, damping_ratio=0, force=20)
+    with pytest.raises(InputError, match="amplitude = inf m at frequency = 50 Hz"):
+        vibro.operate(undamped, frequency=[49, 50], **body)
+    points = vibro.operate(undamped, frequency=[49, 50, 51], filling=[[0], [1]], allow_strikes=True, **body)
+    assert points.strikes.tolist() == 2 * [[False, True, False]]
+    assert np.isnan(points.amplitude).tolist() == points.strikes.tolist()
+    assert np.isinf(points.relative_amplitude).tolist() == points.strikes.tolist()
+    assert points.frequency_ratio[0, 1] == pytest.approx(1.0, abs=1e-15)
+    alone = vibro.operate(undamped, frequency=51, filling=1, **body)
+    assert points.amplitude[1, 2] == alone.amplitude

@@ -11,7 +11,7 @@ import numpy as np
 from vibro.cli.report import aligned
 from vibro.core.codes import Regime
 from vibro.errors import printable
-from vibro.quantities import DEFAULTS, LENGTH, QUANTITIES
+from vibro.quantities import DEFAULTS, LENGTH, MACHINE, QUANTITIES
 from vibro.reports.set_up_sheet import CHANGES
 from vibro.results.steady import NO_REGIME
 
@@ -34,6 +34,7 @@ _PROOFS: Final = {
     "sampled": "sampled, not proved",
 }
 _AT: Final = 0.01  # [%] distance from resonance that counts as none
+_FAR: Final = 100.0  # [%] distance that is told no more
 _FRICTIONS: Final = ("static_friction", "kinetic_friction")
 
 
@@ -140,12 +141,15 @@ def _resonance(sheet: Sheet, empty: Row, full: Row) -> str:
     away = 100.0 * abs(ratios[0] - 1.0)
     if away < _AT:
         return f"{told}: at resonance when empty"
-    told += f": {away:.2g} % {'below' if ratios[0] < 1.0 else 'above'} resonance when empty"
+    side = "below" if ratios[0] < 1.0 else "above"
+    told += f": {'far' if away >= _FAR else f'{away:.2g} %'} {side} resonance when empty"
     sides = {ratio < 1.0 for ratio in ratios}
     if len(sides) == 2:
         return f"{told}; the filling takes the machine across resonance"
+    if sheet.request.full:
+        grows = full.amplitude > empty.amplitude
+        return f"{told}. This filling brings {'more' if grows else 'less'} amplitude"
     more = "more" if sheet.more_mass > 0.0 else "less"
-    side = "below" if ratios[0] < 1.0 else "above"
     return f"{told}. {side.capitalize()} resonance: more filling, {more} amplitude"
 
 
@@ -154,7 +158,7 @@ def _filling(sheet: Sheet, full: Row) -> str:
         return f"{full.filling:g} kg, whose share is not known: {full.status.message}"
     whose = "as given" if sheet.request.machine.shares else "computed"
     said = (
-        f"{full.filling:g} kg act like {full.filling * full.added_mass_share:.3g} kg more of trough, a mass"
+        f"{full.filling:g} kg act like {full.filling * full.added_mass_share:.4g} kg more of trough, a mass"
         f" share of {100.0 * full.added_mass_share:z.3g} %; damping share"
         f" {100.0 * full.added_damping_share:z.3g} % ({whose}, at {full.setting:g} %)"
     )
@@ -303,6 +307,8 @@ def _sensitivities(sheet: Sheet) -> str:
     rows = [("1 % more of", *(f"{state}: speed [%]" for state in states))]
     missing = 0
     for name, pair in sheet.sensitivities.items():
+        if name in MACHINE and not sheet.request.machine.takes(name):
+            continue  # of a crank
         told = ["" if name == "filling" and i == 0 else _signed(x) for i, x in enumerate(pair)][: len(states)]
         missing += told.count("-")
         rows.append((CHANGES[name], *told))

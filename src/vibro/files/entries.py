@@ -155,7 +155,11 @@ def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
 
 def _mass_or_floor(quantity: Quantity, value: Any) -> float:
     """Read a mass; that of the floor is infinite."""
-    return math.inf if value == "floor" else _number(quantity, value, f'{_NUMBER} or "floor"')
+    if value == "floor":
+        return math.inf
+    if isinstance(value, str) and not value.strip()[:1].isdigit():
+        raise _wrong(quantity, value, f'{_NUMBER} or "floor"')
+    return _number(quantity, value)
 
 
 def _count(quantity: Quantity, value: Any) -> int:

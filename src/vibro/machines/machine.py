@@ -458,9 +458,9 @@ class Machine:
         for name, value in (("natural frequency", fit.natural_frequency), ("damping", fit.damping_ratio)):
             if math.isnan(value):
                 read.problem(
-                    f"points = {shown(points)}: they determine no {name}",
-                    "measure on both sides of the resonance, some points within 5 % of it; or give"
-                    " natural_frequency and damping_ratio to Machine.magnet",
+                    f"points: they determine no {name}",
+                    "measure on both sides of the resonance, some points within 5 % of it; or describe a"
+                    " magnet, by its natural frequency and damping ratio",
                     "points",
                 )
                 break

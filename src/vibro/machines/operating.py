@@ -48,6 +48,7 @@ _LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is looked at 
 _ROUNDING: Final = 1e-9  # [1] by which bounds are widened
 _JUMP: Final = 1e-9  # [1] residual over the empty amplitude that only a jump leaves in a closed bracket
 _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  # of what is checked after it
+_NEIGHBOUR: Final = 1.0 + 1e-12  # [1] of a frequency at which an amplitude is infinite
 _CHUNK: Final = 8192  # [cells] whose amplitudes are held at once
 
 
@@ -127,7 +128,7 @@ class OperatingPoints:
     @property
     @shielded
     def near_resonance(self) -> NDArray[np.bool_]:
-        """Whether the drive is within 2 zeta of resonance, empty or filled: damping alone decides there."""
+        """Whether the drive is within 2 zeta of resonance, empty or filled: damping decides much of there."""
         ratios = np.stack(np.broadcast_arrays(self.frequency_ratio, self.filled_frequency_ratio))
         return np.asarray(np.any(np.abs(ratios - 1.0) <= 2.0 * self.machine.damping_ratio, axis=0))[()]
 
@@ -171,13 +172,13 @@ class OperatingPoints:
         told = (
             (
                 self.near_resonance & (zeta > 0.0),
-                f"the drive is within 2 zeta = {100.0 * 2.0 * zeta:.3g} % of resonance: damping alone decides"
-                " the amplitude, and damping is the least known",
+                f"the drive is within 2 zeta = {100.0 * 2.0 * zeta:.3g} % of resonance: damping decides much"
+                " of the amplitude, and damping is the least known",
             ),
             (
                 several,
                 f"{np.max(self.number, initial=0)} operating points exist: the one with the least amplitude"
-                " is given; vibro.operating_points lists all",
+                " is given",
             ),
             (
                 self.at_jump,
@@ -185,14 +186,13 @@ class OperatingPoints:
             ),
             (
                 averaged,
-                "the filling moves irregularly: its force is bounded, and the amplitude lies between"
-                " amplitude_low and amplitude_high",
+                "the filling moves irregularly: its force is bounded, and so is the amplitude",
             ),
             (
                 second > WARNED_HARMONIC,
                 "the filling bends the trough's motion: a second harmonic of"
                 f" {100.0 * np.max(second, initial=0.0):.2g} % of the amplitude; at 0.3 to 3 % bodies were"
-                " 8 % slower to 24 % faster than computed for a sine; see speed_with_second_harmonic",
+                " 8 % slower to 24 % faster than computed for a sine",
             ),
             (self.strikes, "the relative amplitude exceeds the gap: the machine strikes"),
         )
@@ -233,6 +233,7 @@ class _Case(NamedTuple):
     empty: Floats
     linear: Transfer | None
     body: dict[str, Floats]
+    unbounded: NDArray[np.bool_]
 
     @property
     def compliance(self) -> Complexes:
@@ -284,8 +285,8 @@ def operate(
         Of the filling where it was measured; without, they are computed. The damping share without a mass
         share is not allowed; the other way round it is 0 [1].
     allow_strikes : bool, optional
-        Whether cells whose relative amplitude exceeds the machine's gap are marked in ``strikes``, without an
-        amplitude, rather than an error.
+        Whether cells whose relative amplitude exceeds the machine's gap, or is infinite, are marked in
+        ``strikes``, without an amplitude, rather than an error.
     threads : int, optional
         As of ``vibro.solve``.
 
@@ -337,6 +338,7 @@ def operate(
         voltage=voltage,
         natural_frequency=natural_frequency,
         filling=filling,
+        allow_unbounded=allow_strikes,
         **body,
     )
     shares = _shares(added_mass_share, added_damping_share, case.shape)
@@ -414,6 +416,7 @@ def _case(
     voltage: ArrayLike = 1.0,
     natural_frequency: ArrayLike | None = None,
     filling: ArrayLike = 0.0,
+    allow_unbounded: bool = False,
     **body: Any,
 ) -> _Case:
     """Check and broadcast all arguments, and find the empty machine's amplitude."""
@@ -432,13 +435,19 @@ def _case(
     f, s, u, f0, mass = (flat(x) for x in (f, s, u, f0, mass))
     empty, linear = driven(machine, f, s, u, f0)
     good = (empty > 0.0) & np.isfinite(empty)
+    unbounded = ~good & allow_unbounded
+    if unbounded.any():  # these cells have no answer: a neighbour's numbers stand in for theirs
+        f = np.where(unbounded, f * _NEIGHBOUR, f)
+        empty, linear = driven(machine, f, s, u, f0)
+        good = (empty > 0.0) & np.isfinite(empty)
     if not good.all():
         i = int(np.argmin(good))
         raise InputError(
             f"amplitude = {empty[i]:.6g} m at frequency = {f[i]:.15g} Hz: must be finite and > 0 m",
             hint="damping alone bounds the amplitude at resonance: give a damping_ratio > 0",
         )
-    case = _Case(shape, f, s, u, f0, mass, empty, linear, {name: flat(x) for name, x in rest.items()})
+    body = {name: flat(x) for name, x in rest.items()}
+    case = _Case(shape, f, s, u, f0, mass, empty, linear, body, unbounded)
     sizes = case.filling * np.abs(case.compliance), _reach(case)
     if not (good := np.isfinite(sizes[0]) & np.isfinite(sizes[1])).all():
         wrong = float(case.filling[int(np.argmin(good))])
@@ -823,11 +832,12 @@ def _points(
         force = machine.force_at(case.frequency, case.setting, case.voltage)
         phase, relative = np.angle(moved.trough + 0.0), force * np.abs(moved.relative)
         harmonic = -0.25 * case.filling * found.second * twice.compliance
-        ratio = case.frequency / case.natural
+        ratio = np.where(case.unbounded, case.frequency / _NEIGHBOUR, case.frequency) / case.natural
         filled = case.frequency / machine.filled_natural_frequency(case.natural, added.real)
     unknown = np.isnan(found.amplitude)
     phase, relative, filled = (np.where(unknown, np.nan, np.real(x)) for x in (phase, relative, filled))
-    strikes = relative > machine.gap
+    relative = np.where(case.unbounded, np.inf, relative)
+    strikes = (relative > machine.gap) | case.unbounded
     if np.any(strikes) and not allow_strikes:
         i = int(np.argmax(strikes))
         raise InputError(
@@ -851,7 +861,7 @@ def _points(
     return OperatingPoints(
         scene=scene,
         amplitude=shaped(found.amplitude),
-        amplitude_empty=shaped(case.empty),
+        amplitude_empty=shaped(np.where(case.unbounded, np.inf, case.empty)),
         amplitude_low=shaped(found.low),
         amplitude_high=shaped(found.high),
         phase=shaped(phase),

@@ -9,6 +9,7 @@ from vibro.core.codes import Regime, Status
 from vibro.inverse.costs import changed_cycles
 from vibro.quantities import LENGTH, QUANTITIES, as_given
 from vibro.reports.scene_texts import DOES, pattern_text
+from vibro.results.operating import OPERATING
 from vibro.sweeps.one_scene import estimate
 
 if TYPE_CHECKING:
@@ -59,7 +60,10 @@ def change_texts(one: OneScene) -> tuple[list[str], list[tuple[str, ...]]]:
     if rests.all():
         return [f"The part rests with a little more of any input too, and with 10 % more {which}."], []
     in_percent = not one.is_still and one.is_certain
-    changes = [_change(name, cycle, cell, in_percent) for cell, name in enumerate(names, 1)]
+    left_out = "frequency" if OPERATING in one.values else ""  # with which a machine's amplitude changes
+    changes = [
+        _change(name, cycle, cell, in_percent) for cell, name in enumerate(names, 1) if name != left_out
+    ]
     labels = [_label(change.name, which) for change in changes]
     told = "the mean speed changes by" if in_percent else "the mean speed becomes"
     rows: list[tuple[str, ...]] = [("1 % more", told, "and the part then")]

@@ -36,6 +36,7 @@ __all__ = ["CHANGES", "Bounds", "Change", "Pack", "Row", "Sheet", "SheetRequest"
 _MAINS: Final = 0.01  # [1] change of the mains' frequency of which every sheet tells the effect
 _STEP: Final = 1e-3  # [1] relative change from which sensitivities are taken
 _FILLINGS: Final = 17  # looked at over the band of the filling for the bounds of the amplitude
+_ROOM: Final = 0.98  # [1] of the largest setting at which masses do not strike, as a filling may push it
 _GIVEN: Final = 0.01  # [1] change of speed within which "the motion is given" counts as right
 # Fillings over the trough's mass among which that change is sought, 12 % apart.
 _LIGHT: Final = np.geomspace(1e-4, 1.0, 82)
@@ -413,14 +414,20 @@ class _Book:
 def _refuse_strikes(given: GivenMachine, pairs: Sequence[tuple[Row, Row]]) -> None:
     """Refuse settings at which the masses strike each other: name the first."""
     for row in (row for pair in pairs for row in pair):
-        if row.strikes:
-            across, gap = row.relative_amplitude, LENGTH.from_si(given.machine.gap)
+        if not row.strikes:
+            continue
+        across, gap = row.relative_amplitude, LENGTH.from_si(given.machine.gap)
+        if math.isinf(across):
             raise InputError(
-                f"{_case(row)}: the masses strike: the relative amplitude would be {across:.4g} mm, and"
-                f" gap_mm allows {gap:.4g} mm",
-                hint=f"lower it, such as setting={row.setting / 2.0:.3g}, or take a spring pack farther from"
-                " resonance",
+                f"{_case(row)}: nothing bounds the amplitude: the drive is at resonance, without damping",
+                hint="give a damping_ratio > 0",
             )
+        raise InputError(
+            f"{_case(row)}: the masses strike: the relative amplitude would be {across:.4g} mm, and"
+            f" gap_mm allows {gap:.4g} mm",
+            hint=f"lower it, such as setting={_ROOM * row.setting * gap / across:.3g}, or take a spring pack"
+            " farther from resonance",
+        )
 
 
 def _all_amplitudes(given: GivenMachine, case: Mapping[str, float]) -> tuple[float, ...]:
@@ -581,8 +588,8 @@ def _warnings(request: SheetRequest, pairs: Sequence[tuple[Row, Row]], bounds: S
     said = []
     if near := [row for row in rows if row.near_resonance]:
         said.append(
-            f"{_cases(near, rows)}: within 2 zeta = {200.0 * zeta:.3g} % of resonance, where damping alone"
-            " decides the amplitude; damping is what is known least"
+            f"{_cases(near, rows)}: within 2 zeta = {200.0 * zeta:.3g} % of resonance, where damping decides"
+            " much of the amplitude; it is what is known least"
         )
     for row in rows:
         if row.number > 1:

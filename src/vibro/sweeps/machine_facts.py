@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["machine_facts", "machine_warnings"]
 
+_MOSTLY: Final = "more mass mostly means more amplitude"
 _SOFT: Final = 3.0  # of the drive over the mounts' frequency: as stiff as makers have them
 _ROUNDING: Final = 1e-12  # [1] share of a filling's mass
 _BENT: Final = 0.1  # [%] of the amplitude: second harmonic that the speed is told with too
@@ -129,7 +130,9 @@ def _resonance(points: OperatingPoints, filling: float) -> str:
         return f"{told}: at resonance, where damping alone decides the amplitude"
     sides = [ratio < 1.0 for ratio in (empty, *([full] if filling and math.isfinite(full) else []))]
     if all(sides):
-        return f"{told}: below resonance, where more mass mostly means more amplitude"
+        # far below, near the load-proof springs, more mass means less amplitude too
+        told += ": below resonance"
+        return told if filling and points.amplitude < points.amplitude_empty else f"{told}, where {_MOSTLY}"
     if not any(sides):
         return f"{told}: above resonance, where more mass means less amplitude"
     return f"{told}: the filling takes the machine across resonance"

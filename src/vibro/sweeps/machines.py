@@ -132,6 +132,11 @@ def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
     across, gap = (
         f"{LENGTH.from_si(float(x)):.4g} mm" for x in (found["relative_amplitude"].item(), given.machine.gap)
     )
+    if np.isinf(found["relative_amplitude"].item()):
+        raise InputError(
+            "nothing bounds the amplitude: the drive is at resonance, without damping",
+            hint="give a damping_ratio > 0",
+        )
     if found["relative_amplitude"].item() > given.machine.gap:
         raise InputError(
             f"the masses strike: the relative amplitude would be {across}, and gap_mm allows {gap}",

@@ -440,7 +440,8 @@ def beginnings(one: OneScene) -> list[tuple[str, ...]]:
         head.append(f"until {which}")
         for row, t in zip(rows, one.transitions(), strict=True):
             row.append(one.amplitudes(t.end_ratio) if t.end_ratio > 0.0 else "no end")
-    if isinstance(one.scene.motion, PiecewiseMotion):  # whose accelerations do not depend on the frequency
+    # accelerations of pieces do not depend on the frequency, the amplitude of a machine does
+    if isinstance(one.scene.motion, PiecewiseMotion) or OPERATING in one.values:
         del head[3]
         for row in rows:
             del row[3]
