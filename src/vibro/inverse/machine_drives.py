@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from vibro.inverse.questions import Question
     from vibro.inverse.spaces import Setting
     from vibro.inverse.specs import Drive, Span
-    from vibro.machines.machine import Machine
+    from vibro.machines.machine import Machine, Response
 
     Floats = NDArray[np.float64]
 
@@ -283,9 +283,7 @@ def most_setting(machine: MachineDrive, drift: float) -> float:
     drift : float
         Of the frequency, either way [1].
     """
-    frequencies = _around(machine.frequency, drift, machine.natural_frequency)
-    found = machine.machine.response(frequencies[:, None], voltage=np.array(machine.voltage))
-    return float(machine.machine.gap / np.max(found.relative_amplitude))
+    return float(machine.machine.gap / np.max(_empty(machine, drift).relative_amplitude))
 
 
 def empty_band(machine: MachineDrive, drift: float) -> Span:
@@ -298,10 +296,14 @@ def empty_band(machine: MachineDrive, drift: float) -> Span:
     drift : float
         Of the frequency, either way [1].
     """
-    frequencies = _around(machine.frequency, drift, machine.natural_frequency)
-    found = machine.machine.response(frequencies[:, None], voltage=np.array(machine.voltage))
-    ratios = np.asarray(found.amplitude) / machine.full_amplitude
+    ratios = np.asarray(_empty(machine, drift).amplitude) / machine.full_amplitude
     return float(ratios.min()), float(ratios.max())
+
+
+def _empty(machine: MachineDrive, drift: float) -> Response:
+    """Return the empty machine's motion over the drift of its frequency and the band of its voltage."""
+    frequencies = _around(machine.frequency, drift, machine.natural_frequency)
+    return machine.machine.response(frequencies[:, None], voltage=np.array(machine.voltage))
 
 
 def _around(frequency: float, drift: float, resonance: float | None) -> Floats:

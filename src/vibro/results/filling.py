@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["WEIGHED", "Filling"]
+__all__ = ["DAMPING_SHARE", "MASS_SHARE", "WEIGHED", "Filling"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,25 +58,28 @@ class Filling:
         return self.added_mass_share - 1j * self.added_damping_share
 
 
+#: Columns of the shares, beside a machine too.
+MASS_SHARE: Final = Result(
+    name="added_mass_share",
+    meaning="share of the filling's mass that acts as mass of the trough",
+    symbol=r"\lambda",
+    column="added_mass_share",
+)
+DAMPING_SHARE: Final = Result(
+    name="added_damping_share",
+    meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
+    symbol="δ",
+    column="added_damping_share",
+)
 #: Columns about a filling whose mass is given, and whose trough moves as the scene says.
 WEIGHED: Final = (
-    Result(
-        name="added_mass_share",
-        meaning="share of the filling's mass that acts as mass of the trough",
-        symbol=r"\lambda",
-        column="added_mass_share",
-    ),
+    MASS_SHARE,
     Result(
         name="added_mass_share_error",
         meaning="standard error of that share where it is a mean over many cycles, else 0",
         column="added_mass_share_error",
     ),
-    Result(
-        name="added_damping_share",
-        meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
-        symbol="δ",
-        column="added_damping_share",
-    ),
+    DAMPING_SHARE,
     Result(
         name="added_damping_share_error",
         meaning="standard error of that share where it is a mean over many cycles, else 0",

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from vibro.quantities import LENGTH, PERCENT, SPEED
+from vibro.results.filling import DAMPING_SHARE, MASS_SHARE
 from vibro.results.steady import Result
 
 __all__ = ["BENT_SPEED", "FIELDS", "MACHINE_RESULTS", "OPERATING"]
@@ -29,18 +30,8 @@ MACHINE_RESULTS: Final = (
         kind=LENGTH,
         column="amplitude_empty_mm",
     ),
-    Result(
-        name="added_mass_share",
-        meaning="share of the filling's mass that acts as mass of the trough",
-        symbol=r"\lambda",
-        column="added_mass_share",
-    ),
-    Result(
-        name="added_damping_share",
-        meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
-        symbol="δ",
-        column="added_damping_share",
-    ),
+    MASS_SHARE,
+    DAMPING_SHARE,
     Result(
         name="relative_amplitude",
         meaning="amplitude of the trough against its counter mass, or the floor: what the springs bend",
