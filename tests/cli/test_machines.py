@@ -278,3 +278,11 @@ def test_what_begins_is_told_by_amplitude_alone(run: Run, tmp_path: Path) -> Non
     )
     assert "amplitude [mm]" in head
     assert "frequency" not in head
+
+
+@pytest.mark.parametrize(("filling", "cells"), [("0", 0), ("0,1", 2)])
+def test_maps_tell_how_many_cells_are_no_sines(run: Run, tmp_path: Path, filling: str, cells: int) -> None:
+    of_cells = "--setting", "90,100", "--filling", filling, "-f", "50", "-o", str(tmp_path / "map")
+    said = run("map", feeder(tmp_path, ""), *of_cells).stderr
+    told = f"warning: {cells} of 4 cells: the filling bends the trough's motion"
+    assert told in said if cells else "bends" not in said

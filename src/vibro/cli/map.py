@@ -150,6 +150,7 @@ def map_command(
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED, checked_number
+    from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC, bent
     from vibro.results.sweep import at_rest, where_motion_begins
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.request import RANGES
@@ -240,11 +241,12 @@ def map_command(
         style = {
             "name": request.name or "", "x": x and axis_name(x), "y": y and axis_name(y), "at": held,
         }  # fmt: skip
-    moves = False
+    moves, bends = False, 0
 
     def look(block: Block) -> None:
-        nonlocal moves
+        nonlocal moves, bends
         moves = moves or not at_rest(block.cycle).all()
+        bends += bent(block)
         if target:
             target.add(block)
         if cells:
@@ -253,6 +255,12 @@ def map_command(
     code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table, style)
     if target:
         console.echo(target.text())
+    if bends:
+        console.warn(
+            f"{bends} of {grid.size} cells: the filling bends the trough's motion, by a second harmonic above"
+            f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; the speed with it is the column"
+            f" {BENT_SPEED.column} of --columns"
+        )
     if not moves:
         console.echo(where_motion_begins(axes, fixed, limits_of(grid.values())))
     return code

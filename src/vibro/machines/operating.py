@@ -16,6 +16,7 @@ from vibro.machines.linear import transfer
 from vibro.machines.machine import Machine, broadcast, driven
 from vibro.quantities import STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array, shielded
+from vibro.results.operating import WARNED_HARMONIC
 from vibro.roots import sign_changes
 from vibro.scene import Scene
 from vibro.steady import check_switch, solve
@@ -31,10 +32,7 @@ if TYPE_CHECKING:
     Complexes = NDArray[np.complex128]
     Cells = NDArray[np.int64]
 
-__all__ = ["WARNED_HARMONIC", "OperatingPoints", "operate", "operating_points"]
-
-#: [1] Second harmonic of the trough over its amplitude above which a motion is no sine any more.
-WARNED_HARMONIC: Final = 1e-3
+__all__ = ["OperatingPoints", "operate", "operating_points"]
 
 # Amplitudes that are looked at: logarithms apart of neighbours, and how many at most between the ends.
 _STEP: Final = 0.03

@@ -13,9 +13,10 @@ from vibro.errors import InputError
 from vibro.fillings import filling_of
 from vibro.inverse.guarantees import guarantee
 from vibro.limits import critical_loads
-from vibro.machines.operating import WARNED_HARMONIC, operate, operating_points
+from vibro.machines.operating import operate, operating_points
 from vibro.plots.responses import DrivePicture
 from vibro.quantities import LENGTH
+from vibro.results.operating import WARNED_HARMONIC
 from vibro.scene import Scene
 from vibro.steady import solve
 from vibro.sweeps.machines import case_of, points_of

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -10,10 +10,15 @@ from vibro.quantities import LENGTH, PERCENT, SPEED
 from vibro.results.filling import DAMPING_SHARE, MASS_SHARE
 from vibro.results.steady import Result
 
-__all__ = ["BENT_SPEED", "FIELDS", "MACHINE_RESULTS", "OPERATING"]
+if TYPE_CHECKING:
+    from vibro.results.sweep import Block
+
+__all__ = ["BENT_SPEED", "FIELDS", "MACHINE_RESULTS", "OPERATING", "WARNED_HARMONIC", "bent"]
 
 #: Key of a block's values under which these results are, as one array of ``FIELDS``, in SI units.
 OPERATING: Final = "operating"
+#: [1] Second harmonic of the trough over its amplitude above which a motion is no sine any more.
+WARNED_HARMONIC: Final = 1e-3
 
 #: Columns of tables with a machine, after its own quantities and before ``model``.
 MACHINE_RESULTS: Final = (
@@ -64,3 +69,12 @@ FIELDS: Final = np.dtype(
         ("number", np.int8),
     ]
 )
+
+
+def bent(block: Block) -> int:
+    """Count the cells of a block whose trough does not move as a sine, because of its filling."""
+    if OPERATING not in block.values:
+        return 0
+    found: Any = block.values[OPERATING]
+    second = np.broadcast_to(found["second_harmonic"], block.shape)
+    return int(np.count_nonzero(second > WARNED_HARMONIC))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.quantities import LENGTH, MACHINE, MASS, QUANTITIES, SPEED
+from vibro.results.operating import WARNED_HARMONIC
 from vibro.steady import solve
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.machines import case_of, points_of
@@ -23,7 +24,6 @@ __all__ = ["machine_facts", "machine_warnings"]
 _MOSTLY: Final = "more mass mostly means more amplitude"
 _SOFT: Final = 3.0  # of the drive over the mounts' frequency: as stiff as makers have them
 _ROUNDING: Final = 1e-12  # [1] share of a filling's mass
-_BENT: Final = 0.1  # [%] of the amplitude: second harmonic that the speed is told with too
 _MASSES: Final = {
     "vibrating_mass_kg": "vibrating mass", "trough_mass_kg": "trough", "counter_mass_kg": "counter mass",
 }  # fmt: skip
@@ -69,11 +69,11 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[tuple[
         facts.append(("all amplitudes", _all_amplitudes(given, values)))
     if given.kind not in ("unbalance", "crank"):  # whose springs bend as the trough moves, or which have none
         facts.append(("springs bend", f"{_mm(points.relative_amplitude)} to each side"))
-    second = 100.0 * abs(np.asarray(points.second_harmonic).item())
+    second = np.asarray(points.second_harmonic).item()
     if filling and math.isfinite(second):
-        told = f"{second:.3g} % of the amplitude, from the filling"
+        told = f"{100.0 * second:.3g} % of the amplitude, from the filling"
         speed = float(SPEED.from_si(np.asarray(points.speed_with_second_harmonic()).item()))
-        if second > _BENT and math.isfinite(speed):
+        if second > WARNED_HARMONIC and math.isfinite(speed):
             told += f"; with it the mean speed is {speed:.4g} mm/s"
         facts.append(("second harmonic", told))
     return facts
