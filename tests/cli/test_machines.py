@@ -280,7 +280,7 @@ def test_what_begins_is_told_by_amplitude_alone(run: Run, tmp_path: Path) -> Non
     assert "frequency" not in head
 
 
-@pytest.mark.parametrize(("filling", "cells"), [("0", 0), ("0,1", 2)])
+@pytest.mark.parametrize(("filling", "cells"), [("0", 0), ("1,2", 4)])
 def test_maps_tell_how_many_cells_are_no_sines(run: Run, tmp_path: Path, filling: str, cells: int) -> None:
     of_cells = "--setting", "90,100", "--filling", filling, "-f", "50", "-o", str(tmp_path / "map")
     said = run("map", feeder(tmp_path, ""), *of_cells).stderr
