@@ -286,3 +286,26 @@ def test_maps_tell_how_many_cells_are_no_sines(run: Run, tmp_path: Path, filling
     said = run("map", feeder(tmp_path, ""), *of_cells).stderr
     told = f"warning: {cells} of 4 cells: the filling bends the trough's motion"
     assert told in said if cells else "bends" not in said
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("table", ["csv", "xlsx", "parquet"])
+def test_maps_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str, table: str) -> None:
+    of_cells = "-f", "49,50", "--filling", "1,2", "--table", table, "--columns", "amplitude_mm,natural_hz"
+    result = run("map", feeder(tmp_path, table=KINDS[kind]), *of_cells, "-o", str(tmp_path / "map"))
+    assert result.exit_code == 0, result.stderr
+
+
+@pytest.mark.parametrize("table", ["csv", "xlsx", "parquet"])
+def test_maps_with_masses_that_strike_are_written(run: Run, tmp_path: Path, table: str) -> None:
+    of_cells = "-f", "45:55:11", "--setting", "50,150", "--table", table, "-o", str(tmp_path / "map")
+    result = run("map", feeder(tmp_path, "gap_mm = 0.6\n"), *of_cells)
+    assert result.exit_code == 0, result.stderr
+    assert "of 22 cells: infeasible" in result.stderr
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_answers_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str) -> None:
+    result = run("solve", feeder(tmp_path, table=KINDS[kind]), "-o", str(tmp_path / "one"))
+    assert result.exit_code == 0, result.stderr
+    assert json.loads((tmp_path / "one.json").read_text(encoding="utf-8"))["status"] == {"ok": 1}

@@ -255,7 +255,9 @@ def _missed(spec: Spec, designs: Sequence[Design]) -> str:
     fastest = next((d for d in designs if d.design == "fastest"), None)
     if fastest is None or fastest.frequency_hz is None:
         why = f", set by {fastest.set_by}" if fastest and fastest.set_by else ""
-        return f": no speed is guaranteed{why}"
+        # a search that the filling ends has not shown that there is none
+        unknown = fastest is not None and fastest.set_by == "filling"
+        return f": {'none was found that holds' if unknown else 'no speed is guaranteed'}{why}"
     met = any(d.design == "gentlest" and d.frequency_hz is not None for d in designs)
     return "" if met else f": less than {_speed(spec.goal.speed)}"
 

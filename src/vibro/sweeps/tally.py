@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -81,7 +82,8 @@ def _order(peak: Peak) -> tuple[float, list[float]]:
 
 
 def _told_peak(peak: Peak) -> dict[str, float]:
-    here = {QUANTITIES[name].column: value for name, value in peak.values.items()}
+    # a crank has springs of no frequency
+    here = {QUANTITIES[name].column: value for name, value in peak.values.items() if math.isfinite(value)}
     return {_SPEED: peak.speed, _ERROR: peak.error, **here}
 
 
