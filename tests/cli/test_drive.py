@@ -340,3 +340,11 @@ def test_points_with_errors_of_their_own(run: Run, points: Path) -> None:
     assert "column of errors" in twice.stderr
     points.write_text("frequency_hz,amplitude_mm\n48,0.15\n52,0.6\n", encoding="utf-8")
     assert "a fit needs 3 or more" in run("drive", "--fit", points, "--law", "constant").stderr
+
+
+def test_the_pack_that_was_measured_is_fitted_too(run: Run, points: Path, tmp_path: Path) -> None:
+    mine = f'[[machine.pack]]\nname = "mine"\nnatural_hz = {50.0 / 1.05!r}\n'
+    path = written(tmp_path, feeder(1.05, PACKS + mine))
+    told = json.loads(run("drive", path, "--fit", points, "--amplitude-error", "2%", "--json").stdout)
+    fitted = {"name": "mine", "natural_hz": told["machine"]["natural_hz"]}
+    assert told["machine"]["pack"] == [{"name": "6 leaves", "natural_hz": 52.632}, fitted]

@@ -252,11 +252,16 @@ def _machine_table(fit: ResponseFit, given: GivenMachine | None, path: Path) -> 
         pairs = zip(fit.frequency.tolist(), (1e3 * fit.amplitude).tolist(), strict=True)
         return {**given.table, "points": [[f, float(f"{a:.6g}")] for f, a in pairs]}
     natural = "mount_hz" if given.kind == "unbalance" else "natural_hz"
-    return {
+    found = _rounded(fit.natural_frequency, fit.natural_frequency_sd)
+    table = {
         **given.table,
-        natural: _rounded(fit.natural_frequency, fit.natural_frequency_sd),
+        natural: found,
         "damping_ratio": _rounded(fit.damping_ratio, fit.damping_ratio_sd),
     }
+    fitted = given.table.get(natural)  # the springs that were measured, which may be one of the packs
+    if "pack" in table:
+        table["pack"] = [{**p, natural: found} if p[natural] == fitted else p for p in table["pack"]]
+    return table
 
 
 def _doubt(fit: ResponseFit, table: Mapping[str, Any] | None) -> str:
