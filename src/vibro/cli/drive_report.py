@@ -312,7 +312,7 @@ def _sensitivities(sheet: Sheet) -> str:
         told = ["" if name == "filling" and i == 0 else _signed(x) for i, x in enumerate(pair)][: len(states)]
         missing += told.count("-")
         rows.append((CHANGES[name], *told))
-    note = "-: bodies hop, rest or never settle: there is no rate; see the table above"
+    note = "-: bodies hop, rest or never settle: a rate would mislead; see the table above"
     return aligned(rows) + (f"\n{note}" if missing else "")
 
 
