@@ -175,7 +175,7 @@ MACHINE_KEYS: Final = (
     _entry(form.NUMBER, "natural", "", "needed of magnet, exciter and rod, or packs", 55.6),
     _entry(_PACKS, "pack", "spring packs that may be fitted: their names and natural_hz", "none", kind=PURE),
     _entry(form.NUMBER, "damping_ratio", "damping over critical damping, of the empty machine",
-           "needed of magnet, exciter and rod; 0 of unbalance", 0.015, PURE, _ZERO_OR_MORE),
+           "needed of magnet, exciter and rod; 0 of unbalance", 0.015, PURE, Range(0.0, 1.0)),
     _entry(form.NUMBER, "force", "amplitude of the magnet's force at 100 %",
            "needed of magnet, or the calibration", kind=FORCE),
     _entry(_CALIBRATION, "calibration", "one measured amplitude, in place of a force: amplitude_mm,"
