@@ -408,3 +408,27 @@ def test_a_machine_can_be_compared_kept_and_copied() -> None:
     assert pickle.loads(pickle.dumps(one)) == one
     assert copy.copy(one) == one
     assert vibro.Machine is Machine
+
+
+def tuned(ratio: float, counter_mass: float) -> Machine:
+    return Machine.magnet(
+        trough_mass=6.0,
+        counter_mass=counter_mass,
+        natural_frequency=50.0 / ratio,
+        damping_ratio=0.015,
+        force=20.0,
+    )
+
+
+@pytest.mark.parametrize("counter_mass", [12.0, math.inf])
+def test_the_mass_that_brings_resonance(counter_mass: float) -> None:
+    machine = tuned(0.9, counter_mass)
+    mass = machine.mass_to_resonance(50.0)
+    assert machine.response(50.0, added_mass=mass).filled_natural_frequency == pytest.approx(50.0, rel=1e-14)
+    above = tuned(1.05, counter_mass).mass_to_resonance(50.0)
+    assert above < 0.0
+    filled = tuned(1.05, counter_mass).response(50.0, added_mass=above).filled_natural_frequency
+    assert filled == pytest.approx(50.0, rel=1e-14)
+    proof = machine.mass_to_resonance(50.0, natural_frequency=[60.0, 90.0])
+    assert (proof[1] == math.inf) == (counter_mass == 12.0)  # beyond the load-proof pack no mass is enough
+    assert Machine.crank(radius=1e-3).mass_to_resonance(5.0) == math.inf

@@ -40,7 +40,7 @@ __all__ = ["MachineDrive", "Met", "amplitudes_met", "covering"]
 
 _EMPTY: Final = (0.0, 0.0)
 _LEVELS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the band of filling
-_NEAR: Final = 2.0  # damping ratios from resonance within which damping decides more than springs
+_NEAR: Final = 2.0  # damping ratios from resonance within which damping decides much of the amplitude
 _DRAWN: Final = 8  # base-2 logarithm of the number of samples that are drawn evenly
 _SHARES: Final = ("added_mass_share", "added_damping_share")
 _SEED: Final = 20

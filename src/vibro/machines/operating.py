@@ -93,10 +93,6 @@ class OperatingPoints:
         bound, or why there is no settled motion.
     machine : Machine
         That drives the trough.
-    setting, voltage, filling, natural_frequency : array
-        As given [1, 1, kg, Hz].
-    shares_given : bool
-        Whether the shares were given, and not computed.
     """
 
     scene: Scene
@@ -117,11 +113,6 @@ class OperatingPoints:
     strikes: NDArray[np.bool_]
     status: NDArray[np.int8]
     machine: Machine
-    setting: Floats
-    voltage: Floats
-    filling: Floats
-    natural_frequency: Floats
-    shares_given: bool
 
     @property
     @shielded
@@ -347,7 +338,7 @@ def operate(
             cells = full[start : start + _CHUNK]
             _solve(_Together.of(case, cells, threads), cells, found, _STEP, _MOST)
         _weigh(case, found, threads)
-    return _points(machine, case, found, allow_strikes=allow_strikes, shares_given=shares is not None)
+    return _points(machine, case, found, allow_strikes=allow_strikes)
 
 
 @shielded
@@ -814,9 +805,7 @@ def _reach(case: _Case) -> Floats:
     return np.asarray(case.filling * np.abs(case.compliance) * pressed * unit)
 
 
-def _points(
-    machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool, shares_given: bool
-) -> OperatingPoints:
+def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
     """Assemble the results."""
     zero = np.zeros(case.empty.shape)
     added = np.where(
@@ -875,9 +864,4 @@ def _points(
         strikes=shaped(strikes),
         status=shaped(found.status),
         machine=machine,
-        setting=shaped(case.setting),
-        voltage=shaped(case.voltage),
-        filling=shaped(case.filling),
-        natural_frequency=shaped(case.natural),
-        shares_given=shares_given,
     )

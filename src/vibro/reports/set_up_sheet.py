@@ -13,13 +13,13 @@ from vibro.errors import InputError
 from vibro.fillings import filling_of
 from vibro.inverse.guarantees import guarantee
 from vibro.limits import critical_loads
-from vibro.machines.operating import operate, operating_points
+from vibro.machines.operating import operating_points
 from vibro.plots.responses import DrivePicture
 from vibro.quantities import LENGTH
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.scene import Scene
 from vibro.steady import solve
-from vibro.sweeps.machines import case_of, points_of
+from vibro.sweeps.machines import OF_SCENE, case_of, points_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.files.machines import GivenMachine
-    from vibro.machines.operating import OperatingPoints
     from vibro.results.designs import Guarantee
 
     Floats = NDArray[np.float64]
@@ -42,10 +41,6 @@ _GIVEN: Final = 0.01  # [1] change of speed within which "the motion is given" c
 # Fillings over the trough's mass among which that change is sought, 12 % apart.
 _LIGHT: Final = np.geomspace(1e-4, 1.0, 82)
 _CURVE_POINTS: Final = 241
-_SCENE: Final = (
-    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
-    "restitution",
-)  # fmt: skip
 _CURVE_BEYOND: Final = 0.12  # of the frequencies of interest, on either side
 #: What is changed for the sensitivities, and what it is called; springs by their stiffness.
 CHANGES: Final = {
@@ -507,12 +502,8 @@ def _share(request: SheetRequest, empty: Row) -> complex:
 
 def _resonant_filling(machine: Any, frequency: float, share: complex) -> float:
     """Return the filling whose share of mass lowers the natural frequency to the drive's [kg]."""
-    ratio = frequency / machine.natural_frequency if machine.natural_frequency else math.inf
-    if not (0.0 < ratio < 1.0 and share.real > 0.0):
-        return math.nan
-    m1, r = machine.trough_mass, 1.0 / machine.counter_mass
-    inverse = ratio**2 * (1.0 / m1 + r) - r  # of the trough's mass with the filling
-    return (1.0 / inverse - m1) / share.real if inverse > 0.0 else math.nan
+    mass = float(machine.mass_to_resonance(frequency))
+    return mass / share.real if 0.0 < mass < math.inf and share.real > 0.0 else math.nan
 
 
 def _tolerated(empty: Row, light: Sequence[Row]) -> float:
@@ -545,8 +536,8 @@ def _bounds(request: SheetRequest, setting: float) -> Bounds:
         ends = [request.machine.shares.get(f"added_{of}_share", (0.0, 0.0)) for of in ("mass", "damping")]
         shares = [*product(*ends)]
     low, high, count = math.inf, -math.inf, 0
-    for mass, damping in dict.fromkeys(shares):
-        points = _points(request.machine, values, mass, damping)
+    for share in dict.fromkeys(shares):
+        points = points_of(request.machine, values, share=share)
         if np.isnan(points.amplitude).any() or points.strikes.any():
             return Bounds(setting, math.nan, math.nan, count, None)
         low = min(low, float(points.amplitude_low.min()))
@@ -574,11 +565,6 @@ def _cut(case: dict[str, float], request: SheetRequest) -> list[dict[str, float]
     if static >= min(request.band("kinetic_friction")):
         moved.append({**case, "kinetic_friction": static})
     return moved
-
-
-def _points(given: GivenMachine, values: Mapping[str, Any], mass: Any, damping: Any) -> OperatingPoints:
-    case = {**case_of(given, values), "added_mass_share": mass, "added_damping_share": damping}
-    return operate(given.machine, **case, allow_strikes=True)
 
 
 def _warnings(request: SheetRequest, pairs: Sequence[tuple[Row, Row]], bounds: Sequence[Bounds]) -> list[str]:
@@ -688,4 +674,4 @@ def _one(request: SheetRequest, frequency: float, filling: float) -> Row:
 def _scene_of(request: SheetRequest) -> dict[str, Any]:
     """Return the fields of the scene but for the amplitude, in SI units."""
     case = case_of(request.machine, {**request.values, "filling": 0.0})
-    return {name: float(case[name]) for name in _SCENE if name in case}
+    return {name: float(case[name]) for name in OF_SCENE if name in case}

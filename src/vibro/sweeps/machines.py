@@ -24,9 +24,19 @@ if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
 
-__all__ = ["bent_speed", "case_of", "check_operating", "empty_amplitude", "operated", "points_of", "withheld"]
+__all__ = [
+    "OF_SCENE",
+    "bent_speed",
+    "case_of",
+    "check_operating",
+    "empty_amplitude",
+    "operated",
+    "points_of",
+    "withheld",
+]
 
-_SCENE: Final = (
+#: Arguments of ``vibro.operate`` that are fields of a scene.
+OF_SCENE: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
     "restitution",
 )  # fmt: skip
@@ -35,10 +45,8 @@ _UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that 
 
 def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of ``vibro.operate``, besides the machine, for cells in the units outside."""
-    si = {name: QUANTITIES[name].to_si(values[name]) for name in (*_SCENE, *MACHINE) if name in values}
+    si = {name: QUANTITIES[name].to_si(values[name]) for name in (*OF_SCENE, *MACHINE) if name in values}
     natural = si.pop("natural", None)
-    # Cells with mu_d > mu_s are infeasible, and told so when they are solved; others may be beside them.
-    si["kinetic_friction"] = np.minimum(si["kinetic_friction"], si["static_friction"])
     mass, damping = given.share or (None, None)
     return {
         **si,
