@@ -72,9 +72,9 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[tuple[
     second = np.asarray(points.second_harmonic).item()
     if filling and math.isfinite(second):
         told = f"{100.0 * second:.3g} % of the amplitude, from the filling"
-        speed = float(SPEED.from_si(np.asarray(points.speed_with_second_harmonic()).item()))
-        if second > WARNED_HARMONIC and math.isfinite(speed):
-            told += f"; with it the mean speed is {speed:.4g} mm/s"
+        if second > WARNED_HARMONIC:
+            speed = float(SPEED.from_si(np.asarray(points.speed_with_second_harmonic()).item()))
+            told += f"; with it the mean speed is {speed:.4g} mm/s" if math.isfinite(speed) else ""
         facts.append(("second harmonic", told))
     return facts
 

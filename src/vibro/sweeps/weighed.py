@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -67,6 +67,7 @@ def _constant(value: float, block: Block) -> Floats:
     return np.full((1,) * len(block.shape), value)
 
 
+@lru_cache(maxsize=1)  # every column asks for the same block
 def _filling(block: Block) -> Filling:
     return filling_of(scene_of(block.values), block.cycle, averages=True)
 
@@ -85,8 +86,13 @@ def _weight(name: str, mass: float, block: Block) -> Floats:
 
 
 def _limit(compliance: float, block: Block) -> Floats:
-    scene = scene_of(block.values)
-    return np.asarray(PERCENT.from_si(most_mass_ratio(scene, block.cycle, _filling(block), compliance)))
+    return np.asarray(PERCENT.from_si(_at_unit_compliance(block) / compliance))
+
+
+@lru_cache(maxsize=1)
+def _at_unit_compliance(block: Block) -> Floats:
+    """Return up to what mass ratio the motion is given at a compliance of 1; it is inverse to that."""
+    return np.asarray(most_mass_ratio(scene_of(block.values), block.cycle, _filling(block), 1.0))
 
 
 def weighed_facts(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
