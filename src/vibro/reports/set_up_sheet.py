@@ -396,7 +396,7 @@ class _Book:
                     filled_frequency_ratio=float(points.filled_frequency_ratio[i]),
                     added_mass_share=float(points.added_mass_share[i]),
                     added_damping_share=float(points.added_damping_share[i]),
-                    second_harmonic=float(np.abs(points.second_harmonic[i])),
+                    second_harmonic=float(points.second_harmonic[i]),
                     number=number,
                     at_jump=bool(points.at_jump[i]),
                     near_resonance=bool(near[i]),

@@ -99,7 +99,7 @@ def operated(
     amplitude = amplitude.reshape((1,) * (ndim - amplitude.ndim) + amplitude.shape)
     found = np.empty(amplitude.shape, FIELDS)
     for name in FIELDS.names or ():
-        found[name] = np.abs(getattr(points, name)) if name == "second_harmonic" else getattr(points, name)
+        found[name] = getattr(points, name)
     springs = (
         {} if "natural" in values else {"natural": np.full((1,) * ndim, given.machine.natural_frequency)}
     )
