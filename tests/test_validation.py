@@ -1,4 +1,4 @@
-"""docs/validation.md: a part on a vibrating finger, as a laboratory measured it."""
+"""docs/theory/validation.md: a part on a vibrating finger, as a laboratory measured it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from validation import (
     walked_advances,
 )
 
-PAGE = (Path(__file__).parents[1] / "docs" / "validation.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "theory" / "validation.md").read_text(encoding="utf-8")
 ROWS = {int(row[1]): row[0] for row in re.finditer(r"^\| (\d+) \|.*\|$", PAGE, flags=re.MULTILINE)}
 TRIALS = read_table()
 

@@ -78,7 +78,7 @@ def filling(scene: Scene, *, threads: int | None = None) -> Filling:
 
     Notes
     -----
-    Eqs. (75)-(79) of docs/theory.md, summed over the slides and flights of the cycle. Within 1e-11 of an
+    Eqs. (75)-(79) of docs/theory, summed over the slides and flights of the cycle. Within 1e-11 of an
     event walk in 34 digits (tests/test_fillings.py). Means over irregular motion are those of the same bodies
     whose mean speed ``solve`` tells, and take several ms a cell.
 

@@ -115,7 +115,7 @@ class Scene:
         conveying direction, and normal to it, positive upwards; >= 0 [m].
     normal_phase : array_like, optional
         Phase by which the normal motion leads the motion along the trough, modulo 2 pi [rad]. Others count
-        the lag, or from the normal motion: theory.md, section 15.
+        the lag, or from the normal motion: theory, section 15.
     along_harmonics, normal_harmonics : sequence of pair of array_like
         In place of all these, up to 16 pairs of an amplitude [m] and a phase [rad], of a motion with
         harmonics ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first; either may be left out. They

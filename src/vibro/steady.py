@@ -84,7 +84,7 @@ def solve(
 
     Notes
     -----
-    Exact up to rounding, see docs/theory.md: on the reference tables the displacement is within
+    Exact up to rounding, see docs/theory: on the reference tables the displacement is within
     16 eps (condition * abs(d) + S), where S = A if the body slides both ways and abs(d) otherwise
     (tests/test_reference.py). Each scene is solved by itself, wherever it stands in a grid. An interrupt is
     noticed within a fraction of a second.

@@ -1,4 +1,4 @@
-"""Every cell of the table in docs/drives.md against what the program does."""
+"""Every cell of the table in docs/guide/drives.md against what the program does."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from vibro.explore.state import initial_state
 from vibro.inverse.certain import certain
 from vibro.sweeps.whole import request_of_call
 
-PAGE = (Path(__file__).parents[2] / "docs" / "drives.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "guide" / "drives.md").read_text(encoding="utf-8")
 POINT = "[scene]\nstatic_friction = 0.4\nkinetic_friction = 0.3\ntrough_length_mm = 600\nfrequency_hz = {}\n"
 HARMONICS = "along_amplitudes_mm = [1, 0.3]\nalong_phases_deg = [0, -90]\n"
 NORMAL = "normal_amplitudes_mm = [0.2, 0]\nnormal_phases_deg = [30, 0]\n"

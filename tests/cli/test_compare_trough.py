@@ -29,7 +29,7 @@ ALONG, NORMAL = ("--trough-along", "Trog längs [mV]"), ("--trough-normal", "Tro
 BOTH = (*ALONG, *NORMAL, "--sensitivity", "100mV/g")
 FRICTION = ("--mu-s", "0.74", "--mu-d", "0.57")
 TRUE = {"amplitude_mm": 1.02, "frequency_hz": 15.003, "drive_angle_deg": 20.5}
-GUIDE = (EXAMPLES.parent / "docs" / "compare.md").read_text(encoding="utf-8")
+GUIDE = (EXAMPLES.parent / "docs" / "guide" / "compare.md").read_text(encoding="utf-8")
 
 
 def test_the_committed_record_is_what_its_script_makes() -> None:

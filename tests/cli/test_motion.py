@@ -23,7 +23,7 @@ NUT = EXAMPLES / "data" / "nut_trough_mv.csv"
 SENSORS = ("--trough-along", "Trog längs", "--trough-normal", "Trog normal", "--sensitivity", "100mV/g")
 FRICTION = ("--mu-s", "0.74", "--mu-d", "0.57")
 BOTH = ("--trough-along", "x [m/s^2]", "--trough-normal", "y [g]")
-GUIDE = (EXAMPLES.parent / "docs" / "motion.md").read_text(encoding="utf-8")
+GUIDE = (EXAMPLES.parent / "docs" / "guide" / "motion.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture

@@ -232,7 +232,7 @@ def test_numbers_that_were_not_asked_for_are_not_there(run: Run, args: tuple[str
 
 
 TWO_CYCLES = ("-A", "1.647208", "-f", "15", "-a", "0.7034rad", "--mu-s", "0.457783", "--mu-d", "0.0429106")
-"""The scene of docs/theory.md that conveys a pushed body otherwise."""
+"""The scene of docs/theory that conveys a pushed body otherwise."""
 STEEP = (*NUT, "-a", "55", "--trough-angle", "31")
 """Gravity along the trough exceeds kinetic friction."""
 

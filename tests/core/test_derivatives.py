@@ -249,7 +249,7 @@ def holds(condition: Bools, where: Bools) -> None:
 
 @pytest.mark.parametrize("most_trough_deg", [0.0, 40.0])
 def test_signs_inside_a_pattern(most_trough_deg: float) -> None:
-    """dv of v = A f D(G): signs proven, or seen without exception (theory.md, section 13)."""
+    """dv of v = A f D(G): signs proven, or seen without exception (theory, section 13)."""
     many = drawn(most_trough_deg)
     scene, slopes, level = many.scene, many.gradient, most_trough_deg == 0.0
     by_amplitude = many.displacement + slopes.log_load

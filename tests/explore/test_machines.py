@@ -71,7 +71,7 @@ def test_it_begins_with_what_the_machine_has(feeder: State) -> None:
 
 
 def test_knobs_move_the_amplitude(feeder: State) -> None:
-    """The worked feeder of docs/theory.md: below resonance a filling raises the amplitude."""
+    """The worked feeder of docs/theory: below resonance a filling raises the amplitude."""
 
     def amplitude(**query: str) -> float:
         found = read_state(query, feeder).point.scene().amplitude

@@ -71,7 +71,7 @@ def test_every_example_is_valid(path: Path) -> None:
 
 
 def test_the_docs_show_a_scene_that_is_read_and_valid(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "guide" / "files.md").read_text(encoding="utf-8")
     text = page.split("```toml\n")[1].split("```")[0]
     assert problems("scene", tomllib.loads(text)) == []
     path = tmp_path / "scene.toml"

@@ -210,7 +210,7 @@ def test_a_machine_lies_beside_its_scene(tmp_path: Path) -> None:
 
 
 def test_the_docs_show_a_machine_that_is_read(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "guide" / "files.md").read_text(encoding="utf-8")
     text = next(block for block in page.split("```toml\n") if block.startswith("[machine]")).split("```")[0]
     given = machine(tmp_path, text)
     assert (given.packs, given.bands["filling"]) == ({"4 leaves": 47.6}, (0.0, 2.0))

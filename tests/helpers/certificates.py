@@ -1,4 +1,4 @@
-"""Check certificates of guarantees: own comparison bodies, own stepping (theory.md, section 14).
+"""Check certificates of guarantees: own comparison bodies, own stepping (theory, section 14).
 
 It shares nothing with vibro but the certificate that it is given. The sines of Eq. (66) are the imaginary
 part of z exp(i theta): friction adds the normal motion to the arrow z of the motion along the trough.

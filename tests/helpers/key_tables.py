@@ -1,4 +1,4 @@
-"""The tables of keys in docs/files.md and docs/design.md, made from the description of both kinds of file.
+"""Tables of keys in files.md and design.md of docs/guide, made from the description of both kinds of file.
 
 python tests/helpers/key_tables.py    # writes them into the pages
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 from vibro.files.descriptions import DESIGN_FILE, SCENE_FILE, FileKind
 from vibro.files.entries import Entry
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[2] / "docs" / "guide"
 PAGES = {"files.md": SCENE_FILE, "design.md": DESIGN_FILE}
 HEAD = "| table | key | what | range | form | where it is left out |\n|---|---|---|---|---|---|\n"
 

@@ -1,4 +1,4 @@
-"""The tables of docs/nomenclature.md that list inputs and results, made from their descriptions.
+"""The tables of docs/reference/nomenclature.md that list inputs and results, made from their descriptions.
 
 python tests/helpers/nomenclature.py    # writes them into the page
 """
@@ -32,9 +32,9 @@ In options, axes of scene files and arguments of `vibro.sweep`; capitals do not 
 sign. Frictions and the restitution are pure numbers."""
 FILLING = """\
 What `vibro solve --filling` adds, where the trough moves as the scene says: section 18 of
-[theory.md](theory.md). Three columns `given_motion_..._percent` say up to what filling, over the trough's
-mass, that holds within 1 % of speed."""
-PAGE = Path(__file__).parents[2] / "docs" / "nomenclature.md"
+[the theory](../theory/18-fillings.md). Three columns `given_motion_..._percent` say up to what filling,
+over the trough's mass, that holds within 1 % of speed."""
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "nomenclature.md"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""
 SCENE = {*Scene.__dataclass_fields__, *FIELDS}

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "design_machine.toml"
 PARTS = {"static_friction": "0.32:0.38", "kinetic_friction": "0.26:0.30"}
-#: Worked feeder of docs/machines.md, 0.35 mm at 50 Hz below resonance.
+#: Worked feeder of docs/guide/machines.md, 0.35 mm at 50 Hz below resonance.
 FEEDER: dict[str, Any] = {
     "name": "feeder", "kind": "magnet", "trough_mass_kg": 6, "counter_mass_kg": 12, "damping_ratio": 0.015,
     "natural_hz": 50 / 0.9, "calibration": {"amplitude_mm": 0.35, "frequency_hz": 50}, "frequency_hz": 50,
@@ -489,7 +489,7 @@ def test_the_example_is_answered_in_settings_on_the_command_line(tmp_path: Path)
     assert designs.keys() == {("7 leaves", "fastest"), ("4 leaves", "fastest")} | {
         ("6 leaves", kind) for kind in ("gentlest", "fastest", "safest")
     }
-    # as examples/design_machine.toml and docs/design.md say
+    # as examples/design_machine.toml and docs/guide/design.md say
     speeds = {key: design["speed_min_mm_s"] for key, design in designs.items()}
     assert speeds["7 leaves", "fastest"] == pytest.approx(10.0, abs=0.05)
     assert speeds["4 leaves", "fastest"] == pytest.approx(11.2, abs=0.05)

@@ -379,7 +379,7 @@ def test_numbers_are_read_to_the_last_digit(
 
 
 def test_the_docs_show_a_question_and_list_every_key(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "design.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "guide" / "design.md").read_text(encoding="utf-8")
     path = tmp_path / "feeder.toml"
     path.write_text(page.split("```toml\n")[1].split("```")[0], encoding="utf-8")
     assert [drive.name for drive in read_spec(path).drives] == ["magnet", "motor"]

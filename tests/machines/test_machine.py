@@ -225,7 +225,7 @@ def test_a_filling_shrinks_the_amplitude_by_its_share_of_the_impedance(
 
 
 def test_springs_give_the_closed_slopes_of_a_machine_without_mount() -> None:
-    """The elasticities of theory.md in closed form, for a magnet between two masses."""
+    """The elasticities of docs/theory in closed form, for a magnet between two masses."""
     machine = Machine.magnet(**FEEDER, natural_frequency=50.0, force=40.0)
     for eta in (0.5, 0.9, 1.05, 3.0):
         slopes = machine.response(50.0 * eta).elasticities

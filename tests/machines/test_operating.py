@@ -28,7 +28,7 @@ SLIDER: dict[str, Any] = {
 
 
 def feeder(ratio: float, **changes: Any) -> Machine:
-    """Make the worked feeder of theory.md with f/f0 = ratio: 0.35 mm at 50 Hz when it is empty."""
+    """Make the worked feeder of docs/theory with f/f0 = ratio: 0.35 mm at 50 Hz when it is empty."""
     given = {
         "trough_mass": 6.0,
         "counter_mass": 12.0,
@@ -90,7 +90,7 @@ WORKED = [
 def test_the_worked_feeder(
     ratio: float, force: int, filled: tuple[float, ...], mains: tuple[float, ...]
 ) -> None:
-    """The table of theory.md: speeds with 1, 2 and 4 kg, and with mains of 49.5 and 50.5 Hz, in percent."""
+    """The table of docs/theory: speeds with 1, 2 and 4 kg, and with mains of 49.5 and 50.5 Hz, in percent."""
     machine = feeder(ratio)
     assert round(machine.force) == force
     empty, *full = speeds(vibro.operate(machine, filling=[0.0, 1.0, 2.0, 4.0], **SLIDER))

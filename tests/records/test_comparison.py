@@ -50,7 +50,7 @@ def test_the_committed_study_is_what_its_script_makes() -> None:
 
 
 def test_how_far_smoothing_alone_moves_speed_and_advance() -> None:
-    """The figures of docs/compare.md, without noise: the fourth cycle of the study against the exact one."""
+    """The figures of guide/compare.md, without noise: the fourth cycle of the study against the exact one."""
     times = 3.0 * PERIOD + np.linspace(0.0, PERIOD, 2001)
     displacement, velocity = STUDY["simulate"](times)
     exact = vibro.solve(nut())

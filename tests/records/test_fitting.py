@@ -221,7 +221,7 @@ def test_equal_coefficients_are_at_the_limit() -> None:
 
 @pytest.mark.usefixtures("own_start_alone")
 def test_smoothed_friction_looks_like_more_friction() -> None:
-    """The figures of docs/compare.md: what smoothing adds to both coefficients."""
+    """The figures of docs/guide/compare.md: what smoothing adds to both coefficients."""
     record = read_record(STUDY_FILE)
     for mass in (None, STUDY["MASS"]):
         found = parameters(fit(nut(), Observation.of(record, FREQUENCY, mass=mass), SLIP))

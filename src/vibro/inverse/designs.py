@@ -46,7 +46,7 @@ def design(
     Parameters
     ----------
     spec : path or mapping
-        A TOML file, or a mapping with its keys; docs/design.md lists them.
+        A TOML file, or a mapping with its keys; docs/guide/design.md lists them.
     digits : int, optional
         Significant digits of settings, from 1 to 15. A setting that does not hold with so few has more.
     only : {"goal"}, optional

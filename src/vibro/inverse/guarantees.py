@@ -86,10 +86,10 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     Notes
     -----
     If the drive moves along a line of a known angle and no body slips back or hops, the speed is monotone,
-    so that both bounds lie at corners of the box (``corners``; theory.md, section 14). Otherwise bodies in
+    so that both bounds lie at corners of the box (``corners``; theory, section 14). Otherwise bodies in
     contact are searched by differential evolution, and bounded by boxes that cover the set (``proved``);
     where even 8000 of them leave more than 1 % it is ``searched``. Of a given motion nothing is proved:
-    bodies in contact are ``searched`` (docs/design.md tells how well). Hopping bodies are sampled
+    bodies in contact are ``searched`` (docs/guide/design.md tells how well). Hopping bodies are sampled
     (``sampled``). The regimes are those of all bodies that were solved. If a body's motion has no short
     period, its mean speed is widened by three standard errors.
 

@@ -145,7 +145,7 @@ class OperatingPoints:
         Notes
         -----
         The second harmonic follows from the filling's force under the sine, Eq. (92). On ten machines with
-        10 to 50 % of filling, and the worked feeder of theory.md, the error of the speed falls from up to
+        10 to 50 % of filling, and the worked feeder of docs/theory, the error of the speed falls from up to
         16 % to 4 % (tests/machines/test_second_harmonic.py).
         """
         speed = solve(self.scene_with_second_harmonic, threads=threads).mean_velocity

@@ -52,7 +52,7 @@ def attractors(scene: Scene) -> Attractors:
     Notes
     -----
     The search is that of ``solve(scene, coexistence=True)``. In contact all cycles under a drive of one
-    harmonic are known (docs/theory.md, section 5). Of bodies that hop all velocities are found that repeat
+    harmonic are known (theory, section 5). Of bodies that hop all velocities are found that repeat
     along the flights from rest, and along those to which 64 other starts lead, of which 16 lie on the cycles
     of one bounce, Eq. (37), within 64 flights each; under other motions also bodies at rest until each of the
     lift-offs. ``Attractors.unsettled`` counts the starts that led to no cycle.
