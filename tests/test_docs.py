@@ -116,13 +116,6 @@ def test_the_examples_of_public_names_run(example: Any, monkeypatch: pytest.Monk
     assert doctest.DocTestRunner().run(test).failed == 0
 
 
-def test_links_inside_the_docs_lead_somewhere() -> None:
-    for page in (ROOT / "docs").rglob("*.md"):
-        text = page.read_text(encoding="utf-8")
-        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
-            assert (page.parent / target).exists(), f"{page.name}: {target}"
-
-
 def test_every_code_name_exists_and_is_listed_once() -> None:
     names = [row[1] for row in rows() if row[1] != "-"]
     assert len(names) > 40

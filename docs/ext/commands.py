@@ -1,9 +1,10 @@
-"""Run the commands and scripts of a page, in the order of the page; compare what they print with what it shows.
+"""Run the commands and scripts of a page in its order; compare what they print with what the page shows.
 
-A ``console`` block holds one command after ``$`` and the output that it must have, where a line ``...`` stands
-for any lines; a ``bash`` block holds commands, a ``python`` block a script. They run in a folder that has the
-examples, one folder a page, so that the page can show their pictures: ``../_made/feeder/out/nut-speed.png`` is
-the picture that ``-o out/nut`` of ``tasks/feeder.md`` writes. The tests run the same pages in folders of their own.
+A ``console`` block holds one command after ``$`` and the output that it must have, where a line ``...``
+stands for any lines; a ``bash`` block holds commands, a ``python`` block a script. They run in a folder that
+has the examples, one folder a page, so that the page can show their pictures:
+``../_made/feeder/out/nut-speed.png`` is the picture that ``-o out/nut`` of ``tasks/feeder.md`` writes. The
+tests run the same pages again.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from sphinx.application import Sphinx
 
 DOCS: Final = Path(__file__).parents[1]
@@ -25,13 +28,13 @@ BLOCK: Final = re.compile(r"^```(console|bash|python)\n(.*?)^```$", re.DOTALL | 
 COMMAND: Final = re.compile(r"\$ ((?:[^\n]*\\\n)*[^\n]*\n)(.*)", re.DOTALL)
 
 
-def run_pages() -> list[Path]:
-    """List the pages whose blocks are run."""
-    return sorted({*DOCS.glob("tasks/*.md"), *DOCS.glob("guide/tour*.md")} - {DOCS / "tasks" / "index.md"})
+def tasks() -> list[Path]:
+    """List the pages of tasks."""
+    return sorted({*DOCS.glob("tasks/*.md")} - {DOCS / "tasks" / "index.md"})
 
 
-def run_page(page: Path, folder: Path) -> None:
-    """Run all blocks of a page in a new folder.
+def run_page(page: Path, folder: Path, kinds: Collection[str] = ("console", "bash", "python")) -> None:
+    """Run all blocks of these kinds of a page in a new folder.
 
     Raises
     ------
@@ -40,6 +43,8 @@ def run_page(page: Path, folder: Path) -> None:
     """
     shutil.copytree(DOCS.parent / "examples", folder / "examples", ignore=shutil.ignore_patterns("gallery"))
     for kind, block in BLOCK.findall(page.read_text(encoding="utf-8")):
+        if kind not in kinds:
+            continue
         if kind == "python":
             _output([sys.executable, "-c", block], page, folder)
         elif kind == "bash":
@@ -70,7 +75,7 @@ def _output(command: list[str], page: Path, folder: Path) -> str:
 def _make(app: Sphinx) -> None:
     made = DOCS / "_made"
     shutil.rmtree(made, ignore_errors=True)
-    for page in run_pages():
+    for page in tasks():
         run_page(page, made / page.stem)
 
 
