@@ -39,6 +39,6 @@ Pictures, pages, commands:
     reports           reports read as their readers do
     packed, pages     answers as the explorer's page reads them; the page in a browser
     commands          commands run as programs
-    key_tables        tables of keys in docs/guide/files.md and docs/guide/design.md (a program)
-    nomenclature      tables of docs/reference/nomenclature.md, made from the schemas (a program)
+    key_tables        tables of keys of scene and design files in docs/reference (a program)
+    nomenclature      tables of units, columns and codes in docs/reference (a program)
 """
