@@ -100,7 +100,7 @@ def _merge(app: Sphinx, env: Any, pages: set[str], other: Any) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Number equations as pages are read, and link them once all are."""
+    """Connect both steps: numbers while pages are read, links once all are."""
     app.connect("doctree-read", _number)
     app.connect("doctree-resolved", _link)
     app.connect("env-purge-doc", _forget)
