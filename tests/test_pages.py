@@ -9,7 +9,7 @@ import pytest
 from commands import DOCS, run_page, tasks
 
 README = DOCS.parent / "README.md"
-TOUR = [README, *sorted(DOCS.glob("guide/tour*.md"))]
+TOUR = [README, DOCS / "index.md", *sorted(DOCS.glob("guide/tour*.md"))]
 
 
 @pytest.mark.parametrize("page", tasks(), ids=lambda page: page.stem)

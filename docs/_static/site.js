@@ -1,6 +1,6 @@
 // What can be scrolled can be scrolled by the keyboard too, and has a name.
 "use strict";
-const PARTS = { pre: "code", ".table-wrapper": "table", "div.math": "formula", ".sig": "signature" };
+const PARTS = { pre: "code", ".table-wrapper": "table", "div.math": "formula" };
 
 function reachable() {
   for (const [part, name] of Object.entries(PARTS)) {
@@ -21,6 +21,7 @@ addEventListener("load", () => {
   document.querySelector(".toc-drawer")?.setAttribute("aria-label", "This page");
   for (const head of document.querySelectorAll("th")) {
     if (!head.textContent.trim()) head.replaceWith(document.createElement("td")); // it heads nothing
+    else if (head.querySelector(".math")) head.setAttribute("aria-label", head.textContent.replace(/\\[()]/g, ""));
   }
   reachable();
   window.MathJax?.startup?.promise?.then(reachable);

@@ -1,6 +1,6 @@
 """Results of a steady cycle: every field described once, in the order of a table's columns.
 
-Containers, CSV, JSON, data frames, sidecars and the nomenclature follow from these descriptions.
+Containers, CSV, JSON, data frames, sidecars and the reference follow from these descriptions.
 """
 
 from __future__ import annotations
