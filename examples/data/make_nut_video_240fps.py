@@ -1,8 +1,8 @@
 """Make nut_video_240fps.csv: a nut on a feeder, tracked in two seconds of a telephone's slow motion.
 
 The camera stands on a tripod beside the trough: the track of the nut holds the trough's motion, and a mark on
-the trough is tracked beside it. It is the nut of nut_trough_mv.csv, by the same closed form; vibro has no part
-in it. The clock starts at a trough phase that the file does not tell.
+the trough is tracked beside it. It is the nut of nut_trough_mv.csv, by the same closed form; vibro has no
+part in it. The clock starts at a trough phase that the file does not tell.
 
     python examples/data/make_nut_video_240fps.py examples/data/nut_video_240fps.csv
 """
