@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import runpy
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from helpers.feeders import feeder
-from helpers.made_records import ON_ELLIPSES, PERIOD, Walked, bowl, nut
+from helpers.made_records import EXAMPLES, ON_ELLIPSES, PERIOD, Walked, bowl, nut
 
 import vibro
 from vibro.motion.settled import settled_motion
@@ -115,6 +116,15 @@ def test_the_wrong_frame_is_told_either_way(label: str, signals: tuple[str, ...]
     assert said.endswith(
         "times better relative to the trough: leave out absolute=True if the sensor moves with it"
     )
+
+
+def test_the_committed_video_is_what_its_script_makes() -> None:
+    data = EXAMPLES / "data"
+    made = runpy.run_path(str(data / "make_nut_video_240fps.py"))["table"]()
+    file = data / "nut_video_240fps.csv"
+    assert file.read_text(encoding="utf-8").splitlines()[0].split(",") == list(made)
+    rows = np.loadtxt(file, delimiter=",", skiprows=1)
+    np.testing.assert_allclose(rows, np.transpose(list(made.values())), atol=6e-4)
 
 
 def test_a_part_that_sticks_and_the_trough_itself_are_told() -> None:
