@@ -74,7 +74,7 @@ _FAULTS: Final = {
         ("opens = near - far", "opens = near + far"),
     ],
     ("core/arrival.py", "core/test_arrival.py"): [
-        ("math.floor(ahead) - 1.0", "math.floor(ahead)"),
+        ("series = gain / left", "series = 1.0 / left"),
         ("advance <= 0.0 and (settled", "advance < 0.0 and (settled"),
     ],
     ("core/boxes.py", "core/test_boxes.py"): [("load, path > 0.0)", "load, path < 0.0)")],
