@@ -64,6 +64,7 @@ NO_NUMBERS: list[tuple[Any, str]] = [
     ([1.0, None], "None"),
     (True, "True"),
     (np.array([True]), "True"),
+    (np.array([1, True], dtype=object), "True"),
     (1 + 2j, "(1+2j)"),
     (np.array([1.0, 2j]), "0j"),
     (np.ma.masked, "masked"),

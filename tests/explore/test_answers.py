@@ -230,6 +230,17 @@ def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: An
     assert header["panels"][1]["high"] > 8.0
 
 
+def test_the_axis_of_forces_is_that_of_friction_where_the_load_is_far_larger(answers: Answers) -> None:
+    header, arrays = unpacked(answers.history(state_of(static_friction="0.1", kinetic_friction="0.08")))
+    forces = header["panels"][1]
+    most = arrays["static_limit"].max()
+    assert 5.0 * most < np.abs(arrays["inertial"]).max()
+    assert -2.0 * most < forces["low"] < -most
+    assert most < forces["high"] < 2.0 * most
+    cut = [curve["array"] for curve in forces["curves"] if curve["label"].endswith("(cut off)")]
+    assert cut == ["inertial"]
+
+
 def test_a_schema_tells_what_says_nothing_of_a_drive(answers: Answers) -> None:
     schema = json.loads(json.dumps(answers.schema(), allow_nan=False))
     assert schema["initial"] == initial_state().texts
