@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from matplotlib.text import Text
 from typer.testing import CliRunner
 
@@ -394,7 +395,7 @@ def test_settings_that_may_be_chosen() -> None:
     assert one.frequency == ((20.0, 30.0),)
 
 
-@pytest.mark.parametrize(
+@each(
     ("change", "said"),
     [
         ({"amplitude_mm": 0.3}, ("amplitude_mm = 0.3: not beside a machine", "setting_percent")),
@@ -520,6 +521,7 @@ def test_a_goal_that_no_pack_meets_says_what_misses(tmp_path: Path) -> None:
     assert any(line.startswith("closest feeder (6 leaves), fastest") for line in lines)
 
 
+@pytest.mark.usefixtures("coarse")
 def test_a_picture_of_a_filled_machine_tells_of_its_design_alone() -> None:
     spec = read_spec(asked(FEEDER | {"filling_kg": "0:1"}, 6.0))
     plain = read_spec(asked(FEEDER, 6.0))

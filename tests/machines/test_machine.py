@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -73,7 +74,7 @@ def test_the_table_is_whole() -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("row", ROWS, ids=[row["id"] for row in ROWS])
+@each("row", ROWS)
 def test_a_machine_moves_as_with_60_digits(row: dict[str, str]) -> None:
     machine = machine_of(row)
     given = {
@@ -307,7 +308,7 @@ GOOD: dict[str, dict[str, Any]] = {
 _ON_MOUNT = {"counter_mass": math.inf, "base_stiffness": 1e4}
 
 
-@pytest.mark.parametrize(
+@each(
     ("kind", "change", "message", "hint"),
     [
         ("magnet", {"natural_frequency": None}, "natural_frequency: missing", "ring down"),
@@ -340,7 +341,7 @@ def test_errors_have_the_field_the_value_and_the_remedy(
     assert hint in caught.value.hint
 
 
-@pytest.mark.parametrize(
+@each(
     ("kind", "call", "message"),
     [
         ("crank", lambda m: m.with_natural_frequency(5.0), "natural_frequency = 5.0: must be left out"),

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -365,7 +366,7 @@ def test_resonance_and_the_second_harmonic_are_told() -> None:
     assert full.second_harmonic == pytest.approx(abs(moved) / full.amplitude, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each(
     ("change", "message"),
     [
         ({"filling": -1.0}, "filling = -1 kg: must be finite and >= 0 kg"),

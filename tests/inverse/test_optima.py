@@ -1,21 +1,26 @@
-"""Optimal settings: beaten by no grid of settings, true to their word, with margins that hold just so."""
+"""Optimal settings of lines and ellipses: no grid beats them, they keep their word, margins hold just so."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pytest
 from helpers.boxed import ROWS, question_of
+from helpers.questions import LOOSE, UNIT, asked, one_drive
 
+import vibro
 from vibro import Regime, Scene, solve
 from vibro.drives import Line
+from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import MOST_MARGIN
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.questions import Question
+from vibro.inverse.reading import read_spec
 from vibro.inverse.spaces import Setting
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
 
@@ -257,3 +262,127 @@ def test_the_gentlest_setting_beside_a_jump_over_the_drive_angle_is_found() -> N
     assert found is not None
     load = float(Question(spec, drive, Regime.BACK_SLIP).load(found.setting))
     assert load <= 0.736003376 * (1 + 1e-9)  # a setting that another search has found
+
+
+# ------------------------------------------------------------------------------------------ ellipses
+
+FREQUENCY, FRICTION = 25.0, 0.3
+BOWL = Path(__file__).parents[2] / "examples" / "design_bowl.toml"
+# Phase [deg] and gain over none by X w^2 / (mu_d g), at K = 0.2, 0.5, 0.8 and 1; mu_s = mu_d, level.
+BEST = {
+    1.5: [(0.0, 1.00), (0.0, 1.00), (0.0, 1.00), (0.0, 1.00)],
+    2.0: [(-6.8, 1.01), (-5.7, 1.00), (-1.7, 1.00), (0.0, 1.00)],
+    3.0: [(-42.3, 1.36), (-31.7, 1.22), (-17.1, 1.09), (-12.6, 1.03)],
+    5.0: [(-62.9, 2.23), (-57.0, 1.98), (-47.1, 1.71), (-39.7, 1.56)],
+    8.0: [(-73.3, 3.54), (-69.8, 3.16), (-63.4, 2.72), (-58.0, 2.46)],
+    20.0: [(-83.4, 8.83), (-82.0, 7.89), (-79.4, 6.78), (-77.0, 6.11)],
+}
+THROWS = (0.2, 0.5, 0.8, 1.0)
+
+
+def best_phase(load: float, throw: float) -> tuple[float, float, float]:
+    """Return the best phase [deg] of a pair of amplitudes, its gain over none, and its range within 95 %."""
+    amplitudes = 1e3 * load * FRICTION * UNIT, 1e3 * throw * (1.0 - 1e-12) * UNIT
+    drive = {
+        "along_amplitude_mm": amplitudes[0],
+        "normal_amplitude_mm": amplitudes[1],
+        "normal_phase_deg": "-180:180",
+        "frequency_hz": FREQUENCY,
+    }
+    question = asked(one_drive({"static_friction": FRICTION, "friction_ratio": 1}, drive))
+    best = EllipseOptimiser(question).fastest()
+    assert best is not None
+    phases = np.radians(np.linspace(-180.0, 180.0, 3601))
+    around = Setting(best.setting.along_amplitude, best.setting.normal_amplitude, phases, FREQUENCY)
+    speed = vibro.solve(question.nominal_scene(around), flight=False).mean_velocity
+    assert best.speed >= speed.max() * (1 - 1e-12)
+    return (
+        math.degrees(best.setting.normal_phase),
+        best.speed / speed[1800],
+        0.1 * np.sum(speed > 0.95 * best.speed),
+    )
+
+
+@pytest.mark.parametrize("load", list(BEST))
+def test_the_table_of_best_phases(load: float) -> None:
+    for throw, (phase, gain) in zip(THROWS, BEST[load], strict=True):
+        found, gained, width = best_phase(load, throw)
+        assert found == pytest.approx(phase, abs=0.05 + 1e-3)
+        assert gained == pytest.approx(gain, abs=5e-3 + 1e-4)
+        if load >= 5.0:
+            assert 36.0 <= width <= 50.0
+
+
+@pytest.mark.parametrize("load", [4.0, 6.0, 10.0, 20.0, 40.0])
+def test_the_best_phase_of_small_throws_in_closed_form(load: float) -> None:
+    found, _, _ = best_phase(load, 1e-4)
+    ahead = math.asin(0.5 * math.pi / load) + math.atan(
+        2.0 / (math.pi * math.sqrt(load**2 - 0.25 * math.pi**2))
+    )
+    assert found == pytest.approx(-90.0 + math.degrees(ahead), abs=0.01)
+
+
+@pytest.mark.parametrize("highest", [Regime.FORWARD_SLIP, Regime.BACK_SLIP])
+def test_no_ellipse_is_faster_or_gentler(highest: Regime) -> None:
+    question = asked(LOOSE, highest)
+    optimiser = EllipseOptimiser(question)
+    fastest = optimiser.fastest()
+    assert fastest is not None
+    setting = fastest.setting
+    assert question.load(setting) <= 1.5
+    guarantee = guarantee_of(question.box(setting))
+    assert max(guarantee.regimes) <= highest
+    assert guarantee.speed_min == pytest.approx(fastest.speed, rel=1e-6)
+    target = 0.7 * fastest.speed
+    gentlest = optimiser.least_acceleration(target)
+    assert gentlest is not None
+    assert gentlest.speed >= target
+    rng = np.random.default_rng(1)
+    knobs = ("along_amplitude", "normal_amplitude", "normal_phase")
+    along, normal, phase = (rng.uniform(*question.drive.span(knob), 20000) for knob in knobs)
+    drawn = Setting(along, normal, phase, np.full(20000, 25.0))
+    allowed = question.load(drawn) <= 1.5
+    drawn = Setting(*(x[allowed] for x in drawn))
+    speed = optimiser.least(drawn, 1.0)
+    assert speed.max() <= fastest.speed * (1 + 1e-6)
+    assert speed.max() >= 0.85 * fastest.speed  # the sample comes close
+    load = question.load(drawn)[speed >= target]
+    assert load.size > 5
+    assert load.min() >= float(question.load(gentlest.setting)) * (1 - 1e-6)
+
+
+def test_largest_amplitudes_keep_to_the_acceleration() -> None:
+    question = asked(LOOSE)
+    phase = np.radians(np.linspace(-180.0, 180.0, 181))
+    frequency = np.full(phase.shape, 25.0)
+    for share in (0.0, 0.3, 0.9, 0.999):
+        y = np.full(phase.shape, share * 1.5 * UNIT)
+        x = EllipseOptimiser(question)._most_along(frequency, y, phase)
+        load = question.load(Setting(x, y, phase, frequency))
+        assert np.all(load <= 1.5 * (1 + 1e-15))
+        np.testing.assert_allclose(load, 1.5, rtol=1e-11)
+    assert np.all(
+        EllipseOptimiser(question)._most_along(frequency, np.full(phase.shape, 1.6 * UNIT), phase) == 0.0
+    )
+
+
+def test_the_highest_of_all_frequencies_tells_whether_parts_may_hop() -> None:
+    """0.2 mm normal to the trough throw parts at 50 Hz alone."""
+    drive = {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.2}
+    scene = {"static_friction": 0.4, "friction_ratio": 0.9}
+    for frequency, more in (("10,50", True), (10, False)):
+        question = one_drive(scene, {**drive, "frequency_hz": frequency})
+        assert EllipseOptimiser(asked(question, Regime.HOPPING)).has_more() is more
+
+
+def test_the_numbers_of_the_documentation_about_the_bowl() -> None:
+    spec = read_spec(BOWL)
+    found = []
+    for drive in spec.drives:
+        question = Question(spec, drive, Regime.BACK_SLIP)
+        best = EllipseOptimiser(question).fastest()
+        assert best is not None
+        nominal = vibro.solve(question.nominal_scene(best.setting)).mean_velocity
+        found.append((1e3 * best.speed, 1e3 * float(nominal), math.degrees(best.setting.normal_phase)))
+    assert found[0] == pytest.approx((0.553467, 9.26439, 0.0), rel=1e-5, abs=1e-9)
+    assert found[1] == pytest.approx((28.1914, 30.8711, -64.21), rel=1e-4)
