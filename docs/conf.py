@@ -36,9 +36,19 @@ numpydoc_show_class_members = False
 sphinx_gallery_conf = {
     "examples_dirs": "../examples/gallery",
     "gallery_dirs": "gallery",
+    "image_scrapers": ("figures",),
+    "within_subsection_order": "figures.place",
+    "reset_modules": (),
+    "write_computation_times": False,
+    "min_reported_time": float("inf"),
+    "show_signature": False,
+    "download_all_examples": False,
+    "notebook_examples": False,
 }
 
 html_theme = "furo"
+html_static_path = ["css"]
+html_css_files = ["gallery.css"]
 html_title = "vibro"
 html_show_copyright = False
 html_show_sphinx = False
