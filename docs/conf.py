@@ -46,10 +46,15 @@ toc_object_entries_show_parents = "hide"
 sphinx_gallery_conf = {
     "examples_dirs": "../examples/gallery",
     "gallery_dirs": "gallery",
+    "image_scrapers": ("figures",),
+    "within_subsection_order": "figures.place",
+    "reset_modules": (),
+    "write_computation_times": False,
+    "min_reported_time": float("inf"),
     "show_memory": False,
     "show_signature": False,
-    "write_computation_times": False,
     "download_all_examples": False,
+    "notebook_examples": False,
 }
 
 # One file draws all formulas, without a font; without its menu a formula is no stop of the Tab key.
@@ -62,7 +67,7 @@ mathjax3_config = {"options": {"enableMenu": False}}
 html_theme = "furo"
 html_title = "vibro"
 html_static_path = ["_static", str(Path(mathjax.origin).parent / "static" / "mathjax" / mathjax_path)]
-html_css_files = ["site.css"]
+html_css_files = ["site.css", "gallery.css"]
 html_js_files = ["site.js"]
 html_favicon = "_static/icon.svg"
 html_show_copyright = False

@@ -2,7 +2,10 @@
 Regimes
 =======
 
-What the part does over amplitude and frequency: it rests, slips forward, slips forward and back, or hops.
+What a part does over amplitude and frequency: it rests, slides forward only, slides forward and back, or
+hops. Every line is a critical load of the drive. Where rest vanishes, the part slides all the time. The
+circle is the operating point of the scene file, so its distance from the next line is the margin: here
+the part stays in forward slip up to 1.19 mm. The command writes ``out/nut-regime.png``.
 
 .. code-block:: bash
 
@@ -11,5 +14,5 @@ What the part does over amplitude and frequency: it rests, slips forward, slips 
 
 import vibro
 
-sweep = vibro.sweep("../safety_nut.toml")
-sweep.draw("regime")
+sweep = vibro.sweep("../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301")
+figure = sweep.draw("regime")
