@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.commands import FRICTION, NUT, Run, rows_of
 from helpers.machine_files import FEEDER, KINDS, UNBALANCE, feeder
 
@@ -164,7 +165,7 @@ def test_a_body_is_followed_in_a_full_trough(run: Run, tmp_path: Path) -> None:
     assert json.loads(same.stdout)["phases"] == content["phases"]
 
 
-@pytest.mark.parametrize("command", ["accuracy", "compare", "motion", "speed"])
+@each("command", ["accuracy", "compare", "motion", "speed"])
 def test_other_commands_say_that_they_take_none(run: Run, tmp_path: Path, command: str) -> None:
     path = feeder(tmp_path)
     record = tmp_path / "record.csv"
@@ -183,7 +184,7 @@ def test_other_commands_say_that_they_take_none(run: Run, tmp_path: Path, comman
     assert "vibro solve tells the amplitude at its operating point" in result.stderr
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem", "hint"),
     [
         (("-A", "1"), "the command line gives the amplitude beside [machine]", "leave it out"),
@@ -215,7 +216,7 @@ def test_a_choice_of_packs_is_asked_for(run: Run, tmp_path: Path) -> None:
     assert run("solve", feeder(tmp_path, PACKS, table=table)).exit_code == 0  # the only one
 
 
-@pytest.mark.parametrize("option", ["--setting", "--voltage", "--filling", "--natural", "--pack"])
+@each("option", ["--setting", "--voltage", "--filling", "--natural", "--pack"])
 def test_without_a_machine_its_options_are_refused(run: Run, option: str) -> None:
     result = run("traverse-time", *NUT, "-L", "600", option, "5")
     assert result.exit_code == 2
@@ -230,7 +231,7 @@ def test_slips_of_units_are_questioned(run: Run, tmp_path: Path) -> None:
     assert "is above what is usual, 20 g" in run("solve", path, "--natural", "49.5").stderr
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_every_kind_has_a_report(run: Run, tmp_path: Path, kind: str) -> None:
     result = run("solve", feeder(tmp_path, table=KINDS[kind]), "--filling", "1")
     assert result.exit_code == 0, result.stderr
@@ -304,8 +305,8 @@ def test_maps_with_masses_that_strike_are_written(run: Run, tmp_path: Path, tabl
     assert "of 22 cells: infeasible" in result.stderr
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_answers_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str) -> None:
-    result = run("solve", feeder(tmp_path, table=KINDS[kind]), "-o", str(tmp_path / "one"))
+    result = run("solve", feeder(tmp_path, table=KINDS[kind]), "-o", str(tmp_path / kind))
     assert result.exit_code == 0, result.stderr
-    assert json.loads((tmp_path / "one.json").read_text(encoding="utf-8"))["status"] == {"ok": 1}
+    assert json.loads((tmp_path / f"{kind}.json").read_text(encoding="utf-8"))["status"] == {"ok": 1}

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
+from helpers.cases import each
 from helpers.pixels import pixels
 from helpers.plans import store
 
@@ -78,7 +79,7 @@ def test_categories_are_in_the_order_of_physics(held: Sweep, stored: StoredSweep
             assert list(frame[name].cat.categories) == list(other[name].cat.categories)
 
 
-@pytest.mark.parametrize(
+@each(
     ("filters", "kept"),
     [
         ({"f": 15}, {"frequency_hz": [15]}),
@@ -102,7 +103,7 @@ def test_filters_keep_cells_in_their_order(
     pd.testing.assert_frame_equal(stored.to_frame(filters), expected)
 
 
-@pytest.mark.parametrize(
+@each(
     ("filters", "columns", "problem", "hint"),
     [
         ({"colour": 1}, None, "filters: 'colour' is no axis", "by key, such as amplitude_mm"),
