@@ -289,17 +289,29 @@ def test_maps_tell_how_many_cells_are_no_sines(run: Run, tmp_path: Path, filling
     assert told in said if cells else "bends" not in said
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("table", ["csv", "xlsx", "parquet"])
+OF_CELLS = ("-f", "49,50", "--filling", "1,2", "--columns", "amplitude_mm,natural_hz")
+
+
+@each("kind", KINDS)
+@each("table", ["csv", "xlsx", "parquet"])
+@pytest.mark.usefixtures("no_pictures")
 def test_maps_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str, table: str) -> None:
-    of_cells = "-f", "49,50", "--filling", "1,2", "--table", table, "--columns", "amplitude_mm,natural_hz"
-    result = run("map", feeder(tmp_path, table=KINDS[kind]), *of_cells, "-o", str(tmp_path / "map"))
+    to = ("--table", table, "-o", f"{kind}-{table}")
+    result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, *to)
     assert result.exit_code == 0, result.stderr
 
 
-@pytest.mark.parametrize("table", ["csv", "xlsx", "parquet"])
+@each("kind", KINDS)
+def test_maps_of_every_kind_are_drawn(run: Run, tmp_path: Path, kind: str) -> None:
+    result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, "-o", kind)
+    assert result.exit_code == 0, result.stderr
+    assert {f"{kind}-regime.png", f"{kind}-speed.png"} <= {path.name for path in tmp_path.iterdir()}
+
+
+@each("table", ["csv", "xlsx", "parquet"])
+@pytest.mark.usefixtures("no_pictures")
 def test_maps_with_masses_that_strike_are_written(run: Run, tmp_path: Path, table: str) -> None:
-    of_cells = "-f", "45:55:11", "--setting", "50,150", "--table", table, "-o", str(tmp_path / "map")
+    of_cells = "-f", "45:55:11", "--setting", "50,150", "--table", table, "-o", table
     result = run("map", feeder(tmp_path, "gap_mm = 0.6\n"), *of_cells)
     assert result.exit_code == 0, result.stderr
     assert "of 22 cells: infeasible" in result.stderr
