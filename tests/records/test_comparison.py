@@ -207,7 +207,7 @@ def test_friction_tells_the_place_of_a_body_at_rest() -> None:
 @pytest.mark.parametrize("signals", [("displacement",), ("velocity",), ("acceleration", "friction")])
 def test_a_record_is_aligned_and_compared(label: str, signals: tuple[str, ...]) -> None:
     walked = Walked(ON_ELLIPSES[label])
-    comparison = compare(ON_ELLIPSES[label], walked.observe(*signals))
+    comparison = compare(ON_ELLIPSES[label], walked.observe(*signals, cycles=8))
     assert comparison.passing == "forwards"
     assert comparison.motion.pattern == label
     assert abs(comparison.alignment.shift - 0.0137) < 4.0 * comparison.alignment.error < 0.05 * PERIOD
