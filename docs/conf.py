@@ -54,7 +54,6 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "show_signature": False,
     "download_all_examples": False,
-    "notebook_examples": False,
 }
 
 # One file draws all formulas, without a font; without its menu a formula is no stop of the Tab key.

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import rows_of
 from helpers.explorers import application, guest
 from helpers.packed import state_of, table_of, unpacked
@@ -262,7 +263,7 @@ def clamped(tmp_path: Path) -> State:
     return initial_state(request_of_call(file, {}))
 
 
-@pytest.mark.parametrize("name", [name for name in CONTROLS if name not in MACHINE])
+@each("name", [name for name in CONTROLS if name not in MACHINE])
 def test_the_ends_of_sliders_and_axes_are_taken(name: str, clamped: State) -> None:
     def state_of(**query: str) -> State:
         return read_state(query, clamped)

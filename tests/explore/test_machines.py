@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.explorers import application, guest
 from helpers.packed import FEEDER, table_of, unpacked
 
@@ -93,7 +94,7 @@ def test_texts_say_all_of_a_state(feeder: State) -> None:
     assert {*state.grid().fixed} >= {"voltage", "filling", "frequency"}
 
 
-@pytest.mark.parametrize(
+@each(
     ("query", "field", "said"),
     [
         ({"setting_percent": "-1"}, "setting_percent", "setting = -1 %: must be finite and > 0 %"),

@@ -15,6 +15,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from helpers.cases import each
 from helpers.pixels import pixels
 from helpers.plans import store
 
@@ -80,7 +81,7 @@ def test_categories_are_in_the_order_of_physics(held: Sweep, stored: StoredSweep
             assert list(frame[name].cat.categories) == list(other[name].cat.categories)
 
 
-@pytest.mark.parametrize(
+@each(
     ("filters", "kept"),
     [
         ({"f": 15}, {"frequency_hz": [15]}),
@@ -104,7 +105,7 @@ def test_filters_keep_cells_in_their_order(
     pd.testing.assert_frame_equal(stored.to_frame(filters), expected)
 
 
-@pytest.mark.parametrize(
+@each(
     ("filters", "columns", "problem", "hint"),
     [
         ({"colour": 1}, None, "filters: 'colour' is no axis", "by key, such as amplitude_mm"),
