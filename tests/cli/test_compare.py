@@ -32,6 +32,7 @@ def short_study(folder: Path, changes: Mapping[str, str] | None = None, cycles: 
     return path
 
 
+@pytest.mark.usefixtures("both_frames")
 def test_the_report(run: Run) -> None:
     result = run("compare", SCENE, STUDY_FILE)
     assert result.exit_code == 0, result.stderr
@@ -352,6 +353,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("header", ["x [mm]", "v [mm/s]", "a [m/s^2]", "F [N]"])
+@pytest.mark.usefixtures("both_frames")
 def test_records_of_any_size_are_compared(run: Run, tmp_path: Path, shape: str, header: str) -> None:
     for size in (1e-320, 1e-200, 1.0, 2e19) if shape == "sine" else (1e-320, 2e19):
         path = written(tmp_path, header, SHAPES[shape] * size)
@@ -399,6 +401,7 @@ def test_scenes_and_masses_at_the_ends_of_the_doubles(run: Run, args: tuple[str,
     assert len(result.stderr) < 600
 
 
+@pytest.mark.usefixtures("both_frames")
 def test_a_track_of_a_camera_on_a_tripod(run: Run, tmp_path: Path) -> None:
     """It holds the trough's motion, which is said; with --absolute it gives the figures of a relative one."""
     walked = Walked(nut())

@@ -17,6 +17,7 @@ from helpers.packed import FEEDER
 from helpers.reports import ReadPage
 
 import vibro
+from vibro.reports.page import Picture
 
 if TYPE_CHECKING:
     from helpers.commands import Run
@@ -39,12 +40,21 @@ highest_regime = "forward-slip"
 """
 
 
+@pytest.fixture
+def unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the figures of a page as they are built: to write them as SVG takes half of its time."""
+    monkeypatch.setattr(
+        "vibro.reports.scene_page.picture", lambda _, *told: Picture("<svg/>", 1, told[1], told[2])
+    )
+
+
 def page(run: Run, *args: object, code: int = 0) -> ReadPage:
     result = run("report", *args, "-q")
     assert (result.exit_code, result.stderr) == (code, "")
     return ReadPage(result.stdout)
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_the_numbers_are_those_of_the_solver(run: Run) -> None:
     nut = EXAMPLES / "safety_nut.toml"
     read = page(run, nut, "--pitch", "25mm")
@@ -89,6 +99,7 @@ def test_a_machine_that_strikes_is_refused(run: Run, tmp_path: Path) -> None:
     assert "the masses strike: the relative amplitude would be 0.525 mm" in result.stderr
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_landings_are_told_where_the_part_hops(run: Run) -> None:
     read = page(run, *NUT, "-A", "4")
     drive = {"amplitude": 4e-3, "frequency": 15, "drive_angle": math.radians(20)}
@@ -114,6 +125,7 @@ def test_no_number_is_told_that_is_not_known(run: Run, args: tuple[str, ...], to
     assert "peak speed" not in {row[0] for row in read.rows} or told.startswith("0")
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_a_mean_has_its_standard_error(run: Run) -> None:
     read = page(run, *NUT, "-A", "3", "-f", "45", "--restitution", "0.62")
     assert re.match(r"494\.\d+ mm/s \+- \d+ mm/s \(standard error\) = ", read.row("mean speed")[0])
@@ -128,6 +140,7 @@ def test_every_kind_of_drive_has_its_map_and_its_motion(run: Run, drive: tuple[o
     assert len(read.ids) == len(set(read.ids))
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_a_given_motion_is_listed_and_its_regime_stays_at_any_frequency(run: Run) -> None:
     read = page(run, EXAMPLES / "slip_stick.toml")
     assert read.row("steps along the trough")[0].endswith("0.2 of the period at -9.6 m/s²")
@@ -139,6 +152,7 @@ def test_a_given_motion_is_listed_and_its_regime_stays_at_any_frequency(run: Run
         assert again.row("regime") == read.row("regime")
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_many_harmonics_are_listed(run: Run, tmp_path: Path) -> None:
     text = (EXAMPLES / "slip_stick_harmonics.toml").read_text(encoding="utf-8")
     text = text.replace("[20, 5]", "[20, 5, 2]").replace("[0, -110]", "[0, -110, 30]")
@@ -154,6 +168,7 @@ def test_a_runaway_has_no_regime_to_keep_and_it_says_so(run: Run) -> None:
     assert "Positive in the conveying direction" not in read.text
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_what_is_likely_a_slip_is_questioned_on_the_page_too(run: Run) -> None:
     result = run("report", *NUT, "-L", "1")
     doubt = "rough length = 1 mm is less than the stroke, 2 mm"

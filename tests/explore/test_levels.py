@@ -192,8 +192,12 @@ def test_ellipses_have_critical_loads_after_a_while_and_harmonics_never() -> Non
 
 
 @pytest.mark.parametrize("name", ["third harmonic", "samples", "displacements"])
-def test_drives_beyond_one_harmonic_come_coarse_to_fine(name: str, tmp_path: Path) -> None:
+def test_drives_beyond_one_harmonic_come_coarse_to_fine(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Their contact is solved cell by cell: a first picture waits for the widest lattice alone."""
+    monkeypatch.setattr("vibro.explore.state.WIDTH", 90)
+    monkeypatch.setattr("vibro.explore.state.HEIGHT", 70)
     file = tmp_path / "given.toml"
     file.write_text(GIVEN_DRIVES[name], encoding="utf-8")
     grid = initial_state(request_of_call(file, {})).grid()
