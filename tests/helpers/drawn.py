@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import math
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import numpy as np
+import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.path import Path as Outline
 
 from vibro import Regime, Scene
 from vibro.axes import parse_axis
 from vibro.plots import choose_view
+from vibro.plots.style import _RC
 from vibro.quantities import QUANTITIES
 from vibro.sweeps import run
 from vibro.sweeps.grid import Grid
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -41,6 +45,16 @@ NUT: dict[str, object] = {
     "trough_angle": 0,
 }
 OWN = {name: float(str(value)) for name, value in NUT.items()}
+
+
+@contextmanager
+def coarse_pictures() -> Iterator[None]:
+    """Draw pictures from few values, with few pixels and where axes happen to be."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 501, 2: 61, 3: 41})
+        patch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
+        patch.setitem(_RC, "savefig.dpi", 40)
+        yield
 
 
 def sweep(

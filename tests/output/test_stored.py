@@ -16,6 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from helpers.cases import each
+from helpers.drawn import coarse_pictures
 from helpers.pixels import pixels
 from helpers.plans import store
 
@@ -25,10 +26,19 @@ from vibro.errors import FileError, InputError, VibroError
 from vibro.output.gathered import Texts
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from vibro.output.stored import StoredSweep
     from vibro.sweeps.whole import Sweep
 
 NUT: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57, "trough_length_mm": 600}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _coarse_pictures() -> Iterator[None]:
+    """What is drawn matters here, not how well."""
+    with coarse_pictures():
+        yield
 
 
 @pytest.fixture(scope="module")

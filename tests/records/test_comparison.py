@@ -37,6 +37,13 @@ def rows(comparison: Comparison) -> dict[str, Row]:
     return {row.key: row for row in comparison.rows}
 
 
+@pytest.fixture(autouse=True)
+def _one_frame(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take records in the frame that is given: to doubt it takes most of the time, and has its own tests."""
+    if request.function is not test_a_record_is_aligned_and_compared:
+        monkeypatch.setattr("vibro.records.comparison.of_another_frame", lambda *_: [])
+
+
 # --- the study itself -----------------------------------------------------------------------------
 
 
