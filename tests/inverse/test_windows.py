@@ -237,9 +237,9 @@ def test_ellipses_are_followed_through_every_jump(share: float) -> None:
 
 
 def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
-    """Of 30 scenes those of regular hops agree at every amplitude; irregular ones differ in 0.2 % at most."""
+    """Of 15 scenes those of regular hops agree at every amplitude; irregular ones differ in 0.2 % at most."""
     agree = 0
-    for seed in range(30):
+    for seed in range(15):
         scan = ellipse(seed, 10.0, count=5_000)
         speeds = scan.speeds(scan.amplitudes)
         speed = 0.4 * fastest(speeds)
@@ -252,7 +252,7 @@ def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
             assert np.all(scan.speeds(i[:2]) >= speed), seed
             assert scan.speeds(np.nextafter(i.low, 0.0)) < speed
             assert i.high == limit or not scan.speeds(np.nextafter(i.high, 1.0)) >= speed
-    assert agree >= 24
+    assert agree >= 12
 
 
 def test_bounces_of_ellipses_hold_at_their_ends() -> None:
