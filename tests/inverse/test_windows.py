@@ -274,7 +274,7 @@ def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward() -> None:
         static_friction=0.60755, kinetic_friction=0.529337, trough_angle=-0.235187, restitution=0.7,
     )  # fmt: skip
     slips = 1e-3 * float(vibro.critical_loads(scene).forward_onset / scene.load)
-    scan = Scan(scene, np.linspace(0.5 * slips, 0.99 * slips, 100))
+    scan = Scan(scene, np.linspace(0.5 * slips, 0.99 * slips, 40))
     speed = 0.5 * fastest(scan.speeds(scan.amplitudes))
     assert speed > 5e-3
     found = feasible_amplitudes(scene, speed, highest_regime="hopping", limit=0.99 * slips)
