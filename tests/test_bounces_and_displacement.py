@@ -21,7 +21,7 @@ from vibro import Scene, Status
 if TYPE_CHECKING:
     from vibro.results.history import Phase
 
-CYCLES = 120
+CYCLES = 60
 
 
 class Chain(NamedTuple):

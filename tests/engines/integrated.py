@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 TURN = 2.0 * math.pi
 TOLERANCE = 1e-12  # of the integrator, relative and absolute [A]
-LONGEST_STEP = 0.1  # [rad] no step contains both changes of sign of a landing that hardly touches
+LONGEST_STEP = 0.2  # [rad] no step contains both changes of sign of a landing that hardly touches
 LEAST_BOUNCE = 1e-7  # [A w] slower take-offs are left out: their flights are shorter than its square
 
 

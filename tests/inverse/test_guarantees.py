@@ -448,7 +448,7 @@ def test_bouncing_parts_of_other_samples_keep_to_a_sampled_guarantee(
     )  # fmt: skip
     found = vibro.guarantee(scene, **bands)
     assert found.proof_min == found.proof_max == "sampled"
-    shares = np.random.default_rng(0).random((4, 4096))
+    shares = np.random.default_rng(0).random((4, 2048))
     values = {
         name: low + share * (high - low)
         for (name, (low, high)), share in zip(bands.items(), shares, strict=True)

@@ -22,7 +22,9 @@ from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.changes import begin_load, change_loads
 from vibro.inverse.designs import chosen_of, find_designs
 from vibro.inverse.pictured import setting_fields
+from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
+from vibro.inverse.rows import find
 from vibro.inverse.spaces import MotionSpace, Scaled, space_of
 
 if TYPE_CHECKING:
@@ -291,15 +293,19 @@ KINDS: dict[str, dict[str, Any]] = {"ellipse": ELLIPTIC, "harmonic": HARMONIC}
 
 
 @cache
-def designs_of(kind: str, **goal: Any) -> tuple[Design, ...]:
-    """Designs of the two drives above, which take a second each."""
-    return vibro.design(question(KINDS[kind], **goal), only="goal", digits=9).designs
+def designs_of(kind: str, **goal: Any) -> tuple[Design, Design]:
+    """The gentlest and the fastest design of one of these drives."""
+    spec = read_spec(question(KINDS[kind], **goal))
+    finder = find(Question(spec, spec.drives[0], Regime.FORWARD_SLIP), {}, 9, until="gentlest")
+    if spec.goal.highest_regime > Regime.FORWARD_SLIP:
+        finder = find(Question(spec, spec.drives[0], Regime.BACK_SLIP), finder.found, 9, until="gentlest")
+    return finder.row("gentlest"), finder.row("fastest")
 
 
 @pytest.mark.parametrize("goal", [{}, {"highest_regime": "forward-slip"}])
 def test_designs_of_one_harmonic_are_those_of_the_ellipse(goal: dict[str, Any]) -> None:
     ovals, waves = designs_of("ellipse", **goal), designs_of("harmonic", **goal)
-    for oval, wave in zip(ovals[:2], waves[:2], strict=True):  # margins are found less closely
+    for oval, wave in zip(ovals, waves, strict=True):
         assert (wave.design, wave.set_by) == (oval.design, oval.set_by)
         if oval.frequency_hz is None:
             assert wave.frequency_hz is None
@@ -339,14 +345,14 @@ def slowest(scales: Any, frequencies: Any) -> NDArray[np.float64]:
 
 
 def test_designs_are_those_of_a_grid() -> None:
-    scale, frequency = np.meshgrid(np.linspace(0.5, 1.5, 101), np.linspace(1.5, 3.0, 16))
+    scale, frequency = np.meshgrid(np.linspace(0.5, 1.5, 51), np.linspace(1.5, 3.0, 7))
     least = slowest(scale, frequency)
     gentlest, fastest, safest = servo_designs()[1].designs
     assert fastest.speed_min_mm_s == pytest.approx(least.max(), rel=1e-6)
     assert (fastest.motion_scale, fastest.frequency_hz) == (1.5, 1.5)
     gentle = scale[least >= 60.0].min()
     assert gentlest.motion_scale is not None
-    assert gentle - 0.01 <= gentlest.motion_scale <= gentle
+    assert gentle - 0.02 <= gentlest.motion_scale <= gentle
     assert gentlest.acceleration_g == pytest.approx(6.0 * gentlest.motion_scale / 9.81, rel=1e-12)
     assert safest.margin is not None
     assert gentlest.margin is not None
@@ -438,7 +444,7 @@ def test_designs_of_parts_that_must_stand(kind: str, half_base: float, stands: b
     result = find_designs(spec, digits=9, goal_only=True)
     found = result.designs
     if stands:
-        assert found[:2] == designs_of(kind)[:2]
+        assert found[:2] == designs_of(kind)
         assert found[2].margin is not None
         assert found[2].margin <= 2.0  # static friction of 0.5, where bands are twice as wide, tips parts
     else:

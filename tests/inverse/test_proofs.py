@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from helpers.boxed import Boxed, boxes
+from helpers.draws import examples
 from helpers.scenes import line_of, scene_with
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -127,6 +128,7 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
     assert found >= 3  # so that the corner alone would not do
 
 
+@examples(25)
 @example(2.93, 0.7, -0.65, 0.17, 0.5, False)  # so steep that a steeper one holds better against back slip
 @example(1.83, 0.78, -0.51, 0.2, 0.5, True)
 @given(
@@ -167,6 +169,7 @@ def test_loads_on_steep_troughs(
 
 
 @pytest.mark.parametrize("regime", [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING])
+@examples(20)
 @given(box=drawn)
 def test_ratios_of_a_line_are_those_that_a_search_finds(regime: Regime, box: Boxed) -> None:
     one = uncertainty_set(box.scene, box.bands)

@@ -237,9 +237,9 @@ def test_ellipses_are_followed_through_every_jump(share: float) -> None:
 
 
 def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
-    """Of 30 scenes those of regular hops agree at every amplitude; irregular ones differ in 0.2 % at most."""
+    """Of 15 scenes those of regular hops agree at every amplitude; irregular ones differ in 0.2 % at most."""
     agree = 0
-    for seed in range(30):
+    for seed in range(15):
         scan = ellipse(seed, 10.0, count=5_000)
         speeds = scan.speeds(scan.amplitudes)
         speed = 0.4 * fastest(speeds)
@@ -252,7 +252,7 @@ def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
             assert np.all(scan.speeds(i[:2]) >= speed), seed
             assert scan.speeds(np.nextafter(i.low, 0.0)) < speed
             assert i.high == limit or not scan.speeds(np.nextafter(i.high, 1.0)) >= speed
-    assert agree >= 24
+    assert agree >= 12
 
 
 def test_bounces_of_ellipses_hold_at_their_ends() -> None:
@@ -274,7 +274,7 @@ def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward() -> None:
         static_friction=0.60755, kinetic_friction=0.529337, trough_angle=-0.235187, restitution=0.7,
     )  # fmt: skip
     slips = 1e-3 * float(vibro.critical_loads(scene).forward_onset / scene.load)
-    scan = Scan(scene, np.linspace(0.5 * slips, 0.99 * slips, 100))
+    scan = Scan(scene, np.linspace(0.5 * slips, 0.99 * slips, 40))
     speed = 0.5 * fastest(scan.speeds(scan.amplitudes))
     assert speed > 5e-3
     found = feasible_amplitudes(scene, speed, highest_regime="hopping", limit=0.99 * slips)

@@ -123,7 +123,7 @@ def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepR
 
 
 def test_colours_of_irregular_motion_are_read_through_its_texture() -> None:
-    result = sweep(points=151, amplitude="2:3", frequency="40:60", restitution=0.7)
+    result = sweep(points=31, amplitude="2:3", frequency="40:60", restitution=0.7)
     assert (result.cycle.status == Status.AVERAGED).mean() > 0.9
     figure = map_figures(result, ["speed"])["speed"]
     axes = only_map(figure)

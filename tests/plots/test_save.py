@@ -98,5 +98,5 @@ def test_threads_draw_and_save_at_once() -> None:
 
     before = dict(matplotlib.rcParams)
     with ThreadPoolExecutor(4) as threads:
-        list(threads.map(work, range(8)))
+        list(threads.map(work, range(4)))
     assert dict(matplotlib.rcParams) == before
