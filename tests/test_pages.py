@@ -27,11 +27,18 @@ def test_a_wrong_output_and_a_command_that_fails_are_noticed(tmp_path: Path) -> 
         "wrong": "console\n$ echo one\ntwo\n",
         "fails": "bash\nfalse\n",
         "raises": "python\n1 / 0\n",
+        "another-code": "console\n$ exit 3  # exit code 4\n",
     }.items():
         page = tmp_path / f"{name}.md"
         page.write_text(f"```{block}```\n", encoding="utf-8")
         with pytest.raises(RuntimeError, match=name):
             run_page(page, tmp_path / name)
+
+
+def test_a_page_may_show_messages_and_a_named_exit_code(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("```console\n$ echo said >&2; exit 4  # exit code 4\nsaid\n```\n", encoding="utf-8")
+    run_page(page, tmp_path / "page")
 
 
 def test_every_file_that_a_page_names_exists() -> None:
