@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from helpers.cases import each
 from jsonschema import Draft202012Validator
 
-from vibro import InputError, read_scene
+from vibro import InputError, read_scene, solve
 from vibro.files.descriptions import SCENE_FILE
 from vibro.files.json_schema import schema_of
+from vibro.files.motions import harmonic_lists
 from vibro.files.scene_files import read_scene_file
+from vibro.quantities import QUANTITIES
 from vibro.waveforms import HarmonicMotion, PiecewiseMotion
 
 POINT = "[scene]\nfrequency_hz = 2.5\nstatic_friction = 0.3\nkinetic_friction = 0.25\n"
@@ -251,3 +254,17 @@ def test_the_schema_takes_what_is_read(tmp_path: Path, text: str) -> None:
 )
 def test_the_schema_marks_what_is_refused(text: str) -> None:
     assert not Draft202012Validator(schema_of(SCENE_FILE)).is_valid(tomllib.loads(f"[motion]\n{text}"))
+
+
+def test_harmonics_given_one_by_one_are_those_of_their_lists(tmp_path: Path) -> None:
+    listed = {"along_amplitude": 1.5, "along_amplitude_2": 0.1, "along_phase_2": 30.0}
+    others = {"normal_amplitude": 0.2, "frequency": 15.0, "static_friction": 0.3, "kinetic_friction": 0.25}
+    lists, left = harmonic_lists(listed | others)
+    assert left == others
+
+    def speed(values: dict[str, Any]) -> float:
+        lines = [f"{key} = {value}\n" for key, value in values.items()]
+        return float(solve(read_scene(written(tmp_path, f"[scene]\n{''.join(lines)}"))).mean_velocity)
+
+    columns = [{QUANTITIES[name].column: x for name, x in part.items()} for part in (listed, others)]
+    assert speed(columns[0] | columns[1]) == speed(lists | columns[1]) != 0.0

@@ -78,6 +78,14 @@ def test_the_change_that_counts_most_is_named_where_that_is_sure() -> None:
     assert {row[0]: row[1] for row in rows}["amplitude, 10 % more"].startswith("+9.81 % +- 4.9 %")
 
 
+def test_what_counts_most_may_be_a_loss() -> None:
+    texts, rows = change_texts(at(amplitude=1.2, kinetic_friction=0.37, trough_angle=2.0))
+    changes = {row[0]: float(row[1].removesuffix(" %")) for row in rows[1:]}
+    loss = changes["frequency"]
+    assert loss < 0.0 < -loss > changes["static friction"] > 0.0
+    assert texts == [f"Of 1 % more of each, the frequency counts most: {-loss:.3g} % slower."]
+
+
 def test_other_motions_are_told() -> None:
     then = {row[0]: row[-1] for row in change_texts(at(amplitude=1.185))[1]}
     assert then["amplitude"] == then["frequency"] == "slips back"
