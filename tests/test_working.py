@@ -8,8 +8,6 @@ from html import unescape
 import pytest
 from rooms import ROOT, drawing, layers_of, purpose_of, steps_of
 
-PAGES = sorted((ROOT / "docs" / "working").rglob("*.md"))
-NAMED = re.compile(r"`((?:docs|examples|benchmarks|tests|src|tools|\.ci)/[\w./-]+)`")
 INDEX = (ROOT / "docs" / "working" / "index.md").read_text(encoding="utf-8")
 
 
@@ -29,9 +27,3 @@ def test_the_way_of_a_scene_is_numbered_in_the_drawing() -> None:
     svg = drawing("vibro", steps)
     numbers = ",".join(re.findall(r">([\d, ]+)</text>", svg))
     assert sorted(map(int, numbers.split(","))) == list(range(1, 11))
-
-
-def test_every_path_that_these_pages_name_exists() -> None:
-    named = {(page.name, name) for page in PAGES for name in NAMED.findall(page.read_text(encoding="utf-8"))}
-    assert len(named) > 40
-    assert not [(page, name) for page, name in sorted(named) if not (ROOT / name).exists()]
