@@ -25,6 +25,7 @@ extensions = [
     "commands",
     "equations",
     "reference",
+    "rooms",
 ]
 exclude_patterns = ["ext", "images", "_made", "_static", "_templates"]
 suppress_warnings = ["toc.empty_glob"]

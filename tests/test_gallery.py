@@ -48,6 +48,7 @@ def test_the_command_writes_what_the_script_draws(
     names = pictures_of(script)
     assert all((tmp_path / name).is_file() for name in names)
     assert figure or names
+    assert bool(figure) != (f"/images/sphx_glr_{script.stem}_001.png" in script.read_text(encoding="utf-8"))
     if figure and names:
         drawn = io.BytesIO()
         figure.savefig(drawn)

@@ -46,6 +46,6 @@ def test_every_file_that_a_page_names_exists() -> None:
     for page in (README, *pages):
         text = page.read_text(encoding="utf-8")
         links = [link for link in re.findall(r"\]\(([^)#:\s]+)", text) if "_made/" not in link]
-        named = re.findall(r"`((?:docs|examples|benchmarks|tests|src)/[\w./-]+)`", text)
+        named = re.findall(r"`((?:docs|examples|benchmarks|tests|src|tools)/[\w./-]+)`", text)
         lost = [link for link in links if not (page.parent / link).exists()]
         assert not [*lost, *(name for name in named if not (DOCS.parent / name).exists())], page

@@ -2,7 +2,8 @@
 
 A page has its command in a ``bash`` block and names the pictures that this writes: ``out/nut-regime.png``.
 The command runs in a folder that has the examples. vibro's figures know no pyplot, where sphinx-gallery
-would look for them: a script calls its figure ``figure``.
+would look for them: a script calls its figure ``figure``. A page whose picture Python cannot make shows it
+below the command: ``/gallery/images/sphx_glr_plot_history_001.png``.
 """
 
 from __future__ import annotations
@@ -74,22 +75,20 @@ def run_commands(script: Path, folder: Path) -> None:
 
 
 def _scrape(block: Any, block_vars: Mapping[str, Any], gallery_conf: Mapping[str, Any]) -> str:
-    """Save the pictures of a page after its first script, and return what shows them."""
+    """Save the pictures of a page, for its thumbnail too; return what shows the figure of a script."""
     places, script = block_vars["image_path_iterator"], Path(block_vars["src_file"])
     if len(places):
         return ""
-    paths = []
     if figure := block_vars["example_globals"].get("figure"):
-        paths.append(Path(next(places)))
-        figure.savefig(paths[0])
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            run_commands(script, Path(folder))
-            for name in pictures_of(script):
-                paths.append(Path(next(places)))
-                shutil.copyfile(Path(folder, name), paths[-1])
-    shown = [f".. image:: /{path.relative_to(gallery_conf['src_dir']).as_posix()}" for path in paths]
-    return "".join(f"{line}\n   :alt: {_seen(script)}\n\n" for line in shown)
+        path = Path(next(places))
+        figure.savefig(path)
+        shown = path.relative_to(gallery_conf["src_dir"]).as_posix()
+        return f".. image:: /{shown}\n   :alt: {_seen(script)}\n\n"
+    with tempfile.TemporaryDirectory() as folder:
+        run_commands(script, Path(folder))
+        for name in pictures_of(script):
+            shutil.copyfile(Path(folder, name), Path(next(places)))
+    return ""
 
 
 def _get_sg_image_scraper() -> Callable[..., str]:

@@ -10,7 +10,14 @@ the window of any scene.
 .. code-block:: bash
 
     vibro design examples/design_nut.toml --only goal -o out/design
+
+.. image:: /gallery/images/sphx_glr_plot_design_band_001.png
+   :alt: Speed of all parts. At the frequency and the angle of the chosen design: the slowest and the
+      fastest part over the amplitude, with the nominal part between them.
 """
+
+# %%
+# In Python:
 
 import math
 

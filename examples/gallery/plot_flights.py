@@ -9,7 +9,14 @@ impacts, at which the relative velocity jumps. The command writes ``out/hop.png`
 .. code-block:: bash
 
     vibro simulate examples/safety_nut.toml -A 4 --restitution .3 -o out/hop
+
+.. image:: /gallery/images/sphx_glr_plot_flights_001.png
+   :alt: Flights and impacts. At 4 mm the trough throws the same part (red), and it slides forward or
+      back after each landing.
 """
+
+# %%
+# In Python:
 
 import vibro
 

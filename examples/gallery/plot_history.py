@@ -11,7 +11,14 @@ asked for.
 .. code-block:: bash
 
     vibro simulate examples/safety_nut.toml --cycles 3 -o out/history
+
+.. image:: /gallery/images/sphx_glr_plot_history_001.png
+   :alt: Forces and motion over time. A part over three cycles, from the top: the trough, the forces, and
+      the motion relative to the trough.
 """
+
+# %%
+# In Python:
 
 import vibro
 

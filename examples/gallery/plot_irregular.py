@@ -10,7 +10,14 @@ same cells without the finer borders.
 .. code-block:: bash
 
     vibro map examples/safety_nut.toml -A 1:6:30 -f 15:30:30 --restitution .5 -o out/bounce
+
+.. image:: /gallery/images/sphx_glr_plot_irregular_001.png
+   :alt: Irregular motion. Parts that bounce hardly ever repeat their motion: their speeds are means over
+      many flights, with a standard error that the table has.
 """
+
+# %%
+# In Python:
 
 import vibro
 

@@ -11,7 +11,14 @@ the path at the bottom shows. The first command writes a scene file, the second 
     vibro motion examples/data/nut_trough_mv.csv --trough-along "Trog längs" --trough-normal "Trog normal" \
       --sensitivity 100mV/g -o out/drive.toml
     vibro simulate out/drive.toml --mu-s .74 --mu-d .57 -o out/measured
+
+.. image:: /gallery/images/sphx_glr_plot_measured_drive_001.png
+   :alt: A measured drive. Two accelerometers on a trough give its motion, and a part is followed on that
+      motion: forces and speeds as if somebody had measured them on the part.
 """
+
+# %%
+# In Python:
 
 import vibro
 

@@ -10,7 +10,14 @@ and writes ``out/drive-response.png``; in Python the operating points are arrays
 .. code-block:: bash
 
     vibro drive examples/full_feeder.toml -o out/drive
+
+.. image:: /gallery/images/sphx_glr_plot_response_001.png
+   :alt: Amplitude and speed of a machine. A magnetic feeder over the frequency of its drive, empty and
+      with 4 kg in its trough.
 """
+
+# %%
+# In Python:
 
 import math
 

@@ -10,7 +10,14 @@ the line.
 .. code-block:: bash
 
     vibro map examples/friction_grid.toml --speed 20 -o out/which
+
+.. image:: /gallery/images/sphx_glr_plot_target_speed_001.png
+   :alt: Where a speed is reached. Which parts does one drive convey at 20 mm/s or faster? ``--speed``
+      adds a bold line to the map, and the command prints the share of the cells that reach it.
 """
+
+# %%
+# In Python:
 
 import vibro
 

@@ -1,1 +1,1 @@
-"""Scene files, and sets of output files that appear whole or not at all."""
+"""Scene and design files: what each may hold, described once, and how each is read and written."""
