@@ -52,17 +52,17 @@ TYPICAL_MACHINES: Final = {
 
 @shielded
 def filling(scene: Scene, *, threads: int | None = None) -> Filling:
-    """Return the settled force of what lies in the trough on it, per kg, for every scene.
+    """Return the steady force of the filling on its trough, per kg of filling.
 
-    The trough moves as the scene says, whatever the filling does to it. Valid for parts that move one by one,
-    or a thin bed.
+    The trough moves as the scene prescribes; the filling does not change its motion (``vibro.operate``
+    computes that change). Valid for single parts or a thin bed.
 
     Parameters
     ----------
     scene : Scene
         Operating points of any shape, with drives along lines or ellipses.
     threads : int, optional
-        How many threads share the work, at least 1; without, one a core.
+        Number of threads, at least 1; by default one per core.
 
     Returns
     -------
@@ -74,13 +74,13 @@ def filling(scene: Scene, *, threads: int | None = None) -> Filling:
     SceneError
         If the drive is neither a line nor an ellipse.
     InputError
-        If ``threads`` is no whole number of at least 1.
+        If ``threads`` is not a whole number of at least 1.
 
     Notes
     -----
-    Eqs. (75)-(79) of docs/theory.md, summed over the slides and flights of the cycle. Within 1e-11 of an
-    event walk in 34 digits (tests/test_fillings.py). Means over irregular motion are those of the same bodies
-    whose mean speed ``solve`` tells, and take several ms a cell.
+    Eqs. (75)-(79) of docs/theory.md, summed over the slides and flights of the cycle; within 1e-11 of an
+    event-driven simulation in 34 digits (tests/test_fillings.py). For irregular motion they are means over
+    the same flights as the mean speed of ``solve``, which takes several ms per cell.
 
     Examples
     --------

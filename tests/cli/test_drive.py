@@ -40,7 +40,7 @@ def test_the_sheet(run: Run, tmp_path: Path) -> None:
     assert lines["load-proof"].startswith("load-proof 86.6 0.577 20.6 0.35 24.24 0.3499")
     assert "It takes 20.6 times today's force" in said
     assert "for a trough that moves as a sine" in said
-    assert "warning: the filling puts a second harmonic of up to 1 %" in result.stderr
+    assert "warning: the filling adds a second harmonic of up to 1 %" in result.stderr
     assert "* with the second harmonic that the filling gives its trough" in said
     assert [path.name for path in tmp_path.iterdir()] == ["feeder.toml"]
 

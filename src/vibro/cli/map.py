@@ -257,7 +257,7 @@ def map_command(
         console.echo(target.text())
     if bends:
         console.warn(
-            f"{bends} of {grid.size} cells: the filling bends the trough's motion, by a second harmonic above"
+            f"{bends} of {grid.size} cells: the filling adds a second harmonic to the trough's motion, above"
             f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; the speed with it is the column"
             f" {BENT_SPEED.column} of --columns"
         )

@@ -40,7 +40,12 @@ class Level(StrEnum):
 
 
 class Regime(IntEnum):
-    """What a body on the trough does, as maps class it."""
+    """Class of the steady motion of a body on the trough; the integer codes of ``SteadyCycle.regime``.
+
+    ``NO_SLIP``: it rests. ``FORWARD_SLIP``: it slides, never backwards. ``BACK_SLIP``: it slides backwards at
+    some time of the cycle. ``HOPPING``: the throw number exceeds 1. ``UNDEFINED`` (-1): the status says why
+    there is no regime.
+    """
 
     UNDEFINED = -1  # the cell has no regime: see its status
     NO_SLIP = 0
@@ -50,12 +55,22 @@ class Regime(IntEnum):
 
     @property
     def label(self) -> str:
-        """The regime's name in tables and pictures; empty where there is none."""
+        """Name of the regime in tables and pictures, such as ``forward-slip``; empty for ``UNDEFINED``."""
         return "" if self is Regime.UNDEFINED else self.name.lower().replace("_", "-")
 
 
 class Status(IntEnum):
-    """How far the numbers of a cell can be trusted, and why one is missing."""
+    """Whether a cell has numbers and of what kind, or why it has none; codes of ``SteadyCycle.status``.
+
+    ``OK``, ``BOUNDARY`` (within rounding of a threshold) and ``AVERAGED`` (mean of irregular motion) have
+    numbers; ``RUNAWAY``, ``INDETERMINATE``, ``FLIGHT_NOT_MODELLED``, ``INFEASIBLE`` and ``UNRESOLVED`` have
+    none. ``message`` explains each.
+
+    Examples
+    --------
+    >>> Status(2).label, Status(2).answered
+    ('runaway', False)
+    """
 
     OK = 0
     BOUNDARY = 1
@@ -68,12 +83,12 @@ class Status(IntEnum):
 
     @property
     def label(self) -> str:
-        """The status's name in tables."""
+        """Name of the status in tables, such as ``flight-not-modelled``."""
         return self.name.lower().replace("_", "-")
 
     @property
     def message(self) -> str:
-        """One sentence that tells a user what the status means."""
+        """One sentence that explains the status."""
         return _STATUS_MESSAGES[self]
 
     @property

@@ -41,27 +41,28 @@ def design(
     digits: int = DIGITS,
     only: Literal["goal"] | None = None,
 ) -> DesignResult:
-    """Find the drive settings that guarantee a speed to every part of a box of bands.
+    """Find the drive settings that guarantee a speed for every part within given tolerances.
 
     Parameters
     ----------
     spec : path or mapping
-        A TOML file, or a mapping with its keys; docs/design.md lists them.
+        A design file in TOML, or a mapping with the same keys; docs/design.md lists them.
     digits : int, optional
-        Significant digits of settings, from 1 to 15. A setting that does not hold with so few has more.
+        Significant digits of settings, from 1 to 15. A setting that would lose its guarantee by rounding has
+        more.
     only : {"goal"}, optional
-        Leaves out the designs of other regimes than the goal's.
+        ``"goal"`` leaves out designs within other regimes than the goal's highest one.
 
     Returns
     -------
     DesignResult
-        For every drive the gentlest, the fastest and the safest design within the goal's highest regime, then
-        those within each other one of forward-slip, back-slip and hopping.
+        The gentlest (least acceleration), the fastest and the safest design of every drive within the goal's
+        highest regime; then those within forward-slip, back-slip and hopping, as far as these differ from it.
 
     Raises
     ------
     InputError
-        If the question or an argument is invalid; it lists every problem of the question.
+        If the question or an argument is invalid; the message lists all problems.
     FileError
         If the file cannot be read.
 

@@ -106,13 +106,13 @@ class MachineDrive:
         return 0.5 * sum(self.covered)
 
     def doubt(self, name: str) -> str:
-        """Return a warning where damping decides much of the amplitude; ``name`` is the drive's."""
+        """Return a warning if the drive is near resonance, else an empty text; ``name`` is the drive's."""
         natural, zeta = self.natural_frequency, self.machine.damping_ratio
         if natural is None or abs(self.frequency / natural - 1.0) > _NEAR * zeta:
             return ""
         return (
             f"{name}: {self.frequency:.6g} Hz is within {_NEAR:g} damping ratios of the resonance at "
-            f"{natural:.6g} Hz, where damping decides much of the amplitude; exchange springs"
+            f"{natural:.6g} Hz, where the amplitude depends much on damping; exchange springs"
         )
 
     @property

@@ -210,40 +210,41 @@ class _Rounds:
 
 @shielded
 def follow(scene: Scene, name: str, values: ArrayLike, *, start: Attractor | None = None) -> Branch:
-    """Follow one cycle along a quantity, past folds and period doublings, also where it is unstable.
+    """Follow one cycle of flights as a quantity varies, past folds and period doublings, stable or not.
 
     Parameters
     ----------
     scene : Scene
         One operating point, of shape ().
     name : str
-        The quantity that is varied: a field of the scene, such as ``amplitude`` or ``restitution``.
+        Name of the quantity that varies: a field of the scene, such as ``amplitude`` or ``restitution``.
     values : array_like
-        Its values in SI units, rising or falling: the branch is followed from the first towards the last, no
-        step is longer than the distance of the values there, and it ends where it leaves their range.
+        Values of the quantity in SI units, rising or falling. The branch is followed from the first towards
+        the last value, with steps no longer than the distance between neighbours, until it leaves their
+        range.
     start : Attractor, optional
         The cycle at the first value, one of ``vibro.attractors``; by default that of a body from rest.
 
     Returns
     -------
     Branch
-        The cycles in the order of the branch, and the folds and doublings on it.
+        The cycles in the order of the branch, with its folds and period doublings.
 
     Raises
     ------
     SceneError
-        If the scene is no single one, it has no such quantity, or the cycle has a contact. Such a cycle is
-        always stable in its normal motion: ``vibro.solve`` over the quantity shows it.
+        If the scene is more than one operating point, it has no such quantity, or the cycle has a phase in
+        contact. The normal motion of such a cycle is always stable: use ``vibro.solve`` over the quantity.
 
     Notes
     -----
-    Folds and doublings are located to 1e-9 of the closed forms, Eq. (72) (tests/motion/test_continuation.py).
-    The branch is that of the normal motion; of the cycles along the trough the one is taken to which a body
-    leads that has the velocity of the cycle before.
+    Folds and doublings agree with the closed forms, Eq. (72), to 1e-9 (tests/motion/test_continuation.py).
+    The branch is that of the normal motion. Where several motions along the trough belong to it, that one is
+    taken in which a body settles that starts with the velocity of the previous cycle of the branch.
 
     Examples
     --------
-    A part without restitution is thrown once a turn from K = 3.5 on; the cycle doubles at K = hypot(pi, 2).
+    A part without restitution that is thrown once per drive cycle; its period doubles at K = hypot(pi, 2):
 
     >>> import numpy as np, vibro
     >>> scene = vibro.Scene(amplitude=9e-3, frequency=15, drive_angle=0.5, static_friction=0.6,

@@ -41,15 +41,15 @@ def simulate(
     start_height: float = 0.0,
     start_normal_velocity: float = 0.0,
 ) -> History:
-    """Follow a body on the trough from its first moment on.
+    """Simulate the motion of one body on the trough from time 0 on.
 
     Parameters
     ----------
     scene : Scene
         One operating point, of shape ().
     cycles, duration, length : float
-        Exactly one of them: drive cycles [1], time [s], or the displacement relative to the trough at
-        which the history ends [m]; > 0.
+        End of the history; give exactly one of them, > 0: a number of drive cycles [1], a time [s], or a
+        displacement relative to the trough [m].
     start_phase : float, optional
         Phase of the trough at time 0 [rad].
     start_velocity : float, optional
@@ -57,27 +57,28 @@ def simulate(
     start_height : float, optional
         Height of the body above the trough at time 0, >= 0 [m].
     start_normal_velocity : float, optional
-        Normal velocity of the body relative to the trough at time 0, positive away from it [m/s]. On the
-        trough a positive one throws the body, and a negative one is an impact at time 0.
+        Normal velocity of the body relative to the trough at time 0, positive away from it [m/s]. If the
+        height is 0, a positive one throws the body, and a negative one is an impact at time 0.
 
     Returns
     -------
     History
-        Its phases, and its motion and forces at any time.
+        The phases of the motion; ``History.sample`` gives motion and forces at any time.
 
     Raises
     ------
     SceneError, VibroError
-        If an argument is out of its range, or the motion of the scene cannot be followed, or the body
-        never covers ``length``, or its motion has not begun to repeat within 2 million phases.
+        If an argument is out of its range, the motion of the scene cannot be simulated, the body never covers
+        ``length``, or the motion has not begun to repeat within 2 million phases.
 
     Notes
     -----
-    A body begins on the trough unless it is thrown or dropped; where the trough falls away under it, it
-    leaves at once. The motion is followed until it repeats. A cycle that rests repeats exactly; one that
-    never rests has converged to rounding, and in contact it is replaced by the closed form, Eqs. (18)-(20)
-    and (59)-(63). Its displacement is that of ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion
-    without a short period is followed to the end; rounding grows in it as in any chaotic motion.
+    By default the body starts at rest on the trough at phase 0; it leaves the trough at once if the trough
+    accelerates away from it there. The motion is simulated until it repeats. A cycle that contains a rest
+    repeats exactly. A cycle without rest has then converged to rounding, and in contact it is replaced by the
+    closed form, Eqs. (18)-(20) and (59)-(63). Its displacement agrees with ``solve`` to 1e-12
+    (tests/motion/test_histories.py). Irregular motion is simulated to the end; rounding errors grow in it as
+    in any chaotic motion.
 
     Examples
     --------

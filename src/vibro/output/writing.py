@@ -264,7 +264,7 @@ def write_sweep(
     coexistence: bool = False,
     **quantities: Any,
 ) -> StoredSweep | None:
-    """Solve all combinations of the axes, however many, into a folder of Parquet files.
+    """Solve all combinations of several axes into a folder of Parquet files, which may exceed memory.
 
     Parameters
     ----------
@@ -273,42 +273,42 @@ def write_sweep(
     scene_file, accuracy, flight, coexistence, **quantities
         As for ``vibro.sweep``.
     columns : sequence of str, optional
-        Names as for ``--columns`` of ``vibro map``, in the order wanted; without, its usual ones.
+        Names of columns, as for ``--columns`` of ``vibro map``; by default its standard columns.
     shard_cells : int, optional
-        Cells of each file, a shard; 1e6, or 20 000 where bodies bounce or other motions are searched for, or
-        as many as existing files have.
+        Number of cells per file, a shard. By default 1e6, or 20 000 with bouncing bodies or
+        ``coexistence=True``, or that of the existing files.
     shards : str, optional
-        The shards to make, such as ``"0:40"`` for the first 40: jobs of a batch system make other ranges at
-        the same time. The same call with ``resume=True`` in place of it finishes the folder.
+        Range of shards to make, such as ``"0:40"`` for the first 40, so that the jobs of a batch system can
+        make different ranges at the same time. A last call with ``resume=True`` and without ``shards``
+        finishes the folder.
     workers : int, optional
-        Processes that make the files; without, threads of this one. A script that asks for them needs the
+        Number of processes; by default threads of this process. A script that uses processes needs the
         line ``if __name__ == "__main__":``.
     scheduler : str, optional
-        Address of a Dask cluster that makes the files, such as ``"tcp://host:8786"``. Its workers need the
-        same versions of vibro, NumPy, SciPy and pyarrow, and the same folder under the same path.
+        Address of a Dask cluster, such as ``"tcp://host:8786"``. Its workers need the same versions of vibro,
+        NumPy, SciPy and pyarrow, and access to the folder under the same path.
     resume : bool, optional
-        Whether to continue the same sweep in a folder where it was cut short.
+        Whether to continue an interrupted sweep with the same arguments.
     force : bool, optional
-        Whether to start anew in a folder that holds a sweep.
+        Whether to replace a sweep that the folder contains.
 
     Returns
     -------
     StoredSweep or None
-        As ``vibro.open_sweep`` returns it; None if only some shards were asked for.
+        The sweep, as from ``vibro.open_sweep``; None with ``shards``.
 
     Raises
     ------
     InputError
-        It names everything that is wrong or missing.
+        If an input is wrong or missing; the message lists all problems.
     FileError
-        If the folder cannot be written, holds something else, or is being written by another run; if pyarrow,
-        or for a scheduler distributed, is not installed.
+        If the folder cannot be written, contains something else, or is in use by another run; if pyarrow is
+        not installed, or distributed with ``scheduler``.
 
     Notes
     -----
-    The bytes of the files follow from the arguments and the versions of the libraries alone, on one kind
-    of processor: not from the number or kind of workers, or from how often the sweep is resumed
-    (tests/output/test_shards.py).
+    The files are the same to the byte for any number or kind of workers and any number of interruptions, on
+    one kind of processor and with the same versions of the libraries (tests/output/test_shards.py).
 
     Examples
     --------

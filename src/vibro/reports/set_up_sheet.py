@@ -582,24 +582,25 @@ def _warnings(request: SheetRequest, pairs: Sequence[tuple[Row, Row]], bounds: S
         if row.number > 1:
             told = ", ".join(f"{a:.4g}" for a in row.amplitudes)
             said.append(
-                f"{_case(row)}: {row.number} operating points, with amplitudes of {told} mm; the sheet tells"
-                " the least, which is reached when the machine is switched on"
+                f"{_case(row)}: {row.number} operating points, with amplitudes of {told} mm; the sheet shows"
+                " the least, which the machine reaches when it starts"
             )
     if jumps := [row for row in rows if row.at_jump]:
         said.append(
-            f"{_cases(jumps, rows)}: the amplitude hovers where the filling's motion changes, and never"
-            " settles"
+            f"{_cases(jumps, rows)}: the filling's motion changes at this amplitude, and its force jumps:"
+            " there is no steady operating point"
         )
     if averaged := [row for row in rows if row.filling and row.status is Status.AVERAGED]:
         said.append(
-            f"{_cases(averaged, rows)}: the filling hops irregularly; its force is bounded, and the"
-            " amplitude lies in the interval that is told; the speed is that at the middle of it"
+            f"{_cases(averaged, rows)}: the filling's motion is irregular; its force and the amplitude are"
+            " known within the bounds shown; the speed is that at the middle"
         )
     second = max((row.second_harmonic for row in rows if row.filling), default=math.nan)
     if second > WARNED_HARMONIC:
         said.append(
-            f"the filling puts a second harmonic of up to {100.0 * second:.2g} % of the amplitude on the"
-            " trough; the speed with it is told for each setting, all other speeds are those of a sine"
+            f"the filling adds a second harmonic of up to {100.0 * second:.2g} % of the amplitude to the"
+            " trough's motion; the speed with it is listed for each setting, all other speeds are those of a"
+            " sinusoidal motion"
         )
     for row in rows:
         if math.isnan(row.amplitude) and not row.strikes:

@@ -52,7 +52,7 @@ class Column:
         From an array of codes and ``SteadyCycle.long_patterns`` to an array of texts, where there are too
         many to list.
     meaning : str, optional
-        What it is, for people, in plain text.
+        Description of the column, in plain text.
     """
 
     name: str
@@ -99,7 +99,7 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A solved part of a grid, as tables need it.
+    """Solved cells of a part of a grid, for tables.
 
     Attributes
     ----------
@@ -110,9 +110,10 @@ class Block:
     length : float or None
         Length of the trough [mm].
     arrival : array or None
-        Time from rest to the arrival, inf or NaN where there is none, if asked for [s].
+        Time from rest to the arrival; inf if the body never arrives, NaN if unknown; None if not requested
+        [s].
     in_stroke : bool
-        Whether people are told the stroke of a drive along a line, in place of its amplitude.
+        Whether tables contain the stroke of a drive along a line instead of its amplitude.
     """
 
     values: Mapping[str, Floats]
@@ -169,8 +170,8 @@ class SweepResult:
     title : str
         Description of the sweep, in one line.
     places : mapping of str to array, optional
-        Values of axes for which the cells were solved, where they are others than their own: cells of a
-        table stand for those around. Arrays of the grid's shape.
+        Values of axes for which cells were actually solved, if they differ from the grid's: pictures of a
+        stored table use its nearest cells. Arrays of the grid's shape.
     amplitude : array, optional
         Amplitudes that follow from a machine, broadcastable to the grid's shape; NaN where there is none
         [mm].
