@@ -93,7 +93,7 @@ def test_hopping_scenes_of_a_grid_are_solved_as_each_alone() -> None:
 
 def test_regimes_alone_are_those_of_the_whole_solution(drawn: Callable[[int, int], Scene]) -> None:
     scene = drawn(20_000, 6)
-    whole, classes = solve(scene, flight=False), solve(scene, accuracy="regimes")
+    whole, classes = solve(scene, flight=False), solve(scene, output="regimes")
     assert_same(whole, classes, names=["regime", "throw_number", "forward_ratio", "back_ratio"])
     known = classes.regime != Regime.HOPPING
     assert np.array_equal(whole.status[known], classes.status[known])

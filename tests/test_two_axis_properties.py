@@ -137,7 +137,7 @@ def test_classes_come_in_one_order_with_growing_load() -> None:
     some = random_drives(300, 22, steepest=0.35, throw=(1e-3, 1e-2))
     factors = np.geomspace(0.3, 1.1 / some.normal.min(), 120)
     order = np.array(
-        [vibro.solve(some.scaled(f).scene(), accuracy="regimes").regime for f in factors], dtype=np.int64
+        [vibro.solve(some.scaled(f).scene(), output="regimes").regime for f in factors], dtype=np.int64
     )
     assert (np.diff(order, axis=0) >= 0).all()
     assert set(np.unique(order)) >= set(Regime) - {Regime.UNDEFINED}

@@ -411,7 +411,7 @@ def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
         If a stand ratio is no number, or not > 0, or the body is clamped.
     """
     load = tipping_load(scene, stand_ratio)
-    hops = solve(scene, accuracy="regimes").regime == int(Regime.HOPPING)
+    hops = solve(scene, output="regimes").regime == int(Regime.HOPPING)
     unheld = np.abs(np.tan(scene.trough_angle)) >= scene.static_friction
     tips = scene.load > load
     unknown = np.where(np.isinf(load), hops, unheld)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from functools import cache
-from typing import TYPE_CHECKING, Any, Final, Literal
+from functools import cache, wraps
+from typing import TYPE_CHECKING, Any, Final, Literal, ParamSpec, TypeVar
 
 import numpy as np
 
-from vibro.core.codes import Level, Status
+from vibro.core.codes import Output, Status
 from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.errors import InputError, shown
@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
     from vibro.scene import Scene
 
-__all__ = ["check_switch", "level_of", "solve"]
+__all__ = ["check_switch", "output_of", "solve", "takes_old_name"]
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 
 # Cells of a range: many enough that Python takes no time between them, few enough that an interrupt is
 # noticed within a fraction of a second.
@@ -38,11 +41,24 @@ _MANY_FLIGHTS: Final = 10_000  # [cells] above which plain Python takes minutes
 _MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.dtype) for r in RESULTS)
 
 
+def takes_old_name(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Let a function take its argument ``output`` by the old name ``accuracy`` too."""
+
+    @wraps(function)
+    def called(*args: _P.args, **values: _P.kwargs) -> _R:
+        if "accuracy" in values:
+            values["output"] = values.pop("accuracy")
+        return function(*args, **values)
+
+    return called
+
+
+@takes_old_name
 @shielded
 def solve(
     scene: Scene,
     *,
-    accuracy: Literal["exact", "regimes"] | Level = "exact",
+    output: Literal["exact", "regimes"] | Output = "exact",
     flight: bool = True,
     coexistence: bool = False,
     threads: int | None = None,
@@ -54,7 +70,7 @@ def solve(
     ----------
     scene : Scene
         Operating points of any shape.
-    accuracy : {"exact", "regimes"}, optional
+    output : {"exact", "regimes"}, optional
         With "regimes" only regimes, ratios and statuses are computed: cells that slip have no pattern and no
         model, their numbers are NaN, and ``BOUNDARY`` between patterns of one regime is not detected. It
         implies ``flight=False``.
@@ -97,7 +113,7 @@ def solve(
     >>> print(f"{cycle.mean_velocity:.9f} m/s, {cycle.pattern}")
     0.016263456 m/s, F_
     """
-    classes_alone = level_of(accuracy) is Level.REGIMES
+    classes_alone = output_of(output) is Output.REGIMES
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
     _check_threads(threads)
@@ -156,12 +172,12 @@ def _say_that_it_takes_long() -> None:
     )
 
 
-def level_of(accuracy: str) -> Level:
-    """Return the level of detail that ``accuracy`` names."""
+def output_of(output: str) -> Output:
+    """Return the output that a text names; raise InputError if there is no such output."""
     try:
-        return Level(accuracy)
+        return Output(output)
     except ValueError:
-        raise InputError(f"accuracy = {shown(accuracy)}: must be one of {', '.join(Level)}") from None
+        raise InputError(f"output = {shown(output)}: must be one of {', '.join(Output)}") from None
 
 
 def check_switch(name: str, value: bool) -> None:

@@ -29,7 +29,7 @@ def test_the_sheet(run: Run, tmp_path: Path) -> None:
     said, lines = folded(result.stdout), lines_of(result.stdout)
     assert "f/f0 = 1.05 empty, 1.064 full: 5 % above resonance when empty." in said
     assert "This filling brings less amplitude" in said
-    assert "no filling brings it to the drive" in said
+    assert "no filling brings the machine to resonance" in said
     assert "2 kg act like 0.2477 kg more of trough, a mass share of 12.4 %" in said
     assert "100 % empty 0.35 24.24 1.2 1.05 hopping" in said
     assert "100 % 2 kg 0.2518 16.4" in said
@@ -58,7 +58,7 @@ def test_every_line_fits_into_80_columns(run: Run, tmp_path: Path, kind: str) ->
 def test_below_resonance_a_filling_adds_amplitude(run: Run, tmp_path: Path) -> None:
     said = folded(run("drive", written(tmp_path, feeder(0.9, BANDS))).stdout)
     assert "10 % below resonance when empty. This filling brings more amplitude" in said
-    assert "kg of filling, at the share found here, bring it to the drive" in said
+    assert "kg of filling, at this share, bring the machine to resonance" in said
 
 
 def test_bands_of_options_replace_those_of_the_file(run: Run, tmp_path: Path) -> None:

@@ -62,7 +62,7 @@ def test_the_sidecar_tells_what_the_table_holds(run: Run) -> None:
     assert (content["columns"]["acceleration_g"], content["columns"]["parts_per_min"]) == ("g", "1/min")
     assert (content["digits"], content["part"]) == (6, {"pitch_mm": 25.4, "mass_kg": 0.012})
     assert Path("few.csv").read_text(encoding="utf-8").splitlines()[0] == ",".join(content["columns"])
-    assert run(*MAP, "-o", "all", "--accuracy", "regimes").exit_code == 0
+    assert run(*MAP, "-o", "all", "--regimes-only").exit_code == 0
     content = json.loads(Path("all.json").read_text(encoding="utf-8"))
     assert content["digits"] is None
     assert "part" not in content
@@ -78,10 +78,10 @@ LONG = ("-L", "600")
         (("solve", *NUT), {"restitution": 0}),
         (("solve", *NUT, *BOUNCING, *LONG), {"restitution": 0.5, "trough_length_mm": 600}),
         (("solve", *NUT, *BOUNCING, *LONG, "--flight", "off"), {"trough_length_mm": 600}),
-        (("solve", *NUT, *BOUNCING, "--accuracy", "regimes"), {}),
+        (("solve", *NUT, *BOUNCING, "--regimes-only"), {}),
         ((*MAP, *BOUNCING, *LONG), {"restitution": 0.5, "trough_length_mm": 600}),
         ((*MAP, *BOUNCING, "--flight", "off"), {}),
-        ((*MAP, *LONG, "--accuracy", "regimes"), {"trough_length_mm": 600}),
+        ((*MAP, *LONG, "--regimes-only"), {"trough_length_mm": 600}),
         ((*TRAVERSE, *BOUNCING), {"restitution": 0.5, "trough_length_mm": 600}),
         ((*TRAVERSE, "--flight", "off"), {"trough_length_mm": 600}),
         (("traverse-time", *NUT, *LONG), {"restitution": 0, "trough_length_mm": 600}),
@@ -151,7 +151,7 @@ def test_the_report_tells_the_throughput(run: Run, args: tuple[str, ...], said: 
         ((*NUT, "-A", "0.9", "--mu-s", ".3", "--mu-d", ".29", "--trough-angle", "15"), "+10 % amplitude: +"),
         ((*TO_AND_FRO, "-a", "31.0109"), "+10 % amplitude: +13.2 % speed (d ln"),
         ((*TO_AND_FRO, "-a", "31.010843891"), "+10 % amplitude: -4.595"),  # 1e-10 mm/s
-        ((*NUT, "--accuracy", "regimes"), None),
+        ((*NUT, "--regimes-only"), None),
     ],
 )
 def test_the_report_tells_what_more_amplitude_does(run: Run, args: tuple[str, ...], said: str | None) -> None:

@@ -309,7 +309,7 @@ def test_irregular_motion_leaves_an_interval() -> None:
     assert np.all(points.amplitude_low[irregular] < points.amplitude_high[irregular])
     settled = points.status == Status.OK
     assert np.all(points.amplitude_low[settled] == points.amplitude_high[settled])
-    assert any("irregularly" in text for text in points.remarks())
+    assert any("irregular" in text for text in points.remarks())
 
 
 def test_borders_of_irregular_motion_are_no_operating_points() -> None:

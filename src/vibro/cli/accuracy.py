@@ -53,7 +53,7 @@ def accuracy_command(
         ),
     ] = str(_SCENES),
     tolerance: Annotated[
-        str, typer.Option("--tolerance", metavar="E", help="Error in mean speed that counts as none [A f].")
+        str, typer.Option("--tolerance", metavar="E", help="Tolerated error in mean speed [A f].")
     ] = "0.001",
     formats: FormatOption = "png",
 ) -> int:

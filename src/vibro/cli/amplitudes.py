@@ -210,7 +210,7 @@ class _Drive:
     @cached_property
     def limit(self) -> float:
         """Size up to which hops are looked for; inf where there are none, or none are asked for."""
-        throw = float(solve(self.scene, accuracy="regimes").throw_number)
+        throw = float(solve(self.scene, output="regimes").throw_number)
         return self.amplitude * (MOST_THROW / throw) if self.hopping and throw > 0.0 else math.inf
 
     def facts(self, fixed: Mapping[str, float], speed: str) -> list[tuple[str, str]]:

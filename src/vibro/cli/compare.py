@@ -81,7 +81,7 @@ def compare_command(
     trough_normal: TroughNormalOption = None,
     sensitivity: SensitivityOption = None,
     mass: Annotated[
-        str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
+        str | None, typer.Option("--mass", metavar="VALUE", help="Mass of the body [kg].", show_default=False)
     ] = None,
     reverse: ReverseOption = False,
     absolute: Annotated[
@@ -371,8 +371,8 @@ def _measured_motion(
         return measured
     if fits and measured.order > 1:
         raise InputError(
-            f"--fit needs both motions of the trough: it moves with {measured.order} harmonics, of which one"
-            " accelerometer tells one direction alone",
+            f"--fit needs both motions of the trough: it moves with {measured.order} harmonics, and one"
+            " accelerometer measures one direction alone",
             hint="name --trough-along and --trough-normal",
         )
     return None

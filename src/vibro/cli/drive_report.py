@@ -129,7 +129,7 @@ _EXAMPLES: Final = {"voltage": "90:110", "filling": "0:2kg"}
 
 def _resonance(sheet: Sheet, empty: Row, full: Row) -> str:
     if sheet.request.machine.kind == "crank":
-        return "none: the trough follows the crank, whatever lies in it"
+        return "none: the trough follows the crank with any filling"
     ratios = [empty.frequency_ratio]
     if sheet.request.full and math.isfinite(full.filled_frequency_ratio):
         ratios.append(full.filled_frequency_ratio)
@@ -172,10 +172,10 @@ def _to_resonance(sheet: Sheet) -> str:
     if sheet.request.machine.kind == "crank":
         return ""
     if empty.frequency_ratio > 1.0:
-        return "no filling brings it to the drive: it moves away from it"
+        return "no filling brings the machine to resonance: it moves away from it"
     if math.isnan(sheet.resonant_filling):
-        return "no filling brings it to the drive"
-    return f"about {sheet.resonant_filling:.3g} kg of filling, at the share found here, bring it to the drive"
+        return "no filling brings the machine to resonance"
+    return f"about {sheet.resonant_filling:.3g} kg of filling, at this share, bring the machine to resonance"
 
 
 def _tolerated(sheet: Sheet) -> str:

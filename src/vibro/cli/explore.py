@@ -34,16 +34,16 @@ def explore_command(
     options: Options,
     port: Annotated[
         str,
-        typer.Option("--port", metavar="PORT", help="Where to listen; if it is taken, at the next free one."),
+        typer.Option("--port", metavar="PORT", help="Port to listen on; if it is taken, the next free one."),
     ] = "8765",
     no_open: Annotated[
-        bool, typer.Option("--no-open", help="Print the page's address, open no browser.")
+        bool, typer.Option("--no-open", help="Print the page's address without opening a browser.")
     ] = False,
 ) -> int:
     """Explore a scene in the browser: move its quantities, and see the map, the numbers and the motion.
 
-    Axes and [map] say what the map shows first; without a scene it is the paper's safety nut. The page comes
-    from this machine and can be opened from this machine alone, by one browser; Ctrl-C ends it. It needs
+    Axes and [map] are those that the map shows first; without a scene file the page begins with the paper's
+    safety nut. Only one browser on this computer can open the page; Ctrl-C ends it. Install with
     pip install 'vibro[explore]'.
     """
     from vibro.cli.console import Console, print_unexpected, tell_traceback

@@ -6,7 +6,7 @@ import shlex
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.cli.console import Console
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, Quantity, exact_number
@@ -98,7 +98,7 @@ def warn_of_machine(request: Request, console: Console) -> None:
     from vibro.sweeps.machine_facts import machine_warnings
 
     if request.machine is not None:
-        for text in machine_warnings(request.machine, request.grid(Level.EXACT).values()):
+        for text in machine_warnings(request.machine, request.grid(Output.EXACT).values()):
             console.warn(text)
 
 

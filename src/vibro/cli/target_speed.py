@@ -93,7 +93,7 @@ class TargetSpeed:
         box: Any = np.ix_(*(np.arange(cells[0], cells[-1] + 1) for cells in inside))
         whole = fast[box].sum() == possible[box].sum()
         which = "all" if whole else f"{100.0 * fast[box].sum() / possible[box].sum():.1f} %"
-        return f"they lie within {' and '.join(ranges)}, where {which} of the possible cells do it"
+        return f"they lie within {' and '.join(ranges)}, where {which} of the possible cells reach it"
 
 
 def target_in_pictures(result: SweepResult, axes: Mapping[str, Axis], speed: float) -> str:

@@ -19,9 +19,9 @@ __all__ = [
     "PATTERNS",
     "PHASE_NAMES",
     "SPELT_PATTERNS",
-    "Level",
     "Mode",
     "Model",
+    "Output",
     "Pattern",
     "Regime",
     "Status",
@@ -32,8 +32,8 @@ __all__ = [
 ]
 
 
-class Level(StrEnum):
-    """How much is found of every cell: all of it, or its regime, ratios and status alone."""
+class Output(StrEnum):
+    """What is computed of every cell: all results, or its regime, ratios and status only."""
 
     EXACT = "exact"
     REGIMES = "regimes"
@@ -99,12 +99,12 @@ class Status(IntEnum):
 
 _STATUS_MESSAGES: Final = {
     Status.OK: "solved to rounding",
-    Status.BOUNDARY: "within a few ulp of a threshold: the value is that of the side equality belongs to",
+    Status.BOUNDARY: "within rounding of a threshold: the value is that of the side which includes equality",
     Status.RUNAWAY: "the body never comes to rest and gains speed every cycle: no steady cycle exists",
-    Status.INDETERMINATE: "without static friction the steady motion depends on how the body was started",
+    Status.INDETERMINATE: "without static friction the steady motion depends on the start of the body",
     Status.FLIGHT_NOT_MODELLED: "the body leaves the trough; its flight is not modelled",
-    Status.INFEASIBLE: "the combination cannot be: mu_d > mu_s, or a machine whose masses strike",
-    Status.AVERAGED: "the motion has no short period: mean over many flights, with its standard error",
+    Status.INFEASIBLE: "impossible combination: mu_d > mu_s, or a machine whose masses strike",
+    Status.AVERAGED: "irregular motion: mean over many flights, with its standard error",
     Status.UNRESOLVED: "the solver could not prove its answer; please report the scene",
 }
 

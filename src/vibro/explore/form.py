@@ -56,7 +56,7 @@ def form_html(initial: State) -> str:
                 _tick("bands", "friction is not known exactly", aria_describedby="no-bands"),
                 tag(
                     "p",
-                    "only of drives along a line, and of frictions that are no axis",
+                    "only for drives along a line, and for frictions that are not an axis",
                     id="no-bands",
                     class_="note",
                 ),

@@ -90,7 +90,10 @@ _NAMES: Final = {
     "preview": ("preview, not exact yet", (_GREY,)),
     "unknown": ("not computed yet", (_NO_ANSWER,)),
     "unproved": ("not proved here", (_NO_ANSWER,)),
-    "either": ("either regime, or one between, as friction may be", (Regime.FORWARD_SLIP, Regime.BACK_SLIP)),
+    "either": (
+        "either regime or one between, depending on friction",
+        (Regime.FORWARD_SLIP, Regime.BACK_SLIP),
+    ),
     "misses": ("slower than the target speed, or hops", (_GREY,)),
 }
 

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = ["command_of", "point_of", "scene_text"]
 
-_APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
+_APART: Final = "For the operating point's own friction: these commands and scene files have no bands."
 _SAVED: Final = "scene.toml"  # as the page calls it
 _IN_FILE: Final = {
-    GIVEN: f"The motion has no options: the command reads the scene file, saved as {_SAVED}.",
-    DRIVEN: f"The machine has no options: the command reads the scene file, saved as {_SAVED}.",
+    GIVEN: f"The command reads the motion from the scene file, saved as {_SAVED}.",
+    DRIVEN: f"The command reads the machine from the scene file, saved as {_SAVED}.",
 }
 
 

@@ -278,7 +278,7 @@ def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) 
     if len(drawn) == 1:
         wrong.add(f"x and y are both {x.quantity.label}", "choose two quantities", "y")
     elif {"friction_ratio", "kinetic_friction"} == drawn:
-        wrong.add("friction ratio and kinetic friction stand for the same", "choose one of them", "y")
+        wrong.add("friction ratio and kinetic friction describe the same", "choose one of them", "y")
     bands = {}
     weighed = is_weighed(point.machine, drawn, point.fixed)
     for name in BANDS:
@@ -378,14 +378,14 @@ def _band(name: str, text: str, drive: str, drawn: set[str], *, of_filling: bool
     """Read the band of a friction."""
     quantity = QUANTITIES[name]
     if drive not in ("line", DRIVEN):
-        said = "bands of friction are known of drives along a line alone"
+        said = "bands of friction are possible only for drives along a line"
         raise InputError(said, hint="take a drive along a line")
     if of_filling:
-        said = "what a filling weighs depends on its friction: no band of it is known beside a filling"
+        said = "the force of a filling depends on its friction: with a filling no band of it is possible"
         raise InputError(said, hint="set the filling to 0, or give added_mass_share in [machine]")
     if drawn & {*BANDS}:
         hint = "choose other axes, or leave the band out"
-        raise InputError("a friction that is drawn over has no band", hint=hint)
+        raise InputError("a friction that is an axis of the map cannot have a band", hint=hint)
     low, colon, high = text.partition(":")
     ends, wrong = [], Problems()
     for end in (low, high if colon else low):

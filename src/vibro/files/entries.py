@@ -36,7 +36,7 @@ _NUMBER: Final = "a finite number"
 _BAND: Final = 'a finite number or a band "lo:hi"'
 _LIMITS: Final = 'a finite number, the largest, or a range "lo:hi"'
 _CHOICES: Final = 'a finite number, a list, or a range "lo:hi"'
-_NO_MORE: Final = 'it takes no such list or count: "lo:hi" is all between two ends; decimals have a point'
+_NO_MORE: Final = 'no list or count is possible: "lo:hi" is all between two ends; decimals have a point'
 # Matches the beginning of a name in the friction catalogue, and of no number.
 _NAME: Final = re.compile(r"\s*(?!(nan|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
 

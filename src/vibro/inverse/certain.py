@@ -148,7 +148,7 @@ def _bodies(scene: Scene, static_friction: Floats, kinetic_friction: Floats) -> 
 
 
 def _regimes(scene: Scene, static_friction: Floats, kinetic_friction: Floats) -> Codes:
-    return np.asarray(solve(_bodies(scene, static_friction, kinetic_friction), accuracy="regimes").regime)
+    return np.asarray(solve(_bodies(scene, static_friction, kinetic_friction), output="regimes").regime)
 
 
 def _settle(scene: Scene, codes: Codes, box: UncertaintySet, *, was: Regime, otherwise: Regime) -> None:

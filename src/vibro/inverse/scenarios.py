@@ -168,4 +168,4 @@ def _drop_axis(box: UncertaintySet, coordinates: Floats) -> int:
 def _slips_back(boxes: UncertaintySet, points: Points) -> Bools:
     """Return which bodies slip back or hop."""
     scene = boxes.scene(points, fast=False)
-    return np.asarray(solve(scene, accuracy="regimes").regime >= Regime.BACK_SLIP)
+    return np.asarray(solve(scene, output="regimes").regime >= Regime.BACK_SLIP)

@@ -169,7 +169,7 @@ class Machine:
 
     def __init__(self) -> None:
         raise InputError(
-            "a machine is made by its kind",
+            "Machine() cannot be called: every machine has a kind",
             hint="call Machine.unbalance, .magnet, .exciter, .crank, .rod or .measured",
         )
 
@@ -307,7 +307,7 @@ class Machine:
             read.problem(f"law = {shown(law)}: must be 'current' or 'voltage'", field="law")
         if (force is None) == (calibration is None):
             read.problem(
-                f"force = {shown(force)} and calibration = {shown(calibration)}: must be either of them",
+                f"force = {shown(force)} and calibration = {shown(calibration)}: must be one or the other",
                 "give the force, or one amplitude that was measured:"
                 " calibration=vibro.Calibration(amplitude=0.35e-3, frequency=50)",
                 "force",
@@ -544,7 +544,7 @@ class Machine:
         for name, value in (("natural frequency", fit.natural_frequency), ("damping", fit.damping_ratio)):
             if math.isnan(value):
                 read.problem(
-                    f"points: they determine no {name}",
+                    f"points: they do not determine the {name}",
                     "measure on both sides of the resonance, some points within 5 % of it; or describe a"
                     " magnet, by its natural frequency and damping ratio",
                     "points",

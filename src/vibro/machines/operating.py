@@ -189,9 +189,9 @@ class OperatingPoints:
             ),
             (
                 second > WARNED_HARMONIC,
-                "the filling adds a second harmonic to the trough's motion, of"
-                f" {100.0 * np.max(second, initial=0.0):.2g} % of the amplitude; at 0.3 to 3 % bodies were"
-                " 8 % slower to 24 % faster than with a sinusoidal motion",
+                f"the filling adds a second harmonic of {100.0 * np.max(second, initial=0.0):.2g} % of the"
+                " amplitude to the trough's motion; at 0.3 to 3 % bodies were 8 % slower to 24 % faster than"
+                " with a sinusoidal motion",
             ),
             (self.strikes, "the relative amplitude exceeds the gap: the machine strikes"),
         )

@@ -114,7 +114,7 @@ class Hidden:
         self._lock_status = self._lock_path.stat()
         if any(path.name.startswith(_LOCK) for path in self._others()):
             raise FileError(
-                f"another machine is writing {self._what}, or was when it or this one stopped",
+                f"another machine is writing {self._what}, or was when one of the two stopped",
                 hint=f"wait until it has ended; if it has, remove the folder {self._folder}",
             )
         for path in self._others():

@@ -38,7 +38,7 @@ def sweep_record(
     return {
         **grid.describe(every_value=every_value),
         **({"part": dict(table.part)} if table.part else {}),
-        "accuracy": grid.level.value,
+        "accuracy": grid.output.value,
         "flight": grid.flight,
         "coexistence": grid.coexistence,
         "cells": grid.size,

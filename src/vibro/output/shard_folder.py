@@ -135,7 +135,7 @@ class ShardFolder:
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as exc:
-            why = reason(exc) if isinstance(exc, OSError) else "it is no text in UTF-8"
+            why = reason(exc) if isinstance(exc, OSError) else "it is not a text in UTF-8"
             raise FileError(f"cannot read {self.shown / name}: {why}", hint=OTHER_NAME) from exc
 
     def check_free(self) -> None:

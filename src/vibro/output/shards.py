@@ -39,7 +39,7 @@ _KILLED: Final = (
     'a script that asks for workers needs the line if __name__ == "__main__": before that; else they are'
     " killed, or short of memory"
 )
-_SAME_FILES: Final = "workers and whoever starts them need the same files under the same path"
+_SAME_FILES: Final = "workers and the process that starts them need the same files under the same path"
 
 
 @dataclass(frozen=True)

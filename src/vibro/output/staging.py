@@ -186,12 +186,12 @@ class Staging:
         there += [path for path in self._others if is_regular(path)]
         for path in there:
             if any(path.samefile(read) for read in self._reads):
-                raise FileError(f"cannot write {path}: it is what this run reads", hint=OTHER_NAME)
+                raise FileError(f"cannot write {path}: this run reads it", hint=OTHER_NAME)
         if there and not self._force:
             problem = f"{', '.join(map(str, there))} {'exists' if len(there) == 1 else 'exist'} already"
             for path in self._json:
                 if path not in there:
-                    problem += f", but no {path.name}: that is left of an interrupted run"
+                    problem += f", but no {path.name}: it is left from an interrupted run"
             raise FileError(problem, hint=_REPLACE)
 
 

@@ -255,7 +255,7 @@ class Cluster(Workers):
             raise ValueError(f"it is a {kind}'s address")
 
     def _unreachable(self, exc: Exception) -> FileError:
-        reason, cause = "it says nothing", cast("BaseException | None", exc)
+        reason, cause = "no reason is given", cast("BaseException | None", exc)
         while cause is not None:
             reason, cause = str(cause) or reason, cause.__cause__
         return FileError(
@@ -283,7 +283,9 @@ class Cluster(Workers):
             task = self._client.submit(pickle.loads, call, pure=False)
             return await task
         except (ImportError, AttributeError) as exc:  # it could not unpickle the task
-            raise VibroError(f"a worker of {self._address} has another vibro, or none: {exc}") from exc
+            raise VibroError(
+                f"a worker of {self._address} has another version of vibro, or none: {exc}"
+            ) from exc
         except BaseException as exc:  # that a task is cancelled because its scheduler is lost is no Exception
             if task and task.status == "error" and not isinstance(exc, self._library.KilledWorker):
                 raise

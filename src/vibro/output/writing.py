@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, cut, shown
 from vibro.output.plan import Plan, check_arrow, check_manifest, read_plan
 from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, manifest_of, shard_name
@@ -17,7 +17,7 @@ from vibro.output.shards import Job, Progress, check_workers, make_shards
 from vibro.output.stored import open_sweep
 from vibro.output.workers import workers_of
 from vibro.reals import shielded
-from vibro.steady import check_switch, level_of
+from vibro.steady import check_switch, output_of, takes_old_name
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.whole import request_of_call
 
@@ -76,13 +76,13 @@ class Sharding:
         check_switch("force", self.force)
         if self.workers is not None and self.scheduler is not None:
             raise InputError(
-                "workers= and scheduler= are both given: either makes all shards",
+                "workers= and scheduler= are both given",
                 hint="leave one of them out",
             )
         if self.force and (self.resume or self.shards is not None):
             other = "resume" if self.resume else "shards"
             raise InputError(
-                f"{other}= and force=True are both given: the one goes on, the other starts anew",
+                f"{other}= and force=True are both given: one continues the sweep, the other starts anew",
                 hint="leave one of them out",
             )
         if self.scheduler is not None and not _ADDRESS.fullmatch(str(self.scheduler)):
@@ -188,7 +188,7 @@ class Sharding:
             raise FileError(f"{folder.shown} holds another sweep: {'; '.join(differences)}", hint=_ANEW)
         others = folder.shards() - {shard_name(shard) for shard in range(plan.shards)}
         if others:
-            raise FileError(f"{folder.shown} holds shards that are none of this sweep: {min(others)}")
+            raise FileError(f"{folder.shown} holds shards of another sweep: {min(others)}")
         return plan
 
     def _wanted(self, plan: Plan) -> Sequence[int]:
@@ -247,6 +247,7 @@ def write_sweep(
 def write_sweep(
     folder: str | PathLike[str], scene_file: str | PathLike[str] | None = None, *, shards: str, **more: Any
 ) -> None: ...
+@takes_old_name
 @shielded
 def write_sweep(
     folder: str | PathLike[str],
@@ -259,7 +260,7 @@ def write_sweep(
     scheduler: str | None = None,
     resume: bool = False,
     force: bool = False,
-    accuracy: Literal["exact", "regimes"] = "exact",
+    output: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
     coexistence: bool = False,
     **quantities: Any,
@@ -270,7 +271,7 @@ def write_sweep(
     ----------
     folder : path
         The folder; it is created.
-    scene_file, accuracy, flight, coexistence, **quantities
+    scene_file, output, flight, coexistence, **quantities
         As for ``vibro.sweep``.
     columns : sequence of str, optional
         Names of columns, as for ``--columns`` of ``vibro map``; by default its standard columns.
@@ -332,10 +333,10 @@ def write_sweep(
     )
     path = shard_folder(os.fspath(folder))
     request = request_of_call(scene_file, quantities, write_sweep, repr(os.fspath(folder)))
-    level = level_of(accuracy)
+    kept = output_of(output)
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
-    grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
+    grid = request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
     usual = columns_of(
         grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
     )

@@ -165,7 +165,7 @@ def choose_view(
     _check_names(axes, x, y, at)
     free = [name for name in axes if name not in at]
     if not free:
-        raise InputError("every axis of the sweep is held: nothing is left to draw", hint="hold one less")
+        raise InputError("every axis of the sweep is fixed: nothing is left to draw", hint="hold one less")
     lists = [name for name in free if is_discrete(axes[name])]
     ranges = [name for name in free if name not in lists]
     _check_map(axes, x, y, lists, ranges)

@@ -457,7 +457,7 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
     other = _NORMAL if name == _ALONG else _ALONG
     if drive_angle is None:
         missing = "normal to the trough" if other == _NORMAL else "along it"
-        unknown = f"one sensor alone does not tell the motion {missing}"
+        unknown = f"one sensor alone does not measure the motion {missing}"
         hint = f"name {other}= too, or give the angle of the line that the trough moves along:"
         hint += " drive_angle=math.radians(20)"
         raise InputError(unknown, hint=hint)

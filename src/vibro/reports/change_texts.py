@@ -111,7 +111,7 @@ def _other_motion(cycle: SteadyCycle, cell: int) -> str:
     if regime != cycle.regime[0]:
         return DOES[regime]
     if status is Status.AVERAGED:
-        return "" if cycle.status[0] == status else "hops irregularly"
+        return "" if cycle.status[0] == status else "hops in irregular motion"
     period = float(cycle.period_cycles[cell])
     if period != cycle.period_cycles[0]:
         return "repeats every drive cycle" if period == 1.0 else f"repeats every {period:.0f} drive cycles"
@@ -130,7 +130,7 @@ def _ranking(changes: Sequence[_Change]) -> str:
         if other is not most
     ]
     if any(gap < noise for gap, noise in gaps):
-        return "The standard errors leave open which change counts most."
+        return "Within the standard errors it is not clear which change has the largest effect."
     if any(gap <= 0.0 for gap, _ in gaps):
         return ""
     word = "faster" if most.percent > 0.0 else "slower"

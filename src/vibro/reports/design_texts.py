@@ -80,8 +80,8 @@ _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop wit
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
     "proved": 'boxes that cover all parts show that none falls short of the speed "proved above"',
-    "searched": "the slowest part that was found; less than that is proved of all, or nothing",
-    "sampled": "parts hop: the slowest of sampled parts, which another part may miss",
+    "searched": "the slowest part that was found; the proved speed is lower, or none is proved",
+    "sampled": "parts hop: the slowest of sampled parts; another part may be slower",
 }
 
 
@@ -400,7 +400,7 @@ def _cost(cost: float | str) -> str:
 def _window(design: Design, drive: Drive) -> str:
     """Say which amplitudes, or scales, keep the guarantee at the same frequency and drive angle."""
     if drive.machine is not None and drive.machine.is_filled:
-        return "no window: at another one the filling makes other amplitudes of it"
+        return "no window: the filling changes other amplitudes in another proportion"
     if design.window is None:
         return "none keeps the goal"
     low, high = design.window
@@ -427,13 +427,13 @@ def _margin(spec: Spec, design: Design) -> str:
             else "none: no band and no drift is given"
         )
     if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
-        edge = "; no drift of the drive is asked for, and it stands where parts begin to hop"
+        edge = "; no drift of the drive is given, and it is set where parts begin to hop"
         return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"
     if margin >= _MOST_MARGIN:
         return f"{number(_MOST_MARGIN)} or more: all bands and drifts may be that many times as wide"
     if margin >= 1.0:
         return f"{bound(margin, upper=False)}: all bands and drifts may be that many times as wide"
-    return f"{bound(margin, upper=False)}: all bands and drifts would have to be that share as wide"
+    return f"{bound(margin, upper=False)}: all bands and drifts would have to shrink to this share"
 
 
 def remarks(result: DesignResult) -> list[str]:

@@ -327,7 +327,7 @@ def _motion(report: SceneReport, one: OneScene) -> Section:
     first = history.settles_at * frequency
     if first + _CYCLES > _FOLLOWED or not one.status.answered:
         first, told = 0.0, "The first three cycles from rest"
-        told += ", of a motion that does not repeat soon." if one.status is Status.AVERAGED else "."
+        told += ", of irregular motion." if one.status is Status.AVERAGED else "."
     else:
         since = f"{1e3 * history.settles_at:.4g} ms"
         told = f"Three cycles of the steady motion, which begins {since} after a start from rest."

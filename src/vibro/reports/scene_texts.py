@@ -63,7 +63,7 @@ MEANINGS: Final[Mapping[str, str]] = {
     "note": "Of parts that are pushed, or dropped onto the trough.",
     "mean speed": "Positive in the conveying direction.",
     "peak speed": "Largest, relative to the trough, either way: wear.",
-    "from rest": "One part that nothing disturbs, in place of the mean over many.",
+    "from rest": "Of one undisturbed part, not the mean over many.",
     "per cycle": "Travel in one drive cycle.",
     "in flight": "Off the trough.",
     "impact speed": "How hard the part lands: noise, wear, damage.",
@@ -106,7 +106,7 @@ _ASSUMED: Final[Mapping[str, str]] = {
 }
 #: Of ``LIMITS`` what a machine does otherwise.
 AS_STATED: Final = (
-    "A rigid trough that moves exactly as stated, the same over its whole length, whatever lies on it."
+    "A rigid trough that moves exactly as stated, the same over its whole length and with any parts on it."
 )
 #: What the model leaves out.
 LIMITS: Final = (
@@ -130,7 +130,7 @@ def answer_text(one: OneScene) -> str:
     if one.regime is Regime.NO_SLIP:
         return "The part rests on the trough: nothing is conveyed."
     if one.relative_error > 1.0 / 3.0:
-        return "The standard error of the speed leaves open which way the part is conveyed."
+        return "Within the standard error of the speed the part may be conveyed either way."
     if not speed:
         return "The part slides to and fro and is not conveyed."
     way = "" if speed > 0.0 else " backwards, against the conveying direction,"
@@ -148,7 +148,7 @@ def speed_per_minute(one: OneScene) -> str:
 def pattern_text(pattern: str) -> str:
     """Spell the phases of a cycle: ``F_B_`` is forward slide, rest, back slide, rest."""
     if "." in pattern:
-        return "flights without a short period"
+        return "irregular flights"
     said = []
     for letter, run in groupby(pattern):
         count, name = len([*run]), PHASE_NAMES[letter]

@@ -415,7 +415,7 @@ def _refuse_strikes(given: GivenMachine, pairs: Sequence[tuple[Row, Row]]) -> No
         across, gap = row.relative_amplitude, LENGTH.from_si(given.machine.gap)
         if math.isinf(across):
             raise InputError(
-                f"{_case(row)}: nothing bounds the amplitude: the drive is at resonance, without damping",
+                f"{_case(row)}: the amplitude is infinite: the drive is at resonance, without damping",
                 hint="give a damping_ratio > 0",
             )
         raise InputError(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.quantities import LINEAR, QUANTITIES, as_given, drive_of, kinetic_friction, scene_fields
 from vibro.results.operating import OPERATING
 from vibro.results.sweep import spread
@@ -49,8 +49,8 @@ class Grid:
         Every other quantity of the scene by name, with gravity.
     length : float or None
         Length of the trough [mm].
-    level, flight, coexistence : optional
-        How every cell is solved, as ``vibro.solve`` takes them (``level`` as ``accuracy``).
+    output, flight, coexistence : optional
+        Arguments of ``vibro.solve`` for every cell.
     arrivals : bool, optional
         Whether bodies are followed from rest to their arrival.
     motion : GivenMotion, optional
@@ -65,7 +65,7 @@ class Grid:
     axes: Mapping[str, Axis]
     fixed: Mapping[str, float]
     length: float | None
-    level: Level = Level.EXACT
+    output: Output = Output.EXACT
     flight: bool = True
     coexistence: bool = False
     arrivals: bool = False
@@ -184,7 +184,7 @@ class Grid:
         """Solve the cells of a box, given by its ``values``, on so many threads, telling the progress."""
         cycle = solve(
             scene_of(values),
-            accuracy=self.level,
+            output=self.output,
             flight=self.flight,
             coexistence=self.coexistence,
             threads=threads,

@@ -265,7 +265,7 @@ class OneScene:
             numbers += [
                 ("in flight", f"{number(100.0 * float(self._cycle.flight_fraction))} % of the time"),
                 ("impact speed", f"{number(self.result('impact_velocity'), 'mm/s')} normal to the trough"),
-                ("repeats", "no short period" if math.isnan(period) else _cycles(period)),
+                ("repeats", "never: irregular motion" if math.isnan(period) else _cycles(period)),
             ]
         return numbers
 
@@ -277,7 +277,7 @@ class OneScene:
         if math.isnan(speed):
             return f"unknown: {self.status.message}"
         if not self.is_certain:
-            return "unknown: the standard error leaves open which way the mean speed goes"
+            return "unknown: within the standard error the mean speed may have either direction"
         if speed < 0:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
         if self.regime is not Regime.NO_SLIP:
@@ -483,7 +483,7 @@ def throughput_text(one: OneScene, part: Mapping[str, float]) -> str:
     values = [one.value(column) for column in columns]
     speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
     if math.isnan(speed) or speed <= 0.0 < speed + _SIGMAS * error:
-        return "unknown" if math.isnan(speed) else "unknown: which way parts go is not sure"
+        return "unknown" if math.isnan(speed) else "unknown: the direction of conveying is not certain"
     rates = [
         estimate(value, value * one.relative_error, column.unit.replace("1/min", "parts/min"))
         for value, column in zip(values, columns, strict=True)

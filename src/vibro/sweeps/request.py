@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from vibro.axes import AxisSpec, axis_of, default_count
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import Problems, shown
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
@@ -194,7 +194,7 @@ class Request:
             If the machine has no operating point.
         """
         if self.machine is not None:
-            values = self.grid(Level.EXACT).values()
+            values = self.grid(Output.EXACT).values()
             check_operating(self.machine, values)
             return scene_of({name: x.reshape(()) for name, x in values.items()})
         moved = {} if self.motion is None else {MOTION: self.motion.motion}
@@ -206,14 +206,14 @@ class Request:
         return {name: self.specs[name].axis(count or usual) for name in self.varying}
 
     def grid(
-        self, level: Level, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
+        self, output: Output, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
     ) -> Grid:
         """Make the grid of all combinations."""
         return Grid(
             self.axes(),
             self.fixed,
             self.length,
-            level,
+            output,
             flight,
             coexistence,
             arrivals,
@@ -381,7 +381,7 @@ def _check_machine(
     for slot in MACHINE:
         if not machine.takes(slot) and (specs := [specs[slot] for specs in higher if slot in specs]):
             told = _text(specs[0], specs[0].values[0])
-            problems.add(f"{told}: means nothing to a machine of kind {machine.kind}", "leave it out", slot)
+            problems.add(f"{told}: does not apply to a machine of kind {machine.kind}", "leave it out", slot)
     springs = [specs for specs in higher if "natural" in specs]
     natural = QUANTITIES["natural"]
     if pack is not None:

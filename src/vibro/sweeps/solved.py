@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from vibro.axes import axis_of
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.quantities import BY_COLUMN, QUANTITIES, as_given, find_quantity
 from vibro.reals import shielded
@@ -116,7 +116,7 @@ class SolvedGrid(ABC):
         held = _held({} if at is None else at)
         view = choose_view(grid.told_axes, _axis_name(x), _axis_name(y), held, grid.told(grid.fixed))
         known = picture_names(view, has_length=grid.length is not None)
-        if grid.level is Level.REGIMES:
+        if grid.output is Output.REGIMES:
             known = [picture for picture in known if picture == "regime"]
         if name not in known:
             hint = f"there are {', '.join(known) or 'none'}"

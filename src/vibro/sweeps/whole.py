@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import BY_COLUMN, QUANTITIES
@@ -19,7 +19,7 @@ from vibro.reals import shielded
 from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
-from vibro.steady import check_switch, level_of
+from vibro.steady import check_switch, output_of, takes_old_name
 from vibro.sweeps.columns import chosen, columns_of, to_frame
 from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of_block
 from vibro.sweeps.request import RANGES, gather
@@ -175,11 +175,12 @@ class Sweep(SolvedGrid):
         return {name: getattr(self.cycle, name)[box] for name in results}
 
 
+@takes_old_name
 @shielded
 def sweep(
     scene_file: str | PathLike[str] | None = None,
     *,
-    accuracy: Literal["exact", "regimes"] = "exact",
+    output: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
     coexistence: bool = False,
     progress: Callable[[int, int], None] | None = None,
@@ -191,7 +192,7 @@ def sweep(
     ----------
     scene_file : path, optional
         A scene file; its tables ``[scene]``, ``[machine]`` and ``[map]`` are read.
-    accuracy, flight, coexistence, progress : optional
+    output, flight, coexistence, progress : optional
         As for ``vibro.solve``.
     **quantities
         Values by the keys of a scene file, whose values they override:
@@ -231,10 +232,10 @@ def sweep(
     ['_' 'F_' 'FB_'] [0.       0.016263 0.040591]
     """
     request = request_of_call(scene_file, quantities)
-    level = level_of(accuracy)
+    kept = output_of(output)
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
-    grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
+    grid = request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
     check_memory(
         grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
     )
