@@ -30,7 +30,7 @@ __all__ = [
     "stays_upright", "tipping_load", "tipping_load_of_lines", "transitions",
 ]  # fmt: skip
 
-_CLASSES: Final = ("forward slip", "back slip", "never at rest")
+_CLASSES: Final = ("forward slip", "back slip", "continuous sliding")
 _LOADS: Final = ("load for forward slip", "load for back slip")
 _HOP: Final = "hopping"
 
@@ -56,7 +56,7 @@ class CriticalLoads(NamedTuple):
         Load above which the steady cycle from rest has a back slide. It is larger than ``back_onset`` if the
         forward slide lasts until the force back has fallen again. Elliptical drives on troughs steeper than
         the angle of kinetic friction may lose the back slide again at higher loads.
-    rest_vanishes : array
+    continuous_sliding : array
         Load above which the body slides continuously, without a rest.
 
     Notes
@@ -69,7 +69,7 @@ class CriticalLoads(NamedTuple):
     forward_onset: Floats
     back_onset: Floats
     back_slip: Floats
-    rest_vanishes: Floats
+    continuous_sliding: Floats
 
 
 class Transition(NamedTuple):
@@ -130,9 +130,9 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     Returns
     -------
     CriticalLoads
-        ``hop``, ``forward_onset``, ``back_onset``, ``back_slip`` and ``rest_vanishes``: arrays of the common
-        shape of angles and frictions, which broadcasts against the scene's [1]. inf if a transition never
-        happens, 0 if no load is too small for it; NaN if mu_d > mu_s or mu_s = 0.
+        ``hop``, ``forward_onset``, ``back_onset``, ``back_slip`` and ``continuous_sliding``: arrays of the
+        common shape of angles and frictions, which broadcasts against the scene's [1]. inf if a transition
+        never happens, 0 if no load is too small for it; NaN if mu_d > mu_s or mu_s = 0.
 
     Notes
     -----
@@ -140,11 +140,11 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     both sides of each load (tests/core/test_limits.py).
 
     With more than one harmonic, back slip and continuous sliding may end and begin again as the load rises.
-    ``back_slip`` and ``rest_vanishes`` are then the lowest loads at which they begin; ``transitions`` lists
-    all. These loads are searched, not proved: the steady cycle is solved at 256 loads between the first onset
-    and the hop (or a million times the onset if there is no hop), and each change of its pattern is located
-    by bisection. In 4 000 random scenes with 2 to 5 harmonics a scan of 1 500 loads found one more interval.
-    A scene takes 5 to 10 ms.
+    ``back_slip`` and ``continuous_sliding`` are then the lowest loads at which they begin; ``transitions``
+    lists all. These loads are searched, not proved: the steady cycle is solved at 256 loads between the first
+    onset and the hop (or a million times the onset if there is no hop), and each change of its pattern is
+    located by bisection. In 4 000 random scenes with 2 to 5 harmonics a scan of 1 500 loads found one more
+    interval. A scene takes 5 to 10 ms.
 
     Examples
     --------
@@ -222,7 +222,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     Returns
     -------
     tuple of Transition
-        Transitions by rising amplitude: "forward slip", "back slip", "never at rest" (the body slides
+        Transitions by rising amplitude: "forward slip", "back slip", "continuous sliding" (the body slides
         continuously, or runs away) and "hopping". "load for forward slip" and "load for back slip" are loads
         at which static friction is exceeded but the body does not slide yet. Transitions that no load causes,
         or that lie above the load of hopping or beyond the range of doubles, are left out.
@@ -251,7 +251,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     ...     print(f"{t.name} at {1e3 * t.amplitude:.4f} mm or {t.frequency:.4f} Hz")
     forward slip at 0.6852 mm or 12.4162 Hz
     back slip at 1.1903 mm or 16.3651 Hz
-    never at rest at 1.5623 mm or 18.7486 Hz
+    continuous sliding at 1.5623 mm or 18.7486 Hz
     hopping at 3.2291 mm or 26.9543 Hz
     """
     if scene.shape:
@@ -280,7 +280,7 @@ def _of_one_harmonic(scene: Scene) -> tuple[float, list[tuple[str, float, float]
     firsts = [
         (for_forward if loads.back_onset < loads.forward_onset else forward, loads.forward_onset),
         (back, loads.back_slip),
-        (never, loads.rest_vanishes),
+        (never, loads.continuous_sliding),
     ]
     if not math.isclose(loads.back_onset, loads.back_slip, rel_tol=_SAME):
         firsts.append((for_back, loads.back_onset))

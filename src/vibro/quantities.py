@@ -75,7 +75,7 @@ class Quantity:
     Attributes
     ----------
     name : str
-        Of the field of ``Scene``, where there is one.
+        Name of the field of ``Scene``, if it is one.
     kind : Kind
         Its units.
     letter, symbol : str
@@ -87,9 +87,9 @@ class Quantity:
     meaning : str
         What it is, for people.
     default : float or None
-        Its value where it is not given, in the unit outside; None where it must be given.
+        Default value in the unit outside; None if it must be given.
     usual : Range
-        What it is, but for slips; 0 is usual of all.
+        Usual values; 0 is usual for all. Others are questioned as slips.
     slips : pair of str
         What to write instead where a value is below, and above: the likely slip of units. ``{0}`` is the
         value, ``{1}`` a hundredth of it.
@@ -181,7 +181,7 @@ _ANY: Final = Range(-math.inf, with_low=False)
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
 MOST_HARMONICS: Final = 16  # of a drive
-TOLD_HARMONICS: Final = 2  # whose quantities are told one by one; more would be a page of numbers
+TOLD_HARMONICS: Final = 2  # whose quantities are listed one by one; more would fill a page
 
 
 # fmt: off
@@ -296,7 +296,7 @@ AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
 SIZES: Final = ("stroke", *AMPLITUDES)
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
-#: What is taken where nothing is given, in the units outside.
+#: Default values, in the units outside.
 DEFAULTS: Final[Mapping[str, float]] = {
     q.name: q.default for q in _ALL if q.default is not None and q.name not in (*DRIVES, *MACHINE)
 }
@@ -381,7 +381,7 @@ def drive_of(names: Collection[str]) -> tuple[str, ...]:
 
 
 def counted_harmonics(names: Collection[str]) -> list[str]:
-    """Write how many harmonics quantities describe; empty if all are told one by one."""
+    """Write how many harmonics quantities describe; empty if all are listed one by one."""
     highest = max((QUANTITIES[name].order for name in names), default=1)
     return [f"{highest} harmonics"] * (highest > TOLD_HARMONICS)
 
@@ -419,7 +419,7 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     values : mapping of str to float or array
-        By name; ``stroke`` may stand for the amplitude, and ``friction_ratio`` for the kinetic friction. A
+        By name; ``stroke`` may replace the amplitude, and ``friction_ratio`` the kinetic friction. A
         trough length, the quantities of a machine and its results are left out. Under ``motion`` a ``Motion``
         may stand, or an array of one.
     """

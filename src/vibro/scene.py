@@ -344,7 +344,7 @@ class Scene:
                     problems.append(Problem(name, exc.value, exc.allowed))
                     continue
                 x.flags.writeable = False
-                if name == "normal_acceleration" and np.isnan(x).any():  # which stands for none further on
+                if name == "normal_acceleration" and np.isnan(x).any():  # NaN means none in the solver
                     problems.append(Problem(name, field_text(name, math.nan), field_range(name)))
             object.__setattr__(self, name, x)
         if problems:

@@ -47,7 +47,7 @@ _OPEN_ENDS: Final = 1e-9  # [1] of the largest acceleration: a smaller gap betwe
 _HEARD: Final = 1e-12  # [1] of the largest acceleration: harmonics below it are rounding of the samples
 _LEAST_NOISE: Final = 8  # harmonics beyond those kept whose mean power is a level of noise
 _CHANCE: Final = 1e-3  # that noise is taken for the last harmonic
-_POINTS: Final = 512  # of a path, besides its breaks, among which the widest pair is looked for
+_POINTS: Final = 512  # of a path, besides its breaks, among which the widest pair is searched
 _PAIRS: Final = f"up to {MOST_HARMONICS} pairs of an amplitude and a phase"
 _STEPS: Final = f"up to {MOST_PIECES} pairs of a share of the period and an acceleration"
 _SAMPLES: Final = f"a list of {LEAST_SAMPLES} to {MOST_PIECES} finite numbers: one period, equally spaced"
@@ -249,7 +249,7 @@ class PiecewiseMotion(Motion):
 
     @property
     def unit(self) -> float:
-        """Bound of both accelerations, their largest Bernstein coefficient; 1 where nothing moves [m/s^2]."""
+        """Bound of both accelerations, their largest Bernstein coefficient; 1 without motion [m/s^2]."""
         a, b, c, d = np.moveaxis(self.pieces, -1, 0)
         corners = (a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c + d)
         return float(np.abs(corners).max()) or 1.0
@@ -367,7 +367,7 @@ def _read_harmonics(name: str, value: Any) -> tuple[Pairs, list[Problem]]:
 def _piecewise(
     along: Any, normal: Any, names: tuple[str, str], read: Callable[[str, Any], Pieces]
 ) -> PiecewiseMotion:
-    """Read both directions, cut both at the breaks of either, and remove what is left of their means."""
+    """Read both directions, cut both at the breaks of either, and subtract the rest of their means."""
     problems: list[Problem] = []
     found: list[Pieces | None] = []
     for name, value in zip(names, (along, normal), strict=True):
@@ -465,7 +465,7 @@ def _harmonics_of(samples: Floats) -> list[tuple[float, float]]:
 
 
 def _union(several: Sequence[Floats]) -> Floats:
-    """Return the breaks of all; those that agree but for rounding are one."""
+    """Return the breaks of all; those that agree within rounding are one."""
     breaks = np.unique(np.concatenate(several))
     breaks = np.append(0.0, breaks[1:][np.diff(breaks) > _WHOLE])
     breaks[-1] = 1.0
@@ -473,7 +473,7 @@ def _union(several: Sequence[Floats]) -> Floats:
 
 
 def _cut(own: Floats, pieces: Floats, breaks: Floats) -> Floats:
-    """Return the same cubics on the pieces between other breaks, of which these are some."""
+    """Return the same cubics on the pieces between more breaks."""
     piece = np.clip(np.searchsorted(own, 0.5 * (breaks[1:] + breaks[:-1])) - 1, 0, len(pieces) - 1)
     length = np.diff(own)[piece]
     u, ratio = (breaks[:-1] - own[piece]) / length, np.diff(breaks) / length

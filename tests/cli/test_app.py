@@ -157,7 +157,7 @@ def test_faults_are_told_in_one_line_and_leave_nothing(
     def fail(*_: object) -> str:
         raise error
 
-    monkeypatch.setattr("vibro.files.tables.CsvFormat.rows", fail)
+    monkeypatch.setattr("vibro.files.csv_tables.CsvFormat.rows", fail)
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert message in result.stderr

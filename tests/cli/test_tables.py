@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
-from vibro.files import tables
+from vibro.files import csv_tables
 
 MAP = ("map", "-A", "0.1,1,1.15,4", "-f", "14.9876,15", *NUT_ANGLE_AND_FRICTION)
 TRAVERSE = ("traverse-time", *MAP[1:], "-L", "600")
@@ -35,8 +35,8 @@ def test_columns_in_the_order_asked_for(run: Run) -> None:
 def test_digits_are_significant_ones(
     run: Run, command: tuple[str, ...], fast: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert tables._arrow() is not None
-    monkeypatch.setattr("vibro.files.tables._WORTH_ARROW", 1 if fast else 100)
+    assert csv_tables._arrow() is not None
+    monkeypatch.setattr("vibro.files.csv_tables._WORTH_ARROW", 1 if fast else 100)
     exact = rows_of(run(*command, "-o", "-").stdout)
     text = run(*command, "-o", "-", "--digits", "4", "--decimal-comma", "--excel").stdout
     header, *lines = text.removeprefix("\ufeff").splitlines()

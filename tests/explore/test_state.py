@@ -10,7 +10,7 @@ from helpers.packed import GIVEN_DRIVES
 
 from vibro.errors import InputError
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
-from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, number_text, read_state
+from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, read_state, typed_number
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, SWEPT
 from vibro.scene import Scene
@@ -60,8 +60,8 @@ def test_numbers_may_have_units_and_come_back_as_they_are_typed() -> None:
 
 @pytest.mark.parametrize("value", [0.1, 1 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 123456789.123456789])
 def test_a_number_is_read_as_it_was(value: float) -> None:
-    assert float(number_text(value)) == value
-    assert len(number_text(0.1 + 0.2)) > len(number_text(0.3))
+    assert float(typed_number(value)) == value
+    assert len(typed_number(0.1 + 0.2)) > len(typed_number(0.3))
 
 
 def test_the_map_has_the_cells_that_its_axes_say() -> None:

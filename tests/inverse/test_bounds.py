@@ -152,7 +152,7 @@ def limit_at(
         ("back_onset", "the load for back slip is reached"),
         ("forward_onset", "forward slip begins"),
         ("hop", None),
-        ("rest_vanishes", None),
+        ("continuous_sliding", None),
     ],
 )
 @pytest.mark.parametrize(

@@ -124,7 +124,9 @@ def test_names_of_regimes_keep_clear_of_the_critical_loads(curve_pictures: dict[
     figure = curve_pictures["regime"]
     (axes,) = figure.axes
     assert {"no-slip", "back-slip", "hopping"} <= set(words(axes))
-    crossings = [line for line in axes.lines if line.get_gid() in ("rest_vanishes", "hop", "operating point")]
+    crossings = [
+        line for line in axes.lines if line.get_gid() in ("continuous_sliding", "hop", "operating point")
+    ]
     assert len(crossings) == 7
     for text in axes.texts:
         box = text.get_window_extent()

@@ -81,7 +81,7 @@ def test_critical_values_are_in_the_legend(line_pictures: dict[str, Figure]) -> 
     assert {
         "forward-slip onset: 0.68517 mm",
         "back-slip onset: 1.1903 mm",
-        "rest vanishes: 1.5623 mm",
+        "continuous sliding: 1.5623 mm",
         "hop limit: 3.2291 mm",
         "operating point",
     } <= set(legend(line_pictures["speed"]))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.accuracy.motion import Motion
+    from vibro.accuracy.motion import TroughBody
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Answers(NamedTuple):
     Attributes
     ----------
     displacement : array
-        Per drive cycle [A]; NaN where there is none.
+        Displacement per drive cycle [A]; NaN without a steady cycle.
     regime : int array
         Codes of ``Regime``; UNDEFINED where the method gave up.
     seconds : float
@@ -90,7 +90,7 @@ def answers_of(found: Sequence[tuple[float, str]], seconds: float) -> Answers:
     return Answers(np.array([displacement for displacement, _ in found]), np.array(regimes, np.int8), seconds)
 
 
-def _one_by_one(simulate: Callable[[Motion], Found], scene: Scene, tick: Tick) -> Answers:
+def _one_by_one(simulate: Callable[[TroughBody], Found], scene: Scene, tick: Tick) -> Answers:
     bodies = list(motions(scene))
     found = []
     start = time.perf_counter()

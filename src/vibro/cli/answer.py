@@ -320,7 +320,7 @@ def _check_size(grid: Grid, row_bytes: int, files: Staging) -> None:
 
 
 def _fewer(counts: Sequence[int], room: int) -> str:
-    """Say how many values would fit where there is room for so many cells: the longest axes give way."""
+    """Say how many values would fit into so many cells, by shortening the longest axes."""
     most = (
         bisect_right(range(max(counts, default=1)), room, key=lambda n: math.prod(min(n, m) for m in counts))
         - 1

@@ -15,7 +15,7 @@ from vibro.cli.options import FormatOption, Options, picture_formats
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibro.files.tables import TableColumns
+    from vibro.files.csv_tables import TableColumns
     from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
     from vibro.results.designs import DesignResult
@@ -112,7 +112,7 @@ def design_command(
 
 
 def _columns(result: DesignResult) -> TableColumns:
-    """Return the table: texts as they are, numbers with NaN where there is none."""
+    """Return the table: texts as they are, missing numbers as NaN."""
     import numpy as np
 
     columns: dict[str, Any] = {}
@@ -134,7 +134,7 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
 
 
 def design_record(source: Path, result: DesignResult) -> dict[str, Any]:
-    """Return what the sidecar says: the question as it was asked, and its answer."""
+    """Return the content of the sidecar: the question as it was given, and its answer."""
     from vibro.files.toml_files import read_toml
 
     units = {column.name: column.unit for column in result.columns}

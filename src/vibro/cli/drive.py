@@ -180,7 +180,7 @@ def _sheet(formats: Sequence[str], options: Options, argv: Sequence[str], consol
 
 
 def _settings(typed: dict[str, str], given: GivenMachine) -> tuple[float, ...]:
-    """Return the settings that are told, ascending, and leave the largest in what was typed."""
+    """Return the settings of the sheet, ascending, and keep the largest among the typed values."""
     from vibro.axes import parse_axis
 
     quantity = QUANTITIES["setting"]

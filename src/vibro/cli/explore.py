@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["explore_command"]
 
 _GOODBYE: Final = b"goodbye: the page gets no more answers\n"
-_PATIENCE: Final = 20.0  # [s] until somebody is told that no browser has come
+_PATIENCE: Final = 20.0  # [s] until the console says that no browser has opened the page
 _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the environment
 
 
@@ -118,7 +118,7 @@ def _check_extra() -> None:
 
 
 def _request(options: Options, argv: Sequence[str]) -> Request | None:
-    """Read what is given, if anything is: one scene is an operating point, axes are the map's."""
+    """Read the given scene, if any: its values are the operating point, its axes those of the map."""
     if options.scene is None and not options.given:
         return None
     from vibro.cli.request import request_of

@@ -30,7 +30,7 @@ from vibro.cli.shards import (
     sharding_of,
     write_sharded,
 )
-from vibro.cli.tables import (
+from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
     DigitsOption,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["motion_command"]
 
-# In the place of the drive, while the rest of a scene is read: valid whatever that is, in users' units.
+# In place of the drive while the rest of a scene is read: valid with any rest, in users' units.
 _HARMLESS: Final = {"amplitude": "1", "drive_angle": "0", "frequency": "1"}
 _FRICTIONS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 
@@ -122,7 +122,7 @@ def motion_command(
 
 
 def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool]:
-    """Read what is given besides the drive, and whether friction is."""
+    """Read the given quantities besides the drive, and whether friction is among them."""
     from vibro.cli.request import request_of
     from vibro.files.scene_files import read_scene_file
 

@@ -13,7 +13,7 @@ from vibro.cli.console import Console
 from vibro.cli.design import design_record
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options
-from vibro.cli.tables import MassOption, PitchOption, part_of, throughput_of
+from vibro.cli.table_options import MassOption, PitchOption, part_of, throughput_of
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def report_command(
 
 
 def _remedy(given: Iterable[str], part: Mapping[str, float]) -> str:
-    """Say where a question says what options say of a scene, and of what it says nothing."""
+    """Raise InputError for options of a scene beside a design file, with the keys to use instead."""
     from vibro.quantities import QUANTITIES
 
     hints = []

@@ -94,7 +94,7 @@ def request_of(options: Options, argv: Sequence[str], *, without_machine: str = 
 
 
 def warn_of_machine(request: Request, console: Console) -> None:
-    """Say on stderr what is known of a machine's operating point beside its numbers."""
+    """Print warnings about a machine's operating point on stderr."""
     from vibro.sweeps.machine_facts import machine_warnings
 
     if request.machine is not None:
@@ -103,6 +103,6 @@ def warn_of_machine(request: Request, console: Console) -> None:
 
 
 def question(request: Request, options: Options, found: Collection[str] = ()) -> None:
-    """Question on stderr what is possible but likely a slip of units."""
+    """Warn on stderr about unusual values that are probably in wrong units."""
     for doubt in request.doubts(found):
         Console(quiet=options.quiet).warn(doubt)

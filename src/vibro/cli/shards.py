@@ -1,4 +1,4 @@
-"""Tables in shards: the options of ``vibro map --table parquet``, and how such a run is told about."""
+"""Tables in shards: the options of ``vibro map --table parquet``, and the messages of such a run."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def sharding_of(
     scheduler: str | None,
     resume: bool,
 ) -> Sharding | None:
-    """Check the options about tables in shards; return nothing where the table is one file.
+    """Check the options about tables in shards; return None if the table is one file.
 
     Raises
     ------
@@ -224,7 +224,7 @@ def _draw(
 
 @contextlib.contextmanager
 def _progress(console: Console, folder: Path, cells: int) -> Iterator[Callable[[Progress], None]]:
-    """Tell how far a run has come: a bar where somebody watches, else a line for every tenth."""
+    """Print the progress of a run: a bar on a terminal, else a line for every tenth."""
     from vibro.cli.answer import byte_count, count
 
     said = seen = 0

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from vibro.files.tables import TableColumns
+    from vibro.files.csv_tables import TableColumns
     from vibro.results.history import History
     from vibro.sweeps.request import Request
 
@@ -31,10 +31,10 @@ _SAMPLES: Final = 200  # a cycle
 _MOST_ROWS: Final = 5_000_000
 _ROWS_OF_A_SHEET: Final = 1_048_576
 _PRINTED: Final = 24  # phases
-_DRAWN: Final = 6.0  # cycles at the end of a history, where no others are asked for
+_DRAWN: Final = 6.0  # cycles at the end of a history, drawn by default
 _MOST_DRAWN: Final = 100.0  # cycles of a picture: of more nobody sees one
 _ROUNDING: Final = 1e-12  # share of a history by which its end, as typed, may lie behind it
-_FOLLOWED: Final = 1000.0  # cycles within which a motion is looked for that repeats
+_FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
 
 
 def simulate_command(
@@ -244,7 +244,7 @@ def _figure(
 
 
 def _part(since: float, until: float, history: History) -> str:
-    """Say which part of a history is drawn; nothing if it is all."""
+    """Say which part of a history is drawn; an empty text for all of it."""
     frequency = float(history.scene.frequency)
     first, last, whole = (f"{time * frequency:.4g}" for time in (since, until, history.end))
     if until < history.end:
@@ -328,7 +328,7 @@ def _text(history: History, follow: Callable[..., History], *, every: bool) -> s
 
 
 def _outlook(history: History, follow: Callable[..., History]) -> str:
-    """Say what the body does from when on; where it is not there yet, how many cycles would show it."""
+    """Say from when on the motion repeats or rests; if it does not yet, how many cycles would show it."""
     from vibro.core.codes import Regime, Status
     from vibro.steady import solve
 

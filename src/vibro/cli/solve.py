@@ -18,7 +18,7 @@ from vibro.cli.options import (
     RegimesOnlyOption,
     refuse_without_flight,
 )
-from vibro.cli.tables import (
+from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
     DigitsOption,

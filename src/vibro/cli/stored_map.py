@@ -1,4 +1,4 @@
-"""``vibro map DIR``: pictures of a sweep that is stored, of which nothing is solved again."""
+"""``vibro map DIR``: pictures of a stored sweep, without solving it again."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def map_stored(
 
 
 def _refuse_others(context: typer.Context, folder: Path, output: str | None) -> None:
-    """Refuse what is about cells that are not solved yet, or about their table."""
+    """Refuse options about solving cells, or about their table."""
     typed = [
         parameter.opts[0]
         for parameter in context.command.params

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibro.cli.options import Flight, FlightOption, Options  # typer reads the annotations
-from vibro.cli.tables import ColumnsOption, DigitsOption, refuse_without_table, table_of
+from vibro.cli.table_options import ColumnsOption, DigitsOption, refuse_without_table, table_of
 from vibro.errors import InputError
 
 if TYPE_CHECKING:

@@ -214,7 +214,7 @@ class Model(IntEnum):
     REST = 1  # thresholds alone
     ONE_SLIDE = 2
     TWO_SLIDES = 3
-    CLOSED_FORM = 4  # never at rest
+    CLOSED_FORM = 4  # continuous sliding
     FLIGHT = 5
     SLIDES = 6  # as many as two a harmonic, of a drive that has several
 

@@ -171,7 +171,7 @@ class _Drawn:
         return self.title + (f" [{unit}]" if unit else "")
 
     def progress_text(self, cells: Shown) -> str:
-        """List what is not exact yet: numbers, and regimes where critical loads are not known, or not yet."""
+        """List the cells that are not exact yet: numbers, and regimes without known critical loads."""
         is_exact = self._state.view == "regime" and cells.limits is not None and not self._is_weighed
         return "" if is_exact else cells.text
 
@@ -202,7 +202,7 @@ class _Drawn:
 
     @property
     def covered(self) -> NDArray[np.bool_]:
-        """Whether the colour of rest covers each cell: nothing moves there, or nothing flies."""
+        """Whether the colour of rest covers each cell, where bodies rest or do not fly."""
         regime = self.cycle["regime"]
         if self._state.view in _FLIGHT_ALONE:
             return np.asarray((regime >= 0) & (regime != Regime.HOPPING))

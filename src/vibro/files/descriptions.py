@@ -125,7 +125,7 @@ def _moved(of: Form, key: str, meaning: str) -> Entry:
 
 
 def _value(quantity: Quantity) -> Entry:
-    quantity = of_part(quantity, is_clamped=True)  # whether a part is, other keys tell
+    quantity = of_part(quantity, is_clamped=True)  # other keys decide whether a part is clamped
     usual = "" if quantity.default is None else f"{quantity.default:g}"
     return form.Entry(form.VALUE, quantity, usual, EXAMPLES.get(quantity.name))
 

@@ -152,7 +152,7 @@ def _regimes(scene: Scene, static_friction: Floats, kinetic_friction: Floats) ->
 
 
 def _settle(scene: Scene, codes: Codes, box: UncertaintySet, *, was: Regime, otherwise: Regime) -> None:
-    """Change a bound in place on declines where it is not proved for all bodies.
+    """Replace a bound, in place, on declines for which it is not proved for all bodies.
 
     A body slips back at a lower load the lower its static and the higher its kinetic friction. So each part
     of the band of static friction is proved by a body that bounds it, refuted by the body in its middle, and

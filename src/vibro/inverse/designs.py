@@ -160,7 +160,7 @@ class Chosen:
     drive : Drive
         Its drive.
     design : Design
-        Within the goal's regime the safest of all drives; the gentlest where nothing is uncertain, and the
+        Within the goal's regime the safest of all drives; the gentlest without uncertainty, and the
         fastest where no drive meets the goal.
     setting : Setting or Scaled
         In SI units and radians.
@@ -181,7 +181,7 @@ class Chosen:
 def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     """Return the design that the report shows; None if no design guarantees any speed."""
     highest = spec.goal.highest_regime
-    # where nothing is uncertain no design is safer than another, and the safest would be the drive's limit
+    # without uncertainty no design is safer than another, and the safest would be the drive's limit
     wanted = "fastest" if not result.met else "safest" if spec.has_bands else "gentlest"
     covered = result.covered or (None,) * len(result.designs)
     rows = [

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_FRICTION", "FrictionWindow", "friction_windows"]
 
-#: [1] Largest static friction that is looked at: no pair of materials has more.
+#: [1] Largest static friction that is searched: no pair of materials has more.
 MOST_FRICTION: Final = 10.0
-_LEAST: Final = 1e-3  # of the scene's friction, below which nothing is looked at
+_LEAST: Final = 1e-3  # of the scene's friction: lower end of the search
 _TRIED: Final = 129  # frictions to either side, between which a regime that comes and goes may be missed
 
 

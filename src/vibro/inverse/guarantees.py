@@ -43,7 +43,7 @@ _AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude", "motio
 BOXES: Final = 8000
 #: The same where a slower body alone is sought.
 BRIEF: Final = 400
-_CLOSE: Final = 1e-2  # [1] distance of what is proved from the speed, over it, that counts as proved
+_CLOSE: Final = 1e-2  # [1] largest relative distance of a proved bound from a speed called proved
 # Coordinates of the slowest and the fastest body on a line where none slips back: the slowest is the roughest
 # and least driven one, on the steepest trough.
 _CORNERS: Final = (
@@ -181,7 +181,7 @@ def bound(
 
 
 def _cornered(extreme: Extreme) -> Bound:
-    """Return a body that is at a corner of its box: its speed is what is proved."""
+    """Return the guarantee of a body at a corner of its box, whose speed is exact."""
     return Bound(extreme, "corners", extreme.speed)
 
 

@@ -958,7 +958,7 @@ def _complex(problems: Problems, value: Any) -> Complexes:
 
 
 def driven(machine: Machine, f: Floats, s: Floats, u: Floats, f0: Floats) -> tuple[Floats, Transfer | None]:
-    """Return the empty machine's amplitude and its transfer; None of a crank, which nothing slows."""
+    """Return the empty machine's amplitude and its transfer; None for a crank, whose amplitude is fixed."""
     if machine.kind == "crank":
         return machine.radius * s, None
     found = transfer(machine.masses, f, f0, 0.0)

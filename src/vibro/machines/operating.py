@@ -34,15 +34,15 @@ if TYPE_CHECKING:
 
 __all__ = ["OperatingPoints", "operate", "operating_points"]
 
-# Amplitudes that are looked at: logarithms apart of neighbours, and how many at most between the ends.
+# Amplitudes that are computed: logarithms of the ratio of neighbours, and their largest number.
 _STEP: Final = 0.03
 _FINE_STEP: Final = 0.002
 _MOST: Final = 64
 _FINE_MOST: Final = 2048
 # Where slides begin or change their kind, shares jump and have roots of the distance: relative distances of
-# the amplitudes looked at there. Critical loads are exact to a few ulp.
-_BESIDE: Final = (-1e-12, 1e-12, 1e-6, 1e-4, 1e-3, 1e-2)
-_LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is looked at of bodies that never rest
+# the amplitudes computed there. Critical loads are exact to a few ulp.
+_NEAR_JUMPS: Final = (-1e-12, 1e-12, 1e-6, 1e-4, 1e-3, 1e-2)
+_LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is computed for bodies that never rest
 _ROUNDING: Final = 1e-9  # [1] by which bounds are widened
 _JUMP: Final = 1e-9  # [1] residual over the empty amplitude that only a jump leaves in a closed bracket
 _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  # of what is checked after it
@@ -529,7 +529,7 @@ class _Found(NamedTuple):
 
 
 class _Nodes(NamedTuple):
-    """Amplitudes that were looked at, by cells and by size.
+    """Amplitudes that were computed, by cells and by size.
 
     Attributes
     ----------
@@ -556,7 +556,7 @@ class _Turns(NamedTuple):
     low, high, at_low, at_high : array
         Amplitudes below and above, with known shares where there are such, and the residual there [m].
     last : array
-        Index of the last node that was looked at up to there.
+        Index of the last node computed so far.
     inside : array
         Amplitude between the two where shares are unknown, if there is such a node [m].
     settled : bool array
@@ -630,11 +630,11 @@ class _Together(NamedTuple):
         unit = body["gravity"] / (2.0 * np.pi * fields["frequency"]) ** 2  # [m] amplitude at a load of 1
         critical = np.stack([load * unit for load in loads], axis=-1)
         same = loads.back_slip <= loads.back_onset * (1.0 + _ROUNDING)  # never earlier
-        critical[same, loads._fields.index("back_slip")] = np.nan  # it is looked at once
+        critical[same, loads._fields.index("back_slip")] = np.nan  # one of two equal loads is enough
         first = np.fmin(loads.forward_onset, loads.back_onset)
         onset = unit * np.where(mu_s > 0.0, np.nan_to_num(first, nan=0.0, posinf=math.inf), 0.0)
         linear, reach = empty / np.abs(1.0 + pull), _reach(case)[cells]
-        low = np.maximum(empty * (1.0 - _ROUNDING) - reach, onset * (1.0 + _BESIDE[0]))
+        low = np.maximum(empty * (1.0 - _ROUNDING) - reach, onset * (1.0 + _NEAR_JUMPS[0]))
         low = np.where(low > 0.0, low, _LEAST * linear)
         high = (empty + reach) * (1.0 + _ROUNDING)
         return cls(empty, pull, fields, linear, linear <= onset, low, high, critical, threads)
@@ -658,7 +658,7 @@ class _Together(NamedTuple):
         cell = np.repeat(np.arange(counts.size), counts)
         place = np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)
         regular = self.low[cell] * np.exp(span[cell] * (place / (counts[cell] - 1)))
-        beside = self.critical[:, :, None] * (1.0 + np.array(_BESIDE))
+        beside = self.critical[:, :, None] * (1.0 + np.array(_NEAR_JUMPS))
         low, high = self.low[:, None, None], self.high[:, None, None]
         inside = (beside > low) & (beside < high)
         cell = np.concatenate([cell, np.nonzero(inside)[0]])
@@ -807,7 +807,7 @@ def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
 
 
 def _reach(case: _Case) -> Floats:
-    """Return m abs(H) A abs(lambda - i delta) at most, whatever the amplitude, Eq. (91) [m]."""
+    """Return an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (91) [m]."""
     body = case.body
     alpha, beta = body["drive_angle"], body["trough_angle"]
     unit = body["gravity"] / (2.0 * np.pi * case.frequency) ** 2

@@ -12,7 +12,7 @@ from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.long_patterns import turned
 from vibro.motion.arrivals import Start
-from vibro.motion.histories import follow, grid_of
+from vibro.motion.histories import follow_body, grid_of
 from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors
 from vibro.solver import Scratch
@@ -114,5 +114,5 @@ def _as_named(text: str, *, one_harmonic: bool) -> str:
 
 def _spelt(grid: Grid, phase: float, velocity: float, period: float) -> str:
     """Follow a cycle for its legs, where they are more than a code has room for."""
-    motion = follow(grid, Start(phase, velocity, 0.0, 0.0), 3.0 * period)
+    motion = follow_body(grid, Start(phase, velocity, 0.0, 0.0), 3.0 * period)
     return "".join(LETTERS[mode] for mode in motion.legs.mode[motion.first :])

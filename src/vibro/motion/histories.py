@@ -11,19 +11,19 @@ from vibro.core.arrival import MOST_CYCLES
 from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
+from vibro.core.elementary import TURN
 from vibro.errors import InputError, Problem, SceneError, VibroError
 from vibro.motion.arrivals import Start, arrivals, number_of, start_of
 from vibro.reals import shielded
-from vibro.results.history import MOST_PHASES, History, Legs, Motion
+from vibro.results.history import MOST_PHASES, History, Legs, SolvedMotion
 from vibro.solver import Grid, Scratch
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from vibro.scene import Scene
 
-__all__ = ["follow", "grid_of", "is_followed", "simulate"]
+__all__ = ["follow_body", "grid_of", "is_followed", "simulate"]
 
-_TURN: Final = 2.0 * np.pi
 _FEW: Final = 1024  # legs allocated at first; nearly every motion repeats sooner
 _MORE: Final = 4  # factor by which that grows
 _STARTS: Final = MOST_BOUNCES + LONGEST_CYCLE  # flights of a cycle, at most
@@ -117,14 +117,14 @@ def simulate(
     if not 0.0 < cycles <= MOST_CYCLES:
         (name, value), limit = *given.items(), f"above 0 and at most {MOST_CYCLES:g} drive cycles"
         raise VibroError(f"{name} = {value:.15g}: comes to {cycles:g} drive cycles: must be {limit}")
-    length_unit, speed_unit = float(scene.scale), float(scene.scale) * _TURN * frequency
+    length_unit, speed_unit = float(scene.scale), float(scene.scale) * TURN * frequency
     started = Start(
         start.phase,
         start.velocity / speed_unit,
         start.height / length_unit,
         start.normal_velocity / speed_unit,
     )
-    return History(scene, end, start.phase, start.height, follow(grid, started, cycles), grid)
+    return History(scene, end, start.phase, start.height, follow_body(grid, started, cycles), grid)
 
 
 def grid_of(scene: Scene) -> Grid:
@@ -150,7 +150,7 @@ def is_followed(grid: Grid) -> bool:
     return bool(doors().followed(grid.scenes, grid.place(), 0))
 
 
-def follow(grid: Grid, start: Start, cycles: float) -> Motion:
+def follow_body(grid: Grid, start: Start, cycles: float) -> SolvedMotion:
     """Follow the body of one scene until its motion repeats, or for so many drive cycles.
 
     The start has velocities in A w and a height in A.
@@ -180,6 +180,6 @@ def follow(grid: Grid, start: Start, cycles: float) -> Motion:
                 hint=f"ask for at most {known} cycles",
             )
         rows *= _MORE
-    return Motion(
+    return SolvedMotion(
         Legs._make(x[:number].copy() for x in legs), int(first[0]), int(period[0]), float(advance[0])
     )

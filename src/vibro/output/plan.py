@@ -34,7 +34,7 @@ __all__ = ["ROW_GROUP", "Plan", "check_arrow", "check_manifest", "read_plan", "u
 #: [cells] Solved and encoded at once: the bytes of a shard depend on it.
 ROW_GROUP: Final = BLOCK
 
-# [cells] of a shard, unless asked for: seconds of work, some tens of megabytes. Means of bodies that bounce,
+# [cells] of a shard by default: seconds of work, some tens of megabytes. Means of bodies that bounce,
 # and searches for other motions, take up to some ms a cell: there a shard takes about a minute.
 _SHARD_CELLS: Final = 1_000_000
 _DEAR_SHARD_CELLS: Final = 20_000
@@ -43,7 +43,7 @@ _FORMATS: Final = "vibro sweep "
 _FORMAT: Final = f"{_FORMATS}2"
 _OLD_FORMAT: Final = f"{_FORMATS}1"
 # Keys left out of the fingerprint: command line, settings of pictures, values that follow from others.
-_BESIDE: Final = ("argv", "name", "own", "parts", "fingerprint", GIVEN_IN)
+_NOT_COMPARED: Final = ("argv", "name", "own", "parts", "fingerprint", GIVEN_IN)
 
 
 def check_arrow() -> None:
@@ -262,7 +262,7 @@ def _text(value: Any) -> str:
 
 def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the fingerprint covers of a manifest, with the order of columns."""
-    counted = {key: value for key, value in content.items() if key not in _BESIDE}
+    counted = {key: value for key, value in content.items() if key not in _NOT_COMPARED}
     return {**counted, "columns": list(content["columns"].items())}
 
 

@@ -56,7 +56,7 @@ class Staging:
     force : bool
         Whether existing files are replaced. Pictures of the stem that are not made anew are removed then.
     tables : mapping of str to str
-        Forms of the tables by their names; the empty name stands for the stem itself.
+        Forms of the tables by their names; the empty name is the stem itself.
     pictures, formats : sequence of str
         Names of the pictures, and the formats of each.
     reads : sequence of Path or None
@@ -167,7 +167,7 @@ class Staging:
         return self._hidden.path / target.name
 
     def _remove_old(self, written: Sequence[Path]) -> None:
-        """Remove the JSON, as what it describes changes now, and pictures that are of what was there."""
+        """Remove the JSON and the pictures of the files that are about to be replaced."""
         old = [path for path in (*self._others, *self._targets) if path not in written]
         for path in filter(is_regular, (*self._json, *old)):
             _persistently(path, path.unlink)
@@ -240,7 +240,7 @@ def _put_new(path: Path, target: Path) -> None:
 
 
 def status_of_target(target: Path) -> os.stat_result | None:
-    """Return what the system says of a file, None where there is none.
+    """Return the status of a file, None if it does not exist.
 
     Raises
     ------

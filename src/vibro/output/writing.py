@@ -106,19 +106,19 @@ class Sharding:
         return ShardFolder(folder, how_to_go_on, self.shards or "")
 
     def agree(self, folder: ShardFolder, plan: Plan) -> tuple[Plan, Sequence[int]]:
-        """Decide what is to be made in a folder; nothing is changed.
+        """Plan the files of a folder, without changing it.
 
         Parameters
         ----------
         folder : ShardFolder
             Entered.
         plan : Plan
-            The plan that is asked for.
+            The requested plan.
 
         Returns
         -------
         Plan
-            With the size of shards that are there, unless another is asked for.
+            The plan, with the size of existing shards unless another one is requested.
         sequence of int
             The shards to be made or checked.
 

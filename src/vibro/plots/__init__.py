@@ -1,4 +1,4 @@
-"""Pictures of solved sweeps: matplotlib figures without a window; nothing is solved here.
+"""Pictures of solved sweeps: matplotlib figures without a window, from cells that are solved.
 
 ``map_figures`` draws; ``save`` writes a figure to a file.
 """
@@ -95,7 +95,7 @@ def map_figures(
     Raises
     ------
     InputError
-        If what is asked for cannot be drawn.
+        If a picture cannot be drawn.
     """
     view = choose_view(result.axes, x, y, at, result.fixed)
     groups = [[Fields(panel) for panel in curves] for curves in panels(result, view)]

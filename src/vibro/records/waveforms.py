@@ -261,7 +261,7 @@ class MeasuredMotion:
         for i, (way, values) in enumerate((("along", motion.along), ("normal", motion.normal))):
             for k, z in enumerate(values):
                 end = f"_{k + 1}" if k else ""
-                # One sensor tells both motions, with the same relative errors.
+                # One sensor gives both motions, with the same relative errors.
                 channel, share = (i, 1.0) if both else (0, abs(z) / abs(own[k]))
                 size = Estimate(float(abs(z)), float(share * self.standard_errors[k, channel]))
                 phase = Estimate(float(np.angle(z)), float(self.phase_errors[k, channel]))
@@ -619,7 +619,7 @@ def _rest(time: Floats, values: Floats, frequency: float, order: int) -> Floats:
 def _fundamental(
     record: Record, frequency: Estimate, sizes: Complexes, covariance: Complexes, rest: Floats, span: float
 ) -> Trough:
-    """Return the fundamental as ``vibro compare`` knows it; what is left is ``rest``, by channel [m/s^2]."""
+    """Return the fundamental for ``vibro compare``; ``rest`` are the residuals by channel [m/s^2]."""
     middle = 0.5 * float(record.time[0] + record.time[-1])
     at_zero = np.exp(-1j * math.tau * frequency.value * middle)
     powers = 0.5 * abs(sizes) ** 2

@@ -73,7 +73,7 @@ MEANINGS: Final[Mapping[str, str]] = {
 _BEGINS: Final[Mapping[str, str]] = {
     "forward slip": "begins to slide forward",
     "back slip": "begins to slip back",
-    "never at rest": "no longer comes to rest: it slides all the time",
+    "continuous sliding": "no longer comes to rest: it slides all the time",
     "hopping": "begins to hop",
     "load for forward slip": "is pushed forward harder than static friction can hold it",
     "load for back slip": "is pushed back harder than static friction can hold it",
@@ -82,7 +82,7 @@ _BEGUN: Final[Mapping[str, str]] = {
     **_BEGINS,
     "forward slip": "slides forward",
     "back slip": "slips back",
-    "never at rest": "never comes to rest: it slides all the time",
+    "continuous sliding": "never comes to rest: it slides all the time",
     "hopping": "hops",
 }
 # What the part does below and above the loads at which its regime changes, by the names of transitions.
@@ -157,7 +157,7 @@ def pattern_text(pattern: str) -> str:
 
 
 def next_text(one: OneScene) -> tuple[str, str]:
-    """Return what comes next as the drive grows, and when; empty texts where nothing does."""
+    """Return the next transition as the drive grows, and where it is; empty texts without one."""
     for t in one.transitions():
         if t.ratio <= 1.0:
             return f"at {_times(t.ratio)} × the {_today(one)}", f"the part {_BEGINS[t.name]}"
@@ -182,7 +182,7 @@ def _times(ratio: float) -> str:
 
 
 def _today(one: OneScene) -> str:
-    """Name what is scaled: the amplitude of a line, all amplitudes of others."""
+    """Name the scaled quantity: the amplitude of a line, all amplitudes of others."""
     if SCALE in one.driven:
         return "present motion scale"
     return "present amplitudes" if len(one.driven) > 1 else f"present {one.size}"

@@ -360,7 +360,7 @@ class SettingFields:
     load : (n,) array
         Nominal loads, ascending, that cover all shown settings; a load appears twice where numbers jump [1].
     speed_min : (n,) array
-        Guaranteed speed times nominal frequency; NaN or -inf where nothing is guaranteed [mm/s Hz].
+        Guaranteed speed times nominal frequency; NaN or -inf without a guarantee [mm/s Hz].
     begins : mapping of Regime to pair of float
         Of forward slip, back slip and hopping the nominal load from which the first, and from which the last
         part of the box is in that regime or in a higher one; inf where that never happens.

@@ -23,6 +23,7 @@ import numpy as np
 
 from vibro.core.codes import LETTERS, Mode
 from vibro.core.compiled import doors
+from vibro.core.elementary import TURN
 from vibro.core.motions import Moments
 from vibro.errors import InputError, VibroError, cut, shown
 from vibro.html_tables import amount, html_table
@@ -40,13 +41,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MOST_PHASES", "History", "Legs", "Motion", "Phase", "Sample"]
+__all__ = ["MOST_PHASES", "History", "Legs", "Phase", "Sample", "SolvedMotion"]
 
 #: Phases of a history that do not repeat, and phases that are spelt out: half a gigabyte of them.
 MOST_PHASES: Final = 2_000_000
 
-_TURN: Final = 2.0 * np.pi
-_BESIDE: Final = 1e-9  # [rad] from a jump to the moment that tells the forces on one side of it
+_OFF_JUMP: Final = 1e-9  # [rad] from a jump to the moment whose forces are those on one side of it
 _FORCES: Final = ("acceleration", "inertial", "normal")  # of ``Moments``
 _SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside, for rounding by the caller
 
@@ -71,7 +71,7 @@ class Legs(NamedTuple):
         return cls(np.empty(rows, np.int8), np.empty(rows, np.int64), *np.empty((8, rows)))
 
 
-class Motion(NamedTuple):
+class SolvedMotion(NamedTuple):
     """A whole motion.
 
     Attributes
@@ -192,12 +192,12 @@ class History:
     end: float
     start_phase: float
     start_height: float
-    _motion: Motion
+    _motion: SolvedMotion
     _grid: Grid
 
     @shielded
     def __repr__(self) -> str:
-        """Say how long it is: ``<History of 0.667 s: 21 phases, of which F_ repeat>``."""
+        """Return a summary: ``<History of 0.667 s: 21 phases, of which F_ repeat>``."""
         repeats = f", of which {cut(self.pattern)} repeat" if self.pattern else ""
         return f"<History of {amount(self.end, 's')}: {self._count} phases{repeats}>"
 
@@ -377,7 +377,7 @@ class History:
         array
             Ascending times within the interval; empty for drives whose acceleration is continuous [s].
         """
-        frequency, turns = float(self.scene.frequency), self.start_phase / _TURN
+        frequency, turns = float(self.scene.frequency), self.start_phase / TURN
         cycles = np.arange(math.floor(turns + since * frequency), math.ceil(turns + until * frequency))
         times = ((cycles[:, np.newaxis] + self._jumps).ravel() - turns) / frequency
         return np.asarray(times[(since < times) & (times < until)])
@@ -386,7 +386,7 @@ class History:
     def _units(self) -> tuple[float, float]:
         """A and A w."""
         scale = float(self.scene.scale)
-        return scale, scale * _TURN * float(self.scene.frequency)
+        return scale, scale * TURN * float(self.scene.frequency)
 
     def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Legs of the phases with these numbers, and the number of cycles completed before each."""
@@ -402,7 +402,7 @@ class History:
         known = row < legs.mode.size
         row = np.where(known, row, 0)
         cycles = legs.cycle[row] + self._motion.period * count
-        turns = (legs.phase[row] - legs.phase[0]) / _TURN
+        turns = (legs.phase[row] - legs.phase[0]) / TURN
         return np.where(known, (cycles + turns) / float(self.scene.frequency), np.inf)
 
     def _place(self, time: Floats, side: Literal["left", "right"]) -> NDArray[np.int64]:
@@ -438,17 +438,17 @@ class History:
     def _sample(self, time: Floats, place: NDArray[np.int64], side: str) -> tuple[Floats, ...]:
         row, count = self._row(place)
         legs, scene = self._motion.legs, self.scene
-        since = _TURN * float(scene.frequency) * (time - self._start(place))
+        since = TURN * float(scene.frequency) * (time - self._start(place))
         since = np.clip(since, 0.0, legs.length[row])
         since = np.where(time >= self._start(place + 1), legs.length[row], since)
         at = self._moments(row, since)
         # At a jump of the trough's acceleration, rounding decides on which side of it a time lies. Take
         # forces from a moment on the side that is wanted.
         if self._jumps.size:
-            beside = np.clip(since + (-_BESIDE if side == "left" else _BESIDE), 0.0, legs.length[row])
+            beside = np.clip(since + (-_OFF_JUMP if side == "left" else _OFF_JUMP), 0.0, legs.length[row])
             at |= {name: x for name, x in self._moments(row, beside).items() if name in _FORCES}
         length, speed = self._units
-        force = speed * _TURN * float(scene.frequency)
+        force = speed * TURN * float(scene.frequency)
         flies = legs.mode[row] == Mode.FLIGHT
         normal = force * at["normal"]
         with np.errstate(over="ignore"):  # no friction that could be measured: inf, which bears everything

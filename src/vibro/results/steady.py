@@ -76,7 +76,7 @@ class Result:
     in_contact : float, optional
         Its value in every cell in contact that is answered, where that is always the same.
     on_request : bool
-        Whether tables have its column only where it is named.
+        Whether tables have its column only on request.
     """
 
     name: str

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Block", "Column", "Peak", "SweepResult", "at_rest", "peaks", "spread", "where_motion_begins"]
+__all__ = ["Block", "Column", "Peak", "SweepResult", "at_rest", "cell_values", "peaks", "where_motion_begins"]
 
 # The load grows with the first three; critical loads depend on none of these.
 _LAST_MOVES_FIRST: Final = ("amplitude", "stroke", "frequency", "restitution")
@@ -204,7 +204,7 @@ class SweepResult:
         return where_motion_begins(self.axes, self.fixed, self.limits) if rests else ""
 
 
-def spread(
+def cell_values(
     axes: Mapping[str, Axis], fixed: Mapping[str, float], box: Sequence[slice] | None = None
 ) -> dict[str, Floats]:
     """Return every quantity of a box of cells by name, one slice for each axis; of all without a box."""
@@ -269,7 +269,7 @@ def where_motion_begins(
         return "at rest everywhere"
     # A sweep may have more cells than fit in memory; the last ones along these axes are nearest to moving.
     box = [slice(-1, None) if name in _LAST_MOVES_FIRST else slice(None) for name in axes]
-    values = spread(axes, fixed, box)
+    values = cell_values(axes, fixed, box)
     load = Scene.allowing_infeasible(**scene_fields(values)).load
     with np.errstate(divide="ignore", invalid="ignore"):  # a threshold or a load of 0
         ratio = np.fmax.reduce(

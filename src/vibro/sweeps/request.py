@@ -123,7 +123,7 @@ class Request:
 
     @property
     def told(self) -> dict[str, float]:
-        """``fixed`` in the quantities that were given: what people are told."""
+        """``fixed`` in the quantities that were given, for texts."""
         return as_given(self.fixed, in_stroke=self.in_stroke)
 
     @property
@@ -142,7 +142,7 @@ class Request:
         }
 
     def doubts(self, found: Collection[str] = ()) -> list[str]:
-        """Return warnings about what is possible, but likely a slip of units; the remedy follows a colon.
+        """Return warnings about unusual values, probably in wrong units; a colon precedes the remedy.
 
         These are values beyond what is usual, of axes only where all of them are; else an acceleration that
         is, which they would explain; and a trough that is shorter than the largest stroke. Quantities that
@@ -224,7 +224,7 @@ class Request:
 
 
 class _Problems(Problems):
-    """Everything that is wrong, to be told at once in the order of a table's columns; fields are slots."""
+    """All problems, reported together in the order of a table's columns; fields are slots."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -361,7 +361,7 @@ def gather(
 
 
 def _refuse_of_machine(given: Mapping[str, AxisSpec], pack: str | None, problems: _Problems) -> None:
-    """Refuse quantities of a machine where there is none."""
+    """Refuse quantities of a machine if the scene has no machine."""
     hint = "describe one in the table [machine] of a scene file"
     for slot in MACHINE:
         if slot in given:
@@ -374,7 +374,7 @@ def _refuse_of_machine(given: Mapping[str, AxisSpec], pack: str | None, problems
 def _check_machine(
     machine: GivenMachine, pack: str | None, layers: Sequence[Specs], problems: _Problems
 ) -> None:
-    """Check what is given of a machine, and add the natural frequency of its springs to the lowest layer."""
+    """Check the values given for a machine, and add the natural frequency of its springs as a default."""
     *higher, own = layers
     with problems.taken("[machine] "):
         _ = machine.machine
@@ -472,7 +472,7 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
 
 
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems, *, is_clamped: bool) -> None:
-    """Check every value, and tell the first wrong one in the user's units."""
+    """Check every value, and report the first wrong one in the user's units."""
     quantity = of_part(QUANTITIES[spec.quantity.name], is_clamped=is_clamped)
     values = np.array(spec.values, np.float64)
     allowed = quantity.swept if spec.varies else quantity

@@ -158,7 +158,7 @@ def _held(at: Mapping[str, Any]) -> dict[str, float]:
 
 
 def axis_called(called: object, argument: str, *, strokes: bool = False) -> Quantity:
-    """Find the quantity that an argument names by key, name or letter; its axis may be told in strokes."""
+    """Find the quantity that an argument names by key, name or letter; its axis may be in strokes."""
     quantity = find_quantity(str(called))
     if quantity is None or (quantity.name == "stroke" and not strokes):
         raise InputError(

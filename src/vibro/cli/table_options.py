@@ -72,7 +72,7 @@ _NEEDS_LENGTH: Final = dict.fromkeys(("trough_length_mm", "traverse_time_s", "st
 
 
 def part_of(pitch: str | None, mass: str | None) -> dict[str, float]:
-    """Read the pitch of parts in a row and the mass of one, by their names with units; what is given."""
+    """Read the pitch of parts in a row and the mass of one, if given, by their names with units."""
     from vibro.quantities import MASS, PITCH, checked_number
 
     if mass is not None and pitch is None:
@@ -107,9 +107,9 @@ def table_of(
     Parameters
     ----------
     usual : sequence of Column
-        What it holds where nothing is asked for.
+        Its columns by default.
     columns : str or None
-        The names asked for, as typed.
+        The names of columns, as typed.
     digits : str or None
         Significant digits, as typed; None for exact numbers.
     needed : mapping of str to str
