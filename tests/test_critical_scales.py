@@ -74,8 +74,9 @@ def test_the_table_of_critical_scales(index: int) -> None:
     for name, column in (("back_slip", "back_slip_scale"), ("continuous_sliding", "never_at_rest_scale")):
         assert float(getattr(loads, name)) / now == pytest.approx(float(row[column] or "inf"), rel=ENDS)
     for name, spans in intervals(scene).items():
+        called = "never at rest" if name == "continuous sliding" else name  # in the reference table
         expected = [
-            tuple(map(float, pair)) for pair in json.loads(row[f"{name.replace(' ', '_')}_intervals"])
+            tuple(map(float, pair)) for pair in json.loads(row[f"{called.replace(' ', '_')}_intervals"])
         ]
         assert len(spans) == len(expected)
         for span, listed in zip(spans, expected, strict=True):
