@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/filling.py [--machines 20] [--seed 33]
 
-First the worked feeder of docs/machines.md on both sides of resonance: trough 6 kg, counter mass 12 kg,
+First the worked feeder of docs/guide/machines.md on both sides of resonance: trough 6 kg, counter mass 12 kg,
 damping ratio 0.015, 50 Hz, 20 deg, friction 0.35/0.28, 0.35 mm when empty. Then random machines: magnets
 between two masses and against the floor, exciters and unbalances, throw number 0.4 to 2.5 when empty, with
 fillings of 1 % of the trough's mass and of 10 to 50 % of it. ``tests/engines/two_way.py`` follows trough and

@@ -64,7 +64,7 @@ WAYS: Final = {
     "2 processes": 2,
     "Dask, 2 workers": 2,
 }  # cores that each has
-# Of Dask's workers, as docs/scale.md advises; vibro's own processes have these settings anyway.
+# Of Dask's workers, as docs/guide/scale.md advises; vibro's own processes have these settings anyway.
 RETAINING: Final = {"MALLOC_MMAP_THRESHOLD_": f"{32 << 20}", "MALLOC_TRIM_THRESHOLD_": f"{64 << 20}"}
 SHARD_CELLS: Final = 1_000_000
 TASKS: Final = 300  # that do nothing, to see what one costs

@@ -1,4 +1,4 @@
-"""Does the model convey as a laboratory measured? A part clamped on a vibrating finger (docs/validation.md).
+"""Does the model convey as a laboratory measured? A part clamped on a vibrating finger (theory/validation).
 
 Usage: python benchmarks/validation.py                            one mean cycle of each trial
        python benchmarks/validation.py --records FOLDER           the whole records too

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.axes import MAX_VALUES, axis_of, default_count, parse_axis
 from vibro.errors import InputError
@@ -17,7 +18,7 @@ def values_of(text: str, name: str = "amplitude", count: int = 5) -> list[float]
     return list(map(float, parse_axis(text, QUANTITIES[name]).axis(count).values))
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "expected"),
     [
         ("15", [15.0]),
@@ -46,7 +47,7 @@ def test_a_fine_range_accumulates_no_error() -> None:
     assert values_of("0.001:10:10000") == [i / 1000 for i in range(1, 10001)]
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "name", "problem", "hint"),
     [
         ("3:0.1", "amplitude", "does not ascend", "write 0.1:3, or 0.1:3:step=d for a step of d"),
@@ -92,7 +93,7 @@ def test_a_wrong_axis_names_the_remedy(text: str, name: str, problem: str, hint:
     assert bool(caught.value.hint) == bool(hint)
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "write"),
     [
         ("5..60", "5:60"),
@@ -120,16 +121,14 @@ def test_a_range_in_another_spelling_is_hinted_in_ours(text: str, write: str) ->
     assert len(parse_axis(write.split(",")[0], QUANTITIES["amplitude"]).axis(3)) == 3
 
 
-@pytest.mark.parametrize(
-    "text", ["5..", "..5", "5--", "1/2", "5..60Hz", "5 bis", "to", "5 60", "5..60" + 40 * "0"]
-)
+@each("text", ["5..", "..5", "5--", "1/2", "5..60Hz", "5 bis", "to", "5 60", "5..60" + 40 * "0"])
 def test_what_is_no_range_is_not_hinted_to_be_one(text: str) -> None:
     with pytest.raises(InputError) as caught:
         parse_axis(text, QUANTITIES["amplitude"])
     assert "range" not in caught.value.hint
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "count"),
     [
         ("1:2:2", 2),
@@ -144,7 +143,7 @@ def test_the_fewest_and_the_most_values_of_a_range_are_allowed(text: str, count:
     assert parse_axis(text, QUANTITIES["amplitude"]).count == count
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "problem"),
     [
         ("1:2:1", "a range has at least 2 values"),
@@ -160,7 +159,7 @@ def test_one_value_fewer_or_more_is_refused(text: str, problem: str) -> None:
         parse_axis(text, QUANTITIES["amplitude"])
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "hint"),
     [
         # start:step:stop, where one step just reaches the stop, or just does not
@@ -183,7 +182,7 @@ def test_a_step_of_0_is_never_advised() -> None:
     assert "step=0" not in caught.value.hint
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "name", "echo"),
     [
         ("0.1:3:200", "amplitude", "amplitude: 200 values, 0.1 ... 3 mm, step 0.0146"),
@@ -208,9 +207,7 @@ def test_values_that_doubles_cannot_tell_apart_are_refused(text: str) -> None:
         spec.axis(5)
 
 
-@pytest.mark.parametrize(
-    "text", ["1e-300:1e300:7:log", "1e-300:1e300:step=10:log", "-1e308:1e308:5", "1e-320:1e-310:3"]
-)
+@each("text", ["1e-300:1e300:7:log", "1e-300:1e300:step=10:log", "-1e308:1e308:5", "1e-320:1e-310:3"])
 def test_extreme_ranges_are_spelled_out(text: str) -> None:
     values = values_of(text)
     assert values[0] == float(text.split(":")[0])
@@ -228,7 +225,7 @@ def test_an_axis_knows_its_words_and_column() -> None:
     assert len(axis) == 3
 
 
-@pytest.mark.parametrize(
+@each(
     ("value", "expected"),
     [
         ([1, 2, 3], [1.0, 2.0, 3.0]),
@@ -246,7 +243,7 @@ def test_a_list_holds_the_nearest_doubles(value: object, expected: list[float]) 
     assert spec.halved(QUANTITIES["amplitude"]).axis(5).values.tolist() == [v / 2 for v in expected]
 
 
-@pytest.mark.parametrize(
+@each(
     ("value", "problem"),
     [
         ([1.0, math.nan], "amplitude = nan: must be a finite number"),
@@ -316,9 +313,9 @@ DIGITS = {
 }
 
 
-@pytest.mark.parametrize("digits", DIGITS.values(), ids=DIGITS)
-@pytest.mark.parametrize("form", ["{}", "{}mm", "1,{}", "{0}:{0}", "1:{}", "{}:1", "1:2:{}", "1:2:step={}"])
-@pytest.mark.parametrize("end", ["", ":log", "x"])
+@each("digits", DIGITS.values())
+@each("form", ["{}", "{}mm", "1,{}", "{0}:{0}", "1:{}", "{}:1", "1:2:{}", "1:2:step={}"])
+@each("end", ["", ":log", "x"])
 def test_thousands_of_digits_are_refused_in_a_line(digits: str, form: str, end: str) -> None:
     with pytest.raises(InputError) as caught:
         parse_axis(form.format(digits) + end, QUANTITIES["amplitude"]).axis(3)
@@ -341,7 +338,7 @@ def test_the_ends_of_a_geometric_range_are_as_given() -> None:
     assert values_of(text)[-1] == 1.7976931348623157e308
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "problem"),
     [
         ("1:2:step=1.0000000000000000000001:log", "a factor above 1"),
@@ -358,7 +355,7 @@ def test_the_widest_axis_is_echoed() -> None:
     assert str(parse_axis("5e-324:1e308:3:log", QUANTITIES["amplitude"]).axis(3)).endswith("factor inf")
 
 
-@pytest.mark.parametrize("given", [-0.0, [-0.0, 1.0], np.array([-0.0, 1.0]), "-0.0", "-0.0,1", "-0:1:2"])
+@each("given", [-0.0, [-0.0, 1.0], np.array([-0.0, 1.0]), "-0.0", "-0.0,1", "-0:1:2"])
 def test_zero_has_no_sign(given: object) -> None:
     spec = axis_of(given, QUANTITIES["trough_angle"])
     assert str(float(spec.values[0])) == "0.0"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.periodic_tables import read_rows, scene_of
 
 import vibro
@@ -62,9 +63,8 @@ def check_ends(scale: Any, most: float) -> int:
 # ------------------------------------------------------------------------------------------- harmonics
 
 
-@pytest.mark.parametrize("index", range(60))
-def test_the_table_of_critical_scales(index: int) -> None:
-    row = read_rows("critical_scales")[index]
+@each("row", read_rows("critical_scales"))
+def test_the_table_of_critical_scales(row: dict[str, str]) -> None:
     scene = scene_of(row)
     loads, now = vibro.critical_loads(scene), float(scene.load)
     for name, column in (

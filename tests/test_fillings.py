@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
+from helpers.draws import examples
 from helpers.reactions import measured_means, measured_reaction
 from helpers.reference_tables import read_rows
 from helpers.scenes import Groups, at_load, contact_groups, driven, line_of, random_scenes, replaced
 from helpers.solver_doors import plain
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import vibro
@@ -42,7 +44,7 @@ def test_the_reference_has_all_its_rows() -> None:
     assert {len(row["pattern"]) for row in ROWS} == {2, 3, 4}
 
 
-@pytest.mark.parametrize("row", ROWS, ids=[row["id"] for row in ROWS])
+@each("row", ROWS)
 def test_shares_agree_with_a_walk_in_34_digits(row: dict[str, str]) -> None:
     scene = row_scene(row)
     found, cycle = filling(scene), vibro.solve(scene)
@@ -108,7 +110,6 @@ def _assert_energy(scene: Scene) -> None:
     assert abs(found.energy_per_cycle - seen.losses) < 1e-9 * size
 
 
-@settings(max_examples=40, deadline=None)
 @given(contact_groups(), st.one_of(st.none(), st.floats(-179.0, 179.0)))
 def test_energy_is_what_friction_and_the_climb_take(groups: Groups, phase_deg: float | None) -> None:
     scene = driven(groups, phase_deg)
@@ -117,7 +118,7 @@ def test_energy_is_what_friction_and_the_climb_take(groups: Groups, phase_deg: f
     _assert_energy(scene)
 
 
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(
     st.floats(1.001, 4.0), st.floats(8.0, 50.0), st.floats(0.1, 0.9), st.floats(0.3, 1.0),
     st.floats(-3.0, 3.0), st.sampled_from([0.0, 0.0, 0.15, 0.5]),

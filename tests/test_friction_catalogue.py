@@ -6,6 +6,7 @@ import re
 from importlib.resources import files
 
 import pytest
+from helpers.cases import each
 
 from vibro.errors import InputError
 from vibro.friction_catalogue import Row, band_text, find, number_hint, rows, static_row
@@ -73,7 +74,7 @@ def test_a_word_that_is_like_no_pair(words: str) -> None:
     assert str(caught.value).isprintable()
 
 
-@pytest.mark.parametrize("row", [row for row in rows() if row.static_friction])
+@each("row", [row for row in rows() if row.static_friction])
 def test_every_row_with_static_friction_can_be_named(row: Row) -> None:
     assert static_row(f" {row.pair.upper()},{row.condition} ,  {row.source}") is row
 

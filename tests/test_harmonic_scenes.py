@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro import Scene, SceneError, Status, solve
 from vibro.drives import Harmonics
@@ -73,7 +74,7 @@ def test_fields_are_replaced() -> None:
         again.along_harmonics[0][0][...] = 1.0
 
 
-@pytest.mark.parametrize(
+@each(
     ("values", "said"),
     [
         ({"along_harmonics": []}, "along_harmonics = none: must be at least one pair"),

@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from helpers.reference_tables import UNSETTLED_IMPACT, read_table
 from helpers.scenes import at_load, replaced
+from helpers.two_axis_scenes import displacement, random_drives, rotated
 
 import vibro
-from vibro import Scene, Status, SteadyCycle
+from vibro import Regime, Scene, Status, SteadyCycle
 
 FREQUENCY = 20.0
 ANGULAR = 2.0 * math.pi * FREQUENCY
@@ -24,6 +26,58 @@ def _scene(amplitude: float, drive: float, mu_s: float, mu_d: float, restitution
         kinetic_friction=mu_d,
         restitution=restitution,
     )
+
+
+# --- tables -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "within"), [("hopping", 5e-11), ("elliptic_hopping", 1e-11)])
+def test_every_hopping_row_is_the_reference_s(name: str, within: float) -> None:
+    table = read_table(name)
+    columns, cycle = table.columns, table.cycle
+    assert (cycle.regime == Regime.HOPPING).all()
+    assert (cycle.status == Status.OK).all()
+    # K = 3.48392: one flight of one cycle each time; the table counts two
+    twice = np.array(table.pattern) == "HH"
+    patterns = ["H" if text == "HH" else rotated(text) for text in table.pattern]
+    assert [rotated(text) for text in cycle.pattern.tolist()] == patterns
+    np.testing.assert_array_equal(cycle.period_cycles, np.where(twice, 1, columns["period_cycles"]))
+    error = np.abs(cycle.displacement_per_cycle * table.metre - table.displacement)
+    assert (error <= within * (np.abs(table.displacement) + table.size)).all()
+    np.testing.assert_allclose(cycle.flight_fraction, columns["flight_fraction"], rtol=1e-11)
+
+
+def test_impacts_and_throw_numbers_of_ellipses_are_the_reference_s() -> None:
+    table = read_table("elliptic_hopping")
+    columns, impact = table.columns, table.columns["impact_speed_m_s"].copy()
+    row = UNSETTLED_IMPACT
+    assert columns["pattern"][row] == "H"
+    impact[row] = 9.81 * math.cos(columns["trough_angle_rad"][row]) / columns["frequency_hz"][row]
+    np.testing.assert_allclose(table.cycle.impact_velocity, impact, rtol=1e-11)
+    np.testing.assert_allclose(table.cycle.throw_number, columns["throw_number"], rtol=1e-13)
+
+
+# --- the onset --------------------------------------------------------------------------------------
+
+
+def test_bodies_are_lifted_above_a_throw_number_of_one() -> None:
+    some = random_drives(30, 18, steepest=0.5, least_ratio=0.6)
+    below, at, above = (
+        some.changed(normal=(1.0 + h) * np.cos(some.trough)).solve() for h in (-1e-12, 0.0, 1e-12)
+    )
+    answered = below.status != Status.RUNAWAY
+    assert answered.sum() > 25
+    assert (below.status[answered] == Status.OK).all()
+    assert (at.status[answered] == Status.BOUNDARY).all()
+    assert Regime.HOPPING not in np.concatenate([below.regime, at.regime])
+    assert (above.regime == Regime.HOPPING).all()
+    assert below.pattern.tolist() == at.pattern.tolist()
+    size = np.abs(displacement(below)) + np.maximum(some.along, 1.0)
+    assert not (np.abs(displacement(at) - displacement(below)) > 1e-4 * size).any()
+    # flights are so short that nothing changes
+    told = answered & (above.status == Status.OK)
+    assert told.sum() > 22
+    assert not (np.abs(displacement(above) - displacement(below))[told] > 1e-4 * size[told]).any()
 
 
 # --- peak speeds ------------------------------------------------------------------------------------

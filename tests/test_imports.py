@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ast
+import itertools
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -23,6 +26,27 @@ def _loaded_after(statement: str) -> set[str]:
         [sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8", check=True
     )
     return set(done.stdout.split())
+
+
+def _imported(path: Path) -> set[str]:
+    """List the first part of every absolute import, wherever it stands."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names.update(name.name.partition(".")[0] for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names.add(node.module.partition(".")[0])
+    return names
+
+
+def test_every_library_that_is_imported_is_declared() -> None:
+    project = tomllib.loads((NUT.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    users = [extra for name, extra in extras.items() if name not in ("test", "lint", "docs")]
+    lines = itertools.chain(project["dependencies"], *users)
+    declared = {re.split(r"[>=\[]", line)[0].lower() for line in lines}
+    imported = set().union(*map(_imported, (NUT.parents[1] / "src").rglob("*.py")))
+    assert imported - sys.stdlib_module_names - {"vibro"} == declared - {"gmpy2", "h5netcdf", "h5py"}
 
 
 def test_the_package_alone_loads_no_library() -> None:

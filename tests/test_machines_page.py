@@ -1,4 +1,4 @@
-"""docs/machines.md says what the program says: kinds, the table of the worked feeder, the answer shown."""
+"""guide/machines.md says what the program says: kinds, the table of the worked feeder, the answer shown."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from vibro.files.machines import machine_of
 from vibro.files.toml_files import read_toml
 
 ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs" / "machines.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "guide" / "machines.md").read_text(encoding="utf-8")
 FREQUENCIES = {"magnet": 50, "measured": 50, "unbalance": 25, "exciter": 25, "rod": 12, "crank": 10}
 BODY = {"drive_angle": math.radians(20.0), "static_friction": 0.35, "kinetic_friction": 0.28}
 SCENE = (

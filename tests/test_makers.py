@@ -1,4 +1,4 @@
-"""docs/makers.md: makers' formulas for the speed beside the solver, and the limit in which one is exact."""
+"""guide/makers.md: makers' formulas for the speed beside the solver, and the limit in which one is exact."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 import vibro
 
-PAGE = (Path(__file__).parents[1] / "docs" / "makers.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "guide" / "makers.md").read_text(encoding="utf-8")
 GRAVITY = 9.81
 
 

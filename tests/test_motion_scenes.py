@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro import Motion, Scene, SceneError, solve
 from vibro.drives import Ability, Ellipse, Harmonics, Line, Piecewise
@@ -97,7 +98,7 @@ def test_what_the_solver_reads() -> None:
     assert not any(x.can(Ability.PROOF) for x in (ellipse, scene.arrays()))
 
 
-@pytest.mark.parametrize(
+@each(
     ("values", "said"),
     [
         ({"motion": STEPS, "amplitude": 1e-3}, "drive = amplitude and motion: must be either"),
@@ -121,7 +122,7 @@ def test_what_is_wrong_is_named(values: dict[str, Any], said: str) -> None:
     assert said in error(**values)
 
 
-@pytest.mark.parametrize(
+@each(
     ("values", "said"),
     [
         ({"normal_acceleration": 0.0}, "normal_acceleration = 0 m/s^2: must be finite and > 0 m/s^2"),

@@ -74,7 +74,7 @@ def test_differences_of_integrated_bodies(
     assert cycle.pattern == pattern
     assert 0.0 < cycle.largest_multiplier < 1.0
     lead = math.radians(phase_deg or 0.0)
-    turns = 3 + math.ceil(math.log(1e-8) / math.log(cycle.largest_multiplier))
+    turns = 3 + math.ceil(math.log(1e-5) / math.log(cycle.largest_multiplier))
     body = settled(groups, restitution, turns, lead)
     body.until(body.p + begin)
     found = strobed(body, groups, restitution, int(cycle.period_cycles), lead)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.periodic_tables import least_rotation, read_rows, scene_of, size_of
 
 import vibro
@@ -48,7 +49,7 @@ def _check_pattern(cycle: SteadyCycle, row: dict[str, str]) -> None:
     assert float(cycle.period_cycles) == float(row["period_cycles"])
 
 
-@pytest.mark.parametrize(("name", "index"), STEADY)
+@each(("name", "index"), STEADY)
 def test_steady_motions_that_hop(name: str, index: int) -> None:
     row = read_rows(name)[index]
     cycle = vibro.solve(scene_of(row))
@@ -68,9 +69,8 @@ def test_steady_motions_that_hop(name: str, index: int) -> None:
     )
 
 
-@pytest.mark.parametrize("index", range(29))
-def test_counterexamples(index: int) -> None:
-    row = read_rows("counterexamples")[index]
+@each("row", read_rows("counterexamples"))
+def test_counterexamples(row: dict[str, str]) -> None:
     scale, start = float(row["scale"]), float(row["start_phase_rad"])
     cycle = vibro.solve(scene_of(row, scale=scale, start=start))
     _check(cycle, row, scale * size_of(row))
@@ -92,9 +92,8 @@ def _merged(phases: Any, least: float) -> list[list[Any]]:
     return merged
 
 
-@pytest.mark.parametrize("index", range(40))
-def test_histories(index: int) -> None:
-    row = read_rows("histories")[index]
+@each("row", read_rows("histories"))
+def test_histories(row: dict[str, str]) -> None:
     assert float(row["start_velocity_m_s"]) == float(row["start_height_m"]) == 0.0
     history = vibro.simulate(
         scene_of(row), cycles=float(row["cycles"]), start_phase=float(row["start_phase_rad"])
@@ -122,9 +121,8 @@ def test_histories(index: int) -> None:
 # ------------------------------------------------------------------------------- arrivals
 
 
-@pytest.mark.parametrize("index", range(20))
-def test_arrivals(index: int) -> None:
-    row = read_rows("arrival_times")[index]
+@each("row", read_rows("arrival_times"))
+def test_arrivals(row: dict[str, str]) -> None:
     time = float(vibro.arrival_time(scene_of(row), float(row["length_m"])))
     expected = float(row["arrival_time_s"])
     assert time == expected or abs(time - expected) <= 1e-10 * expected
@@ -139,9 +137,8 @@ CLASSES: dict[str, Callable[[str], bool]] = {
 }
 
 
-@pytest.mark.parametrize("index", range(60))
-def test_classes_begin_and_end_at_the_listed_scales(index: int) -> None:
-    row = read_rows("critical_scales")[index]
+@each("row", read_rows("critical_scales"))
+def test_classes_begin_and_end_at_the_listed_scales(row: dict[str, str]) -> None:
     hop = float(row["hop_scale"])
     for name, belongs in CLASSES.items():
         for interval in json.loads(row[name]):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -42,7 +43,7 @@ from vibro.records.reading import read_record
 from vibro.scene import Scene
 
 
-@pytest.mark.parametrize(
+@each(
     ("name", "text", "expected"),
     [
         ("amplitude", "15", 15.0),
@@ -71,7 +72,7 @@ def test_a_number_is_read_in_the_default_unit(name: str, text: str, expected: fl
     assert float(exact_number(text, QUANTITIES[name])) == pytest.approx(expected, rel=2e-16)
 
 
-@pytest.mark.parametrize(
+@each(
     ("quantity", "text", "expected"),
     [
         (DURATION, "1.5", 1.5),
@@ -98,7 +99,7 @@ def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expec
 PAIRS = "vibro friction lists pairs of materials"
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "unit", "size"),
     [("5", "mm/s", 1), ("5 M/MIN", "m/min", Fraction(50, 3)), (" 2e3um/s ", "um/s", Fraction(1, 1000))],
 )
@@ -106,7 +107,7 @@ def test_the_unit_of_a_number_is_found(text: str, unit: str, size: Fraction) -> 
     assert given_unit(text, LEAST_SPEED) == (unit, size)
 
 
-@pytest.mark.parametrize(
+@each(
     ("name", "text", "problem", "hint"),
     [
         ("amplitude", "3Hz", "'Hz' is no unit of amplitude", "its units are mm, um, \u00b5m, cm, m, in, ft"),
@@ -145,7 +146,7 @@ def test_tiny_exponents_do_not_explode() -> None:
     assert exact_number("1e-99999999999", QUANTITIES["amplitude"]) == 0
 
 
-@pytest.mark.parametrize("name", QUANTITIES)
+@each("name", QUANTITIES)
 def test_conversions_are_inverse(name: str) -> None:
     values = np.array([0.1, 1.0, 44.5])
     np.testing.assert_allclose(QUANTITIES[name].from_si(QUANTITIES[name].to_si(values)), values, rtol=4e-16)
@@ -176,7 +177,7 @@ def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
             assert parameter.default == QUANTITIES[name].to_si(default)
 
 
-@pytest.mark.parametrize("name", [name for name in DRIVES + Line._fields if name != "static_friction"])
+@each("name", [name for name in DRIVES + Line._fields if name != "static_friction"])
 def test_a_range_ends_where_it_says(name: str) -> None:
     quantity = QUANTITIES[name]
     for end, belongs, outward in (
@@ -190,7 +191,7 @@ def test_a_range_ends_where_it_says(name: str) -> None:
             assert quantity.allows(math.nextafter(at, -outward))
 
 
-@pytest.mark.parametrize(
+@each(
     ("called", "name"),
     [
         ("amplitude", "amplitude"), ("A", "amplitude"), ("-a", "drive_angle"), ("drive angle", "drive_angle"),
@@ -205,7 +206,7 @@ def test_a_quantity_is_found_by_any_of_its_names(called: str, name: str) -> None
     assert found.name == name
 
 
-@pytest.mark.parametrize("called", ["speed", "a", "l", ""])
+@each("called", ["speed", "a", "l", ""])
 def test_a_word_that_is_no_quantity(called: str) -> None:
     assert find_quantity(called) is None
 
@@ -241,9 +242,7 @@ def test_a_swept_ratio_may_exceed_1() -> None:
     assert QUANTITIES["amplitude"].swept is QUANTITIES["amplitude"]
 
 
-@pytest.mark.parametrize(
-    "digits", ["\u0661\u0662", "\uff11\uff12", "\u0967", "1\u0660", "1e\u0662", "1_0", "\u00b2"]
-)
+@each("digits", ["\u0661\u0662", "\uff11\uff12", "\u0967", "1\u0660", "1e\u0662", "1_0", "\u00b2"])
 def test_the_digits_of_numbers_are_ascii(digits: str, tmp_path: Path) -> None:
     """Everywhere: in options, in texts of files, along axes, in cells of records."""
     for read in (exact_number, nearest_double, checked_number, parse_axis, axis_of):

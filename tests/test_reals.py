@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.cases import each
 from helpers.scenes import scene_with
 
 import vibro
@@ -42,7 +43,7 @@ NUMBERS: list[tuple[Any, Any]] = [
 ]
 
 
-@pytest.mark.parametrize(("value", "expected"), NUMBERS)
+@each(("value", "expected"), NUMBERS)
 def test_numbers_of_every_kind_become_new_doubles(value: Any, expected: Any) -> None:
     array = real_array(value)
     assert array.dtype == np.float64
@@ -64,6 +65,7 @@ NO_NUMBERS: list[tuple[Any, str]] = [
     ([1.0, None], "None"),
     (True, "True"),
     (np.array([True]), "True"),
+    (np.array([1, True], dtype=object), "True"),
     (1 + 2j, "(1+2j)"),
     (np.array([1.0, 2j]), "0j"),
     (np.ma.masked, "masked"),
@@ -97,7 +99,7 @@ NO_NUMBERS: list[tuple[Any, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("value", "part"), NO_NUMBERS, ids=[part for _, part in NO_NUMBERS])
+@each(("value", "part"), NO_NUMBERS)
 def test_what_is_no_real_number_is_refused_and_shown(value: Any, part: str) -> None:
     with pytest.raises(NotRealError) as caught:
         real_array(value)
@@ -144,8 +146,8 @@ TAKERS: dict[str, tuple[Callable[[Any], Any], type[VibroError]]] = {
 }
 
 
-@pytest.mark.parametrize("name", TAKERS)
-@pytest.mark.parametrize(
+@each("name", TAKERS)
+@each(
     "value",
     [
         np.ma.array([1.0, 2.0], mask=[False, True]),
@@ -161,7 +163,6 @@ TAKERS: dict[str, tuple[Callable[[Any], Any], type[VibroError]]] = {
         pd.Series([1.0, pd.NA], dtype="Float64"),
         True,
     ],
-    ids=lambda value: type(value).__name__,
 )
 def test_every_function_refuses_what_is_no_number_by_name(name: str, value: Any) -> None:
     take, kind = TAKERS[name]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.reference_tables import CONTACT, Table, read_table
 
 import vibro
@@ -123,7 +124,7 @@ def _published(amplitude_mm: float) -> vibro.Scene:
     )
 
 
-@pytest.mark.parametrize(
+@each(
     ("amplitude_mm", "pattern", "mean_velocity_mm_s"),
     [
         (0.685165, "_", "0.000000"),

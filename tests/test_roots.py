@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibro.roots import sign_changes
+from vibro.roots import close_in, sign_changes
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -38,6 +38,12 @@ def test_brackets_close_around_every_kind_of_change(roots: list[float], kind: in
     assert len(calls) < 2 + (14 if kind < 2 else 120)
     if kind == 3:
         assert np.all(at_high - at_low >= 2.0)
+
+
+@pytest.mark.parametrize("sections", [1, 3])
+def test_what_holds_by_nothing_holds(sections: int) -> None:
+    inside, outside = close_in(lambda x: np.where(x <= 0.3, 0.0, -1.0), 0.0, 1.0, sections=sections)
+    assert (inside, outside) == (0.3, np.nextafter(0.3, 1.0))
 
 
 def test_brackets_do_not_depend_on_each_other() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.scenes import line_of
 
 from vibro import Scene, SceneError, Status, VibroError, solve
@@ -40,7 +41,7 @@ def _error(drive: dict[str, Any] = VALID, /, **values: Any) -> SceneError:
     return caught.value
 
 
-@pytest.mark.parametrize(
+@each(
     ("field", "value", "shown", "allowed"),
     [
         ("amplitude", 0.0, "0 m", "finite and > 0 m"),
@@ -77,16 +78,16 @@ def test_a_value_out_of_range_is_named_with_what_is_allowed(
     assert str(problem) in str(error)
 
 
-@pytest.mark.parametrize("field", VALID)
-@pytest.mark.parametrize(("value", "shown"), [(math.nan, "nan"), (math.inf, "inf"), (-math.inf, "-inf")])
+@each("field", VALID)
+@each(("value", "shown"), [(math.nan, "nan"), (math.inf, "inf"), (-math.inf, "-inf")])
 def test_a_value_that_is_not_finite_is_refused(field: str, value: float, shown: str) -> None:
     problems = _error(**{field: value}).problems
     assert problems[0].field == field
     assert shown in problems[0].value
 
 
-@pytest.mark.parametrize("field", VALID)
-@pytest.mark.parametrize("value", ["wide", "1 mm", [1.0, [2.0]], object(), 1j, None, True])
+@each("field", VALID)
+@each("value", ["wide", "1 mm", [1.0, [2.0]], object(), 1j, None, True])
 def test_a_value_that_is_no_number_is_refused(field: str, value: Any) -> None:
     (problem,) = _error(**{field: value}).problems
     assert problem.field == field

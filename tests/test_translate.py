@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.core.codes import Mode, Pattern
 
@@ -638,7 +639,7 @@ def refusal(folder: Path, source: str) -> str:
 RECORD = "class Pair(NamedTuple):\n    a: float\n    n: int\n\n"
 
 
-@pytest.mark.parametrize(
+@each(
     ("body", "why"),
     [
         ("return x ** 2.0", "no translation: x ** 2.0"),

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from engines import two_way
+from helpers.cases import each
 from helpers.two_way_machines import Case, drawn
 
 import vibro
@@ -98,9 +99,7 @@ def reaction_of(given: dict[str, float]) -> two_way.Reaction:
     return two_way.react(given["amplitude"], given["frequency"], two_way.Body(mass=1.0, **bodys))
 
 
-@pytest.mark.parametrize(
-    "drawn", [*random_scenes(36, seed=1), *BOUNCING], ids=[*range(36), *(f"e{j}" for j in range(4))]
-)
+@each("drawn", [*random_scenes(36, seed=1), *BOUNCING])
 def test_a_filling_weighs_what_its_force_says(drawn: dict[str, float]) -> None:
     scene = vibro.Scene(**drawn)
     found, walked = vibro.filling(scene), reaction_of(drawn)

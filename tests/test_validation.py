@@ -1,4 +1,4 @@
-"""docs/validation.md: a part on a vibrating finger, as a laboratory measured it."""
+"""docs/theory/validation.md: a part on a vibrating finger, as a laboratory measured it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from validation import (
     GRAVITY,
     MM,
@@ -19,7 +20,7 @@ from validation import (
     walked_advances,
 )
 
-PAGE = (Path(__file__).parents[1] / "docs" / "validation.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "theory" / "validation.md").read_text(encoding="utf-8")
 ROWS = {int(row[1]): row[0] for row in re.finditer(r"^\| (\d+) \|.*\|$", PAGE, flags=re.MULTILINE)}
 TRIALS = read_table()
 
@@ -46,12 +47,12 @@ def test_all_ten_trials_are_told() -> None:
     assert sorted(ROWS) == [trial.number for trial in TRIALS] == list(range(1, 11))
 
 
-@pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: str(trial.number))
+@each("trial", TRIALS)
 def test_every_row_is_what_the_benchmark_computes(trial: Trial) -> None:
     assert ROWS[trial.number] == row(trial)
 
 
-@pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: str(trial.number))
+@each("trial", TRIALS)
 def test_the_solver_agrees_with_a_walk_that_shares_nothing_with_it(trial: Trial) -> None:
     assert computed_advances(trial) == pytest.approx(walked_advances(trial), rel=0.0, abs=1e-12)
 

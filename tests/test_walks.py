@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from engines import harmonic_walk, integrated, two_axis_walk
 from helpers.harmonics import drive_of, random_harmonics
-from helpers.reference_tables import CONTACT, ELLIPSES, LINES, UNSETTLED_IMPACT, read_table
+from helpers.reference_tables import CONTACT, LINES, UNSETTLED_IMPACT, read_table
 from helpers.scenes import Groups
 from helpers.two_axis_scenes import EPS, TURN, compare, drives, random_drives
 
@@ -61,7 +61,7 @@ def walk_harmonics(row: dict[str, Any]) -> Walked:
     return Walked(cycle.pattern, 1, cycle.displacement * unit)
 
 
-@pytest.mark.parametrize("name", CONTACT | ELLIPSES)
+@pytest.mark.parametrize("name", [*CONTACT, "elliptic_hopping"])
 def test_walks_are_right_on_every_row(name: str) -> None:
     table = read_table(name)
     harmonic = name == "harmonic_contact"

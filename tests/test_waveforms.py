@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro import Motion, SceneError
 from vibro.records.waveforms import measured_motion
@@ -84,7 +85,7 @@ def test_shares_add_up_to_one() -> None:
     assert message.endswith("divide each by 100")
 
 
-@pytest.mark.parametrize(
+@each(
     ("value", "problem"),
     [
         ([], "must be up to 4096 pairs of a share of the period and an acceleration"),
@@ -171,8 +172,8 @@ def test_harmonics_that_are_noise_are_left_out() -> None:
     assert min(orders) == 3
 
 
-@pytest.mark.parametrize("of", ["acceleration", "displacement"])
-@pytest.mark.parametrize(
+@each("of", ["acceleration", "displacement"])
+@each(
     ("value", "problem"),
     [
         (
@@ -224,7 +225,7 @@ def motion_at(motion: PiecewiseMotion, shares: Any) -> Any:
     return values_at(motion.positions, motion.breaks, shares)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@each("seed", range(20))
 def test_extremes_of_pieces_are_not_missed(seed: int) -> None:
     rng = np.random.default_rng(seed)
     if seed % 2:

@@ -80,7 +80,7 @@ def filling(scene: Scene, *, threads: int | None = None) -> Filling:
 
     Notes
     -----
-    Eqs. (75)-(79) of docs/theory.md, summed over the slides and flights of the cycle; within 1e-11 of an
+    Eqs. (75)-(79) of docs/theory, summed over the slides and flights of the cycle; within 1e-11 of an
     event-driven simulation in 34 digits (tests/test_fillings.py). For irregular motion they are means over
     the same flights as the mean speed of ``solve``, which takes several ms per cell.
 

@@ -356,7 +356,7 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
 
     Notes
     -----
-    Closed form, Eq. (43). Above it an edge lifts before the part first slips: theory.md, section 12, has the
+    Closed form, Eq. (43). Above it an edge lifts before the part first slips: theory, section 12, has the
     proof, and tests/test_limits.py integrates Newton's law on both sides of it.
     """
     if scene.normal_acceleration is not None:

@@ -118,7 +118,7 @@ class Scene:
         to it (positive upwards), >= 0 [m].
     normal_phase : array_like, optional
         Phase lead of the normal motion over the motion along the trough, modulo 2 pi [rad]. For other
-        conventions see theory.md, section 15.
+        conventions see theory, section 15.
     along_harmonics, normal_harmonics : sequence of pair of array_like
         Up to 16 pairs of an amplitude [m] and a phase [rad] of the harmonics ``amplitude * sin(2 pi n
         frequency t + phase)``, n = 1 first. One of the two may be left out. Short for

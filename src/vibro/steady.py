@@ -100,7 +100,7 @@ def solve(
 
     Notes
     -----
-    Exact up to rounding, see docs/theory.md: on the reference tables the error of the displacement d is at
+    Exact up to rounding, see docs/theory: on the reference tables the error of the displacement d is at
     most ``16 eps (condition * abs(d) + S)``, where S = A if the body slides both ways and S = abs(d)
     otherwise (tests/test_reference.py). The result of a scene does not depend on the other scenes of the
     array. Ctrl-C stops the computation within a fraction of a second.

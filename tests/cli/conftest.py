@@ -25,9 +25,16 @@ if hasattr(signal, "SIGHUP"):
 
 @pytest.fixture(scope="module", autouse=True)
 def _coarse_pictures() -> Iterator[None]:
-    """Draw pictures from few values: tests of commands look at what is drawn, tests of plots at how well."""
+    """Draw pictures from few values, with few pixels and where axes happen to be.
+
+    Tests of commands look at what is drawn, tests of plots at how well.
+    """
+    from vibro.plots.style import _RC
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("vibro.sweeps.run._RESOLVED", {1: 501, 2: 61, 3: 41})
+        patch.setattr("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", lambda *_: None)
+        patch.setitem(_RC, "savefig.dpi", 40)
         yield
 
 

@@ -1,4 +1,4 @@
-"""A small version of the comparison in docs/accuracy.md, and the order that its text claims."""
+"""A small version of the comparison in docs/theory/accuracy.md, and the order that its text claims."""
 
 from __future__ import annotations
 

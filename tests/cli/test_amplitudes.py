@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES
 
@@ -289,7 +290,7 @@ def test_an_amplitude_is_not_given_where_it_is_asked_for(run: Run) -> None:
     assert "amplitude" not in result.stderr
 
 
-@pytest.mark.parametrize("more", [("--coexist",), ("-o", "x"), ("--stand-ratio", "1"), ("--flight", "off")])
+@each("more", [("--coexist",), ("-o", "x"), ("--stand-ratio", "1"), ("--flight", "off")])
 def test_amplitudes_take_no_other_options(run: Run, more: tuple[str, ...]) -> None:
     result = run("solve", *NUT[2:], "--speed", "20", *more)
     assert result.exit_code == 2

@@ -10,6 +10,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run
 
 import vibro
@@ -48,7 +49,7 @@ def test_without_arguments_help_is_shown(run: Run) -> None:
     assert all(command in result.stdout for command in COMMANDS)
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem", "hint"),
     [
         (["mapp"], "'mapp'", "see vibro --help"),
@@ -99,7 +100,7 @@ def test_a_map_of_what_is_not_there_is_told_what_is(run: Run, name: str) -> None
     )
 
 
-@pytest.mark.parametrize("command", ["solve", "simulate", "traverse-time", "accuracy", "compare", "design"])
+@each("command", ["solve", "simulate", "traverse-time", "accuracy", "compare", "design"])
 def test_every_command_says_that_its_file_is_missing(run: Run, command: str) -> None:
     record = ["record.csv"] if command == "compare" else []
     Path("record.csv").write_text("t [s],x [mm]\n" + "".join(f"{i / 600},1\n" for i in range(99)))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
 from helpers.made_records import EXAMPLES, STUDY, STUDY_FILE, Walked, nut
 
@@ -203,7 +204,7 @@ def test_data_that_run_the_other_way(run: Run, tmp_path: Path) -> None:
     assert "-11.9 %" in run("compare", SCENE, path, "--reverse").stdout
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "said"),
     [
         (("--fit", "mu_k"), "--fit mu_k: 'mu_k' cannot be estimated"),
@@ -352,7 +353,7 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("header", ["x [mm]", "v [mm/s]", "a [m/s^2]", "F [N]"])
 def test_records_of_any_size_are_compared(run: Run, tmp_path: Path, shape: str, header: str) -> None:
-    for size in (1e-320, 1e-200, 1.0, 2e19):
+    for size in (1e-320, 1e-200, 1.0, 2e19) if shape == "sine" else (1e-320, 2e19):
         path = written(tmp_path, header, SHAPES[shape] * size)
         result = run("compare", SCENE, path, "--mass", "1kg")
         assert (result.exit_code, "Warning" in result.stderr) == (0, False), result.stderr
@@ -367,7 +368,7 @@ def test_records_of_any_size_are_fitted(run: Run, tmp_path: Path, header: str, s
     assert (result.exit_code, result.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("cell", ["1e308", "-1e200", "1e24", "9" * 400])
+@each("cell", ["1e308", "-1e200", "1e24", "9" * 400])
 def test_values_whose_squares_overflow_are_refused(run: Run, tmp_path: Path, cell: str) -> None:
     path = written(tmp_path, "x [mm]", SHAPES["sine"])
     lines = path.read_text(encoding="utf-8").splitlines()

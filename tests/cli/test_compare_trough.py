@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from engines.harmonic_flight import Body, Settled
+from helpers.cases import each
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES, STUDY_FILE, trough_record
 from helpers.measured_drives import Drawn, write_record
@@ -29,7 +30,7 @@ ALONG, NORMAL = ("--trough-along", "Trog längs [mV]"), ("--trough-normal", "Tro
 BOTH = (*ALONG, *NORMAL, "--sensitivity", "100mV/g")
 FRICTION = ("--mu-s", "0.74", "--mu-d", "0.57")
 TRUE = {"amplitude_mm": 1.02, "frequency_hz": 15.003, "drive_angle_deg": 20.5}
-GUIDE = (EXAMPLES.parent / "docs" / "compare.md").read_text(encoding="utf-8")
+GUIDE = (EXAMPLES.parent / "docs" / "guide" / "compare.md").read_text(encoding="utf-8")
 
 
 def test_the_committed_record_is_what_its_script_makes() -> None:
@@ -93,7 +94,7 @@ def test_the_scene_needs_no_amplitude_and_no_frequency_then(run: Run) -> None:
     assert run(*shlex.split(example.removeprefix("hint: for example: "))[1:]).exit_code == 0
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "said"),
     [
         (("-A", "1"), "-A 1: the amplitude is measured already"),

@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 import pytest
+from helpers.cases import each
 from helpers.commands import TELLS_LOADED, VIBRO
 from typer.testing import CliRunner
 
@@ -42,7 +43,7 @@ def completed(*words: str) -> list[str]:
     return result.stdout.split()
 
 
-@pytest.mark.parametrize(
+@each(
     ("words", "names"),
     [
         (("sim",), ["simulate"]),

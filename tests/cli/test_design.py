@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
+from helpers.cases import each
 from helpers.commands import Run, rows_of
 from helpers.questions import answered
 
@@ -498,7 +499,7 @@ def test_the_digits_of_settings(
     assert [(call.digits, call.goal_only) for call in asked] == [(digits, False)]
 
 
-@pytest.mark.parametrize("typed", ["0", "16", "4.5", "few"])
+@each("typed", ["0", "16", "4.5", "few"])
 def test_a_wrong_number_of_digits_is_refused(
     typed: str, ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.commands import FRICTION, NUT, Run
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -18,7 +19,7 @@ def warnings(stderr: str) -> list[str]:
     return [line.removeprefix("warning: ") for line in stderr.splitlines() if line.startswith("warning: ")]
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "expected"),
     [
         (("-A", "1", "-f", "900", *REST), LOAD),
@@ -75,7 +76,7 @@ def test_an_axis_of_angles_in_radians(run: Run) -> None:
     assert warning.endswith("for radians write 0.5rad")
 
 
-@pytest.mark.parametrize(
+@each(
     "args",
     [
         ("map", "odd.toml", "-A", "0.5:2:3", "-f", "10:30:3", "-o", "-"),

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.commands import Run, rows_of
 from helpers.fed_machines import feeder, other, written
 
@@ -152,7 +153,7 @@ def test_settings_are_quarters_of_the_machines_own(run: Run, tmp_path: Path) -> 
     assert [row["empty"]["setting_percent"] for row in told["settings"]] == [40.0, 60.0, 80.0, 100.0]
 
 
-@pytest.mark.parametrize(
+@each(
     ("options", "says"),
     [
         (["--filling", "2:1"], "must be a value or lo:hi"),
@@ -303,7 +304,7 @@ def test_a_fitted_machine_keeps_its_force(run: Run, points: Path, tmp_path: Path
     assert math.isclose(told["machine"]["natural_hz"], told["natural_frequency_hz"]["estimate"], rel_tol=1e-5)
 
 
-@pytest.mark.parametrize(
+@each(
     ("options", "says"),
     [
         ([], "--law constant"),

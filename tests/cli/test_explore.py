@@ -21,6 +21,7 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, POSIX, started
 from helpers.explorers import bearer
 from helpers.made_records import EXAMPLES
@@ -336,7 +337,7 @@ def test_without_the_extra(run: Run, monkeypatch: pytest.MonkeyPatch, missing: s
     )
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem"),
     [
         (["--port", "80"], "--port 80: must be in [1024, 65535]"),

@@ -13,10 +13,11 @@ from helpers.commands import Run, rows_of
 from helpers.packed import FEEDER, GIVEN_DRIVES, state_of, table_of
 
 from vibro.explore.answers import Answers
-from vibro.explore.state import HEIGHT, WIDTH, initial_state, read_state
+from vibro.explore.state import initial_state, read_state
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.whole import request_of_call
 
+WIDTH, HEIGHT = 40, 30
 NOT_IN_FILES = ("view", "target", "follow", "x", "y", "x_range", "y_range")
 STATES = {
     "nut": {},
@@ -28,6 +29,14 @@ STATES = {
     "ellipse": {"drive": "ellipse", "view": "speed"},
     "harmonics": {"drive": "harmonics", "normal_amplitude_2_mm": "0.1", "normal_phase_2_deg": "-30"},
 }
+
+
+@pytest.fixture(autouse=True)
+def _small_maps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make maps of a twenty-fifth of the cells: each is solved three times, and compared cell by cell."""
+    for module in ("state", "points"):
+        monkeypatch.setattr(f"vibro.explore.{module}.WIDTH", WIDTH)
+        monkeypatch.setattr(f"vibro.explore.{module}.HEIGHT", HEIGHT)
 
 
 @pytest.fixture

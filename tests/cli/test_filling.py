@@ -8,6 +8,7 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT
 
 import vibro
@@ -86,7 +87,7 @@ def test_json_and_tables_have_the_same_numbers(run: Run, tmp_path: Path) -> None
     assert record["part"] == {"filling_kg": 2.0, "trough_mass_kg": 6.0}
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "told"),
     [
         ("-A .1 -f 15", "given motion the part rests: it moves with the trough"),
@@ -105,7 +106,7 @@ def test_what_is_unknown_is_said(run: Run, args: str, told: str) -> None:
     assert any(told in line for line in lines_of(result.stdout))
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "message"),
     [
         (("--trough-mass", "6kg"), "error: --trough-mass: there is no filling\nhint: add --filling 2kg\n"),

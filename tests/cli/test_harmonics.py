@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.commands import SLIP_STICK, Run, rows_of
 
 import vibro
@@ -132,7 +133,7 @@ def test_a_traverse_time_and_the_arrival_of_a_body(run: Run) -> None:
     assert 0.0 < abs(cycles) < 1.0
 
 
-@pytest.mark.parametrize(
+@each(
     ("line", "said"),
     [
         ("along_amplitudes_mm = 1", "along_amplitudes_mm = 1: must be a list of numbers"),

@@ -6,8 +6,8 @@ import inspect
 import re
 from typing import Any
 
-import pytest
 import typer
+from helpers.cases import each
 from helpers.commands import Run
 
 from vibro.cli.app import app
@@ -30,7 +30,7 @@ def test_summaries_of_all_commands_are_whole(run: Run) -> None:
         assert f"{name} {summary}." in told
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@each("name", COMMANDS)
 def test_options_stand_in_groups(run: Run, name: str) -> None:
     text = run(name, "--help").stdout
     sections = dict(re.findall(r"(?ms)^(\w+):\n(.*?)(?=^\w+:\n|\Z)", text))

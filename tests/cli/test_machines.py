@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.commands import FRICTION, NUT, Run, rows_of
 from helpers.machine_files import FEEDER, KINDS, UNBALANCE, feeder
 
@@ -164,7 +165,7 @@ def test_a_body_is_followed_in_a_full_trough(run: Run, tmp_path: Path) -> None:
     assert json.loads(same.stdout)["phases"] == content["phases"]
 
 
-@pytest.mark.parametrize("command", ["accuracy", "compare", "motion", "speed"])
+@each("command", ["accuracy", "compare", "motion", "speed"])
 def test_other_commands_say_that_they_take_none(run: Run, tmp_path: Path, command: str) -> None:
     path = feeder(tmp_path)
     record = tmp_path / "record.csv"
@@ -183,7 +184,7 @@ def test_other_commands_say_that_they_take_none(run: Run, tmp_path: Path, comman
     assert "vibro solve tells the amplitude at its operating point" in result.stderr
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem", "hint"),
     [
         (("-A", "1"), "the command line gives the amplitude beside [machine]", "leave it out"),
@@ -215,7 +216,7 @@ def test_a_choice_of_packs_is_asked_for(run: Run, tmp_path: Path) -> None:
     assert run("solve", feeder(tmp_path, PACKS, table=table)).exit_code == 0  # the only one
 
 
-@pytest.mark.parametrize("option", ["--setting", "--voltage", "--filling", "--natural", "--pack"])
+@each("option", ["--setting", "--voltage", "--filling", "--natural", "--pack"])
 def test_without_a_machine_its_options_are_refused(run: Run, option: str) -> None:
     result = run("traverse-time", *NUT, "-L", "600", option, "5")
     assert result.exit_code == 2
@@ -230,7 +231,7 @@ def test_slips_of_units_are_questioned(run: Run, tmp_path: Path) -> None:
     assert "is above what is usual, 20 g" in run("solve", path, "--natural", "49.5").stderr
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_every_kind_has_a_report(run: Run, tmp_path: Path, kind: str) -> None:
     result = run("solve", feeder(tmp_path, table=KINDS[kind]), "--filling", "1")
     assert result.exit_code == 0, result.stderr
@@ -288,24 +289,36 @@ def test_maps_tell_how_many_cells_are_no_sines(run: Run, tmp_path: Path, filling
     assert told in said if cells else "bends" not in said
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("table", ["csv", "xlsx", "parquet"])
+OF_CELLS = ("-f", "49,50", "--filling", "1,2", "--columns", "amplitude_mm,natural_hz")
+
+
+@each("kind", KINDS)
+@each("table", ["csv", "xlsx", "parquet"])
+@pytest.mark.usefixtures("no_pictures")
 def test_maps_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str, table: str) -> None:
-    of_cells = "-f", "49,50", "--filling", "1,2", "--table", table, "--columns", "amplitude_mm,natural_hz"
-    result = run("map", feeder(tmp_path, table=KINDS[kind]), *of_cells, "-o", str(tmp_path / "map"))
+    to = ("--table", table, "-o", f"{kind}-{table}")
+    result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, *to)
     assert result.exit_code == 0, result.stderr
 
 
-@pytest.mark.parametrize("table", ["csv", "xlsx", "parquet"])
+@each("kind", KINDS)
+def test_maps_of_every_kind_are_drawn(run: Run, tmp_path: Path, kind: str) -> None:
+    result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, "-o", kind)
+    assert result.exit_code == 0, result.stderr
+    assert {f"{kind}-regime.png", f"{kind}-speed.png"} <= {path.name for path in tmp_path.iterdir()}
+
+
+@each("table", ["csv", "xlsx", "parquet"])
+@pytest.mark.usefixtures("no_pictures")
 def test_maps_with_masses_that_strike_are_written(run: Run, tmp_path: Path, table: str) -> None:
-    of_cells = "-f", "45:55:11", "--setting", "50,150", "--table", table, "-o", str(tmp_path / "map")
+    of_cells = "-f", "45:55:11", "--setting", "50,150", "--table", table, "-o", table
     result = run("map", feeder(tmp_path, "gap_mm = 0.6\n"), *of_cells)
     assert result.exit_code == 0, result.stderr
     assert "of 22 cells: infeasible" in result.stderr
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_answers_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str) -> None:
-    result = run("solve", feeder(tmp_path, table=KINDS[kind]), "-o", str(tmp_path / "one"))
+    result = run("solve", feeder(tmp_path, table=KINDS[kind]), "-o", str(tmp_path / kind))
     assert result.exit_code == 0, result.stderr
-    assert json.loads((tmp_path / "one.json").read_text(encoding="utf-8"))["status"] == {"ok": 1}
+    assert json.loads((tmp_path / f"{kind}.json").read_text(encoding="utf-8"))["status"] == {"ok": 1}

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 from typer.testing import CliRunner, Result
 
@@ -287,7 +288,7 @@ def test_a_drive_may_point_beyond_the_vertical(run: Run) -> None:
     assert [row["status"] for row in rows_of(result.stdout)] == ["ok", "runaway", "ok", "runaway"]
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem"),
     [
         (

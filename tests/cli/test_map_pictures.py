@@ -6,8 +6,8 @@ import json
 import re
 from pathlib import Path
 
-import pytest
 from helpers import sharded_maps
+from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 
@@ -24,7 +24,7 @@ def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
     assert names() == ["nut-regime.png", "nut-speed.png", "nut.csv", "nut.json"]
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem"),
     [
         (("--x", "mu_s"), "static friction does not vary in this sweep"),

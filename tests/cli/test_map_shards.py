@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
 from helpers.sharded_maps import AXES, QUICK, SHARD_NAMES, SHARDED, WHOLE, error, frame, names, told
 from pyarrow import parquet
@@ -92,7 +93,7 @@ def test_json_is_what_there_is(run: Run) -> None:
     assert result.stderr == ""
 
 
-@pytest.mark.parametrize(
+@each(
     ("options", "said", "hint"),
     [
         *[

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
+from helpers.cases import each
 from helpers.commands import NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 NUT_MAP = ("map", "-A", "0.5,1.1", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-o", "out/nut")
@@ -99,7 +99,7 @@ def test_a_speed_is_drawn_where_it_is_reached(run: Run) -> None:
     assert Path("with-speed.svg").stat().st_size > Path("without-speed.svg").stat().st_size
 
 
-@pytest.mark.parametrize("wrong", [("0",), ("-5",), ("20Hz",), ("20", "--regimes-only")])
+@each("wrong", [("0",), ("-5",), ("20Hz",), ("20", "--regimes-only")])
 def test_speeds_that_cannot_be_asked_for(run: Run, wrong: tuple[str, ...]) -> None:
     result = run(*NUT_MAP, "--speed", *wrong)
     assert (result.exit_code, list(Path().rglob("*"))) == (2, [])

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import Run
 from helpers.feeders import Feeder, feeder
 from helpers.made_records import EXAMPLES, trough_record
@@ -23,7 +24,7 @@ NUT = EXAMPLES / "data" / "nut_trough_mv.csv"
 SENSORS = ("--trough-along", "Trog längs", "--trough-normal", "Trog normal", "--sensitivity", "100mV/g")
 FRICTION = ("--mu-s", "0.74", "--mu-d", "0.57")
 BOTH = ("--trough-along", "x [m/s^2]", "--trough-normal", "y [g]")
-GUIDE = (EXAMPLES.parent / "docs" / "motion.md").read_text(encoding="utf-8")
+GUIDE = (EXAMPLES.parent / "docs" / "guide" / "motion.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -211,7 +212,7 @@ def test_the_scene_file_may_go_to_stdout(run: Run) -> None:
     assert "--json and -o - both want stdout" in result.stderr
 
 
-@pytest.mark.parametrize(
+@each(
     ("value", "error", "told"),
     [
         (1.23456, 0.012, "1.235 ± 0.012"),
@@ -226,7 +227,7 @@ def test_numbers_are_written_to_their_errors(value: float, error: float, told: s
     assert _told(value, error) == told
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "said"),
     [
         ((), "error: missing: RECORD.csv"),

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import ELLIPSE, NUT, SLIP_STICK
 from helpers.packed import FEEDER
 from helpers.reports import ReadPage
@@ -188,7 +189,7 @@ def test_files_and_their_record(run: Run, tmp_path: Path) -> None:
     assert "--force" in again.stderr
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "code", "told"),
     [
         (("-o", "out.html", *NUT), 2, "write -o out, which makes out.html"),
@@ -202,7 +203,6 @@ def test_files_and_their_record(run: Run, tmp_path: Path) -> None:
         (("missing.toml",), 1, "cannot read missing.toml"),
         ((), 2, "missing: "),
     ],
-    ids=["suffix", "options", "part", "axis", "file", "nothing"],
 )
 def test_what_is_refused(run: Run, args: tuple[object, ...], code: int, told: str) -> None:
     result = run("report", *args)

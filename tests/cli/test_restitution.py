@@ -1,4 +1,4 @@
-"""Restitution: every answer about parts that hop says which one it was made with; docs/restitution.md."""
+"""Restitution: every answer about parts that hop says which one it was made with; guide/restitution."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from helpers.commands import NUT, Run, rows_of
 
 import vibro
 
-PAGE = (Path(__file__).parents[2] / "docs" / "restitution.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "guide" / "restitution.md").read_text(encoding="utf-8")
 HOPS = ("-A", "2", "-f", "20", "-a", "30", "--mu-s", "0.5", "--mu-d", "0.4")
 SAID = "parts land without a bounce"
 

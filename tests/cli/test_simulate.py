@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
 from helpers.made_records import EXAMPLES
 
@@ -232,7 +233,7 @@ def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
     assert figures["rms_velocity"]["measured"] < 0.02
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "said"),
     [
         (("--cycles", "0"), "--cycles 0: must be finite and > 0"),

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
 
 from vibro.sweeps.columns import columns_of
@@ -67,7 +68,7 @@ def test_all_that_is_wrong_is_named_in_the_users_units(run: Run) -> None:
     ]
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem"),
     [
         (("-A", "0"), "amplitude = 0 mm: must be finite and > 0 mm"),
@@ -125,7 +126,7 @@ def test_what_is_missing_is_named_at_once_with_an_example_that_runs(run: Run) ->
     assert run(*example.split()).exit_code == 0
 
 
-@pytest.mark.parametrize(
+@each(
     ("one", "other"),
     [
         (("--stroke", "2"), ("-A", "1")),
@@ -232,7 +233,7 @@ def test_numbers_that_were_not_asked_for_are_not_there(run: Run, args: tuple[str
 
 
 TWO_CYCLES = ("-A", "1.647208", "-f", "15", "-a", "0.7034rad", "--mu-s", "0.457783", "--mu-d", "0.0429106")
-"""The scene of docs/theory.md that conveys a pushed body otherwise."""
+"""The scene of docs/theory that conveys a pushed body otherwise."""
 STEEP = (*NUT, "-a", "55", "--trough-angle", "31")
 """Gravity along the trough exceeds kinetic friction."""
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 
 from vibro.axes import parse_axis
 from vibro.cli.stems import output_stem
@@ -27,7 +28,7 @@ def test_suffixes_are_appended_whatever_dots_the_stem_has(tmp_path: Path) -> Non
     assert output_stem(str(tmp_path / "new"), "nut") == tmp_path / "new"
 
 
-@pytest.mark.parametrize(
+@each(
     ("output", "hint"),
     [
         ("l/res.csv", "write -o l/res, which makes l/res.csv"),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import Run
 from helpers.plans import store
 from PIL import Image
@@ -103,7 +104,7 @@ def test_shared_options_work(run: Run, wide: Path) -> None:
     assert "this run reads it" in protected.stderr
 
 
-@pytest.mark.parametrize(
+@each(
     "args",
     [
         ("-A", "1"), ("--mu-s", "0.3"), ("-L", "600"), ("--columns", "regime"), ("--digits", "3"),
@@ -120,7 +121,7 @@ def test_options_about_cells_and_tables_are_refused(run: Run, wide: Path, args: 
     assert names() == []
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "code", "problem"),
     [
         (("--at", "mu_s=.4"), 2, "static friction = 0.4 is none of the values of this axis"),

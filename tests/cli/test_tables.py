@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 from vibro.files import csv_tables
@@ -202,7 +203,7 @@ def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:
     assert Path("one.csv").read_text(encoding="utf-8") == f"{names}\n2,3.797,forward-slip\n"
 
 
-@pytest.mark.parametrize(
+@each(
     ("args", "problem", "hint"),
     [
         ((*MAP, "--columns", "speed"), "there is no column 'speed'", "those of inputs are amplitude_mm, "),

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import ELLIPSE, FRICTION, NUT, Run, rows_of
 
 import vibro
@@ -180,7 +181,7 @@ HARMONIC = (
 )
 
 
-@pytest.mark.parametrize(
+@each(
     ("given", "problem", "hint"),
     [
         (("solve", "-A", "1", "--along", "1"),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from helpers.cases import each
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES
 
@@ -66,7 +67,7 @@ def test_functions_and_commands_are_there() -> None:
 
 
 @pytest.mark.usefixtures("compare")
-@pytest.mark.parametrize(
+@each(
     ("said", "shown"),
     [
         ("replace with force=True, or go", "replace with --force, or go"),

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.followed import ALL, CONTACT, FLIGHTS, TURN, ellipse, history_of, line, newton, walked
 
 from vibro.core import arrival
@@ -48,8 +49,8 @@ def _first_passage(legs: list[tuple[State, Step]], loads: Loads, length: float) 
     return INF
 
 
-@pytest.mark.parametrize(("phase", "velocity"), STARTS)
-@pytest.mark.parametrize("name", ALL)
+@each(("phase", "velocity"), STARTS)
+@each("name", ALL)
 def test_a_body_arrives_when_newtons_law_takes_it_there(name: str, phase: float, velocity: float) -> None:
     loads, restitution = ALL[name]
     legs = walked(course_of(loads, restitution), phase, velocity, 12)

@@ -7,6 +7,7 @@ import random
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.core.bounces import (
     LONGEST_CYCLE,
@@ -283,8 +284,8 @@ def test_motion_without_a_cycle_has_no_flights_to_show() -> None:
         assert _from_rest(throw, 0.3) == Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("throw", [1.0 + 1e-12, 1.0001, 10.0, 1e3, 1e6])
-@pytest.mark.parametrize("restitution", [0.0, 0.5, 0.99])
+@each("throw", [1.0 + 1e-12, 1.0001, 10.0, 1e3, 1e6])
+@each("restitution", [0.0, 0.5, 0.99])
 def test_the_work_is_bounded_for_any_throw_number(throw: float, restitution: float) -> None:
     motion = _from_rest(throw, restitution)
     lengths = _column(FLIGHTS.length, motion)

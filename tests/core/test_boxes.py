@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.solver_boxes import GRAVITY, bodies, box_of, solver_boxes
 from hypothesis import given
 from hypothesis import strategies as st
@@ -58,8 +59,8 @@ def test_the_speed_of_a_body_is_that_of_its_scene(box: Box, shares: list[float])
         assert found == pytest.approx(box.way * float(cycle.mean_velocity[0]), rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize(
+@each("way", [1.0, -1.0])
+@each(
     ("changed", "highest", "expected"),
     [
         ({}, Regime.HOPPING, "speed"), ({}, Regime.BACK_SLIP, "speed"), ({}, Regime.FORWARD_SLIP, "least"),

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.solver_boxes import box_of, largest_speed, solver_boxes
 from helpers.solver_doors import compiled, plain
 from hypothesis import given
@@ -55,8 +56,8 @@ def volume(low: Any, high: Any, box: Box) -> Any:
     return np.prod(((high - low) / np.where(width > 0.0, width, 1.0))[:, width > 0.0], axis=1)
 
 
-@pytest.mark.parametrize("name", BOXES)
-@pytest.mark.parametrize("most", [1, 2, 3, 50, 400])
+@each("name", BOXES)
+@each("most", [1, 2, 3, 50, 400])
 def test_boxes_fill_the_box(name: str, most: int) -> None:
     """Disjoint, of the whole volume; each with a bound that is its own, or that of a box around it."""
     box = BOXES[name]

@@ -84,6 +84,15 @@ def test_bodies_that_never_repeat_are_not_captured(monkeypatch: pytest.MonkeyPat
     assert len(asked) == BODIES
 
 
+@pytest.mark.parametrize(("status", "counts"), [(Status.BOUNDARY, True), (Status.RUNAWAY, False)])
+def test_a_cycle_beside_a_threshold_captures_bodies_too(
+    monkeypatch: pytest.MonkeyPatch, status: Status, counts: bool
+) -> None:
+    monkeypatch.setattr(captures_module, "orbit_from", lambda *x: orbit_from(*x)._replace(status=status))
+    found = captures(track_of(line(1.6, 30.0, 0.5, 0.4), 0.7), 0.7, 0.0, 0.0, FLIGHTS, HOPS)
+    assert (found.number > 0) is counts
+
+
 @pytest.mark.parametrize(("number", "each"), [(1, 2.0), (3, -1.0), (12, 0.5)])
 def test_the_error_is_the_scatter_of_irregular_motion_and_cycles(
     monkeypatch: pytest.MonkeyPatch, number: int, each: float

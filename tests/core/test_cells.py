@@ -8,6 +8,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from helpers.draws import draws
 from helpers.waves import (
     coefficients_of,
     drawn_harmonics,
@@ -70,9 +71,9 @@ def _agree(one: list[float], other: list[float], within: float) -> bool:
 
 @pytest.mark.parametrize("harmonics", range(1, 17))
 def test_zeros_are_the_roots_on_the_unit_circle(harmonics: int) -> None:
-    """In 5000 waves; roots next to the circle are looked at with 50 digits."""
+    """In 1600 waves; roots next to the circle are looked at with 50 digits."""
     rng = np.random.default_rng(harmonics)
-    for _ in range(313):
+    for _ in range(draws(100)):
         waves = harmonic_waves(drawn_harmonics(rng, harmonics), np.zeros(harmonics, complex))
         c = coefficients_of(waves, normal=False)
         size = float(np.abs(c).sum())

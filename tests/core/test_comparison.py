@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.certificates import _bounds
+from engines.certificates import bounds as independent_bounds
+from helpers.cases import each
+from helpers.draws import examples
 from helpers.solver_boxes import bodies, box_of, largest_speed, solver_boxes
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import vibro
@@ -35,7 +37,7 @@ def assert_none_is_slower(box: Box) -> None:
     assert np.all(least <= speed + ROUNDING * largest_speed(box))
 
 
-@settings(max_examples=150)
+@examples(60)
 @given(solver_boxes())
 def test_no_body_is_slower_than_the_bound_of_its_box(box: Box) -> None:
     assert_none_is_slower(box)
@@ -46,13 +48,12 @@ def test_no_body_is_slower_than_the_bound_of_a_narrow_box(box: Box) -> None:
     assert_none_is_slower(box)
 
 
-@settings(max_examples=60)
+@examples(30)
 @given(solver_boxes(steep=True))
 def test_no_body_is_slower_on_a_trough_on_which_some_run_away(box: Box) -> None:
     assert_none_is_slower(box)
 
 
-@settings(max_examples=100)
 @given(solver_boxes(widest=0.0))
 def test_the_bound_of_a_single_body_is_its_speed(box: Box) -> None:
     """To rounding where it rests; where it never does it is followed until its cycles nearly repeat."""
@@ -99,10 +100,9 @@ def own_bound(box: Box) -> float:
         "friction_ratio": (box.ratio_low, box.ratio_high), "gravity": (box.gravity,),
         "amplitude": (box.factor_low, box.factor_high), "frequency": (box.frequency_low, box.frequency_high),
     }  # fmt: skip
-    return float(_bounds(ends, band, box.way)[0])
+    return float(independent_bounds(ends, band, box.way)[0])
 
 
-@settings(max_examples=100)
 @given(solver_boxes())
 def test_bounds_are_no_higher_than_those_of_another_program(box: Box) -> None:
     assume(strength(box) < 20.0)
@@ -196,9 +196,9 @@ def test_a_cycle_that_settles_slowly_is_followed_to_its_end() -> None:
     assert -speed - 1e-6 <= bound(box._replace(way=-1.0)) <= -speed
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize("drive", [0.0, 0.3, math.atan(0.57), math.atan(0.74), 1.2, 0.5 * math.pi - 1e-5])
-@pytest.mark.parametrize("ratio", [0.0, 0.5, 1.0])
+@each("way", [1.0, -1.0])
+@each("drive", [0.0, 0.3, math.atan(0.57), math.atan(0.74), 1.2, 0.5 * math.pi - 1e-5])
+@each("ratio", [0.0, 0.5, 1.0])
 def test_no_body_is_slower_beside_a_threshold(drive: float, ratio: float, way: float) -> None:
     """Loads about the onsets of both ways, and up to the hop."""
     mu_s, hop = 0.74, 1.0 / max(math.sin(drive), 0.05)

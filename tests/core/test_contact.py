@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from engines.event_walk import Body as Walker
 from engines.two_axis_walk import NeverEndsError, NeverSettlesError
+from helpers.cases import each
 from helpers.contact_loads import (
     EPS,
     TURN,
@@ -156,8 +157,8 @@ def test_a_mirror_image_slides_the_other_way() -> None:
 # ------------------------------------------------------------------------- scenes without a cycle
 
 
-@pytest.mark.parametrize("solve", [steady_cycle, regime_alone])
-@pytest.mark.parametrize(
+@each("solve", [steady_cycle, regime_alone])
+@each(
     ("loads", "regime", "status"),
     [
         (line(20.0, 0.1, 0.5, 0.6), Regime.UNDEFINED, Status.INFEASIBLE),  # hops too
@@ -224,8 +225,8 @@ DESCENT = Groups(1.0, 9.03, 0.573, 0.48, -2.46)
 LATE_BACK = Groups(1.0, 44.8, 0.492, 0.189)
 
 
-@pytest.mark.parametrize("line_too", [True, False])
-@pytest.mark.parametrize(
+@each("line_too", [True, False])
+@each(
     ("groups", "below", "above", "low", "high"),
     [
         (FLAT, "_", "F_", 0.60, 0.65),
@@ -429,7 +430,7 @@ ELLIPSES = {
 }
 
 
-@pytest.mark.parametrize(
+@each(
     ("name", "loads"),
     [
         *((name, line_loads(x[1], directions(x[0], x[4]), *x[2:4])) for name, x in LINES.items()),

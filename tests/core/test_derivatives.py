@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mpmath
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.contact_loads import random_loads
 from helpers.scenes import at_load, loads_of
 
@@ -65,8 +66,8 @@ def sliding() -> list[Loads]:
     return [x for x in some if steady(x).pattern > Pattern.R and far_from_onsets(x)]
 
 
-@pytest.mark.parametrize("name", Change._fields)
-@pytest.mark.parametrize("pattern", SLIDING)
+@each("name", Change._fields)
+@each("pattern", SLIDING)
 def test_each_rate_is_that_of_the_solved_displacement(name: str, pattern: str) -> None:
     code, count, h = PATTERNS.index(pattern), 0, 1e-6
     for loads in sliding():
@@ -213,8 +214,8 @@ def assert_exact(many: Solved, cells: NDArray[np.intp]) -> None:
             assert (np.abs(errors)[large] <= 1e-12 * sizes[large]).all(), (pattern, cell)
 
 
-@pytest.mark.parametrize("most_trough_deg", [0.0, 40.0])
-@pytest.mark.parametrize("pattern", SLIDING)
+@each("most_trough_deg", [0.0, 40.0])
+@each("pattern", SLIDING)
 def test_the_gradient_is_that_of_the_reference(most_trough_deg: float, pattern: str) -> None:
     many = drawn(most_trough_deg)
     cells = many.of(pattern)[:COUNT]
@@ -249,7 +250,7 @@ def holds(condition: Bools, where: Bools) -> None:
 
 @pytest.mark.parametrize("most_trough_deg", [0.0, 40.0])
 def test_signs_inside_a_pattern(most_trough_deg: float) -> None:
-    """dv of v = A f D(G): signs proven, or seen without exception (theory.md, section 13)."""
+    """dv of v = A f D(G): signs proven, or seen without exception (theory, section 13)."""
     many = drawn(most_trough_deg)
     scene, slopes, level = many.scene, many.gradient, most_trough_deg == 0.0
     by_amplitude = many.displacement + slopes.log_load

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 import pytest
+from helpers.cases import each
 from mpmath import mp, mpf
 from scipy.integrate import quad
 
@@ -97,10 +98,8 @@ def test_the_gap_between_an_angle_and_its_sine_to_rounding() -> None:
             assert sine_gap(x) == pytest.approx(float(mpf(x) - mpmath.sin(mpf(x))), rel=4 * EPS)
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "drag", "phase", "velocity"), [(1.2, 0.3, 0.4, 0.0), (0.7, -0.2, 5.1, -1.3)]
-)
-@pytest.mark.parametrize("s", [1e-4, 0.3, 2.9, 3.5, 9.0])
+@each(("amplitude", "drag", "phase", "velocity"), [(1.2, 0.3, 0.4, 0.0), (0.7, -0.2, 5.1, -1.3)])
+@each("s", [1e-4, 0.3, 2.9, 3.5, 9.0])
 def test_path_and_velocity_are_the_integrals_of_the_acceleration(
     amplitude: float, drag: float, phase: float, velocity: float, s: float
 ) -> None:

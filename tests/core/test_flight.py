@@ -8,6 +8,7 @@ import random
 import mpmath
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.core.flight import (
     ACCUMULATED,
@@ -41,14 +42,14 @@ def _released(throw: float) -> Flight:
 # ------------------------------------------------------------------------------- flights from rest
 
 
-@pytest.mark.parametrize("cycles", np.linspace(0.05, 1.0, 20).tolist())
+@each("cycles", np.linspace(0.05, 1.0, 20).tolist())
 def test_flight_time_and_throw_number_are_related_as_published(cycles: float) -> None:
     x = TURN * cycles
     throw = math.sqrt(((math.cos(x) + 0.5 * x * x - 1.0) / (x - math.sin(x))) ** 2 + 1.0)
     assert _released(throw).length / TURN == pytest.approx(cycles, rel=1e-11)
 
 
-@pytest.mark.parametrize(
+@each(
     ("throw", "cycles"),
     [
         (1.1, "0.27711"),
@@ -144,8 +145,8 @@ def test_a_flight_flown_backwards_is_a_flight() -> None:
     assert grazing > 300
 
 
-@pytest.mark.parametrize("phase", [-1.0, 0.0, 2.9, 4.0])
-@pytest.mark.parametrize("speed", [1e-3, 1e-6, 1e-9, 1e-12])
+@each("phase", [-1.0, 0.0, 2.9, 4.0])
+@each("speed", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_a_short_bounce_lasts_twice_its_speed_over_the_load(phase: float, speed: float) -> None:
     got = _flight(2.0, phase, speed)
     assert got.length == pytest.approx(2.0 * speed / (1.0 - 2.0 * math.sin(phase)), rel=10.0 * speed + 1e-4)

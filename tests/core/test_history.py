@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.followed import (
     ALL,
     CONTACT,
@@ -64,8 +65,8 @@ def _assert_joined(found: Followed, legs: Legs) -> None:
             assert legs.impact[i] == legs.rate[i] == 0.0
 
 
-@pytest.mark.parametrize(("phase", "velocity"), STARTS)
-@pytest.mark.parametrize("name", ALL)
+@each(("phase", "velocity"), STARTS)
+@each("name", ALL)
 def test_legs_follow_each_other(name: str, phase: float, velocity: float) -> None:
     loads, restitution = ALL[name]
     found, legs = history_of(loads, restitution, 60.0, phase=phase, velocity=velocity)

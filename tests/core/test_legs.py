@@ -8,6 +8,7 @@ import random
 import mpmath
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
@@ -58,8 +59,8 @@ def _normal(loads: Loads, phase: float) -> float:
 # ---------------------------------------------------------------------------------------------- forcing
 
 
-@pytest.mark.parametrize("loads", SCENES)
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@each("loads", SCENES)
+@each("way", [1.0, -1.0])
 def test_forcing_is_load_less_kinetic_friction(loads: Loads, way: float) -> None:
     at = forcing(loads, way)
     for phase in np.linspace(0.0, TURN, 17).tolist():
@@ -370,9 +371,9 @@ def test_rest_lasts_until_the_nearer_onset_or_the_end_of_the_contact() -> None:
     assert contact_leg(held, Mode.REST, before, 0.0, math.inf).length == math.inf
 
 
-@pytest.mark.parametrize("loads", SCENES)
-@pytest.mark.parametrize(("mode", "way"), [(Mode.FORWARD, 1.0), (Mode.BACK, -1.0)])
-@pytest.mark.parametrize("limit", [0.4, 3.0, math.inf])
+@each("loads", SCENES)
+@each(("mode", "way"), [(Mode.FORWARD, 1.0), (Mode.BACK, -1.0)])
+@each("limit", [0.4, 3.0, math.inf])
 def test_a_slide_obeys_newtons_second_law(loads: Loads, mode: Mode, way: float, limit: float) -> None:
     track, phase, velocity = track_of(loads, 0.0), 2.3, way * 0.6
     leg = contact_leg(track, mode, phase, velocity, limit)

@@ -242,6 +242,9 @@ def test_a_trough_that_nothing_rests_on_has_no_load_to_wait_for() -> None:
         assert limits.back_onset > 0.0
     limits = critical_loads(line(11.0, 1.0, 0.3, 0.2, 20.0))
     assert limits.back_onset == 0.0 == limits.continuous_sliding
+    for unit in (line(11.0, 1.0, 0.25, 0.2), ellipse(1.0, 0.2, 1.0, 1.0, 0.25, 0.2)):
+        on_the_edge = unit._replace(weight_tangential=0.25 * unit.weight_normal)
+        assert critical_loads(on_the_edge).continuous_sliding == 0.0
 
 
 def test_combinations_that_cannot_be_have_no_critical_loads() -> None:

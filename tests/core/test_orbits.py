@@ -6,6 +6,7 @@ import math
 import random
 
 import pytest
+from helpers.cases import each
 from helpers.hopping_bodies import FLIGHTS, HOPS, Drawn, draw, ellipse, line
 
 from vibro.core import orbits
@@ -83,8 +84,8 @@ def test_a_cycle_s_sizes_are_those_of_its_loads() -> None:
     assert stops_of(cycle) == 8
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize(
+@each("way", [1.0, -1.0])
+@each(
     ("ulps", "bounded", "edge"),
     [(-6, True, False), (-3, True, True), (0, True, True), (3, True, True), (6, False, False)],
 )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.hopping_bodies import (
     FLIGHTS,
     HOPS,
@@ -68,8 +69,8 @@ def _returned(scene: Drawn, motion: Bounces, velocity: float) -> Return:
 # ------------------------------------------------------------------------------- hops
 
 
-@pytest.mark.parametrize("length", [1e-3, 0.7, 4.0, 9.0, 31.0])
-@pytest.mark.parametrize("share", [0.0, 0.03, -0.03, 0.4, -0.4, 0.97, -0.97, 1.5, -1.5])
+@each("length", [1e-3, 0.7, 4.0, 9.0, 31.0])
+@each("share", [0.0, 0.03, -0.03, 0.4, -0.4, 0.97, -0.97, 1.5, -1.5])
 def test_a_hop_holds_what_sampling_the_flight_finds(share: float, length: float) -> None:
     pick = random.Random(f"{share} {length}")
     for _ in range(6):

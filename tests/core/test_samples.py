@@ -6,6 +6,7 @@ import itertools
 import math
 
 import pytest
+from helpers.cases import each
 
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight
@@ -58,8 +59,8 @@ def testkicks_are_spread_evenly_and_differ_by_tenths_from_body_to_body() -> None
 # ------------------------------------------------------------------------------- hops
 
 
-@pytest.mark.parametrize(("throw", "restitution"), KINDS)
-@pytest.mark.parametrize("body", [0, 5, 6, 11])
+@each(("throw", "restitution"), KINDS)
+@each("body", [0, 5, 6, 11])
 def test_each_hop_starts_where_the_one_before_it_ends_or_iskicked(
     throw: float, restitution: float, body: int
 ) -> None:
@@ -133,8 +134,8 @@ def test_rows_before_the_first_are_left_alone() -> None:
 # ------------------------------------------------------------------------------- parts
 
 
-@pytest.mark.parametrize("body", [0, 1, 6, 11])
-@pytest.mark.parametrize("length", [12, 13, 48])
+@each("body", [0, 1, 6, 11])
+@each("length", [12, 13, 48])
 def test_a_body_that_lands_in_every_flight_has_one_transient_and_two_halves(body: int, length: int) -> None:
     # the transient is longer from body to body, so that what repeats is met at different moments
     sample = _fly(2.0, 0.0, body, length)
@@ -143,8 +144,8 @@ def test_a_body_that_lands_in_every_flight_has_one_transient_and_two_halves(body
     assert sample.middle - sample.first == sample.last - sample.middle == length
 
 
-@pytest.mark.parametrize(("body", "transient"), [(0, 2 * 6), (5, 2 * 11), (6, 4 * 12), (11, 4 * 17)])
-@pytest.mark.parametrize(("throw", "restitution"), [(2.24, 0.3), (3.5, 0.0)])
+@each(("body", "transient"), [(0, 2 * 6), (5, 2 * 11), (6, 4 * 12), (11, 4 * 17)])
+@each(("throw", "restitution"), [(2.24, 0.3), (3.5, 0.0)])
 def test_a_body_that_never_lands_has_two_transients_of_which_softkicks_prolong_the_first(
     throw: float, restitution: float, body: int, transient: int
 ) -> None:

@@ -7,6 +7,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.followed import ALL, CONTACT, HOPS, TURN, ellipse, line, load_along, load_normal, newton, walked
 
 from vibro.core.codes import Mode
@@ -73,8 +74,8 @@ def _check(loads: Loads, restitution: float, at: State, leg: Step) -> None:
         assert math.cos(at.phase + s) > 0.0  # the trough begins to fall away
 
 
-@pytest.mark.parametrize(("phase", "velocity"), STARTS)
-@pytest.mark.parametrize("name", ALL)
+@each(("phase", "velocity"), STARTS)
+@each("name", ALL)
 def test_legs_obey_newtons_law_and_end_at_their_events(name: str, phase: float, velocity: float) -> None:
     loads, restitution = ALL[name]
     legs = walked(course_of(loads, restitution), phase, velocity, 24)
@@ -83,7 +84,7 @@ def test_legs_obey_newtons_law_and_end_at_their_events(name: str, phase: float, 
         _check(loads, restitution, at, leg)
 
 
-@pytest.mark.parametrize("name", ALL)
+@each("name", ALL)
 def test_scenes_have_all_kinds_of_legs(name: str) -> None:
     loads, restitution = ALL[name]
     kinds = {at.mode for phase, v in STARTS for at, _ in walked(course_of(loads, restitution), phase, v, 24)}
@@ -91,7 +92,7 @@ def test_scenes_have_all_kinds_of_legs(name: str) -> None:
     assert (Mode.FLIGHT in kinds) == name.startswith("hops")
 
 
-@pytest.mark.parametrize("name", ALL)
+@each("name", ALL)
 def test_rests_end_at_onsets_and_contacts_at_the_lift_off_themselves(name: str) -> None:
     loads, restitution = ALL[name]
     course = course_of(loads, restitution)

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from helpers.cases import each
 from helpers.contact_loads import EPS, MP, Exact, line, random_ellipses, random_lines, random_loads
 
 from vibro.core import windows
@@ -38,7 +39,7 @@ def level(n: float, *, a: float = 1.0, b: float = 0.0, t: float = 0.0, mu_s: flo
 # -------------------------------------------------------------------------------------- thresholds
 
 
-@pytest.mark.parametrize("loads", SLIPPING[::5] + [x._replace(line=False) for x in SLIPPING[:150:15]])
+@each("loads", SLIPPING[::5] + [x._replace(line=False) for x in SLIPPING[:150:15]])
 def test_margins_are_loads_beyond_static_friction(loads: Loads) -> None:
     at, exact = thresholds(loads), Exact(loads)
     for way, load, margin in (
@@ -50,8 +51,8 @@ def test_margins_are_loads_beyond_static_friction(loads: Loads) -> None:
         assert abs(margin - (amplitude - resistance)) < 4 * EPS * (amplitude + abs(resistance) + abs(exact.t))
 
 
-@pytest.mark.parametrize("is_line", [True, False])
-@pytest.mark.parametrize("b", [1e-3, 1e-9, 1e-15])
+@each("is_line", [True, False])
+@each("b", [1e-3, 1e-9, 1e-15])
 def test_margins_do_not_cancel_where_the_drive_hardly_lifts(is_line: bool, b: float) -> None:
     at = thresholds(level(2.0, b=b, mu_s=0.5)._replace(line=is_line))
     assert at.forward_margin == pytest.approx(0.5 * b, rel=4 * EPS)
@@ -69,7 +70,7 @@ def test_a_line_that_presses_more_than_it_pushes_has_no_load_back() -> None:
     assert thresholds(level(2.0, a=0.5, b=0.5)).back_load == 0.0
 
 
-@pytest.mark.parametrize(
+@each(
     ("n", "t"),
     [
         (1.0, 0.0),
@@ -77,7 +78,7 @@ def test_a_line_that_presses_more_than_it_pushes_has_no_load_back() -> None:
         (0.5, -0.5),
     ],
 )
-@pytest.mark.parametrize("is_line", [True, False])
+@each("is_line", [True, False])
 def test_slip_begins_where_the_load_outgrows_static_friction(n: float, t: float, is_line: bool) -> None:
     # both loads are 1, and so is what has to be outgrown at n; rounding of it all decides within 8 eps
     for ulps, side in ((-10, 1), (-6, 0), (0, 0), (6, 0), (10, -1)):
@@ -116,8 +117,8 @@ def test_a_trough_steeper_than_static_friction_holds_no_body(way: float) -> None
 # ---------------------------------------------------------------------------------- phases of loads
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("friction", [0.0, 0.2, 3.0])
+@each("way", WAYS)
+@each("friction", [0.0, 0.2, 3.0])
 def test_amplitude_and_own_phase_make_one_sine_of_both_loads(way: float, friction: float) -> None:
     lines = [line(20.0, 0.8, 0.5, 0.4), line(70.0, 1.2, 0.9, 0.7)]
     for loads in (*lines, *(x._replace(line=False) for x in lines), *random_ellipses(20, 3)):

@@ -91,7 +91,8 @@ class Body:
             return self.mu_s * self.normal(p) - abs(self.load(p))
 
         mesh = np.linspace(self.p, self.p + TURN, 2001)
-        slips = np.flatnonzero([holds(p) < 0.0 for p in mesh])
+        normal = self.weight - self.across * np.sin(mesh + self.lead)
+        slips = np.flatnonzero(self.mu_s * normal < np.abs(self.along * np.sin(mesh) - self.slope))
         if not slips.size:
             self.p = end
             return

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.commands import rows_of
 from helpers.explorers import application, guest
 from helpers.packed import state_of, table_of, unpacked
@@ -230,6 +231,17 @@ def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: An
     assert header["panels"][1]["high"] > 8.0
 
 
+def test_the_axis_of_forces_is_that_of_friction_where_the_load_is_far_larger(answers: Answers) -> None:
+    header, arrays = unpacked(answers.history(state_of(static_friction="0.1", kinetic_friction="0.08")))
+    forces = header["panels"][1]
+    most = arrays["static_limit"].max()
+    assert 5.0 * most < np.abs(arrays["inertial"]).max()
+    assert -2.0 * most < forces["low"] < -most
+    assert most < forces["high"] < 2.0 * most
+    cut = [curve["array"] for curve in forces["curves"] if curve["label"].endswith("(cut off)")]
+    assert cut == ["inertial"]
+
+
 def test_a_schema_tells_what_says_nothing_of_a_drive(answers: Answers) -> None:
     schema = json.loads(json.dumps(answers.schema(), allow_nan=False))
     assert schema["initial"] == initial_state().texts
@@ -251,7 +263,7 @@ def clamped(tmp_path: Path) -> State:
     return initial_state(request_of_call(file, {}))
 
 
-@pytest.mark.parametrize("name", [name for name in CONTROLS if name not in MACHINE])
+@each("name", [name for name in CONTROLS if name not in MACHINE])
 def test_the_ends_of_sliders_and_axes_are_taken(name: str, clamped: State) -> None:
     def state_of(**query: str) -> State:
         return read_state(query, clamped)

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from helpers.cases import each
 from helpers.explorers import (
     GUARDED,
     HOST,
@@ -62,10 +63,8 @@ def text_of(response: Any) -> str:
     return f"{problem['text']}\n{content['hint']}\n"
 
 
-@pytest.mark.parametrize("path", EVERYWHERE)
-@pytest.mark.parametrize(
-    "host", [f"evil.example:{PORT}", "127.0.0.1", "127.0.0.1:8766", f"[::1]:{PORT}", "", "x"]
-)
+@each("path", EVERYWHERE)
+@each("host", [f"evil.example:{PORT}", "127.0.0.1", "127.0.0.1:8766", f"[::1]:{PORT}", "", "x"])
 def test_foreign_hosts_are_refused_everywhere(known: TestClient, path: str, host: str) -> None:
     """Among them names of other sites that resolve to 127.0.0.1."""
     response = known.get(path, headers={"Host": host})
@@ -73,7 +72,7 @@ def test_foreign_hosts_are_refused_everywhere(known: TestClient, path: str, host
     assert "ssh -L 8765:127.0.0.1:8765 host" in text_of(response)
 
 
-@pytest.mark.parametrize("host", [HOST, f"localhost:{PORT}", f"LocalHost:{PORT}"])
+@each("host", [HOST, f"localhost:{PORT}", f"LocalHost:{PORT}"])
 def test_own_hosts_are_answered(known: TestClient, host: str) -> None:
     assert known.get("/schema", headers={"Host": host}).status_code == 200
 
@@ -83,10 +82,8 @@ def test_two_hosts_are_refused(known: TestClient) -> None:
     assert known.get("/schema", headers=headers).status_code == 403
 
 
-@pytest.mark.parametrize("path", EVERYWHERE)
-@pytest.mark.parametrize(
-    "origin", ["http://evil.example", "null", "http://127.0.0.1:8766", f"https://{HOST}", ""]
-)
+@each("path", EVERYWHERE)
+@each("origin", ["http://evil.example", "null", "http://127.0.0.1:8766", f"https://{HOST}", ""])
 def test_foreign_origins_are_refused_everywhere(known: TestClient, path: str, origin: str) -> None:
     response = known.get(path, headers={"Origin": origin})
     assert (response.status_code, "Origin" in text_of(response)) == (403, True)
@@ -113,8 +110,8 @@ def test_what_the_own_page_fetches_is_answered(known: TestClient, site: str) -> 
     assert known.get("/schema", headers={"Sec-Fetch-Site": site}).status_code == 200
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", f"http://{HOST}"])
-@pytest.mark.parametrize("path", ["/", "/map"])
+@each("origin", ["http://evil.example", f"http://{HOST}"])
+@each("path", ["/", "/map"])
 def test_web_sockets_are_refused(known: TestClient, path: str, origin: str) -> None:
     """Before they are accepted, which is a 403."""
     with (
@@ -125,14 +122,14 @@ def test_web_sockets_are_refused(known: TestClient, path: str, origin: str) -> N
     assert refused.value.code == 1008
 
 
-@pytest.mark.parametrize("path", [*GUARDED, "/session", "/nowhere"])
+@each("path", [*GUARDED, "/session", "/nowhere"])
 def test_without_the_secret_nothing_is_answered(path: str) -> None:
     response = stranger(application()).get(path)
     assert response.status_code == 403
     assert "open the address that vibro explore printed" in text_of(response)
 
 
-@pytest.mark.parametrize("path", ["/", "/static/index.html", "/static/main.js"])
+@each("path", ["/", "/static/index.html", "/static/main.js"])
 def test_everybody_gets_the_page_which_knows_nothing(known: TestClient, path: str) -> None:
     response = stranger(application()).get(path)
     assert response.status_code == 200
@@ -167,7 +164,7 @@ def test_every_session_has_a_secret_of_its_own() -> None:
     assert one != other
 
 
-@pytest.mark.parametrize("token", ["", "the-toke", "the-tokenn", "The-token", "ü"])
+@each("token", ["", "the-toke", "the-tokenn", "The-token", "ü"])
 def test_wrong_tokens_are_refused_and_use_nothing_up(token: str) -> None:
     client = stranger(application())
     header = {b"Authorization": f"Bearer {token}".encode()}
@@ -204,7 +201,7 @@ def test_only_the_secret_itself_lets_in() -> None:
     assert stranger(app).get(f"/schema?session={secret}").status_code == 403
 
 
-@pytest.mark.parametrize("method", ["POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "BREW"])
+@each("method", ["POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "BREW"])
 def test_nothing_but_reading_is_allowed(known: TestClient, method: str) -> None:
     for path in EVERYWHERE:
         response = known.request(method, path)
@@ -223,7 +220,7 @@ def test_queries_have_a_limit(known: TestClient) -> None:
     assert text_of(response) == "the query has 4097 characters: it must have at most 4096\n\n"
 
 
-@pytest.mark.parametrize(
+@each(
     ("query", "said"),
     [
         ("a=1&a=1", "the query gives a twice\n"),
@@ -267,7 +264,7 @@ def test_unexpected_errors_are_reported_but_not_to_the_client() -> None:
     assert reported == [error]
 
 
-@pytest.mark.parametrize(
+@each(
     ("error", "content"),
     [
         (

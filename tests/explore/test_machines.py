@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.explorers import application, guest
 from helpers.packed import FEEDER, table_of, unpacked
 
@@ -71,7 +72,7 @@ def test_it_begins_with_what_the_machine_has(feeder: State) -> None:
 
 
 def test_knobs_move_the_amplitude(feeder: State) -> None:
-    """The worked feeder of docs/theory.md: below resonance a filling raises the amplitude."""
+    """The worked feeder of docs/theory: below resonance a filling raises the amplitude."""
 
     def amplitude(**query: str) -> float:
         found = read_state(query, feeder).point.scene().amplitude
@@ -93,7 +94,7 @@ def test_texts_say_all_of_a_state(feeder: State) -> None:
     assert {*state.grid().fixed} >= {"voltage", "filling", "frequency"}
 
 
-@pytest.mark.parametrize(
+@each(
     ("query", "field", "said"),
     [
         ({"setting_percent": "-1"}, "setting_percent", "setting = -1 %: must be finite and > 0 %"),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro.core.codes import Regime, Status
+from vibro.explore.bands import extreme_frictions
 from vibro.explore.controls import DRIVES, VIEWS
 from vibro.explore.levels import MapCells
 from vibro.explore.looks import HATCHES, MARKS
@@ -181,6 +182,13 @@ def test_curves_of_bands_are_of_their_extreme_bodies() -> None:
             points = curves[f"{name}_{which}"]
             body = scene_at(state, points, static_friction=mu_s, kinetic_friction=mu_s * 0.57 / 0.74)
             assert np.abs(body.load / getattr(vibro.critical_loads(body), name) - 1.0).max() < 1e-5
+
+
+def test_the_first_body_to_slip_has_no_less_static_than_kinetic_friction() -> None:
+    bands = {"static_friction_band": "0.5:0.8", "kinetic_friction_band": "0.6:0.7", "follow": "0"}
+    assert extreme_frictions(state_of(**bands)) == {"least": (0.6, 0.6), "most": (0.8, 0.6)}
+    apart = bands | {"kinetic_friction_band": "0.3:0.4"}
+    assert extreme_frictions(state_of(**apart)) == {"least": (0.5, 0.4), "most": (0.8, 0.3)}
 
 
 def test_a_ratio_may_be_a_band() -> None:

@@ -372,6 +372,17 @@ def test_what_is_not_computed_yet_is_called_so(open_page: Open) -> None:
     expect(page.locator("#tip")).not_to_contain_text("not modelled")
 
 
+def test_zero_is_drawn_where_its_axis_has_it(open_page: Open) -> None:
+    heights = open_page().evaluate("""[...document.querySelectorAll('#history svg svg')].map((panel) => {
+        const ticks = [...panel.parentElement.nextElementSibling.children];
+        const zero = ticks.find((tick) => tick.textContent === '0');
+        return [panel, zero].map((part) => part.querySelector('path').getBoundingClientRect().y);
+    })""")
+    assert len(heights) == 4
+    for line, tick in heights:
+        assert line == pytest.approx(tick, abs=0.1)
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (700, 450), (320, 640)])
 def test_nothing_is_wider_than_the_window(open_page: Open, width: int, height: int) -> None:
     page = open_page("#view=speed&drive=harmonics", viewport={"width": width, "height": height})

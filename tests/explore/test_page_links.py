@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 from xml.etree import ElementTree
 
-import pytest
+from helpers.cases import each
 from helpers.pages import AMPLITUDE, CONTACT, FREQUENCY, asked, enter, expect, speed, until
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def test_a_bad_link_says_so_and_shows_the_initial_state(open_page: Open) -> None
     expect(page.locator(AMPLITUDE)).to_have_value("2")
 
 
-@pytest.mark.parametrize("name", ["toString", "constructor", "__proto__", "hasOwnProperty"])
+@each("name", ["toString", "constructor", "__proto__", "hasOwnProperty"])
 def test_names_that_every_object_knows_are_refused_as_any_other(open_page: Open, name: str) -> None:
     page = open_page(f"#drive={name}&{name}=&x={name}&view={name}")
     expect(page.get_by_role("alert")).to_contain_text(

@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
+from helpers.cases import each
 from helpers.explorers import HOST, ROUTES, FakeAnswers, application, bearer, guest, serve_explorer
 
 from vibro.errors import FileError
@@ -110,7 +111,7 @@ def test_states_reach_their_answers(known: TestClient) -> None:
     assert known.get("/schema").json() == {"version": "0"}
 
 
-@pytest.mark.parametrize("path", ["/map", "/map?advance=1&", "/point", "/history", "/table.csv"])
+@each("path", ["/map", "/map?advance=1&", "/point", "/history", "/table.csv"])
 def test_wrong_states_are_refused_before_anything_is_asked(path: str) -> None:
     answers: Any = SimpleNamespace()  # which can do nothing
     response = guest(application(answers)).get(path, params={"wrong": "1"})
@@ -120,8 +121,8 @@ def test_wrong_states_are_refused_before_anything_is_asked(path: str) -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("path", "switch"), [("/map", "advance"), ("/table.csv", "decimal_comma")])
-@pytest.mark.parametrize("text", ["", "2", "yes"])
+@each(("path", "switch"), [("/map", "advance"), ("/table.csv", "decimal_comma")])
+@each("text", ["", "2", "yes"])
 def test_switches_are_on_or_off(known: TestClient, path: str, switch: str, text: str) -> None:
     response = known.get(path, params={switch: text})
     assert (response.status_code, response.json()["problems"][0]["field"]) == (400, switch)
@@ -155,7 +156,7 @@ def test_the_page_is_all_there(known: TestClient) -> None:
     assert known.get("/").content == known.get("/static/index.html").content
 
 
-@pytest.mark.parametrize(
+@each(
     "path",
     [
         "/static/", "/static/nothing.js", "/static/../server.py", "/static/%2e%2e/server.py",

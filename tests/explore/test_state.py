@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.packed import GIVEN_DRIVES
 
 from vibro.errors import InputError
@@ -38,8 +39,8 @@ def test_it_begins_with_the_nut_of_the_example() -> None:
     assert (INITIAL.texts["x"], INITIAL.texts["y"]) == ("frequency_hz", "amplitude_mm")  # as in pictures
 
 
-@pytest.mark.parametrize("drive", DRIVES)
-@pytest.mark.parametrize("view", VIEWS)
+@each("drive", DRIVES)
+@each("view", VIEWS)
 def test_texts_say_all_of_a_state(drive: str, view: str) -> None:
     state = changed(drive=drive, view=view, frequency_hz="33.3", target="12", cycles="7")
     assert read_state(state.texts, INITIAL) == state
@@ -58,7 +59,7 @@ def test_numbers_may_have_units_and_come_back_as_they_are_typed() -> None:
     assert changed(x_range="100um:3", x="amplitude_mm", y="frequency_hz").texts["x_range"] == "0.1:3"
 
 
-@pytest.mark.parametrize("value", [0.1, 1 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 123456789.123456789])
+@each("value", [0.1, 1 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 123456789.123456789])
 def test_a_number_is_read_as_it_was(value: float) -> None:
     assert float(typed_number(value)) == value
     assert len(typed_number(0.1 + 0.2)) > len(typed_number(0.3))
@@ -92,7 +93,7 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
     assert still.grid().fixed["friction_ratio"] == 1.0
 
 
-@pytest.mark.parametrize(
+@each(
     ("query", "field", "said"),
     [
         ({"amplitude_mm": "-1"}, "amplitude_mm", "amplitude = -1 mm: must be finite and > 0 mm"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 
 from vibro.errors import InputError, Problems
 from vibro.files.descriptions import DESIGN_FILE, EXAMPLES, FILES, SCENE_FILE, FileKind
@@ -51,7 +52,7 @@ def test_examples_may_be_what_they_are() -> None:
     assert all(QUANTITIES[name].allows(QUANTITIES[name].to_si(value)) for name, value in EXAMPLES.items())
 
 
-@pytest.mark.parametrize("key", SCENE_FILE.tables["scene"].entries)
+@each("key", SCENE_FILE.tables["scene"].entries)
 def test_every_key_of_a_scene_is_read(tmp_path: Path, key: str) -> None:
     entry = SCENE_FILE.tables["scene"].entries[key]
     value = [0.5, 0.25] if "numbers" in entry.form.spellings else 0.5
@@ -63,7 +64,7 @@ def test_every_key_of_a_scene_is_read(tmp_path: Path, key: str) -> None:
     assert (name.removesuffix("s") if isinstance(value, list) else name) in read_scene_file(path).scene
 
 
-@pytest.mark.parametrize(
+@each(
     ("file", "content", "problem", "hints"),
     [
         (SCENE_FILE, {"amplitude_mm": 1}, "unknown key 'amplitude_mm'; it belongs in [scene] or [map]", True),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.cases import each
 from helpers.questions import FEEDER, GOOD, changed
 from helpers.wild import AXIS, exactly
 from hypothesis import given
@@ -62,7 +63,7 @@ def test_units_and_ranges_are_told() -> None:
     }
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@each("path", EXAMPLES)
 def test_every_example_is_valid(path: Path) -> None:
     content = tomllib.loads(path.read_text(encoding="utf-8"))
     name = "design" if path.stem.startswith("design") else "scene"
@@ -71,7 +72,7 @@ def test_every_example_is_valid(path: Path) -> None:
 
 
 def test_the_docs_show_a_scene_that_is_read_and_valid(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "guide" / "files.md").read_text(encoding="utf-8")
     text = page.split("```toml\n")[1].split("```")[0]
     assert problems("scene", tomllib.loads(text)) == []
     path = tmp_path / "scene.toml"
@@ -79,7 +80,7 @@ def test_the_docs_show_a_scene_that_is_read_and_valid(tmp_path: Path) -> None:
     assert [*read_scene_file(path).sweep] == ["amplitude", "frequency"]
 
 
-@pytest.mark.parametrize(
+@each(
     "content",
     [
         {"scene": {"amplitude": 1}},
@@ -106,13 +107,12 @@ def test_the_docs_show_a_scene_that_is_read_and_valid(tmp_path: Path) -> None:
         {"map": {"trough_length_mm": "1:3"}},
         {"map": {"trough_length_mm": [1, 3]}},
     ],
-    ids=str,
 )
 def test_malformed_scenes_are_invalid(content: Any) -> None:
     assert problems("scene", content)
 
 
-@pytest.mark.parametrize(
+@each(
     "entries",
     [
         {"scene__static_friction": None},
@@ -140,7 +140,6 @@ def test_malformed_scenes_are_invalid(content: Any) -> None:
         {"part__half_base_mm": 1},
         {"goals": {}},
     ],
-    ids=str,
 )
 def test_malformed_designs_are_invalid(entries: dict[str, Any]) -> None:
     assert problems("design", changed(**entries))

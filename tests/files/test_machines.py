@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from helpers.cases import each
 from helpers.machine_files import FEEDER, KINDS, SCENE, UNBALANCE, feeder, written
 from jsonschema import Draft202012Validator
 
@@ -68,7 +69,7 @@ def test_a_table_that_is_written_back_makes_the_same_machine(tmp_path: Path, kin
     assert (again.arguments, again.own, again.packs) == (given.arguments, given.own, given.packs)
 
 
-@pytest.mark.parametrize(
+@each(
     ("lines", "moment"),
     [
         ("motors = 2\nstatic_moment_kg_mm = 95", 0.19),
@@ -106,7 +107,7 @@ def test_packs_alone_make_a_machine_whose_force_is_known(tmp_path: Path) -> None
     assert "did you mean" in caught.value.hint
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "problem", "hint"),
     [
         ("[machine]\n", "kind is missing", 'kind = "magnet"'),
@@ -210,7 +211,7 @@ def test_a_machine_lies_beside_its_scene(tmp_path: Path) -> None:
 
 
 def test_the_docs_show_a_machine_that_is_read(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "guide" / "files.md").read_text(encoding="utf-8")
     text = next(block for block in page.split("```toml\n") if block.startswith("[machine]")).split("```")[0]
     given = machine(tmp_path, text)
     assert (given.packs, given.bands["filling"]) == ({"4 leaves": 47.6}, (0.0, 2.0))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from jsonschema import Draft202012Validator
 
 from vibro import InputError, read_scene
@@ -72,7 +73,7 @@ def test_pairs_of_harmonics_are_the_lists_of_a_scene(tmp_path: Path) -> None:
     assert a.along_harmonics == b.along_harmonics
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "problem", "hint"),
     [
         ("", "[motion] gives no motion", "[motion] for example: along_steps = [[0.8, 6.9], [0.2, -27.6]]"),
@@ -137,7 +138,7 @@ def test_what_is_wrong_in_a_motion_is_named(tmp_path: Path, text: str, problem: 
     assert bool(error.hint) == bool(hint)
 
 
-@pytest.mark.parametrize(
+@each(
     ("scene", "motion", "problem"),
     [
         ("amplitude_mm = 1\ndrive_angle_deg = 20", STEPS, "[motion] gives motion: a drive has one motion"),
@@ -182,7 +183,7 @@ def test_a_clamped_part_by_its_force_and_mass_or_their_quotient(tmp_path: Path) 
     assert read_scene(written(tmp_path, f"{POINT}{CLAMPED}")).normal_acceleration is None
 
 
-@pytest.mark.parametrize(
+@each(
     ("scene", "problem", "hint"),
     [
         ("mass_kg = 2", "[scene] mass_kg is given alone", "give normal_force_n and mass_kg, or normal_acc"),
@@ -229,7 +230,7 @@ def test_a_clamped_part_needs_a_motion_along_the_trough_alone(
     assert problem in str(error)
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     [
         f"{POINT}[motion]\n{STEPS}",
@@ -244,7 +245,7 @@ def test_the_schema_takes_what_is_read(tmp_path: Path, text: str) -> None:
     assert Draft202012Validator(schema_of(SCENE_FILE)).is_valid(tomllib.loads(text))
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     ["along_steps = [[1]]", "along_steps = []", "along_samples_mm = [1, 2]", "along_steps = 1", "along = 1"],
 )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.errors import FileError, InputError
 from vibro.files.points import read_points
@@ -19,7 +20,7 @@ def points(tmp_path: Path) -> Path:
     return tmp_path / "points.csv"
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     [
         "frequency_hz,amplitude_mm\n48,0.2\n50,0.35\n",
@@ -31,7 +32,7 @@ def points(tmp_path: Path) -> Path:
         "f [rpm],A [um]\n48Hz,200\n3000,0.35mm\n",
     ],
 )
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@each("encoding", ["utf-8", "utf-8-sig", "utf-16"])
 def test_the_same_points_in_many_spellings(points: Path, text: str, encoding: str) -> None:
     points.write_bytes(text.encode(encoding))
     found = read_points(points)
@@ -52,7 +53,7 @@ def test_errors_are_relative(points: Path) -> None:
     np.testing.assert_allclose(error, [0.02, 0.015])
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "says"),
     [
         ("", "empty"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
+from helpers.cases import each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -26,7 +26,7 @@ def assert_rounded(values: Floats, digits: int) -> None:
     np.testing.assert_array_equal(rounded(values, digits).view(np.int64), expected.view(np.int64))
 
 
-@pytest.mark.parametrize("digits", DIGITS)
+@each("digits", DIGITS)
 def test_every_number_is_rounded_as_python_does(digits: int) -> None:
     random = np.random.default_rng(digits)
     bits = random.integers(0, 2**64, 3000, np.uint64).view(np.float64)

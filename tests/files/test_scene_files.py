@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.cases import each
 
 from vibro.errors import MOST_TOLD, FileError, InputError
 from vibro.files.scene_files import read_scene_file
@@ -61,7 +62,7 @@ def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
     assert read_scene_file(written(tmp_path, text)).scene["amplitude"].value == 1
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "problem", "hint"),
     [
         ("[scene]\namplitude = 1", "[scene] unknown key 'amplitude'; did you mean 'amplitude_mm'?", ""),
@@ -159,7 +160,7 @@ def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
         read_scene_file(tmp_path / "no folder" / "nut.toml")
 
 
-@pytest.mark.parametrize(
+@each(
     "value",
     [
         "9" * 400,
@@ -175,9 +176,8 @@ def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
         "[[" + "9" * 5000 + "]]",
         "{a = " + "9" * 5000 + "}",
     ],
-    ids=lambda value: value[:8],
 )
-@pytest.mark.parametrize("table", ["scene", "map"])
+@each("table", ["scene", "map"])
 def test_thousands_of_digits_are_refused_by_name(tmp_path: Path, table: str, value: str) -> None:
     path = written(tmp_path, f"[{table}]\ngravity_m_s2 = 9.81\nfrequency_hz = {value}\n")
     with pytest.raises(InputError) as caught:
@@ -234,7 +234,7 @@ def test_a_path_that_no_system_has(tmp_path: Path) -> None:
 QUESTION = "[scene]\nstatic_friction = 0.3\n[goal]\nspeed_mm_s = 80\n"
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "is_question"),
     [
         (f"{QUESTION}[[drive]]\nfrequency_hz = 50", True),

@@ -68,7 +68,7 @@ OTHERS = {"unbalance": UNBALANCE, "crank": CRANK, "exciter": EXCITER, "rod": ROD
 
 
 def feeder(ratio: float = 1.05, more: str = "") -> str:
-    """Write the worked feeder of docs/theory.md, driven at so many times its natural frequency."""
+    """Write the worked feeder of docs/theory, driven at so many times its natural frequency."""
     return SCENE.format(**FINE) + MAGNET.format(natural=50.0 / ratio) + more
 
 

@@ -1,50 +1,46 @@
-"""The tables of keys in docs/files.md and docs/design.md, made from the description of both kinds of file.
+"""Tables of keys in scene-files.md and design-files.md of docs/reference, from the description of files.
 
 python tests/helpers/key_tables.py    # writes them into the pages
 """
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from vibro.files.descriptions import DESIGN_FILE, SCENE_FILE, FileKind
 from vibro.files.entries import Entry
 
-DOCS = Path(__file__).parents[2] / "docs"
-PAGES = {"files.md": SCENE_FILE, "design.md": DESIGN_FILE}
-HEAD = "| table | key | what | range | form | where it is left out |\n|---|---|---|---|---|---|\n"
+REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
+PAGES = {"scene-files.md": SCENE_FILE, "design-files.md": DESIGN_FILE}
+HEAD = "| key | what | range | form | where it is left out |\n|---|---|---|---|---|\n"
+OF_MAP = "Keys of `[scene]` but lists, and `[machine]`'s bands: each a number, a list or an axis.\n"
 
 
-def _row(heading: str, key: str, entry: Entry) -> str:
+def _row(key: str, entry: Entry) -> str:
     quantity, form = entry.quantity, entry.form
     is_number = "line" not in form.spellings and not form.words
     allowed = quantity.allowed.text(quantity.unit).removeprefix("finite and ") if is_number else ""
-    cells = (heading, f"`{key}`", quantity.meaning, allowed, form.says, entry.usual)
+    cells = (f"`{key}`", quantity.meaning, allowed, form.says, entry.usual)
     return f"|{'|'.join(f' {cell} ' if cell else ' ' for cell in cells)}|\n"
 
 
-def table_of(file: FileKind) -> str:
-    """Make the table of all keys; of [map] in one row, as it has those of [scene] that are single numbers."""
-    rows = []
+def tables_of(file: FileKind) -> str:
+    """Make a table of the keys of each table of a file; [map] has those of other tables."""
+    parts = []
     for table in file.tables.values():
-        if table.heading == "[map]":
-            rows.append(
-                "| `[map]` | those of `[scene]` but lists | what is swept | the same"
-                " | number, list or axis | |\n"
-            )
-            continue
-        for i, (key, entry) in enumerate(table.entries.items()):
-            rows.append(_row("" if i else f"`{table.heading}`", key, entry))
-    return HEAD + "".join(rows)
+        rows = (_row(key, entry) for key, entry in table.entries.items())
+        keys = OF_MAP if table.heading == "[map]" else HEAD + "".join(rows)
+        meaning = f"{table.meaning[:1].upper()}{table.meaning[1:]}"
+        parts.append(f"## `{table.heading}`\n\n{meaning}.\n\n{keys}")
+    return "\n".join(parts)
 
 
 def page_with(name: str) -> str:
-    """Put the table into its page."""
-    page = (DOCS / name).read_text(encoding="utf-8")
-    return re.sub(r"\| table \| key \|.*?\n(?=\n)", lambda _: table_of(PAGES[name]), page, flags=re.DOTALL)
+    """Put the tables into their page, after its first words."""
+    page = (REFERENCE / name).read_text(encoding="utf-8")
+    return page[: page.index("## ")] + tables_of(PAGES[name])
 
 
 if __name__ == "__main__":
     for name in PAGES:
-        (DOCS / name).write_text(page_with(name), encoding="utf-8")
+        (REFERENCE / name).write_text(page_with(name), encoding="utf-8")

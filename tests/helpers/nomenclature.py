@@ -1,13 +1,14 @@
-"""The tables of docs/nomenclature.md that list inputs and results, made from their descriptions.
+"""Tables of units, columns and codes in docs/reference, made from what the code says of them.
 
-python tests/helpers/nomenclature.py    # writes them into the page
+python tests/helpers/nomenclature.py    # writes them into their pages
 """
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
+from vibro.cli.exit_codes import ExitCode
+from vibro.core.codes import Status
 from vibro.quantities import HARMONIC, IN_GRAVITIES, MASS, QUANTITIES, SPEED, SWEPT, TIME
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.filling import WEIGHED
@@ -30,11 +31,16 @@ from vibro.scene import Scene
 UNITS = """\
 In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
 sign. Frictions and the restitution are pure numbers."""
+STATUSES = """\
+Every cell has one. [Chapter 7 of the theory](../theory/07-special-cases.md) says when each occurs."""
+EXIT_CODES = """\
+How a run ended. 1 is a file that is missing, or exists already, or a full disk. `vibro explore` ends with 0:
+Ctrl-C is its end."""
 FILLING = """\
-What `vibro solve --filling` adds, where the trough moves as the scene says: section 18 of
-[theory.md](theory.md). Three columns `given_motion_..._percent` say up to what filling, over the trough's
-mass, that holds within 1 % of speed."""
-PAGE = Path(__file__).parents[2] / "docs" / "nomenclature.md"
+What `vibro solve --filling` adds, where the trough moves as the scene says (theory, section 18). Three
+columns `given_motion_..._percent` say up to what filling, over the trough's mass, that holds within 1 % of
+speed."""
+REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""
 SCENE = {*Scene.__dataclass_fields__, *FIELDS}
@@ -111,8 +117,7 @@ def _result(result: Result) -> str:
     return _row(result.symbol, name, unit, result.column, result.meaning)
 
 
-def tables() -> str:
-    """Make the tables, as they stand in the page."""
+def _columns() -> list[list[str]]:
     inputs = [
         _row(
             q.symbol,
@@ -131,27 +136,46 @@ def tables() -> str:
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
     results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS, BENT_SPEED)]
+    designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
+    weighed = [f"| `{r.column}` | {r.kind.unit or '1'} | {r.meaning} |" for r in WEIGHED]
     head = [HEADER, "|---|---|---|---|---|---|"]
-    units = ["| quantity | without a unit | a number may carry |", "|---|---|---|", *_units()]
-    parts = [
-        ["## Units", "", UNITS, "", *units],
+    plain = ["| CSV column | unit | meaning |", "|---|---|---|"]
+    return [
         ["## Inputs", "", *head, *inputs],
         ["## Results", "", *head, *results],
+        ["## Designs", "", *plain, *designs],
+        ["## A filling", "", FILLING, "", *plain, *weighed],
     ]
-    designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
-    parts.append(["## Designs", "", "| CSV column | unit | meaning |", "|---|---|---|", *designs])
-    weighed = [f"| `{r.column}` | {r.kind.unit or '1'} | {r.meaning} |" for r in WEIGHED]
-    parts.append(
-        ["## A filling", "", FILLING, "", "| CSV column | unit | meaning |", "|---|---|---|", *weighed]
-    )
-    return "".join("\n".join([*part, "", ""]) for part in parts)
 
 
-def page_with(text: str) -> str:
-    """Put the tables into the page."""
-    page = PAGE.read_text(encoding="utf-8")
-    return re.sub(r"## Units\n.*?(?=## Groups and loads)", lambda _: text, page, flags=re.DOTALL)
+def _codes() -> list[list[str]]:
+    statuses = [f"| `{s.label}` | {s.message} | {'yes' if s.answered else 'none'} |" for s in Status]
+    exits = [f"| {code:d} | {code.meaning} |" for code in ExitCode]
+    return [
+        ["## Statuses", "", STATUSES, "", "| status | meaning | numbers |", "|---|---|---|", *statuses],
+        ["## Exit codes", "", EXIT_CODES, "", "| code | meaning |", "|---|---|", *exits],
+    ]
+
+
+def tables(page: str) -> str:
+    """Make the tables of a page, with their titles: all that follows its first words."""
+    if page == "units.md":
+        head = ["| quantity | without a unit | a number may carry |", "|---|---|---|"]
+        parts = [[UNITS, "", *head, *_units()]]
+    else:
+        parts = _columns() if page == "columns.md" else _codes()
+    return "\n\n".join("\n".join(part) for part in parts) + "\n"
+
+
+def page_with(page: str) -> str:
+    """Put the tables into their page."""
+    text = (REFERENCE / page).read_text(encoding="utf-8")
+    return text[: text.index(tables(page).split("\n", 1)[0])] + tables(page)
+
+
+PAGES = ("columns.md", "statuses.md", "units.md")
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page_with(tables()), encoding="utf-8")
+    for name in PAGES:
+        (REFERENCE / name).write_text(page_with(name), encoding="utf-8")

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import copy
+import math
 import tomllib
 from typing import Any
 
+from vibro import Regime
 from vibro.drives import Ellipse, Line
+from vibro.inverse.questions import Question
+from vibro.inverse.reading import read_spec
 from vibro.inverse.spaces import SPACES
 from vibro.quantities import QUANTITIES
 from vibro.results.designs import Design, DesignResult
@@ -85,3 +89,33 @@ def answered(met: bool, *designs: Design) -> DesignResult:
         known = {knob: QUANTITIES[knob].to_si(x) for knob, x in values.items() if x is not None}
         settings.append(space.setting(**known) if known.keys() == values.keys() else None)
     return DesignResult(met, designs, tuple(settings))
+
+
+def asked(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> Question:
+    """Return what is asked of the first drive."""
+    spec = read_spec(question)
+    return Question(spec, spec.drives[0], highest)
+
+
+def one_drive(
+    scene: dict[str, Any], drive: dict[str, Any], speed: float = 1.0, **more: Any
+) -> dict[str, Any]:
+    """Ask for a speed of one drive, or machine."""
+    return {"scene": scene, "drive": [drive], "goal": {"speed_mm_s": speed}, **more}
+
+
+UNIT = 9.81 / (2.0 * math.pi * 25.0) ** 2
+"""[m] Of amplitudes at 25 Hz, as in the question below: g/w^2."""
+
+LOOSE = one_drive(
+    {"static_friction": "0.35:0.45", "friction_ratio": "0.85:0.95"},
+    {
+        "along_amplitude_mm": "0.1:1",
+        "normal_amplitude_mm": "0.05:0.5",
+        "normal_phase_deg": "-180:180",
+        "frequency_hz": 25,
+        "acceleration_g": 1.5,
+    },
+    speed=20.0,
+    drift={"amplitude_percent": 2, "normal_phase_deg": 3},
+)

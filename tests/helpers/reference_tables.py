@@ -23,9 +23,10 @@ LINES = {
     "contact_steep": 50,
     "contact_descent": 50,
 }
-ELLIPSES = {"elliptic_contact": 150, "elliptic_hopping": 30}
 CONTACT = {**LINES, "elliptic_contact": 150, "harmonic_contact": 60}
 """Tables of bodies in contact, with their rows."""
+HOPPING = {"hopping": 47, "elliptic_hopping": 30}
+"""Those of bodies that hop."""
 
 # The impact speed of this row of elliptic_hopping is that of a landing before the motion settled. Each flight
 # takes one turn, and the impact what gravity gave in it: g cos(beta)/f.
@@ -106,18 +107,18 @@ class Table(NamedTuple):
     @property
     def metre(self) -> float:
         """How many of the table's units of length a metre has."""
-        return 1000.0 if self.name in LINES else 1.0
+        return 1000.0 if "amplitude_mm" in self.columns else 1.0
 
     @property
     def displacement(self) -> Floats:
         """Displacements a drive cycle [the table's unit]."""
-        unit = "mm" if self.name in LINES else "m"
+        unit = "m" if self.metre == 1.0 else "mm"
         return np.asarray(self.columns[f"displacement_per_cycle_{unit}"])
 
     @property
     def mean_velocity(self) -> Floats:
         """Mean speeds [the table's unit]."""
-        unit = "mm" if self.name in LINES else "m"
+        unit = "m" if self.metre == 1.0 else "mm"
         return np.asarray(self.columns[f"mean_velocity_{unit}_s"])
 
     @property
@@ -135,7 +136,7 @@ class Table(NamedTuple):
 def read_table(name: str) -> Table:
     """Read a table, and solve its scenes."""
     rows = read_rows(name)
-    assert len(rows) == (CONTACT | ELLIPSES)[name]
+    assert len(rows) == (CONTACT | HOPPING)[name]
     columns = columns_of(rows)
     scene = scene_of(columns)
     return Table(name, columns, scene, solve(scene))

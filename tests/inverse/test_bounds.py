@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.scenes import replaced, scene_with
 
 import vibro
@@ -36,8 +37,8 @@ def boxed(*bounds: float) -> Certificate:
     return Certificate({}, {}, np.array(bounds))
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
-@pytest.mark.parametrize(
+@each("side", [1.0, -1.0])
+@each(
     ("speed", "least", "proof"),
     [
         (0.1, 0.1, "proved"), (0.1, 0.0991, "proved"), (0.1, 0.0989, "searched"),
@@ -145,7 +146,7 @@ def limit_at(
     return _limit(extreme(speed, scene)), solved[0] if solved else None
 
 
-@pytest.mark.parametrize(
+@each(
     ("load", "text"),
     [
         ("back_slip", "back slip begins"),
@@ -155,9 +156,7 @@ def limit_at(
         ("continuous_sliding", None),
     ],
 )
-@pytest.mark.parametrize(
-    ("speed", "side"), [(BELOW, "below"), (ABOVE, "above"), (0.0351, "below"), (0.0349, "above")]
-)
+@each(("speed", "side"), [(BELOW, "below"), (ABOVE, "above"), (0.0351, "below"), (0.0349, "above")])
 def test_a_limit_at_a_jump_is_named(
     load: str, text: str | None, speed: float, side: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,7 +164,7 @@ def test_a_limit_at_a_jump_is_named(
     assert found == (f"from {side} the load at which {text}" if text else "")
 
 
-@pytest.mark.parametrize(
+@each(
     ("factor", "above", "jumps"),
     [
         (1.0 + 0.9e-7, ABOVE, True), (1.0 - 0.9e-7, ABOVE, True), (1.0 + 1.2e-7, ABOVE, False),

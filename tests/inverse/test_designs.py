@@ -1,26 +1,33 @@
-"""Designs as they are printed: they hold, nothing is lost by more choice, and no rounding loses one."""
+"""Designs of lines and ellipses as they are printed: they hold, and neither choice nor rounding loses one."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
-from helpers.questions import answered
+from helpers.questions import LOOSE, UNIT, answered, asked, one_drive
 
 import vibro
+from vibro import InputError
 from vibro.core.codes import Regime
 from vibro.drives import Line
 from vibro.inverse.designs import chosen_of
+from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
+from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
 from vibro.inverse.rounding import DIGITS
-from vibro.inverse.spaces import SPACES
-from vibro.results.designs import Design
+from vibro.inverse.rows import Finder, Rounded, find
+from vibro.inverse.spaces import SPACES, Setting
+from vibro.inverse.windows import Family, window_of
+from vibro.results.designs import Design, DesignResult
 
 ORDER = ("forward-slip", "back-slip", "hopping")
 
@@ -31,12 +38,7 @@ def rows(question: dict[str, Any], digits: int = DIGITS) -> dict[tuple[str, str]
 
 
 def optimiser(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> LineOptimiser:
-    spec = read_spec(question)
-    return LineOptimiser(Question(spec, spec.drives[0], highest))
-
-
-def one_drive(scene: dict[str, Any], drive: dict[str, Any], speed: float, **more: Any) -> dict[str, Any]:
-    return {"scene": scene, "drive": [drive], "goal": {"speed_mm_s": speed}, **more}
+    return LineOptimiser(asked(question, highest))
 
 
 def test_another_frequency_never_makes_a_goal_impossible() -> None:
@@ -94,10 +96,10 @@ VERTEX = one_drive(
 
 
 def test_designs_at_a_vertex_and_what_is_printed_of_them() -> None:
-    least = {}
-    for digits, spread in ((9, 1e-5), (4, 2e-3)):
-        found = rows(VERTEX, digits)
-        gentlest = found["back-slip", "gentlest"]
+    least, found = {}, rows(VERTEX, 4)
+    finer = vibro.design(VERTEX, digits=9, only="goal").designs[0]
+    for digits, spread, gentlest in ((9, 1e-5, finer), (4, 2e-3, found["back-slip", "gentlest"])):
+        assert (gentlest.highest_regime, gentlest.design) == ("back-slip", "gentlest")
         assert gentlest.acceleration_g == pytest.approx(0.846747, rel=spread)
         least[digits] = gentlest.acceleration_g or math.nan
         settings = (gentlest.amplitude_mm, gentlest.frequency_hz, gentlest.drive_angle_deg)
@@ -278,10 +280,15 @@ KNOWN: dict[str, Any] = {
 }
 
 
+@cache
+def known(digits: int = DIGITS) -> DesignResult:
+    return vibro.design(KNOWN, digits=digits, only="goal")
+
+
 @pytest.mark.parametrize("digits", [3, 4, 6])
 def test_few_digits_hold_as_printed(digits: int) -> None:
     """With no more than were asked for here, and a guarantee that is of the printed setting."""
-    result = vibro.design(KNOWN, digits=digits, only="goal")
+    result = known(digits)
     assert result.met
     assert len(result.designs) == 6
     for design in result.designs:
@@ -308,7 +315,7 @@ def test_few_digits_hold_as_printed(digits: int) -> None:
 
 def test_fewer_digits_lose_little() -> None:
     """Of acceleration and speed about as much as one step of the last digit is worth."""
-    fine, coarse = (vibro.design(KNOWN, digits=n, only="goal").designs for n in (9, 4))
+    fine, coarse = (known(n).designs for n in (9, 4))
     for best, printed in zip(fine, coarse, strict=True):
         assert (best.drive, best.design, best.set_by) == (printed.drive, printed.design, printed.set_by)
         name = "acceleration_g" if best.design == "gentlest" else "speed_min_mm_s"
@@ -318,7 +325,7 @@ def test_fewer_digits_lose_little() -> None:
 
 
 def test_with_known_frictions_the_gentlest_of_all_drives_is_shown() -> None:
-    result = vibro.design(KNOWN, only="goal")
+    result = known()
     chosen = chosen_of(read_spec(KNOWN), result)
     assert chosen is not None
     least = min(d.acceleration_g or math.inf for d in result.designs if d.design == "gentlest")
@@ -329,7 +336,7 @@ def test_with_known_frictions_the_gentlest_of_all_drives_is_shown() -> None:
 
 def test_a_question_in_stroke_is_answered_in_stroke() -> None:
     """The drive that was given an amplitude keeps it; the same question in amplitude has the same answer."""
-    result = vibro.design(KNOWN, only="goal")
+    result = known()
     magnet, motor = result.designs[0], result.designs[3]
     for design, other in ((magnet, "amplitude"), (motor, "stroke")):
         assert [getattr(design, f"{other}{end}_mm") for end in ("", "_low", "_high", "_needed")] == [None] * 4
@@ -351,7 +358,7 @@ def test_a_question_in_stroke_is_answered_in_stroke() -> None:
 
 def test_the_goals_regime_alone_has_the_same_answer() -> None:
     whole = vibro.design(KNOWN)
-    alone = vibro.design(KNOWN, only="goal")
+    alone = known()
     assert whole.designs[:6] == alone.designs
     assert len(whole.designs) == 18
     assert {d.highest_regime for d in whole.designs[6:]} == {"back-slip", "hopping"}
@@ -363,3 +370,239 @@ def test_a_wrong_number_of_digits_is_refused(digits: Any) -> None:
         vibro.design(KNOWN, digits=digits)
     with pytest.raises(vibro.VibroError, match="only = 'all': must be 'goal' or None"):
         vibro.design(KNOWN, only="all")  # type: ignore[arg-type]
+
+
+# ------------------------------------------------------------------------------------------ ellipses
+
+
+@cache
+def fixed_amplitudes() -> dict[tuple[str, str], Design]:
+    drive = {
+        "along_amplitude_mm": 0.6,
+        "normal_amplitude_mm": "0.1:0.25",
+        "normal_phase_deg": -50,
+        "frequency_hz": 25,
+    }
+    result = vibro.design(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 30.0))
+    assert result.met
+    assert [c.name for c in result.columns if "along" in c.name or "angle" in c.name] == [
+        "along_amplitude_mm"
+    ]
+    return {(d.highest_regime, d.design): d for d in result.designs}
+
+
+def test_designs_of_ellipses_hold_as_they_are_printed() -> None:
+    found = fixed_amplitudes()
+    for (regime, _), design in found.items():
+        if design.along_amplitude_mm is None or design.normal_amplitude_mm is None:
+            assert regime == "forward-slip"
+            continue
+        assert (design.along_amplitude_mm, design.normal_phase_deg, design.frequency_hz) == (0.6, -50.0, 25.0)
+        scene = vibro.Scene(
+            along_amplitude=0.6e-3,
+            normal_amplitude=1e-3 * design.normal_amplitude_mm,
+            normal_phase=math.radians(-50.0),
+            frequency=25.0,
+            static_friction=0.4,
+            kinetic_friction=0.3,
+        )
+        holds = vibro.guarantee(scene, static_friction=(0.35, 0.45), friction_ratio=(0.9, 0.9))
+        assert 1e3 * holds.speed_min == pytest.approx(design.speed_min_mm_s, rel=1e-9)
+        assert 1e3 * holds.speed_min >= 30.0
+        assert design.throw_number_max == pytest.approx(1e-3 * design.normal_amplitude_mm / UNIT, rel=1e-9)
+        assert design.proof == "proved"
+        assert design.margin is not None
+        assert design.margin >= 1.0
+
+
+def test_designs_within_a_regime_are_designs_within_the_next() -> None:
+    found = fixed_amplitudes()
+    for kind, merit in (("fastest", "speed_min_mm_s"), ("safest", "margin")):
+        assert getattr(found["hopping", kind], merit) >= getattr(found["back-slip", kind], merit)
+    # it cannot hop, even if all is ten times as uncertain
+    assert (
+        found["hopping", "gentlest"].normal_amplitude_mm == found["back-slip", "gentlest"].normal_amplitude_mm
+    )
+
+
+def test_a_window_is_of_both_amplitudes() -> None:
+    drive = {"along_amplitude_mm": "0.3:1", "normal_amplitude_mm": "0.1:0.3", "frequency_hz": 25}
+    drive |= {"normal_phase_deg": -50}
+    question = asked(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 30.0))
+    row = find(question, {}).row("fastest")
+    assert (row.high_set_by, row.low_set_by, row.set_by) == ("limit", "speed", "limit")
+    assert row.amplitude_high_mm == pytest.approx(row.along_amplitude_mm, rel=1e-9)
+    assert row.amplitude_low_mm is not None
+    assert row.along_amplitude_mm is not None
+    assert row.normal_amplitude_mm is not None
+    for factor, holds in ((1 + 1e-7, True), (1 - 1e-7, False)):
+        share = factor * row.amplitude_low_mm / row.along_amplitude_mm
+        setting = Setting(
+            share * row.along_amplitude_mm / 1e3,
+            share * row.normal_amplitude_mm / 1e3,
+            math.radians(-50.0),
+            25.0,
+        )
+        assert (guarantee_of(question.box(setting)).speed_min >= 0.03) is holds
+
+
+def test_a_trough_that_moves_along_its_normal_alone_has_a_window_and_pictures() -> None:
+    drive = {"along_amplitude_mm": 0, "normal_amplitude_mm": "0.1:0.35", "frequency_hz": 25}
+    scene = {"static_friction": "0.2:0.25", "friction_ratio": 0.9, "trough_angle_deg": -8}
+    spec = read_spec(one_drive(scene, drive, 2.0))
+    finder = find(asked(one_drive(scene, drive, 2.0)), {})
+    row = finder.row("fastest")
+    assert row.amplitude_low_mm is not None
+    assert row.amplitude_high_mm is not None
+    assert 0.1 <= row.amplitude_low_mm < row.amplitude_high_mm == pytest.approx(0.35, rel=1e-9)
+    chosen = chosen_of(spec, DesignResult(False, (row,), (finder.found["fastest"].setting,)))
+    assert chosen is not None
+    fields = setting_fields(spec, chosen)
+    assert fields.amplitude == "normal_amplitude"
+    assert fields.limits == pytest.approx((0.1, 0.35))
+
+
+def test_a_trough_that_does_not_move_along_its_normal_has_pictures_of_parts_that_never_tip() -> None:
+    drive = {
+        "along_amplitude_mm": "0.1:1",
+        "normal_amplitude_mm": 0,
+        "normal_phase_deg": 0,
+        "frequency_hz": 25,
+    }
+    upright = {"half_base_mm": 6, "centre_height_mm": 8}
+    scene = {"static_friction": "0.35:0.45", "friction_ratio": 0.9, "trough_angle_deg": -3}
+    spec = read_spec(one_drive(scene, drive, 1.0, part=upright))
+    finder = find(Question(spec, spec.drives[0], Regime.BACK_SLIP), {})
+    row = finder.row("fastest")
+    assert row.throw_number_max == 0.0
+    chosen = chosen_of(spec, answered(True, row, replace(row, design="safest")))
+    assert chosen is not None
+    fields = setting_fields(spec, chosen)
+    assert math.isinf(fields.tips)
+    assert math.isinf(fields.begins[Regime.HOPPING][0])
+
+
+@pytest.mark.parametrize("speed", [0.0, -1e-3])
+def test_a_design_that_conveys_nothing_has_no_traverse_time_and_no_nearest_drive(speed: float) -> None:
+    question = asked(one_drive({**LOOSE["scene"], "trough_length_mm": 600}, LOOSE["drive"][0], 20.0))
+    setting = Setting(5e-4, 2e-4, math.radians(-50.0), 25.0)
+    resting = replace(guarantee_of(question.box(setting)), speed_min=speed)
+    found = Rounded(setting, (0.5, 0.2, -50.0, 25.0), resting)
+    row = Finder(question, EllipseOptimiser(question), {"fastest": found}).row("fastest")
+    assert row.speed_min_mm_s == 1e3 * speed
+    assert row.traverse_time_max_s is None
+    assert row.frequency_needed_hz is None
+    assert row.amplitude_needed_mm is None
+
+
+def test_a_window_that_no_search_confirmed_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    question = asked(one_drive(LOOSE["scene"], LOOSE["drive"][0], 20.0))
+    setting = Setting(6e-4, 2.5e-4, math.radians(-50.0), 25.0)
+    guarantee = guarantee_of(question.box(setting))
+    assert guarantee.speed_min > 0.02  # so that the goal does not end it on either side
+    monkeypatch.setattr(Family, "intervals", lambda *_, **__: [])
+    window = window_of(question, Found(setting, (), guarantee))
+    assert window is not None
+    assert (window.low, window.high) == (6e-4, 6e-4)
+    assert (window.low_set_by, window.high_set_by) == ("unconfirmed", "unconfirmed")
+
+
+def test_pictures_show_what_bodies_do() -> None:
+    known = {**LOOSE, "drift": {}}
+    spec = read_spec(known)
+    design = Design(
+        drive="drive 1", highest_regime="back-slip", design="fastest", along_amplitude_mm=0.5,
+        normal_amplitude_mm=0.2, normal_phase_deg=-50.0, frequency_hz=25.0,
+    )  # fmt: skip
+    chosen = chosen_of(spec, answered(False, design))
+    assert chosen is not None
+    fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
+    assert fields.amplitude == "along_amplitude"
+    assert fields.limits == pytest.approx((0.125, 1.0))
+    static, ratio = (x.ravel() for x in np.meshgrid([0.35, 0.4, 0.45], [0.85, 0.9, 0.95]))
+    shown = set()
+    for share in (0.1, 0.2, 0.3, 0.6, 1.0, 1.6):
+        x = share * 0.5e-3
+        scene = vibro.Scene(
+            along_amplitude=x,
+            normal_amplitude=0.4 * x,
+            normal_phase=math.radians(-50.0),
+            frequency=25.0,
+            static_friction=static,
+            kinetic_friction=ratio * static,
+        )
+        cycle = vibro.solve(scene, flight=False)
+        load = x / UNIT  # of the motion along the trough
+        for which, regime in ((0, cycle.regime.max()), (1, cycle.regime.min())):
+            begun = [r for r, pair in fields.begins.items() if pair[which] <= load]
+            assert max(begun, default=Regime.NO_SLIP) == regime
+            shown.add((which, regime))
+        slow, fast = 1e3 * cycle.mean_velocity.min(), 1e3 * cycle.mean_velocity.max()
+        assert np.interp(load, fields.load, fields.speed_min) / 25.0 == pytest.approx(
+            slow, rel=2e-3, abs=1e-2
+        )
+        if share >= 0.6:  # within the picture
+            lowest = np.interp(1e3 * x, band.amplitude, band.speed_min)
+            highest = np.interp(1e3 * x, band.amplitude, band.speed_max)
+            assert (lowest, highest) == pytest.approx((slow, fast), rel=2e-3)
+    assert len(shown) >= 4
+    # the largest acceleration, which is more than that along the trough
+    limit = fields.most_load * UNIT
+    edge = Setting(limit, 0.4 * limit, math.radians(-50.0), 25.0)
+    assert float(asked(known).load(edge)) == pytest.approx(1.5, rel=1e-12)
+
+
+def test_the_nearest_ellipse_meets_the_goal() -> None:
+    drive = {
+        "along_amplitude_mm": 0.2,
+        "normal_amplitude_mm": 0.08,
+        "normal_phase_deg": -60,
+        "frequency_hz": 50,
+    }
+    question = asked(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 80.0))
+    for digits, most in ((9, 0.08 * (1 + 1e-6)), (4, 0.08 * (1 + 2e-3))):
+        row = find(question, {}, digits).row("fastest")
+        assert row.frequency_needed_hz is not None
+        assert row.amplitude_needed_mm is not None
+        x, y = row.amplitude_needed_mm / 1e3, 0.4 * row.amplitude_needed_mm / 1e3
+        setting = Setting(x, y, math.radians(-60.0), row.frequency_needed_hz)
+        assert 0.08 <= guarantee_of(question.box(setting)).speed_min <= most
+
+
+@pytest.mark.parametrize(
+    ("drive", "texts"),
+    [
+        ({"amplitude_mm": 1, "along_amplitude_mm": 1, "normal_amplitude_mm": 1},
+         ("amplitude_mm = 1: not beside along_amplitude_mm and normal_amplitude_mm", "give either")),
+        ({"drive_angle_deg": 20, "normal_phase_deg": 5},
+         ("drive_angle_deg = 20: not beside normal_phase_deg", "along_amplitude_mm is missing")),
+        ({"stroke_mm": 1, "along_amplitude_mm": "1:2"},
+         ("stroke_mm = 1: not beside along_amplitude_mm", "normal_amplitude_mm is missing")),
+        ({"along_amplitude_mm": -1, "normal_amplitude_mm": "2:1"},
+         ("along_amplitude_mm = -1: must be", "normal_amplitude_mm = '2:1': must be")),
+        ({"along_amplitude_mm": 1, "normal_amplitude_mm": [1, 2]}, ("normal_amplitude_mm = [1, 2]: must",)),
+        ({"along_amplitude_mm": 1, "normal_amplitude_mm": 1, "acceleration_g": 0.1},
+         ("acceleration_g = 0.1: amplitude and frequency are such that it is at least 2.515",)),
+    ],
+)  # fmt: skip
+def test_what_no_drive_can_be_is_told(drive: dict[str, Any], texts: tuple[str, ...]) -> None:
+    with pytest.raises(InputError) as told:
+        read_spec(one_drive({"static_friction": 0.4, "friction_ratio": 0.9}, {"frequency_hz": 25, **drive}))
+    said = f"{told.value} {told.value.hint}"
+    for text in texts:
+        assert text in said
+
+
+@pytest.mark.parametrize(
+    ("key", "drive"),
+    [
+        ("normal_phase_deg", {"amplitude_mm": 1, "drive_angle_deg": 20}),
+        ("drive_angle_deg", {"along_amplitude_mm": 1, "normal_amplitude_mm": 0.3}),
+    ],
+)
+def test_a_drift_of_what_no_drive_has_is_refused(key: str, drive: dict[str, Any]) -> None:
+    question = one_drive(
+        {"static_friction": 0.4, "friction_ratio": 0.9}, {"frequency_hz": 25, **drive}, drift={key: 1}
+    )
+    with pytest.raises(InputError, match=rf"\[drift\] {key} = 1: no drive has {key}"):
+        read_spec(question)

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from helpers.draws import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 import vibro
@@ -53,7 +54,7 @@ def test_an_ellipse_that_is_a_line_has_the_lines_guarantee(amplitude: float) -> 
     assert (ellipse.proof_min, ellipse.proof_max) == ("proved", "proved")
 
 
-@settings(max_examples=3)
+@examples(3)
 @given(
     st.floats(0.3, 2.0),
     st.floats(0.05, 0.95),

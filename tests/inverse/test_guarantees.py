@@ -10,8 +10,10 @@ from unittest import mock
 import numpy as np
 import pytest
 from helpers.boxed import Boxed, boxes, tolerance
+from helpers.cases import each
+from helpers.draws import examples
 from helpers.scenes import replaced, scene_with
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
@@ -61,7 +63,7 @@ def assert_not_beaten(box: Boxed, found: Guarantee) -> None:
             assert ends[0] <= place[name] <= ends[1], name
 
 
-@settings(max_examples=20)
+@examples(20)
 @given(boxes(most_load=0.999))
 def test_a_box_without_width_is_a_scene(box: Boxed) -> None:
     cycle = vibro.solve(box.scene)
@@ -77,7 +79,7 @@ def test_a_box_without_width_is_a_scene(box: Boxed) -> None:
         assert found.min_at == found.max_at == {n: float(x) for n, x in box.scene.arrays()._asdict().items()}
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(boxes(forward=True, drifts=True))
 def test_no_sample_beats_corners(box: Boxed) -> None:
     found = vibro.guarantee(box.scene, **box.bands)
@@ -86,7 +88,7 @@ def test_no_sample_beats_corners(box: Boxed) -> None:
     assert_not_beaten(box, found)
 
 
-@settings(max_examples=6)
+@examples(6)
 @given(boxes())
 def test_no_sample_beats_searches(box: Boxed) -> None:
     assert_not_beaten(box, vibro.guarantee(box.scene, **box.bands))
@@ -108,7 +110,7 @@ def test_no_sample_beats_a_box_of_everything(trough: float) -> None:
     assert_not_beaten(Boxed(scene, bands), found)
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(boxes(forward=True, drifts=True), st.floats(1.0, 3.0))
 def test_wider_bands_never_help(box: Boxed, factor: float) -> None:
     wider = {}
@@ -139,7 +141,7 @@ def test_bands_that_grow_together_never_help_where_parts_slip_back() -> None:
         assert outer.regimes >= inner.regimes
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(boxes(forward=True, drifts=True), st.floats(0.2, 5.0))
 def test_speeds_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
     small, large = (
@@ -313,7 +315,7 @@ def test_means_count_with_three_errors_to_their_disadvantage() -> None:
     assert (found.speed_min, found.speed_max) == (mean - 3 * error, mean + 3 * error)
 
 
-@pytest.mark.parametrize(
+@each(
     ("bands", "message"),
     [
         ({"restitution": (0.1, 0.2)}, "band 'restitution'"),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from matplotlib.text import Text
 from typer.testing import CliRunner
 
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "design_machine.toml"
 PARTS = {"static_friction": "0.32:0.38", "kinetic_friction": "0.26:0.30"}
-#: Worked feeder of docs/machines.md, 0.35 mm at 50 Hz below resonance.
+#: Worked feeder of docs/guide/machines.md, 0.35 mm at 50 Hz below resonance.
 FEEDER: dict[str, Any] = {
     "name": "feeder", "kind": "magnet", "trough_mass_kg": 6, "counter_mass_kg": 12, "damping_ratio": 0.015,
     "natural_hz": 50 / 0.9, "calibration": {"amplitude_mm": 0.35, "frequency_hz": 50}, "frequency_hz": 50,
@@ -394,7 +395,7 @@ def test_settings_that_may_be_chosen() -> None:
     assert one.frequency == ((20.0, 30.0),)
 
 
-@pytest.mark.parametrize(
+@each(
     ("change", "said"),
     [
         ({"amplitude_mm": 0.3}, ("amplitude_mm = 0.3: not beside a machine", "setting_percent")),
@@ -489,7 +490,7 @@ def test_the_example_is_answered_in_settings_on_the_command_line(tmp_path: Path)
     assert designs.keys() == {("7 leaves", "fastest"), ("4 leaves", "fastest")} | {
         ("6 leaves", kind) for kind in ("gentlest", "fastest", "safest")
     }
-    # as examples/design_machine.toml and docs/design.md say
+    # as examples/design_machine.toml and docs/guide/design.md say
     speeds = {key: design["speed_min_mm_s"] for key, design in designs.items()}
     assert speeds["7 leaves", "fastest"] == pytest.approx(10.0, abs=0.05)
     assert speeds["4 leaves", "fastest"] == pytest.approx(11.2, abs=0.05)
@@ -520,6 +521,7 @@ def test_a_goal_that_no_pack_meets_says_what_misses(tmp_path: Path) -> None:
     assert any(line.startswith("closest feeder (6 leaves), fastest") for line in lines)
 
 
+@pytest.mark.usefixtures("coarse")
 def test_a_picture_of_a_filled_machine_tells_of_its_design_alone() -> None:
     spec = read_spec(asked(FEEDER | {"filling_kg": "0:1"}, 6.0))
     plain = read_spec(asked(FEEDER, 6.0))

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import math
 import re
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from typer.testing import CliRunner
 
 import vibro
@@ -25,6 +27,9 @@ from vibro.inverse.spaces import MotionSpace, Scaled, space_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from vibro.inverse.specs import Spec
+    from vibro.results.designs import Design, DesignResult
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "design_motion.toml"
 REST: dict[str, Any] = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -282,13 +287,18 @@ def question(drive: dict[str, Any], **goal: Any) -> dict[str, Any]:
 
 HARMONIC = {"along_harmonics_mm_deg": [[1.0, 0.0]], "normal_harmonics_mm_deg": [[0.3, -60.0]]}
 ELLIPTIC = {"along_amplitude_mm": 1.0, "normal_amplitude_mm": 0.3, "normal_phase_deg": -60}
+KINDS: dict[str, dict[str, Any]] = {"ellipse": ELLIPTIC, "harmonic": HARMONIC}
+
+
+@cache
+def designs_of(kind: str, **goal: Any) -> tuple[Design, ...]:
+    """Designs of the two drives above, which take a second each."""
+    return vibro.design(question(KINDS[kind], **goal), only="goal", digits=9).designs
 
 
 @pytest.mark.parametrize("goal", [{}, {"highest_regime": "forward-slip"}])
 def test_designs_of_one_harmonic_are_those_of_the_ellipse(goal: dict[str, Any]) -> None:
-    ovals, waves = (
-        vibro.design(question(drive, **goal), only="goal", digits=9).designs for drive in (ELLIPTIC, HARMONIC)
-    )
+    ovals, waves = designs_of("ellipse", **goal), designs_of("harmonic", **goal)
     for oval, wave in zip(ovals[:2], waves[:2], strict=True):  # margins are found less closely
         assert (wave.design, wave.set_by) == (oval.design, oval.set_by)
         if oval.frequency_hz is None:
@@ -311,6 +321,12 @@ def servo(**goal: Any) -> dict[str, Any]:
     return question(drive, speed_mm_s=60, **goal)
 
 
+@cache
+def servo_designs() -> tuple[Spec, DesignResult]:
+    spec = read_spec(servo())
+    return spec, find_designs(spec, goal_only=True)
+
+
 def slowest(scales: Any, frequencies: Any) -> NDArray[np.float64]:
     """Least speed [mm/s] of a grid of bodies of the servo, over settings."""
     parts = np.meshgrid([0.98, 1.0, 1.02], np.linspace(0.35, 0.45, 5), np.linspace(0.7, 0.9, 5))
@@ -325,7 +341,7 @@ def slowest(scales: Any, frequencies: Any) -> NDArray[np.float64]:
 def test_designs_are_those_of_a_grid() -> None:
     scale, frequency = np.meshgrid(np.linspace(0.5, 1.5, 101), np.linspace(1.5, 3.0, 16))
     least = slowest(scale, frequency)
-    gentlest, fastest, safest = vibro.design(servo(), only="goal").designs
+    gentlest, fastest, safest = servo_designs()[1].designs
     assert fastest.speed_min_mm_s == pytest.approx(least.max(), rel=1e-6)
     assert (fastest.motion_scale, fastest.frequency_hz) == (1.5, 1.5)
     gentle = scale[least >= 60.0].min()
@@ -361,8 +377,8 @@ def test_the_nearest_drive_meets_the_goal() -> None:
 
 
 def test_pictures_are_over_the_scale() -> None:
-    spec = read_spec(servo())
-    chosen = chosen_of(spec, find_designs(spec, goal_only=True))
+    spec, found = servo_designs()
+    chosen = chosen_of(spec, found)
     assert chosen is not None
     fields = setting_fields(spec, chosen)
     assert fields.amplitude == "motion_scale"
@@ -377,7 +393,9 @@ def test_pictures_are_over_the_scale() -> None:
     assert (first, last) == pytest.approx((onset[0] / 1.02, onset[1] / 0.98), rel=1e-9)
 
 
-def test_the_example_is_answered_on_the_command_line(tmp_path: Path) -> None:
+def test_the_example_is_answered_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.plots.settings._RESOLVED", 41)
+    monkeypatch.setattr("vibro.inverse.pictured._POINTS", {False: 41, True: 41})
     run = CliRunner().invoke(app, ["design", str(EXAMPLE), "--only", "goal", "-o", f"{tmp_path}/"])
     assert run.exit_code == 0, run.output
     assert "servo: motion scale 0.5 ... 1.5, frequency 1.5 ... 3 Hz" in run.stdout
@@ -393,7 +411,7 @@ def test_the_example_is_answered_on_the_command_line(tmp_path: Path) -> None:
     assert "amplitude_mm" not in answer["columns"]
 
 
-@pytest.mark.parametrize(
+@each(
     ("drive", "said"),
     [
         ({"motion_scale": 2}, "motion_scale = 2: without a motion"),
@@ -411,21 +429,21 @@ def test_drives_that_cannot_be_are_refused(drive: dict[str, Any], said: str) -> 
         read_spec(question(drive))
 
 
-@pytest.mark.parametrize("drive", [ELLIPTIC, HARMONIC])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("half_base", "stands"), [(5.0, True), (4.0, False)])
-def test_designs_of_parts_that_must_stand(drive: dict[str, Any], half_base: float, stands: bool) -> None:
+def test_designs_of_parts_that_must_stand(kind: str, half_base: float, stands: bool) -> None:
     """A part tips before it slips where its stand ratio is below static friction, of 0.35 to 0.45."""
-    asked = question(drive)
-    upright = {**asked, "part": {"half_base_mm": half_base, "centre_height_mm": 10}}
-    free, found = (vibro.design(one, only="goal").designs for one in (asked, upright))
+    asked = question(KINDS[kind])
+    spec = read_spec({**asked, "part": {"half_base_mm": half_base, "centre_height_mm": 10}})
+    result = find_designs(spec, digits=9, goal_only=True)
+    found = result.designs
     if stands:
-        assert found[:2] == free[:2]
+        assert found[:2] == designs_of(kind)[:2]
         assert found[2].margin is not None
         assert found[2].margin <= 2.0  # static friction of 0.5, where bands are twice as wide, tips parts
     else:
         assert [design.set_by for design in found] == [None, "tip", None]
-    spec = read_spec(upright)
-    chosen = chosen_of(spec, find_designs(spec, goal_only=True))
+    chosen = chosen_of(spec, result)
     assert (chosen is not None) == stands
     if chosen is not None:
         assert 1.0 < setting_fields(spec, chosen).tips < math.inf

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-COUNT = 9  # values of each band in a grid
+COUNT = 7  # values of each band in a grid
 drawn = boxes(drifts=True)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.questions import FEEDER, GOOD, PLACES, changed
 from hypothesis import given
 from hypothesis import strategies as st
@@ -75,7 +76,7 @@ def test_what_is_left_out_has_its_default() -> None:
     assert spec.goal.highest_regime is Regime.BACK_SLIP
 
 
-@pytest.mark.parametrize(
+@each(
     ("entries", "field", "expected"),
     [
         ({"scene__static_friction": 0.4}, "static_friction", (0.4, 0.4)),
@@ -96,7 +97,7 @@ def test_bands(entries: dict[str, Any], field: str, expected: tuple[float, float
     assert read_spec(changed(**entries)).bands[field] == pytest.approx(expected, rel=2e-16)
 
 
-@pytest.mark.parametrize(
+@each(
     ("key", "value", "field", "expected"),
     [
         ("amplitude_mm", "0.1:0.8", "amplitude", ((0.0001, 0.0008),)),
@@ -128,7 +129,7 @@ def test_a_traverse_time_is_a_speed() -> None:
     assert read_spec(changed(goal=goal, scene__trough_length_mm=1200)).goal.speed == 0.08
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "own", "static", "kinetic"),
     [
         ("steel on steel, dry, lust", None, (0.12, 0.6), (0.08, 0.5)),
@@ -280,7 +281,7 @@ BAD: list[tuple[dict[str, Any], str, str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("entries", "problem", "hint"), BAD)
+@each(("entries", "problem", "hint"), BAD)
 def test_what_is_wrong_is_named(entries: dict[str, Any], problem: str, hint: str) -> None:
     caught = refusal(changed(**entries))
     assert problem in caught.problems[0]
@@ -347,7 +348,7 @@ def test_a_scene_is_told_from_a_question(tmp_path: Path, text: str, is_scene: bo
     assert (wrong.hint == f'run vibro.read_scene("{path}")') is is_scene
 
 
-@pytest.mark.parametrize("source", [None, 3, ["a"], b"feeder.toml"])
+@each("source", [None, 3, ["a"], b"feeder.toml"])
 def test_a_source_that_is_no_path_and_no_mapping(source: Any) -> None:
     assert "must be a path, or a mapping with the tables of a question" in str(refusal(source))
 
@@ -379,7 +380,7 @@ def test_numbers_are_read_to_the_last_digit(
 
 
 def test_the_docs_show_a_question_and_list_every_key(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "design.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "guide" / "design.md").read_text(encoding="utf-8")
     path = tmp_path / "feeder.toml"
     path.write_text(page.split("```toml\n")[1].split("```")[0], encoding="utf-8")
     assert [drive.name for drive in read_spec(path).drives] == ["magnet", "motor"]
@@ -388,7 +389,7 @@ def test_the_docs_show_a_question_and_list_every_key(tmp_path: Path) -> None:
         assert f"`{key}`" in table
 
 
-@pytest.mark.parametrize(
+@each(
     "drive",
     [{"amplitude_mm": 1e300}, {"amplitude_mm": 1e12}, {"frequency_hz": 1e200}, {"frequency_hz": "1:1e9"}],
 )
@@ -426,7 +427,7 @@ def problem_of(**entries: Any) -> str:
     return ""
 
 
-@pytest.mark.parametrize(
+@each(
     ("entries", "refused"),
     [
         # parts of mu_s = 1 slide down 45 deg: the least friction and the steepest trough count, either way
@@ -469,8 +470,8 @@ def test_angles_end_just_where_parts_slide_or_the_normal_is_reached(entries: Any
     assert bool(said) is bool(refused)
 
 
-@pytest.mark.parametrize("gravity", [9.81, 1.62])
-@pytest.mark.parametrize(("factor", "refused"), [(1.0, False), (1.0 - 1e-12, True), (1.0 + 1e-12, False)])
+@each("gravity", [9.81, 1.62])
+@each(("factor", "refused"), [(1.0, False), (1.0 - 1e-12, True), (1.0 + 1e-12, False)])
 def test_an_acceleration_may_be_the_least_of_the_drive(gravity: float, factor: float, refused: bool) -> None:
     drive = {"amplitude_mm": "0.8:2", "frequency_hz": [20, 50], "drive_angle_deg": 20}
     spec = read_spec(changed(drive=[drive], scene__gravity_m_s2=gravity))
@@ -499,7 +500,7 @@ def test_an_acceleration_of_a_thousand_million_is_allowed() -> None:
     assert "must be at most 1e+09 g" in problem_of(drive=[drive], scene__gravity_m_s2=gravity * (1 - 1e-15))
 
 
-@pytest.mark.parametrize(("kinetic", "refused"), [("0.5:0.6", False), ("0.51:0.6", True), (0.5, False)])
+@each(("kinetic", "refused"), [("0.5:0.6", False), ("0.51:0.6", True), (0.5, False)])
 def test_kinetic_friction_may_begin_at_the_largest_static_friction(kinetic: Any, refused: bool) -> None:
     scene = {"static_friction": "0.3:0.5", "kinetic_friction": kinetic}
     said = problem_of(scene=scene)
@@ -507,9 +508,7 @@ def test_kinetic_friction_may_begin_at_the_largest_static_friction(kinetic: Any,
     assert bool(said) is refused
 
 
-@pytest.mark.parametrize(
-    ("names", "said"), [(("a", "a"), "2 drives"), (("a", "a", "a"), "3 drives"), (("a", "b"), "")]
-)
+@each(("names", "said"), [(("a", "a"), "2 drives"), (("a", "a", "a"), "3 drives"), (("a", "b"), "")])
 def test_every_drive_has_its_own_name(names: tuple[str, ...], said: str) -> None:
     drive = {"amplitude_mm": 0.8, "frequency_hz": 50, "drive_angle_deg": 20}
     assert said in (found := problem_of(drive=[{**drive, "name": name} for name in names]))

@@ -9,8 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from helpers.boxed import Boxed, boxes, with_fields
+from helpers.cases import each
+from helpers.draws import examples
 from helpers.scenes import replaced, scene_with
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -56,7 +58,7 @@ def assert_guarantees(
         assert found < speed or regime > highest, ends
 
 
-@settings(max_examples=15)
+@examples(15)
 @given(boxes(), st.floats(0.05, 1.05))
 def test_one_body_is_followed_through_every_jump(box: Boxed, share: float) -> None:
     scene = box.scene
@@ -75,7 +77,7 @@ def test_one_body_is_followed_through_every_jump(box: Boxed, share: float) -> No
         assert before.high < after.low
 
 
-@settings(max_examples=5)
+@examples(5)
 @given(boxes(), st.floats(0.0, 5.0), st.floats(0.1, 0.9))
 def test_forward_slip_is_guaranteed_in_a_box(box: Boxed, percent: float, share: float) -> None:
     scene = box.scene
@@ -126,7 +128,7 @@ def test_hopping_bodies_are_followed_up_to_the_limit() -> None:
     assert_guarantees(NUT, 0.14, interval, Regime.HOPPING, {})
 
 
-@settings(max_examples=15)
+@examples(10)
 @given(boxes(), st.floats(0.2, 5.0))
 def test_amplitudes_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
     speed = 0.01
@@ -139,7 +141,7 @@ def test_amplitudes_go_with_the_scale_of_length(box: Boxed, scale: float) -> Non
     assert [end * scale**2 for i in large for end in i[:2]] == pytest.approx(ends, rel=1e-9)
 
 
-@pytest.mark.parametrize(
+@each(
     ("options", "message"),
     [
         (
@@ -190,7 +192,7 @@ class Scan(NamedTuple):
         return np.asarray(cycle.mean_velocity - 3.0 * error)
 
 
-def ellipse(seed: int, most_throw: float, restitution: float = 0.0) -> Scan:
+def ellipse(seed: int, most_throw: float, restitution: float = 0.0, count: int = 20_000) -> Scan:
     """Draw an elliptical drive, level or inclined, and amplitudes up to a throw number."""
     rng = np.random.default_rng(seed)
     x, y = rng.choice([1.0, 1.0, 1.0, 0.0]), rng.uniform(0.05, 1.5)
@@ -201,7 +203,7 @@ def ellipse(seed: int, most_throw: float, restitution: float = 0.0) -> Scan:
         trough_angle=rng.choice([0.0, rng.uniform(-0.2, 0.2)]), restitution=restitution,
     )  # fmt: skip
     top = most_throw * 1e-3 * (x or y) / float(solve(scene, output="regimes").throw_number)
-    return Scan(scene, np.linspace(0.0, top, 20001)[1:-1])
+    return Scan(scene, np.linspace(0.0, top, count + 1)[1:-1])
 
 
 def fastest(speeds: Floats) -> float:
@@ -238,7 +240,7 @@ def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
     """Of 30 scenes those of regular hops agree at every amplitude; irregular ones differ in 0.2 % at most."""
     agree = 0
     for seed in range(30):
-        scan = ellipse(seed, 10.0)
+        scan = ellipse(seed, 10.0, count=5_000)
         speeds = scan.speeds(scan.amplitudes)
         speed = 0.4 * fastest(speeds)
         limit = float(scan.amplitudes[-1])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.errors import SceneError
 from vibro.machines.fitting import fit_response, least_squares
@@ -140,7 +141,7 @@ def test_no_damping_ratio_where_its_square_is_negative() -> None:
     assert fit.damping_ratio_interval[0] == 0.0
 
 
-@pytest.mark.parametrize(
+@each(
     ("points", "more", "field"),
     [
         ([(48.0, 1e-3), (50.0, 2e-3)], {}, "points"),

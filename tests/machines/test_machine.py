@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -73,7 +74,7 @@ def test_the_table_is_whole() -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("row", ROWS, ids=[row["id"] for row in ROWS])
+@each("row", ROWS)
 def test_a_machine_moves_as_with_60_digits(row: dict[str, str]) -> None:
     machine = machine_of(row)
     given = {
@@ -225,7 +226,7 @@ def test_a_filling_shrinks_the_amplitude_by_its_share_of_the_impedance(
 
 
 def test_springs_give_the_closed_slopes_of_a_machine_without_mount() -> None:
-    """The elasticities of theory.md in closed form, for a magnet between two masses."""
+    """The elasticities of docs/theory in closed form, for a magnet between two masses."""
     machine = Machine.magnet(**FEEDER, natural_frequency=50.0, force=40.0)
     for eta in (0.5, 0.9, 1.05, 3.0):
         slopes = machine.response(50.0 * eta).elasticities
@@ -307,7 +308,7 @@ GOOD: dict[str, dict[str, Any]] = {
 _ON_MOUNT = {"counter_mass": math.inf, "base_stiffness": 1e4}
 
 
-@pytest.mark.parametrize(
+@each(
     ("kind", "change", "message", "hint"),
     [
         ("magnet", {"natural_frequency": None}, "natural_frequency: missing", "ring down"),
@@ -340,7 +341,7 @@ def test_errors_have_the_field_the_value_and_the_remedy(
     assert hint in caught.value.hint
 
 
-@pytest.mark.parametrize(
+@each(
     ("kind", "call", "message"),
     [
         ("crank", lambda m: m.with_natural_frequency(5.0), "natural_frequency = 5.0: must be left out"),

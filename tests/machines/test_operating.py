@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,7 +29,7 @@ SLIDER: dict[str, Any] = {
 
 
 def feeder(ratio: float, **changes: Any) -> Machine:
-    """Make the worked feeder of theory.md with f/f0 = ratio: 0.35 mm at 50 Hz when it is empty."""
+    """Make the worked feeder of docs/theory with f/f0 = ratio: 0.35 mm at 50 Hz when it is empty."""
     given = {
         "trough_mass": 6.0,
         "counter_mass": 12.0,
@@ -90,7 +91,7 @@ WORKED = [
 def test_the_worked_feeder(
     ratio: float, force: int, filled: tuple[float, ...], mains: tuple[float, ...]
 ) -> None:
-    """The table of theory.md: speeds with 1, 2 and 4 kg, and with mains of 49.5 and 50.5 Hz, in percent."""
+    """The table of docs/theory: speeds with 1, 2 and 4 kg, and with mains of 49.5 and 50.5 Hz, in percent."""
     machine = feeder(ratio)
     assert round(machine.force) == force
     empty, *full = speeds(vibro.operate(machine, filling=[0.0, 1.0, 2.0, 4.0], **SLIDER))
@@ -365,7 +366,7 @@ def test_resonance_and_the_second_harmonic_are_told() -> None:
     assert full.second_harmonic == pytest.approx(abs(moved) / full.amplitude, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each(
     ("change", "message"),
     [
         ({"filling": -1.0}, "filling = -1 kg: must be finite and >= 0 kg"),

@@ -21,7 +21,7 @@ SLIDER: dict[str, Any] = {
 
 
 def worked(ratio: float) -> Case:
-    """Make the worked feeder of theory.md with 4 kg in its trough."""
+    """Make the worked feeder of docs/theory with 4 kg in its trough."""
     machine = Machine.magnet(
         trough_mass=6.0,
         counter_mass=12.0,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.scenes import GRAVITY, Groups, at_load, contact_groups, replaced, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
@@ -220,7 +221,7 @@ def test_the_history_of_a_length_ends_on_arrival() -> None:
     assert moved.end < vibro.simulate(scene_with(), length=0.02).end
 
 
-@pytest.mark.parametrize(
+@each(
     ("arguments", "words"),
     [
         ({}, "exactly one of cycles, duration and length; given: none"),

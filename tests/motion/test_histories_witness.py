@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from engines.integrated import TURN
 from helpers.scenes import Groups, at_load, contact_groups, replaced
-from hypothesis import given, settings
+from hypothesis import given
 
 import vibro
 
@@ -33,7 +33,6 @@ def _late(
     return history, last[:-1]
 
 
-@settings(max_examples=40)
 @given(contact_groups())
 def test_friction_keeps_inside_its_cone_and_takes_what_the_drive_gives(groups: Groups) -> None:
     history, phases = _late(groups)

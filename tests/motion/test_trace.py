@@ -105,6 +105,12 @@ def test_the_motion_table_is_in_the_units_of_its_headers(history: vibro.History)
     assert (np.asarray(table["gap_mm"], float) == 0.0).all()
 
 
+def test_the_motion_table_names_the_phase_that_begins_at_an_event(history: vibro.History) -> None:
+    table = motion_table(history, trace(history, until=history.end, samples_per_cycle=0))
+    begun = [PHASE_NAMES[p.kind] for p in history.phases]
+    assert table["phase"] == [*begun, begun[-1]]
+
+
 def test_trough_phases_begin_where_the_run_does() -> None:
     history = vibro.simulate(nut(), cycles=1, start_phase=math.radians(90))
     table = motion_table(history, trace(history, until=history.end, samples_per_cycle=4))

@@ -9,6 +9,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.plans import plan_of, swept
 from hypothesis import given
 from hypothesis import strategies as st
@@ -58,7 +59,7 @@ def check_same(again: Plan, plan: Plan) -> None:
         assert getattr(again, name) == getattr(plan, name)
 
 
-@pytest.mark.parametrize(
+@each(
     "plan",
     [
         plan_of(nut()),
@@ -226,7 +227,7 @@ DIFFERENT = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("said", DIFFERENT)
+@each("said", DIFFERENT)
 def test_every_difference_is_named(said: str) -> None:
     here = DIFFERENT[said]
     assert "; ".join(here.differences(THERE)) == said
@@ -261,7 +262,7 @@ def test_shards_are_ranges_of_all_cells() -> None:
 DEAR, CHEAP = 20_000, 1_000_000
 
 
-@pytest.mark.parametrize(
+@each(
     ("given", "cells"),
     [
         ({}, CHEAP),
@@ -290,7 +291,7 @@ def test_more_shards_than_names_can_number_are_refused() -> None:
     assert whole(grid, 2).shards == MOST_SHARDS / 2 + 1
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     ["", "{", "[]", "3", '"vibro sweep 1"', "null", "{}", '{"format": 3}', '{"format": "other"}', "\0"],
 )

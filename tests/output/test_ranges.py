@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.cases import each
 from helpers.plans import NUT, written
 from helpers.sharded import PLAN, SHARDS, Once, made, small_plan, undisturbed
 
@@ -90,7 +91,7 @@ def test_of_two_that_begin_at_once_the_later_takes_the_manifest_of_the_first_or_
         assert json.loads((folder / MANIFEST).read_bytes())["fingerprint"] == plan.fingerprint
 
 
-@pytest.mark.parametrize(
+@each(
     "shards", ["4:4", "3:2", "0:5", "9:12", "-1:2", "0:", ":2", "0:2:1", "a:b", "0 : 2", "", "1e0:2", 2, True]
 )
 def test_ranges_that_are_none_are_refused_and_leave_nothing(tmp_path: Path, shards: Any) -> None:

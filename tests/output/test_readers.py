@@ -1,4 +1,4 @@
-"""Programs that read Parquet take a sweep's folder as it is, and what docs/scale.md says of them runs."""
+"""Programs that read Parquet take a sweep folder as it is; what guide/scale.md says of them runs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from vibro.cli.app import app
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-SCALE = (Path(__file__).parents[2] / "docs" / "scale.md").read_text(encoding="utf-8")
+SCALE = (Path(__file__).parents[2] / "docs" / "guide" / "scale.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -87,8 +87,8 @@ def test_what_the_docs_say_of_readers_runs(
     answer = lines.body.pop()
     assert isinstance(answer, ast.Expr)
     names: dict[str, Any] = {}
-    exec(compile(lines, "docs/scale.md", "exec"), names)
-    found = eval(compile(ast.Expression(answer.value), "docs/scale.md", "eval"), names)
+    exec(compile(lines, "docs/guide/scale.md", "exec"), names)
+    found = eval(compile(ast.Expression(answer.value), "docs/guide/scale.md", "eval"), names)
     if isinstance(found, pd.DataFrame):
         assert len(found) == np.sum(frame["amplitude_mm"] < 1) > 0
     elif isinstance(found, polars.DataFrame):

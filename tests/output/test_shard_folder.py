@@ -11,6 +11,7 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
+from helpers.cases import each
 from helpers.commands import POSIX
 
 import vibro.interrupts
@@ -221,7 +222,7 @@ def test_a_signal_keeps_what_is_whole_and_says_how_to_go_on(tmp_path: Path) -> N
     assert len(vibro.interrupts._acts) == before
 
 
-@pytest.mark.parametrize(
+@each(
     ("there", "others"),
     [
         (["notes.txt"], "notes.txt"),
@@ -240,16 +241,18 @@ def test_a_signal_keeps_what_is_whole_and_says_how_to_go_on(tmp_path: Path) -> N
     ],
 )
 def test_a_folder_that_holds_something_else_is_refused(tmp_path: Path, there: list[str], others: str) -> None:
+    folder = tmp_path / str(len(names(tmp_path)))
+    folder.mkdir()
     for name in there:
-        (tmp_path / name).mkdir() if name.endswith("/") else (tmp_path / name).touch()
-    with held(tmp_path) as files:
+        (folder / name).mkdir() if name.endswith("/") else (folder / name).touch()
+    with held(folder) as files:
         if others:
             with pytest.raises(FileError, match=f"holds something else: {re.escape(others)}\n") as caught:
                 files.check_free()
             assert caught.value.hint == "choose another name"
         else:
             files.check_free()
-    assert names(tmp_path) == sorted(name.rstrip("/") for name in there)
+    assert names(folder) == sorted(name.rstrip("/") for name in there)
 
 
 def test_clearing_removes_the_files_of_a_sweep_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

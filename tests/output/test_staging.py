@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.cases import each
 from helpers.outputs import NAMES, POSIX, Picture, at_each_step, every, put, staging, texts
 
 from vibro import __version__
@@ -128,8 +129,8 @@ def test_a_replaced_file_keeps_its_mode_and_a_new_one_has_the_usual(tmp_path: Pa
 
 
 @POSIX
-@pytest.mark.parametrize("force", [False, True])
-@pytest.mark.parametrize("name", NAMES)
+@each("force", [False, True])
+@each("name", NAMES)
 def test_what_is_not_a_regular_file_is_never_replaced(tmp_path: Path, name: str, force: bool) -> None:
     target, other = tmp_path / name, tmp_path / "other"
     other.write_text("mine", encoding="utf-8")

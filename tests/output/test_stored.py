@@ -12,14 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from helpers.cases import each
 from helpers.pixels import pixels
 from helpers.plans import store
 
 import vibro
 from vibro.core.codes import Status
 from vibro.errors import FileError, InputError, VibroError
+from vibro.output.gathered import Texts
 
 if TYPE_CHECKING:
     from vibro.output.stored import StoredSweep
@@ -78,7 +81,7 @@ def test_categories_are_in_the_order_of_physics(held: Sweep, stored: StoredSweep
             assert list(frame[name].cat.categories) == list(other[name].cat.categories)
 
 
-@pytest.mark.parametrize(
+@each(
     ("filters", "kept"),
     [
         ({"f": 15}, {"frequency_hz": [15]}),
@@ -102,7 +105,7 @@ def test_filters_keep_cells_in_their_order(
     pd.testing.assert_frame_equal(stored.to_frame(filters), expected)
 
 
-@pytest.mark.parametrize(
+@each(
     ("filters", "columns", "problem", "hint"),
     [
         ({"colour": 1}, None, "filters: 'colour' is no axis", "by key, such as amplitude_mm"),
@@ -368,3 +371,10 @@ def test_names_that_mean_something_elsewhere_are_those_of_folders(
     monkeypatch.chdir(copy.parent)
     copy.rename(name)
     assert len(vibro.open_sweep(name).to_frame(columns=["regime"])) == 924
+
+
+def test_texts_that_come_in_pieces_keep_their_order() -> None:
+    found = Texts(6)
+    pieces = [pa.array(texts).dictionary_encode() for texts in (["F_", "B_"], ["B_"], ["R", "F_"])]
+    found.put(1, pa.chunked_array(pieces))
+    assert [[*found.texts][code] for code in found.codes[1:]] == ["F_", "B_", "B_", "R", "F_"]

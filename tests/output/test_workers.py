@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import http.server
+import logging
 import os
 import signal
 import socket
@@ -106,6 +107,11 @@ def checked(workers: Workers, future: Future[Any]) -> Any:
     return future.result()
 
 
+def levels() -> dict[str, int]:
+    """Return the levels of all loggers."""
+    return {name: logging.getLogger(name).level for name in [*logging.root.manager.loggerDict]}
+
+
 @contextmanager
 def answering(kind: str) -> Iterator[str]:
     """Return an address where no scheduler is."""
@@ -138,12 +144,13 @@ def test_an_address_without_a_scheduler_is_told_and_nothing_remains(
     if kind != "tls":  # that is told at once
         monkeypatch.setattr(room, "_CONNECTING", 0.5)
     with answering(kind) as address:
-        before = set(threading.enumerate())
+        before, levels_before = set(threading.enumerate()), levels()
         with pytest.raises(FileError, match=told) as caught:
             Cluster(address).__enter__()
         assert "--" not in f"{caught.value} {caught.value.hint}"  # options are the command line's matter
         left = set(threading.enumerate()) - before
         assert [thread.name for thread in left if "process_request" not in thread.name] == []
+        assert levels() | levels_before == levels()
     del caught
     gc.collect()  # a client that is left behind writes a traceback now, or a warning
     assert capfd.readouterr() == ("", "")

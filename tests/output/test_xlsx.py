@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.workbooks import (
     NUT,
     grid_of,
@@ -306,7 +307,7 @@ def test_every_column_has_a_meaning_in_words_for_people() -> None:
     assert not [column.meaning for column in columns if "$" in column.meaning]
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     [
         "=1+1",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from vibro.axes import Axis
+from vibro.core.codes import Regime
 from vibro.plots.fields import Fields, without_hidden, zero_lines
 from vibro.plots.view import Panel
 
@@ -40,6 +41,14 @@ def test_contours_keep_off_a_point_of_longer_period() -> None:
 def test_contours_do_not_pass_between_such_points(distance: int, joined: bool) -> None:
     row = rough((30, 20), (30, 20 + distance))[30, 20 : 20 + distance]
     assert row.all() == joined
+
+
+@pytest.mark.parametrize(("errors", "sure"), [(2.9, False), (3.1, True)])
+def test_a_mean_is_negative_from_three_standard_errors_on(errors: float, sure: bool) -> None:
+    whole = {"mean_velocity": -1.0, "mean_velocity_error": 1.0 / errors, "period_cycles": np.nan}
+    hops = {"forward_ratio": 2.0, "throw_number": 2.0, "regime": Regime.HOPPING}
+    cells = {name: np.full((SIZE, SIZE), value) for name, value in {**whole, **hops}.items()}
+    assert fields(**cells).reverses is sure
 
 
 def test_lines_are_the_same_without_what_is_hidden() -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import pytest
+from helpers.cases import each
 from helpers.drawn import OWN, sweep
 from helpers.made_records import Walked, nut
 from PIL import Image
@@ -80,7 +81,7 @@ def assert_heading_is_inside(figure: Figure) -> None:
     assert box.y1 < height
 
 
-@pytest.mark.parametrize("name", NAMES, ids=SPELLED)
+@each("name", NAMES)
 def test_names_are_shown_as_they_are(name: str) -> None:
     text = figure_text(name, 10.5, WIDE)
     shown = text.replace(r"\$", "$")

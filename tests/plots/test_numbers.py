@@ -93,6 +93,19 @@ def test_scales_tell_apart_what_most_bodies_do(
         assert np.ptp(heights) > 0.3
 
 
+def test_a_logarithmic_scale_begins_below_nearly_all_numbers_within_five_decades() -> None:
+    def foot(seen: Floats, regular: Floats) -> float:
+        scale = scale_of(seen, regular, regular, reverses=False)
+        assert type(scale.norm) is LogNorm
+        return float(scale.norm.vmin or 0.0)
+
+    assert np.mean(foot(LEVEL, LEVEL[LEVEL < 3]) > LEVEL) == pytest.approx(0.02, abs=0.01)
+    few = np.geomspace(1e-9, 10.0, 101)
+    assert foot(few, few[few < 3]) == pytest.approx(1e-4)
+    fast = np.concatenate([[0.0, 1.0], np.linspace(8.0, 10.0, 199)])
+    assert foot(fast, fast[:2]) == pytest.approx(5.0)
+
+
 def test_times_near_rest_do_not_set_the_scale() -> None:
     times = np.concatenate([np.linspace(1.0, 20.0, 200), [1e3, 1e9]])
     scale = time_scale(times)

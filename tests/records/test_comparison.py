@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FILE, Walked, bowl, nut
 
 import vibro
@@ -50,7 +51,7 @@ def test_the_committed_study_is_what_its_script_makes() -> None:
 
 
 def test_how_far_smoothing_alone_moves_speed_and_advance() -> None:
-    """The figures of docs/compare.md, without noise: the fourth cycle of the study against the exact one."""
+    """The figures of guide/compare.md, without noise: the fourth cycle of the study against the exact one."""
     times = 3.0 * PERIOD + np.linspace(0.0, PERIOD, 2001)
     displacement, velocity = STUDY["simulate"](times)
     exact = vibro.solve(nut())
@@ -206,7 +207,7 @@ def test_friction_tells_the_place_of_a_body_at_rest() -> None:
 @pytest.mark.parametrize("signals", [("displacement",), ("velocity",), ("acceleration", "friction")])
 def test_a_record_is_aligned_and_compared(label: str, signals: tuple[str, ...]) -> None:
     walked = Walked(ON_ELLIPSES[label])
-    comparison = compare(ON_ELLIPSES[label], walked.observe(*signals))
+    comparison = compare(ON_ELLIPSES[label], walked.observe(*signals, cycles=8))
     assert comparison.passing == "forwards"
     assert comparison.motion.pattern == label
     assert abs(comparison.alignment.shift - 0.0137) < 4.0 * comparison.alignment.error < 0.05 * PERIOD
@@ -303,8 +304,8 @@ def test_a_drift_of_a_velocity_is_told_as_it_is() -> None:
     assert found["drift"].measured.value == pytest.approx(0.03 * np.ptp(observation.time), rel=0.02)
 
 
-@pytest.mark.parametrize("rising", [True, False])
-@pytest.mark.parametrize("way", [1, -1])
+@each("rising", [True, False])
+@each("way", [1, -1])
 def test_a_speed_passes_a_level_between_two_points(way: int, rising: bool) -> None:
     time = np.arange(801) / 600.0
     folded = fold(time, way * np.sin(2.0 * math.pi * FREQUENCY * time), FREQUENCY, 1)
@@ -351,7 +352,7 @@ def test_errors_of_starts_and_ends_are_those_of_repeated_noise() -> None:
         assert 0.5 * scatter < told < 2.0 * scatter, key
 
 
-@pytest.mark.parametrize("label", ["F_", "B_", "F_B_", "F_B", "FB"])
+@each("label", ["F_", "B_", "F_B_", "F_B", "FB"])
 def test_starts_and_ends_are_where_the_speed_passes_a_tenth_of_its_peak(label: str) -> None:
     """Of each slide; and the peak speed is that of the faster one, whichever way it goes."""
     walked = Walked(ON_ELLIPSES[label])
@@ -472,8 +473,8 @@ def test_a_force_needs_a_mass() -> None:
 SIZES = {"displacement": 1.0, "velocity": 1.0, "acceleration": 1.0, "friction": 1.0}
 
 
-@pytest.mark.parametrize("signal", SIZES)
-@pytest.mark.parametrize(("factor", "told"), [(6.7, False), (7.3, True), (1 / 6.7, False), (1 / 7.3, True)])
+@each("signal", SIZES)
+@each(("factor", "told"), [(6.7, False), (7.3, True), (1 / 6.7, False), (1 / 7.3, True)])
 def test_a_signal_is_far_off_beyond_seven_times_and_below_a_seventh(
     signal: str, factor: float, told: bool
 ) -> None:
@@ -510,7 +511,7 @@ def test_a_displacement_that_only_grows_is_too_small() -> None:
     assert any("the displacement is about 0.05 times the computed one" in text for text in warnings)
 
 
-@pytest.mark.parametrize(
+@each(
     ("off", "error", "said"),
     [
         # less than 2 % of a cycle, and within four errors, is no difference

@@ -221,7 +221,7 @@ def test_equal_coefficients_are_at_the_limit() -> None:
 
 @pytest.mark.usefixtures("own_start_alone")
 def test_smoothed_friction_looks_like_more_friction() -> None:
-    """The figures of docs/compare.md: what smoothing adds to both coefficients."""
+    """The figures of docs/guide/compare.md: what smoothing adds to both coefficients."""
     record = read_record(STUDY_FILE)
     for mass in (None, STUDY["MASS"]):
         found = parameters(fit(nut(), Observation.of(record, FREQUENCY, mass=mass), SLIP))
@@ -625,17 +625,18 @@ def fitted_with_its_drive(seed: int, *, carried: bool) -> Fit:
     return fit(scene, observation, ["static_friction", "kinetic_friction"], drive.moved if carried else ())
 
 
+@pytest.mark.usefixtures("own_start_alone")
 def test_intervals_carry_the_errors_of_a_measured_drive() -> None:
     """Without them most intervals of mu_d miss its true value, by many of their widths."""
     held = {False: np.zeros(2), True: np.zeros(2)}
-    for seed in range(14):
-        for carried in held:
+    for carried, seeds in ((True, 14), (False, 8)):
+        for seed in range(seeds):
             static, kinetic = fitted_with_its_drive(seed, carried=carried).parameters
             held[carried] += static.low < 0.74 < static.high, kinetic.low < 0.57 < kinetic.high
             if carried:
                 assert abs(kinetic.value - 0.57) < 1.2 * (kinetic.high - kinetic.low)
     assert (held[True] >= 12).all()
-    assert held[False][1] <= 7
+    assert held[False][1] <= 4
 
 
 def test_a_drive_that_is_known_exactly_widens_nothing() -> None:

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.made_records import FREQUENCY
 
 from vibro.errors import InputError
@@ -64,9 +65,7 @@ def test_noise_that_lasts_raises_the_errors() -> None:
     assert mean == pytest.approx((0.0, math.sqrt(32.0 / 49.0 * 64.0 / 2.0 / 64.0)), rel=1e-6, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("samples", "count"), [(8, 3), (12, 5), (13, 5), (30, 13), (53, 23), (54, 24), (100, 24)]
-)
+@each(("samples", "count"), [(8, 3), (12, 5), (13, 5), (30, 13), (53, 23), (54, 24), (100, 24)])
 def test_harmonics_are_resolved_up_to_nine_tenths_of_half_the_rate(samples: int, count: int) -> None:
     """But no more than 24 of them."""
     time = np.arange(2 * samples + 1) / samples
@@ -75,7 +74,7 @@ def test_harmonics_are_resolved_up_to_nine_tenths_of_half_the_rate(samples: int,
     assert harmonics(time, 1.0, count).shape == (time.size, 2 * count)
 
 
-@pytest.mark.parametrize(("cycles", "samples", "said"), [
+@each(("cycles", "samples", "said"), [
     (2.0, 8.0, None),
     (1.99, 40.0, "the data cover 1.99 drive cycles of 1000 ms: at least 2 are needed"),
     (1.999, 1000.0, "the data cover 1.99 drive cycles of 1000 ms: at least 2 are needed"),
@@ -224,8 +223,8 @@ def test_too_few_cycles_or_samples(count: int, rate: float, said: str) -> None:
     assert caught.value.hint
 
 
-@pytest.mark.parametrize(("cycles", "digits"), [(10, 15), (10, 6), (20, 6)])
-@pytest.mark.parametrize("frequency", [13.0, 15.0, 17.3, 33.3])
+@each(("cycles", "digits"), [(10, 15), (10, 6), (20, 6)])
+@each("frequency", [13.0, 15.0, 17.3, 33.3])
 def test_rounded_times_resolve_as_many_harmonics_as_exact_ones(
     frequency: float, cycles: int, digits: int
 ) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.made_records import FREQUENCY, Walked, nut
 
 from vibro.motion.histories import simulate
@@ -45,8 +46,8 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("signal", SIGNALS)
+@each("name", SCENES)
+@each("signal", SIGNALS)
 def test_no_other_frequency_is_claimed_of_data_that_repeat_with_the_drive(name: str, signal: str) -> None:
     """Also of records that are short, coarse and noisy, of which no frequency could be told sharply."""
     claims = []
@@ -57,8 +58,8 @@ def test_no_other_frequency_is_claimed_of_data_that_repeat_with_the_drive(name: 
     assert claims == []
 
 
-@pytest.mark.parametrize("signal", SIGNALS)
-@pytest.mark.parametrize("factor", [0.4, 0.5, 0.7, 0.98, 1.02, 1.3, 2.0, 2.5, 3.0])
+@each("signal", SIGNALS)
+@each("factor", [0.4, 0.5, 0.7, 0.98, 1.02, 1.3, 2.0, 2.5, 3.0])
 def test_a_wrong_frequency_is_named_with_the_right_one(signal: str, factor: float) -> None:
     """Twice and half the true one too; all within what the record tells."""
     for name in ("F_", "FB"):

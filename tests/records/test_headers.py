@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.made_tables import refusal
 
 from vibro.errors import InputError
@@ -30,7 +31,7 @@ def told(folder: Path, header: str, row: str, *sensitivities: str, **columns: st
 # --- rows of units ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("units", ["[s];[mm];", "(s);(mm);", "s;mm;", "s;(mm);[]"])
+@each("units", ["[s];[mm];", "(s);(mm);", "s;mm;", "s;(mm);[]"])
 def test_a_row_of_units_may_leave_some_out(tmp_path: Path, units: str) -> None:
     record = read(tmp_path, f"Time;X;Y\n{units}", "1;5")
     assert record.headers == {"time": "Time [s]", "displacement": "X [mm]"}
@@ -47,7 +48,7 @@ def test_a_row_of_units_of_another_width_is_none(tmp_path: Path) -> None:
 # --- names and units ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each(
     ("header", "signal", "expected"),
     [
         ("speed_in_s", "velocity", 0.0254),
@@ -64,7 +65,7 @@ def test_names_that_end_in_a_unit(tmp_path: Path, header: str, signal: str, expe
     assert record.signals[signal][0] == pytest.approx(expected, rel=1e-15)
 
 
-@pytest.mark.parametrize(
+@each(
     ("header", "name", "signal", "sensitivity", "expected"),
     [
         ("a/mV", "a", "acceleration", "2mV/m/s2", 0.5),
@@ -80,7 +81,7 @@ def test_a_signal_over_a_unit_of_voltages(
     assert record.signals[signal] == pytest.approx([expected] * 2)
 
 
-@pytest.mark.parametrize(
+@each(
     ("words", "role", "unit"),
     [
         (("Position", "Weg_2", "Relative x", "xi", "s", "X2"), "displacement", "mm"),
@@ -97,7 +98,7 @@ def test_of_several_columns_of_a_unit_that_with_the_word_is_taken(
         assert record.headers[role] == f"{word} [{unit}]"
 
 
-@pytest.mark.parametrize("word", ["Zeit 2", "zeit", "T", "t_1", "TIME"])
+@each("word", ["Zeit 2", "zeit", "T", "t_1", "TIME"])
 def test_of_several_clocks_that_with_the_word_is_taken(tmp_path: Path, word: str) -> None:
     path = tmp_path / "data.csv"
     path.write_text(f"trigger [s],{word} [ms],x [mm]\n7,1,5\n7,2,6\n", encoding="utf-8")
@@ -202,13 +203,13 @@ def test_a_column_like_one_of_the_troughs_is_not_taken_for_a_part(
     assert set(found.signals) == {"velocity"}
 
 
-@pytest.mark.parametrize("unit", ["mm", "mm/s", "m/s^2"])
+@each("unit", ["mm", "mm/s", "m/s^2"])
 def test_the_troughs_motion_may_have_any_kind(tmp_path: Path, unit: str) -> None:
     record = read(tmp_path, f"t [s];a [{unit}];x [N]", "1;2", trough_along="a")
     assert record.trough_derivatives == {"trough_along": ["m/s^2", "mm/s", "mm"].index(unit)}
 
 
-@pytest.mark.parametrize("count", [11, 12, 13, 14])
+@each("count", [11, 12, 13, 14])
 def test_twelve_headers_are_named_and_more_of_them_counted(tmp_path: Path, count: int) -> None:
     """Columns without a header are none of them."""
     names = [f"c{i}" for i in range(count)]
@@ -220,7 +221,7 @@ def test_twelve_headers_are_named_and_more_of_them_counted(tmp_path: Path, count
 # --- voltages -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each(
     ("header", "role", "example"),
     [
         ("Weg [V]", "displacement", "2V/mm"),

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
@@ -254,7 +255,7 @@ def test_edges_and_nearest_points_are_as_sharp_in_any_size(sizes: tuple[float, .
     assert near.point[0] == 0.3 * units[0]
 
 
-@pytest.mark.parametrize(
+@each(
     ("begin", "reach", "edge"),
     [
         (0.25, 0.5, 0.3),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
+from helpers.cases import each
 from helpers.made_tables import read, refusal
 
 
@@ -15,10 +15,8 @@ def long(lost: dict[int, str], count: int = 100) -> list[str]:
     return ["t [s],x [mm]", *(rows | lost).values()]
 
 
-@pytest.mark.parametrize(
-    "cell", ["", "NaN", "-nan", "+nan", "n/a", "NA", "#N/A", "null", "None", "-", "--", "?", "*", "***"]
-)
-@pytest.mark.parametrize("first", [2, 40, 100])
+@each("cell", ["", "NaN", "-nan", "+nan", "n/a", "NA", "#N/A", "null", "None", "-", "--", "?", "*", "***"])
+@each("first", [2, 40, 100])
 def test_a_few_rows_without_a_value_are_skipped_and_counted(tmp_path: Path, cell: str, first: int) -> None:
     record = read(tmp_path, long({first: f"0.1,{cell}", first + 1: f"{cell},3", 20: f"0.03,{cell}"}))
     assert record.time.size == 97
@@ -57,13 +55,13 @@ def test_one_row_without_a_value_beside_a_gap_is_named_in_the_singular(tmp_path:
     assert "as the row before it lacks a value" in str(refusal(tmp_path, content))
 
 
-@pytest.mark.parametrize("cell", ["overflow", "inf", "-inf", "#DIV/0!", "error"])
+@each("cell", ["overflow", "inf", "-inf", "#DIV/0!", "error"])
 def test_what_went_wrong_is_no_row_without_a_value(tmp_path: Path, cell: str) -> None:
     error = refusal(tmp_path, long({30: f"0.1,{cell}"}))
     assert f"row 30, column 'x [mm]': '{cell}' is not a number" in str(error)
 
 
-@pytest.mark.parametrize(
+@each(
     ("lost", "said"),
     [
         ([10], "1 of 200 rows lacks a value and is skipped: row 10"),

@@ -6,14 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.made_tables import POSITIONS, TIMES, lines, read, refusal
 
 from vibro.errors import FileError
 from vibro.records.reading import read_record
 
 
-@pytest.mark.parametrize("newline", ["\n", "\r\n"])
-@pytest.mark.parametrize(
+@each("newline", ["\n", "\r\n"])
+@each(
     ("separator", "comma", "note"),
     [
         (",", False, None),
@@ -39,7 +40,7 @@ def test_quoted_decimal_commas_between_commas(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read(tmp_path, content).time, [0.5, 1.0])
 
 
-@pytest.mark.parametrize(
+@each(
     ("encoding", "note"),
     [("utf-8", None), ("utf-8-sig", None), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")],
 )
@@ -139,7 +140,7 @@ def test_no_time_and_no_signal(tmp_path: Path) -> None:
     assert "displacement=" in error.hint
 
 
-@pytest.mark.parametrize(
+@each(
     ("cell", "said"),
     [
         ("overflow", "row 4, column 'X [mm]': 'overflow' is not a number"),
@@ -206,7 +207,7 @@ def test_thousands_are_no_numbers(tmp_path: Path) -> None:
     assert "'1.000,5' is not a number" in str(error)
 
 
-@pytest.mark.parametrize("content", [b"", b"hello\nworld\n", b"\x89PNG\0\0", b"\xff\xfeabc"])
+@each("content", [b"", b"hello\nworld\n", b"\x89PNG\0\0", b"\xff\xfeabc"])
 def test_files_that_are_no_tables(tmp_path: Path, content: bytes) -> None:
     assert "data.csv: " in str(refusal(tmp_path, content))
 
@@ -242,9 +243,9 @@ BAD: dict[str, tuple[str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize("header", HEADERS)
-@pytest.mark.parametrize("bad", BAD)
-@pytest.mark.parametrize("rows", [1, 3])
+@each("header", HEADERS)
+@each("bad", BAD)
+@each("rows", [1, 3])
 def test_bad_cells_in_the_first_rows_are_no_headers(tmp_path: Path, header: str, bad: str, rows: int) -> None:
     above, columns = HEADERS[header]
     row, column, said = BAD[bad]
@@ -257,7 +258,7 @@ def test_bad_cells_in_the_first_rows_are_no_headers(tmp_path: Path, header: str,
     assert read(tmp_path, [*above, *data], **columns).time.size == 10
 
 
-@pytest.mark.parametrize("bad", ["abc", "", "NaN"])
+@each("bad", ["abc", "", "NaN"])
 def test_a_bad_first_row_of_a_table_without_header(tmp_path: Path, bad: str) -> None:
     assert "no column of time found" in str(refusal(tmp_path, [f"0,{bad}", "1,2", "2,3"]))
 
@@ -270,14 +271,14 @@ def test_many_columns_are_counted_in_messages(tmp_path: Path) -> None:
     assert len(str(error)) < len(str(tmp_path)) + 600
 
 
-@pytest.mark.parametrize("cell", ["9" * 100_000 + "x", "1" * 60_000 + "e" + "1" * 60_000, "," * 100_000])
+@each("cell", ["9" * 100_000 + "x", "1" * 60_000 + "e" + "1" * 60_000, "," * 100_000])
 def test_long_cells_take_no_time(tmp_path: Path, cell: str) -> None:
     error = refusal(tmp_path, ["t [s];x [mm]", "0;1", f"1;{cell}", "2;3"])
     assert "row 3, column 'x [mm]': " in str(error)
     assert len(str(error)) < len(str(tmp_path)) + 300
 
 
-@pytest.mark.parametrize(
+@each(
     "header",
     [
         "Zeit in s;Weg in mm",
@@ -315,7 +316,7 @@ def test_a_column_of_the_trough_is_no_signal_of_the_body(tmp_path: Path) -> None
     )
 
 
-@pytest.mark.parametrize(
+@each(
     ("header", "signal", "size"),
     [
         ("Weg/mm", "displacement", 1e-3),
@@ -340,9 +341,7 @@ def test_a_header_may_be_a_signal_over_its_unit(
     assert named.headers == {"time": "Zeit/s", signal: header}
 
 
-@pytest.mark.parametrize(
-    "header", ["mm/s", "m / s", "N/mm", "mV/g", "mV/(m/s²)", "Kraft/Weg", "Weg/Zeit", "Weg/s", "Force/mm"]
-)
+@each("header", ["mm/s", "m / s", "N/mm", "mV/g", "mV/(m/s²)", "Kraft/Weg", "Weg/Zeit", "Weg/s", "Force/mm"])
 def test_a_quotient_that_is_no_signal_over_its_unit_has_no_unit(tmp_path: Path, header: str) -> None:
     record = read(tmp_path, [f"Zeit/s;X [mm];{header}", "0;1;5", "1;2;6", "2;4;7"])
     assert record.headers == {"time": "Zeit/s", "displacement": "X [mm]"}
@@ -370,9 +369,7 @@ def test_a_row_that_is_too_short_lacks_its_last_values(tmp_path: Path) -> None:
     assert read(tmp_path, content, velocity="v").time.size == 29
 
 
-@pytest.mark.parametrize(
-    ("bad", "more"), [(4, ""), (5, ""), (6, "1 more such cell"), (7, "2 more such cells")]
-)
+@each(("bad", "more"), [(4, ""), (5, ""), (6, "1 more such cell"), (7, "2 more such cells")])
 def test_five_bad_cells_are_named_and_more_of_them_counted(tmp_path: Path, bad: int, more: str) -> None:
     content = ["t [s],x [mm]", "0,1", "1,2", *(f"{i},bad{i}" for i in range(2, 2 + bad))]
     error = refusal(tmp_path, content)
@@ -407,7 +404,7 @@ def test_a_byte_that_the_code_page_lacks_is_replaced(tmp_path: Path) -> None:
     assert record.headers["displacement"] == "\ufffd [\u00b5m]"
 
 
-@pytest.mark.parametrize("before", [1, 1000, 4000])
+@each("before", [1, 1000, 4000])
 def test_a_file_with_a_null_byte_is_no_text(tmp_path: Path, before: int) -> None:
     error = refusal(tmp_path, b"t [s],x [mm]\n" + b"0,1\n" * (before // 4) + b"\0\n")
     assert str(error).endswith("data.csv: not a text file")
@@ -429,7 +426,7 @@ def test_cells_beyond_the_header_row_may_be_empty(tmp_path: Path) -> None:
     assert str(error).endswith("data.csv: row 402 has 4 cells, the header row 2")
 
 
-@pytest.mark.parametrize("row", ["overflow,#DIV/0!", "error,inf", "-Infinity,#REF"])
+@each("row", ["overflow,#DIV/0!", "error,inf", "-Infinity,#REF"])
 def test_a_first_row_in_which_all_went_wrong_is_no_header(tmp_path: Path, row: str) -> None:
     error = refusal(tmp_path, ["t [s],x [mm]", row, "1,2", "2,3"])
     said, other = (f": row 2, column '{name}': '{cell}' is not a number" for name, cell in
@@ -450,7 +447,7 @@ def test_a_step_of_three_and_a_half_usual_ones_is_no_gap(tmp_path: Path) -> None
     assert str(error) == f"{where}: time jumps to 3.751 s after 2 s, usual steps are 0.5 s"
 
 
-@pytest.mark.parametrize(
+@each(
     ("values", "said"),
     [
         ([0.0, 1.0, 1.0, 2.0], "row 4, column 't [s]': time repeats 1 s, usual steps are 1 s"),
@@ -475,7 +472,7 @@ def test_a_text_file_is_suggested_too(tmp_path: Path) -> None:
     assert caught.value.hint == f"did you mean '{tmp_path / 'measured.txt'}'?"
 
 
-@pytest.mark.parametrize(
+@each(
     ("cell", "value"),
     [
         ("+1.5", 1.5),
@@ -495,7 +492,7 @@ def test_spellings_of_numbers(tmp_path: Path, cell: str, value: float) -> None:
         assert record.signals["displacement"].tolist() == [value, 0.0]
 
 
-@pytest.mark.parametrize("cell", ["1e", "1.2.3", "--1", "1 2", "0x10", "1_000", "e5", ".", "1e5.5"])
+@each("cell", ["1e", "1.2.3", "--1", "1 2", "0x10", "1_000", "e5", ".", "1e5.5"])
 def test_what_is_no_number(tmp_path: Path, cell: str) -> None:
     error = refusal(tmp_path, ["t [s],x [m]", "0,1", "1,2", f"2,{cell}"])
     assert str(error).endswith(f"row 4, column 'x [m]': {cell!r} is not a number")

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.cases import each
 
 from vibro.errors import InputError
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import doubt, read_sensitivities, rounded, signal_unit
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "kind", "size"),
     [
         ("s", "time", 1.0),
@@ -48,7 +49,7 @@ def test_spellings_of_units(text: str, kind: str, size: float) -> None:
     assert signal_unit(text) == (kind, size)
 
 
-@pytest.mark.parametrize("text", ["", "deg", "1/s", "furlong", "v"])
+@each("text", ["", "deg", "1/s", "furlong", "v"])
 def test_what_is_no_unit(text: str) -> None:
     assert signal_unit(text) is None
 
@@ -62,7 +63,7 @@ def volts(folder: Path, content: list[str], *texts: str, **columns: str) -> Reco
     return read_record(path, columns, read_sensitivities(texts))
 
 
-@pytest.mark.parametrize(
+@each(
     ("role", "sensitivity", "expected"),
     [
         ("acceleration", "100mV/g", 9.80665),
@@ -106,7 +107,7 @@ def test_each_voltage_has_its_own_sensitivity(tmp_path: Path) -> None:
     assert record.signals["velocity"][0] == 2.0
 
 
-@pytest.mark.parametrize(
+@each(
     ("texts", "columns", "said", "hint"),
     [
         ([], {"acceleration": "u"}, "'u [mV]' for acceleration=: the sensitivity", 'sensitivity="100mV/g"'),
@@ -173,7 +174,7 @@ def test_a_sensitivity_of_a_column_that_is_not_named_is_told_as_such(tmp_path: P
     )
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "kind", "size"),
     [
         ("seconds", "time", 1.0),
@@ -197,7 +198,7 @@ def test_more_spellings_of_units(text: str, kind: str, size: float) -> None:
     assert found[1] == pytest.approx(size, rel=1e-15)
 
 
-@pytest.mark.parametrize(
+@each(
     ("ratio", "text"),
     [(1234.0, "1200"), (0.01256, "0.013"), (9.96, "10"), (1e5, "100000"), (7.04, "7"), (-12.4, "-12")],
 )
@@ -205,7 +206,7 @@ def test_a_ratio_is_written_with_two_digits(ratio: float, text: str) -> None:
     assert rounded(ratio) == text
 
 
-@pytest.mark.parametrize("text", ["1e20m/V", "-1e20m/V", "1e20V/m", "-1e20 V/m"])
+@each("text", ["1e20m/V", "-1e20m/V", "1e20V/m", "-1e20 V/m"])
 def test_sensitivities_reach_to_the_ends_of_what_can_be_computed_with(text: str) -> None:
     (one,) = read_sensitivities([text])
     assert abs(one.per_volt) == pytest.approx(1e20 if text.endswith("m/V") else 1e-20, rel=1e-15)
@@ -217,7 +218,7 @@ def test_sensitivities_reach_to_the_ends_of_what_can_be_computed_with(text: str)
     assert f'sensitivity="{beyond}": 1 V would be {sign}{size} in SI units' in str(caught.value)
 
 
-@pytest.mark.parametrize(
+@each(
     ("text", "role", "kind", "per_volt"),
     [
         ("trough-along=200mV/g", "trough_along", "acceleration", 5.0 * 9.80665),
@@ -234,7 +235,7 @@ def test_spellings_of_sensitivities(text: str, role: str, kind: str, per_volt: f
     assert one.per_volt == pytest.approx(per_volt, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each(
     ("texts", "said", "hint"),
     [
         (

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.feeders import feeder
 from helpers.made_records import FREQUENCY, PERIOD, Walked, bowl, nut, trough_record
 
@@ -35,9 +36,9 @@ def test_a_record_without_accelerations_of_the_trough_tells_nothing() -> None:
     assert trough_of(trough_record(columns=())) is None
 
 
-@pytest.mark.parametrize("offset", [0.0, 9.81, -300.0])
-@pytest.mark.parametrize("start", [0.0, -3.7, 5000.0])
-@pytest.mark.parametrize("cycles", [2.2, 5.5, 12.0, 60.0])
+@each("offset", [0.0, 9.81, -300.0])
+@each("start", [0.0, -3.7, 5000.0])
+@each("cycles", [2.2, 5.5, 12.0, 60.0])
 def test_exact_accelerations_give_the_exact_motion(cycles: float, start: float, offset: float) -> None:
     """Whatever the clock and the sensor's zero, such as gravity on a sensor that is not level."""
     drive = measured(trough_record(cycles=cycles, offset=offset, start=start))
@@ -193,7 +194,7 @@ def test_what_is_neither_the_wave_nor_its_harmonics_is_told() -> None:
     assert len(trough.warnings) >= 2
 
 
-@pytest.mark.parametrize("kind", ["noise", "drift", "zero"])
+@each("kind", ["noise", "drift", "zero"])
 def test_a_trough_that_does_not_run_is_refused(kind: str) -> None:
     record = trough_record(columns=ALONG)
     values = {
@@ -280,7 +281,7 @@ def test_the_zero_of_an_acceleration_does_not_matter(offset: float) -> None:
     assert 0.8 * own.measured.value < row.measured.value < own.measured.value
 
 
-@pytest.mark.parametrize(
+@each(
     ("value", "error", "text"),
     [(15.00325123, 0.0009, "15.003251"), (1234.5, 20.0, "1234.5"), (1.5, 0.0, "1.500000000000000")],
 )
@@ -344,7 +345,7 @@ def test_a_motion_normal_to_the_trough_alone_tells_the_clock_by_the_scenes_phase
     assert abs(drive.clock.value - 0.0137) < 4.0 * drive.clock.error < 1e-3
 
 
-@pytest.mark.parametrize(
+@each(
     ("lead_deg", "noise", "ellipse"),
     [(0.0, 0.0, False), (1.9, 0.0, False), (2.1, 0.0, True), (-2.1, 0.0, True), (4.0, 3.0, False),
      (60.0, 3.0, True), (-150.0, 0.0, True), (177.8, 0.0, True)],
@@ -369,7 +370,7 @@ def test_an_ellipse_in_the_place_of_a_line_is_told_with_what_to_give(lead_deg: f
     assert all("one of the two sensors may be inverted" in text for text in more)
 
 
-@pytest.mark.parametrize(("given", "doubts"), [(170.0, 0), (-170.0, 0), (0.0, 1), (-75.0, 1), (-85.0, 0)])
+@each(("given", "doubts"), [(170.0, 0), (-170.0, 0), (0.0, 1), (-75.0, 1), (-85.0, 0)])
 def test_a_phase_nearly_opposite_to_the_scenes_is_doubted(given: float, doubts: int) -> None:
     drive = on_ellipse(math.radians(given), math.radians(-170.0))
     assert len(drive.warnings) == doubts
@@ -405,7 +406,7 @@ def test_the_phase_is_that_of_the_normal_motion_ahead_of_that_along(lead: float)
     assert math.isnan(moved(None, wave(3.0)).phase_error)
 
 
-@pytest.mark.parametrize(
+@each(
     ("along", "normal", "has_phase"),
     [
         ((4.0, 0.0), (0.0041, 0.0), True),
@@ -426,8 +427,8 @@ def test_a_motion_has_a_phase_beyond_a_thousandth_of_the_other_and_three_errors(
     assert math.isnan(trough.phase) == (not has_phase)
 
 
-@pytest.mark.parametrize("turn", [0.0, 180.0, -180.0])
-@pytest.mark.parametrize(
+@each("turn", [0.0, 180.0, -180.0])
+@each(
     ("off_deg", "error", "ellipse"),
     [(1.95, 0.0, False), (2.05, 0.0, True), (3.3, 0.08, False), (3.6, 0.08, True), (-3.6, 0.08, True)],
 )
@@ -506,7 +507,7 @@ def test_amplitudes_of_an_ellipse_have_their_own_errors() -> None:
     assert found["normal_phase"] == pytest.approx((0.7, math.hypot(0.01, 0.02)))
 
 
-@pytest.mark.parametrize(
+@each(
     ("options", "said"),
     [
         ({"size": 0.31, "error": 0.1}, None),
@@ -531,7 +532,7 @@ def test_reasons_to_doubt_a_wave(options: dict[str, Any], said: str | None) -> N
     assert list(moved(None, doubted).warnings) == expected
 
 
-@pytest.mark.parametrize(
+@each(
     ("given", "lead", "said"),
     [
         (None, 1.6, "92 deg ahead of that along the trough"),
@@ -569,7 +570,7 @@ def test_reverse_does_not_turn_a_sensor_normal_to_the_trough() -> None:
         assert turned.normal == plain.normal
 
 
-@pytest.mark.parametrize("order", [2, 3, 5])
+@each("order", [2, 3, 5])
 def test_each_harmonic_counts(order: int) -> None:
     record = trough_record(columns=ALONG)
     rate = 2.0 * math.pi * 15.003

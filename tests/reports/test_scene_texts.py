@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from helpers.cases import each
 
 from vibro.reports.scene_texts import (
     answer_text,
@@ -38,7 +39,7 @@ def at(length: float | None = None, **changes: float) -> OneScene:
     return OneScene(block)
 
 
-@pytest.mark.parametrize(
+@each(
     ("changes", "said"),
     [
         ({}, "The part is conveyed at 16.3 mm/s (0.976 m/min). The part slides forward"),

@@ -51,7 +51,7 @@ def change(sheet: Sheet) -> float:
     [(0.9, (7, 14, 28)), (0.95, (12, 23, 35)), (1.05, (-19, -32, -56)), (1.1, (-12, -20, -34))],
 )
 def test_the_worked_feeder(tmp_path: Path, ratio: float, percents: tuple[int, ...]) -> None:
-    """The table of theory.md, to its printed digits."""
+    """The table of docs/theory, to its printed digits."""
     for filling, percent in zip((1.0, 2.0, 4.0), percents, strict=True):
         sheet = sheet_of(tmp_path, feeder(ratio), (100.0,), {"filling": (filling, filling)})
         assert sheet.settings[0][0].speed == pytest.approx(24.2, abs=0.05)
@@ -92,7 +92,7 @@ def test_packs_keep_the_force(tmp_path: Path) -> None:
 
 
 def test_bounds_hold_every_body_within_the_bands(tmp_path: Path) -> None:
-    """10 000 random bodies: within the bounds, and near to both of them (0.3 of what theory.md tells)."""
+    """10 000 random bodies: within the bounds, and near to both of them (0.3 of what docs/theory tells)."""
     request = asked(tmp_path, feeder(), (100.0,), {**BANDS, **FRICTIONS})
     (bounds,) = make_sheet(request, picture=False).bounds
     assert bounds.guarantee is not None
@@ -241,7 +241,7 @@ def test_irregular_hops_leave_an_interval(tmp_path: Path) -> None:
 
 
 def test_the_speed_with_the_second_harmonic(tmp_path: Path) -> None:
-    """Followed in time the worked feeder with 4 kg is 49.0 % slower, theory.md; the sine says 55.8 %."""
+    """Followed in time the worked feeder with 4 kg is 49.0 % slower, docs/theory; the sine says 55.8 %."""
     sheet = sheet_of(tmp_path, feeder(), (100.0,), {"filling": (4.0, 4.0)})
     empty, full = sheet.settings[0]
     assert change(sheet) == pytest.approx(-55.8, abs=0.3)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.scenes import FIELDS
 from hypothesis import given
 from hypothesis import strategies as st
@@ -68,7 +69,7 @@ def shaped(shape: tuple[int, ...]) -> Grid:
     return with_ratio(grid_of(**axes))
 
 
-@pytest.mark.parametrize(
+@each(
     "shape",
     [
         *[(), (1,), (7,), (1, 1), (3, 1, 4), (2, 3, 2)],

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.machine_files import FEEDER, KINDS, SCENE, UNBALANCE, feeder, written
 
 import vibro
@@ -255,7 +256,7 @@ def test_every_kind_is_swept(tmp_path: Path, kind: str) -> None:
     assert same.tolist() == ([True, True, kind == "crank", kind == "crank"])
 
 
-@pytest.mark.parametrize(
+@each(
     ("table", "given", "problem"),
     [
         ("", {"setting_percent": 50}, "setting = 50 %: there is no machine"),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.cases import each
 from helpers.commands import rows_of
 from typer.testing import CliRunner
 
@@ -166,7 +167,7 @@ def test_restitution_is_an_axis() -> None:
     assert t.draw("speed", at={"e": 0.1}).axes[-1].get_xlabel() == "amplitude $A$ [mm]"
 
 
-@pytest.mark.parametrize(
+@each(
     ("given", "problem", "hint"),
     [
         ({"amplitud_mm": 1}, "unknown argument 'amplitud_mm'", "did you mean 'amplitude_mm'?"),

@@ -107,7 +107,7 @@ def _scene_file(path: Path | None) -> SceneFile | None:
         return None
     file = read_scene_file(path)
     if file.machine is None:
-        hint = "add [machine] with kind, masses, natural_hz and damping_ratio; docs/machines.md has examples"
+        hint = "add [machine] with kind, masses, natural_hz and damping_ratio; see docs/guide/machines.md"
         raise InputError(f"{path}: there is no table [machine]", hint=hint)
     return file
 

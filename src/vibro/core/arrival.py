@@ -1,6 +1,6 @@
 """When a body first reaches a position: it is followed, and whole cycles are added once it has settled.
 
-Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, normal speeds over
+Equation numbers are those of docs/theory. Lengths in A, speeds in A w, normal speeds over
 n = cos(beta)/G [A w n], phases of the normal motion in radians.
 """
 

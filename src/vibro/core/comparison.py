@@ -1,6 +1,6 @@
 """A body that is never faster than any body of a box: a proved bound of their speeds.
 
-It is pushed no harder than any of them at every phase and speed, so that it never passes one (theory.md,
+It is pushed no harder than any of them at every phase and speed, so that it never passes one (theory,
 section 14). Its push is that of no operating point: friction is the largest while it slides forward and the
 smallest while it slides back, and each sine has its least amplitude where it pushes and its largest where it
 brakes. So its push is a sine of two amplitudes less a constant, of each direction. Pushes are over m g times

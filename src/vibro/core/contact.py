@@ -1,6 +1,6 @@
 """The steady cycle of a body on the trough that settles from rest.
 
-The finite rule of docs/theory.md, section 5, whose equation numbers are cited. Lengths in A, speeds in
+The finite rule of theory, section 5, whose equation numbers are cited. Lengths in A, speeds in
 A w, phases in radians.
 """
 

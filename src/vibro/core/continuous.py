@@ -1,6 +1,6 @@
 """Continuous sliding: the cycle of two slides, each of which starts where the other one ends.
 
-Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w. The middle m of the forward slide
+Equation numbers are those of docs/theory. Lengths in A, speeds in A w. The middle m of the forward slide
 is a phase of the motion along the trough [rad].
 """
 

@@ -1,6 +1,6 @@
 """How the displacement of a steady contact cycle follows the loads, in closed form.
 
-Equation numbers are those of docs/theory.md. Lengths in A, phases in radians.
+Equation numbers are those of docs/theory. Lengths in A, phases in radians.
 """
 
 from __future__ import annotations

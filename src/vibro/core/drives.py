@@ -1,6 +1,6 @@
 """Loads of a drive on the body, over the inertial load m A w^2: everything that decides its motion.
 
-Equation numbers are those of docs/theory.md. Phases are those of the trough's motion normal to itself, which
+Equation numbers are those of docs/theory. Phases are those of the trough's motion normal to itself, which
 leads its motion along itself by phi: the inertial load off the trough is ``drive_normal * sin(p)``, that
 along it ``drive_tangential * sin(p - phi)``. So lift-off and flights do not depend on phi. A drive along a
 line has phi = 0.

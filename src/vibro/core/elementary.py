@@ -1,6 +1,6 @@
 """Constants, series and the motion between two events: what all rooms of the solver share.
 
-Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, phases in radians.
+Equation numbers are those of docs/theory. Lengths in A, speeds in A w, phases in radians.
 """
 
 from __future__ import annotations

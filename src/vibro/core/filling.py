@@ -1,7 +1,7 @@
 """What a body in the trough weighs to its drive: the harmonics of the force with which it acts on the trough.
 
 By parts each harmonic of the body's absolute acceleration is an integral of its relative velocity over the
-settled cycle, Eqs. (75)-(77) of docs/theory.md: rests contribute nothing, and jumps of the velocity need no
+settled cycle, Eqs. (75)-(77) of docs/theory: rests contribute nothing, and jumps of the velocity need no
 terms of their own. Lengths in A, speeds in A w, phases of the normal motion in radians.
 """
 

@@ -2,7 +2,7 @@
 
 The normal motion is free of friction: a flight depends on the load N/n of a body on the trough, its take-off
 phase and its take-off speed alone, eta'' / n = -N/n, which is K sin p - 1 of one harmonic, Eq. (28) of
-docs/theory.md. Normal speeds are over n = cos(beta)/G [A w n], phases in radians.
+docs/theory. Normal speeds are over n = cos(beta)/G [A w n], phases in radians.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Legs of a body in contact: rest until an onset, or a slide until it stops or the trough falls away.
 
-A slide's speed is s(p) = s0 + P (cos p0 - cos p) - Q (p - p0), Eq. (23) of docs/theory.md, with P the
+A slide's speed is s(p) = s0 + P (cos p0 - cos p) - Q (p - p0), Eq. (23) of docs/theory, with P the
 amplitude of its forcing and Q its drag. Between a maximum of s and the minimum after it s falls, and from one
 minimum to the next it changes by -2 pi Q. So the branch with the first zero follows in closed form, and the
 zero has a proven bracket. Slides from rest in contact scenes have the sharper solution of ``slide.py``.
@@ -108,7 +108,7 @@ class Track(NamedTuple):
         are several: ``next_lift_off``; inf where K <= 1 [rad].
     landed_friction : float
         Coefficient that holds a body which a landing has stopped: mu_s, but mu_d where it bounces, since
-        nothing holds it between two bounces (docs/theory.md, section 10).
+        nothing holds it between two bounces (theory, section 10).
     """
 
     loads: Loads

@@ -1,6 +1,6 @@
 """Where a scene changes class as the load grows: the critical G = A w^2 / g of each transition.
 
-Equation numbers are those of docs/theory.md. All functions take the loads of a scene at G = 1.
+Equation numbers are those of docs/theory. All functions take the loads of a scene at G = 1.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 All amplitudes grow alike, so that the waves stay and the weights fall. Classes come and go: they have
 intervals, which are sought between the first onset and the hop on ``SCALES`` scales. Equation numbers are
-those of docs/theory.md.
+those of docs/theory.
 """
 
 from __future__ import annotations

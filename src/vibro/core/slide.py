@@ -1,6 +1,6 @@
 """One slide from rest: where it ends, how far it goes, how fast it gets.
 
-Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, phases in radians. A forward slide
+Equation numbers are those of docs/theory. Lengths in A, speeds in A w, phases in radians. A forward slide
 and a back slide are the same problem in the slide's own phase; the caller turns the sign.
 """
 

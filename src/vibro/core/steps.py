@@ -2,7 +2,7 @@
 
 The state keeps the drive cycles completed and a phase in [0, 2 pi), so that no phase grows with time, and
 says what the body does from there on: a rest ends at the onset itself, so that rounding cannot send the body
-back to rest. Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, normal speeds over
+back to rest. Equation numbers are those of docs/theory. Lengths in A, speeds in A w, normal speeds over
 n = cos(beta)/G [A w n], phases of the normal motion in radians.
 """
 

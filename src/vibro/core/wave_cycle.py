@@ -1,6 +1,6 @@
 """The steady contact cycle of drives beyond one harmonic: the return map of a motion without flights.
 
-A body is followed through one drive cycle from an onset on, Eq. (36) of docs/theory.md: its velocity a turn
+A body is followed through one drive cycle from an onset on, Eq. (36) of docs/theory: its velocity a turn
 later never decreases with that at its start, and the fixed point to which a body at rest leads is the steady
 motion. Lengths in A, speeds in A w, phases in radians.
 """

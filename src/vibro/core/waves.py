@@ -2,7 +2,7 @@
 
 S and B are the inertial loads along the trough and off it, x'' = -S and y'' = -B, without a mean. Every load
 that decides a motion is a mix c + x S + y B of both: the load along the trough, that on it, and what exceeds
-friction. Equation numbers are those of docs/theory.md. Lengths in A, loads in m A w^2, phases in radians.
+friction. Equation numbers are those of docs/theory. Lengths in A, loads in m A w^2, phases in radians.
 """
 
 from __future__ import annotations

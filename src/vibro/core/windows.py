@@ -1,6 +1,6 @@
 """Where the load of a body at rest exceeds static friction, and what a slide that starts there meets.
 
-Each direction has one static window a cycle, Eqs. (5) and (55)-(58) of docs/theory.md. A slide in the
+Each direction has one static window a cycle, Eqs. (5) and (55)-(58) of docs/theory. A slide in the
 direction s = +1 (forward) or -1 (back) with the coefficient mu is pulled by C sin(p + psi), C e^{i psi} = s a
 e^{-i phi} + mu b: p + psi is the slide's own phase. Loads are over m A w^2, phases in radians.
 """

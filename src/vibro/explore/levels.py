@@ -315,7 +315,7 @@ class _Line:
     took : float or None
         How long the first of them took [s].
     spread : float
-        Largest relative distance of a load between the ends from the nearest solved one.
+        Largest relative distance of a load between the ends from the nearest of all that are solved.
     long_patterns : dict of int to str
         As in ``SteadyCycle``.
     """
@@ -363,9 +363,7 @@ class _Line:
 
     @property
     def spread(self) -> float:
-        solved = np.sort(np.log(self._loads[self._order[: self._done]]))
-        beyond = math.log(self._loads[-1]) - solved[-1]
-        return math.expm1(max(0.5 * np.diff(solved).max(), beyond))
+        return math.expm1(0.5 * np.diff(np.log(self._loads)).max())
 
     def solve_more(self) -> None:
         """Solve the loads of the next stage."""

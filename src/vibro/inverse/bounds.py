@@ -1,7 +1,7 @@
 """Find the slowest or the fastest body in contact, and prove that none is much slower, or faster.
 
 An evolution moves to an extreme body; branch and bound covers the whole set by small boxes, each with a bound
-of its own (theory.md, section 14). They share the speed of a single body alone: what the evolution misses by
+of its own (theory, section 14). They share the speed of a single body alone: what the evolution misses by
 more than the gap that is left, the bounds find, and the evolution starts anew from there.
 """
 

@@ -91,7 +91,7 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     friction, ``lowest`` is -1 and ``highest`` back slip, where they do not hop.
 
     ``speed_min`` is the speed of the body with the highest friction, where no body slips back and kinetic
-    friction exceeds the weight component down the trough for all (theory.md, section 14), or where all rest.
+    friction exceeds the weight component down the trough for all (theory, section 14), or where all rest.
     For a single body it is the body's own speed. It is NaN where bodies may slip back or hop.
 
     Why corners: both onsets, Eq. (5), rise with mu_s. Of its speed over A w a forward slide keeps

@@ -1,6 +1,6 @@
 """Find the slowest and the fastest body of an uncertainty set: search in contact, sample hops.
 
-Of the settings with one load that of the highest frequency is the slowest (theory.md, section 14).
+Of the settings with one load that of the highest frequency is the slowest (theory, section 14).
 """
 
 from __future__ import annotations

@@ -88,11 +88,11 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     ``Guarantee.proof_min`` and ``proof_max`` say how each bound is known:
 
     * ``corners``: the drive moves along a line of fixed angle, and no body slides back or hops. The speed is
-      then monotone, and the bounds lie at corners of the box (theory.md, section 14).
+      then monotone, and the bounds lie at corners of the box (theory, section 14).
     * ``proved``: bodies in contact are searched by differential evolution, and a proved bound, from boxes
       that cover the set, is within 1 % of the result.
     * ``searched``: the same, but 8000 boxes do not bring the proved bound within 1 %; and all motions that
-      are neither lines nor ellipses, for which nothing is proved (docs/design.md has measurements).
+      are neither lines nor ellipses, for which nothing is proved (docs/guide/design.md has measurements).
     * ``sampled``: bodies hop; their speeds are those of a sample.
 
     The regimes are those of all bodies that were computed. The mean speed of irregular motion is widened by

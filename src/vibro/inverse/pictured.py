@@ -151,7 +151,7 @@ def _begins(box: UncertaintySet) -> Begins:
     """Return the ratios of the loads at which the first and the last part reach each regime to the present.
 
     For a line the extreme loads are at corners or on some edges of the box, or at the angle of friction
-    (theory.md, sections 6 and 14); for an ellipse they are searched.
+    (theory, sections 6 and 14); for an ellipse they are searched.
     """
     begins: Begins = {}
     beyond = (math.inf, math.inf)

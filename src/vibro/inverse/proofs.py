@@ -159,7 +159,7 @@ def back_slip_load(box: UncertaintySet, *, last: bool = False) -> Floats:
     """Load above which the first body, or the last, slips back.
 
     It rises with static friction and the drive angle and falls with kinetic friction and the trough angle
-    (theory.md, section 14): a corner of the box. Two cases are searched: on a decline, where kinetic friction
+    (theory, section 14): a corner of the box. Two cases are searched: on a decline, where kinetic friction
     goes along with the static one, the edge of static frictions; where mu_s tan |beta| >= 1, trough angles.
     """
     sign = -1.0 if last else 1.0

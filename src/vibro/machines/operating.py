@@ -148,7 +148,7 @@ class OperatingPoints:
         Notes
         -----
         The second harmonic follows from the force of the filling on a sinusoidal trough, Eq. (92). On ten
-        machines with fillings of 10 to 50 % of the trough's mass, and the worked feeder of theory.md, it
+        machines with fillings of 10 to 50 % of the trough's mass, and the worked feeder of docs/theory, it
         reduces the error of the speed from up to 16 % to 4 % (tests/machines/test_second_harmonic.py).
         """
         speed = solve(self.scene_with_second_harmonic, threads=threads).mean_velocity

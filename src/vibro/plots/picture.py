@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from vibro.plots.style import DRAWING
+from vibro.plots.style import house_style
 
 __all__ = ["Picture"]
 
@@ -15,6 +15,6 @@ class Picture(Figure):
     """A figure that several threads may save at once, while others draw: one does so at a time."""
 
     def savefig(self, *args: Any, **more: Any) -> None:
-        """Write the picture to a file, as matplotlib does."""
-        with DRAWING:
+        """Write the picture to a file, as matplotlib does, in the style in which it was drawn."""
+        with house_style():
             super().savefig(*args, **more)

@@ -1,6 +1,6 @@
 """Results of a steady cycle: every field described once, in the order of a table's columns.
 
-Containers, CSV, JSON, data frames, sidecars and docs/nomenclature.md follow from these descriptions.
+Containers, CSV, JSON, data frames, sidecars and the reference follow from these descriptions.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Result:
     meaning : str
         What it is, for people, in the words of every table; mathematics between dollar signs.
     symbol : str
-        As in docs/theory.md, in TeX; empty if it has none.
+        As in docs/theory, in TeX; empty if it has none.
     kind : Kind
         Units inside and outside.
     column : str

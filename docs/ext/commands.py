@@ -1,0 +1,85 @@
+"""Run the commands and scripts of a page in its order; compare what they print with what the page shows.
+
+A ``console`` block holds one command after ``$`` and the output that it must have, where a line ``...``
+stands for any lines; a ``bash`` block holds commands, a ``python`` block a script. They run in a folder that
+has the examples, one folder a page, so that the page can show their pictures:
+``../_made/feeder/out/nut-speed.png`` is the picture that ``-o out/nut`` of ``tasks/feeder.md`` writes. The
+tests run the same pages again.
+"""
+
+from __future__ import annotations
+
+import doctest
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from sphinx.application import Sphinx
+
+DOCS: Final = Path(__file__).parents[1]
+BLOCK: Final = re.compile(r"^```(console|bash|python)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+COMMAND: Final = re.compile(r"\$ ((?:[^\n]*\\\n)*[^\n]*\n)(.*)", re.DOTALL)
+
+
+def tasks() -> list[Path]:
+    """List the pages of tasks."""
+    return sorted({*DOCS.glob("tasks/*.md")} - {DOCS / "tasks" / "index.md"})
+
+
+def run_page(page: Path, folder: Path, kinds: Collection[str] = ("console", "bash", "python")) -> None:
+    """Run all blocks of these kinds of a page in a new folder.
+
+    Raises
+    ------
+    RuntimeError
+        If a command fails or prints something else than the page shows.
+    """
+    shutil.copytree(DOCS.parent / "examples", folder / "examples", ignore=shutil.ignore_patterns("gallery"))
+    for kind, block in BLOCK.findall(page.read_text(encoding="utf-8")):
+        if kind not in kinds:
+            continue
+        if kind == "python":
+            _output([sys.executable, "-c", block], page, folder)
+        elif kind == "bash":
+            _output(["bash", "-euo", "pipefail", "-c", block], page, folder)
+        else:
+            command, shown = COMMAND.findall(block)[0]
+            printed = _output(["bash", "-euo", "pipefail", "-c", command], page, folder)
+            if not doctest.OutputChecker().check_output(shown, printed, doctest.ELLIPSIS):
+                raise RuntimeError(f"{page.name}: {command}prints\n{printed}in place of\n{shown}")
+
+
+def _output(command: list[str], page: Path, folder: Path) -> str:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env={**os.environ, "PATH": path},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        encoding="utf-8",
+        check=False,
+    )
+    if done.returncode:
+        raise RuntimeError(f"{page.name}: {command[-1]}ends with {done.returncode}:\n{done.stderr}")
+    return done.stdout
+
+
+def _make(app: Sphinx) -> None:
+    made = DOCS / "_made"
+    shutil.rmtree(made, ignore_errors=True)
+    for page in tasks():
+        run_page(page, made / page.stem)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Run the pages before Sphinx reads them."""
+    app.connect("builder-inited", _make)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,18 @@
+"""
+Parts that move backwards
+=========================
+
+On a climbing track a part may slide back farther than forward. Where speeds have both signs the scale
+has two colours and its middle at zero; the double line is zero speed, and hatches mark what moves
+backwards, also in grey. This track may climb 7 deg. Triangles mark the fastest point each way. The
+command writes ``out/climb-speed.png``.
+
+.. code-block:: bash
+
+    vibro map examples/climbing_track.toml -o out/climb
+"""
+
+import vibro
+
+sweep = vibro.sweep("../climbing_track.toml", amplitude_mm="0.02:0.22:301", trough_angle_deg="-5:20:301")
+figure = sweep.draw("speed")

@@ -1,0 +1,21 @@
+"""
+A record beside the model
+=========================
+
+Signals of a record (dots) beside the exact steady motion of the scene (lines). On the left is the
+beginning of the record, on the right all cycles laid on one. Here the record is a simulation with
+smoothed friction: it moves a little in every cycle where the part should rest, and its peak speed is too
+low. The command writes ``out/compare.png``; Python has what it is compared with.
+
+.. code-block:: bash
+
+    vibro compare examples/safety_nut.toml examples/data/nut_smoothed_600hz.csv -o out/compare
+"""
+
+import vibro
+
+cycle = vibro.solve(vibro.read_scene("../safety_nut.toml"))
+print(
+    f"pattern {cycle.pattern}, {1e3 * cycle.displacement_per_cycle:.4f} mm a cycle, "
+    f"peak {1e3 * cycle.peak_velocity:.1f} mm/s"
+)

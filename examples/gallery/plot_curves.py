@@ -1,0 +1,18 @@
+"""
+One curve for each value
+========================
+
+A list of up to twelve values beside a range makes a curve each: here two spring packs over what lies in
+the trough. Above resonance (5 leaves, 47.6 Hz) a full feeder gets slower, below it (6 leaves, 52.6 Hz)
+faster. The bars on top have the regimes of each curve, in the order of the legend. The command writes
+``out/full-speed.png``.
+
+.. code-block:: bash
+
+    vibro map examples/full_feeder.toml -o out/full
+"""
+
+import vibro
+
+sweep = vibro.sweep("../full_feeder.toml", filling_kg="0:4:501")
+figure = sweep.draw("speed")

@@ -1,0 +1,23 @@
+"""
+Time in flight
+==============
+
+The share of a cycle that a part spends in the air. Beyond 0.8 or so friction hardly acts: parts go where
+the trough throws them, and the speed depends on when they land. The command draws this picture only
+where ``--show`` asks for it, and writes ``out/throw-flight.png``.
+
+.. code-block:: bash
+
+    vibro map -A 0.1:8 -f 5:30 -a 30 --mu-s .5 --mu-d .4 --show impact,flight -o out/throw
+"""
+
+import vibro
+
+sweep = vibro.sweep(
+    amplitude_mm="0.1:8:301",
+    frequency_hz="5:30:301",
+    drive_angle_deg=30,
+    static_friction=0.5,
+    kinetic_friction=0.4,
+)
+figure = sweep.draw("flight")

@@ -1,0 +1,18 @@
+"""
+A band of friction
+==================
+
+Friction is seldom known, so give it an axis of its own: a bowl feeder over the phase of its drive and
+the friction of the parts. A setting is a vertical line, and what it promises is the slowest speed on
+that line within the band that you expect. The circle is today's phase of 0, the triangle the fastest
+cell. The command writes ``out/bowl-speed.png``.
+
+.. code-block:: bash
+
+    vibro map examples/bowl_feeder.toml -o out/bowl
+"""
+
+import vibro
+
+sweep = vibro.sweep("../bowl_feeder.toml", normal_phase_deg="-180:180:301", static_friction="0.2:0.8:301")
+figure = sweep.draw("speed")

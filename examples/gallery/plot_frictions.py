@@ -1,0 +1,18 @@
+"""
+Both frictions
+==============
+
+One drive, and parts of every friction: how fast does it convey them? The hatched half cannot be, as
+kinetic friction is never above static friction. Right of the back-slip onset parts slip forward alone
+and are fast; left of it they slide back too, and in continuous sliding static friction no longer matters.
+The command writes ``out/frictions-speed.png``.
+
+.. code-block:: bash
+
+    vibro map examples/friction_grid.toml -o out/frictions
+"""
+
+import vibro
+
+sweep = vibro.sweep("../friction_grid.toml", static_friction="0.2:1:301", kinetic_friction="0.2:1:301")
+figure = sweep.draw("speed")

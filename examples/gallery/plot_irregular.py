@@ -1,0 +1,21 @@
+"""
+Irregular motion
+================
+
+Parts that bounce hardly ever repeat their motion: their speeds are means over many flights, with a
+standard error that the table has. Faint stripes mark them. Each square is a cell of the table, since a
+finer picture would show scatter alone. The command writes ``out/bounce-speed.png``; ``draw`` shows the
+same cells without the finer borders.
+
+.. code-block:: bash
+
+    vibro map examples/safety_nut.toml -A 1:6:30 -f 15:30:30 --restitution .5 -o out/bounce
+"""
+
+import vibro
+
+sweep = vibro.sweep("../safety_nut.toml", amplitude_mm="1:6:30", frequency_hz="15:30:30", restitution=0.5)
+cells = sweep.to_frame(
+    ["amplitude_mm", "frequency_hz", "status", "mean_velocity_mm_s", "mean_velocity_error_mm_s"]
+)
+cells[cells["status"] == "averaged"].tail(3)

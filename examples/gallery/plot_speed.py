@@ -1,0 +1,18 @@
+"""
+Mean conveying speed
+====================
+
+How fast the same part goes, on a logarithmic scale. Labelled contours join settings of equal speed:
+follow one to trade amplitude for frequency. They stop where speed no longer rises with load, or motion
+is irregular; faint stripes mark irregular motion, whose speed is a mean over many flights. The triangle
+marks the fastest setting of the picture. The command writes ``out/nut-speed.png``.
+
+.. code-block:: bash
+
+    vibro map examples/safety_nut.toml -o out/nut
+"""
+
+import vibro
+
+sweep = vibro.sweep("../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301")
+figure = sweep.draw("speed")
