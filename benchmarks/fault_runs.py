@@ -68,9 +68,9 @@ FORMS: Final = {
     "parquet": Form(("--table", "parquet"), "set/_SUCCESS", ("pyarrow",)),
 }
 SWEEPS: Final = {  # axes, and cells of a shard
-    "small": (("-A", "0.1:3:50", "-f", "15", "--accuracy", "regimes"), 20),  # without pictures
+    "small": (("-A", "0.1:3:50", "-f", "15", "--regimes-only"), 20),  # without pictures
     "drawn": (("-A", "0.1:3:50", "-f", "15"), 20),
-    "large": (("-A", "0.1:3:500", "-f", "5:25:1000", "--accuracy", "regimes"), 50_000),
+    "large": (("-A", "0.1:3:500", "-f", "5:25:1000", "--regimes-only"), 50_000),
     "1e7 cells": (("-A", "0.1:3:5000", "-f", "5:60:2000"), 1_000_000),
 }
 SCENE: Final = ("-a", "20", "--mu-d", "0.3")

@@ -65,7 +65,7 @@ def print_costs(side: int) -> None:
     print(f"{'0.06-1':>10} {'':5} {side * side:10} {0:7.0%} {in_contact:11.0f} {'':15} {1:8.3g}")
     for restitution, share in ((0.0, 1), (0.3, 4), (0.6, 8)):
         scene = throw_map(side // share, 0.25, 4.0, restitution)
-        hop = float((vibro.solve(scene, accuracy="regimes").regime == vibro.Regime.HOPPING).mean())
+        hop = float((vibro.solve(scene, output="regimes").regime == vibro.Regime.HOPPING).mean())
         mixed = cell_time(scene)
         hopping = (mixed - cell_time(scene, flight=False)) / hop
         print(

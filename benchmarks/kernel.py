@@ -188,9 +188,9 @@ def main() -> None:
     }
     motions["ellipses, hopping, e = 0"] = vibro.Scene(**hopping)
     rows += [(f"{name}, 1 thread", count, solve_time(x, 1, repeats)) for name, x in motions.items()]
-    regimes = best_time(lambda: vibro.solve(scene, accuracy="regimes"), repeats)
+    regimes = best_time(lambda: vibro.solve(scene, output="regimes"), repeats)
     rows += [
-        (f'vibro.solve, {cores} threads, accuracy="regimes"', n, regimes),
+        (f'vibro.solve, {cores} threads, output="regimes"', n, regimes),
         ("vibro.Scene: copying and checking inputs", n, best_time(lambda: vibro.Scene(**fields), repeats)),
         ("find_root on (E1) alone, 1 thread, of scenes that slip forward", p0.size, find_root_time(p0, k, 2)),
         ("solve_ivp with events, DOP853, rtol 1e-9", few, event_loop_time(fields, few)),

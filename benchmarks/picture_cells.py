@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.plots import choose_view, map_figures
 from vibro.sweeps.run import DrawnCells, sweep_blocks, sweep_picture
 from vibro.sweeps.whole import request_of_call
@@ -40,7 +40,7 @@ def main() -> None:
     for name, given in MAPS.items():
         quantities = {key: value for key, value in given.items() if key != "coexistence"}
         grid = request_of_call(None, quantities).grid(
-            Level.EXACT, flight=True, coexistence="coexistence" in given
+            Output.EXACT, flight=True, coexistence="coexistence" in given
         )
         view = choose_view(grid.axes, fixed=grid.fixed)
         ends = [time.process_time()]

@@ -104,7 +104,7 @@ def test_hopping_scenes_of_a_grid_are_solved_as_each_alone() -> None:
 
 def test_regimes_alone_are_those_of_the_whole_solution(drawn: Callable[[int, int], Scene]) -> None:
     scene = drawn(20_000, 6)
-    whole, classes = solve(scene, flight=False), solve(scene, accuracy="regimes")
+    whole, classes = solve(scene, flight=False), solve(scene, output="regimes")
     assert_same(whole, classes, names=["regime", "throw_number", "forward_ratio", "back_ratio"])
     known = classes.regime != Regime.HOPPING
     assert np.array_equal(whole.status[known], classes.status[known])
@@ -274,7 +274,7 @@ def test_classes_come_in_one_order_with_growing_load() -> None:
     some = random_drives(300, 22, steepest=0.35, throw=(1e-3, 1e-2))
     factors = np.geomspace(0.3, 1.1 / some.normal.min(), 120)
     order = np.array(
-        [solve(some.scaled(f).scene(), accuracy="regimes").regime for f in factors], dtype=np.int64
+        [solve(some.scaled(f).scene(), output="regimes").regime for f in factors], dtype=np.int64
     )
     assert (np.diff(order, axis=0) >= 0).all()
     assert set(np.unique(order)) >= set(Regime) - {Regime.UNDEFINED}

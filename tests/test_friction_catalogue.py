@@ -102,8 +102,8 @@ def test_one_row_needs_no_more_than_its_pair() -> None:
         ("steel on steel, dry", "'steel on steel, dry': 4 rows", 'write "steel on steel, dry, the paper on'),
         ("steel on steel, wet", "listed as dry, greased, unspecified alone", 'write "steel on'),
         ("steel on steel, dry, Siemens", "no source of this pair has that name", 'write "steel on'),
-        ("steel on steel, unspecified", "the catalogue has no static friction of it", "give a number or"),
-        ("PTFE on steel, dry", "the catalogue has no static friction of it", "give a number or"),
+        ("steel on steel, unspecified", "the catalogue has no static friction for it", "give a number or"),
+        ("PTFE on steel, dry", "the catalogue has no static friction for it", "give a number or"),
     ],
 )  # fmt: skip
 def test_a_text_that_names_no_row_is_refused(text: str, problem: str, hint: str) -> None:

@@ -51,7 +51,7 @@ def test_each_transition_is_where_the_motion_changes() -> None:
         seen.append(Regime(int(above.regime)).label)
     assert seen == ["forward-slip", "back-slip", "back-slip", "hopping"]
     assert [t.name for t in vibro.transitions(scene)] == [
-        "forward slip", "back slip", "never at rest", "hopping",
+        "forward slip", "back slip", "continuous sliding", "hopping",
     ]  # fmt: skip
 
 

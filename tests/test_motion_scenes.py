@@ -113,7 +113,7 @@ def test_what_the_solver_reads() -> None:
         ),
         (
             {"amplitude": 1e-3, "drive_angle": 0.3, "motion_scale": 2.0},
-            "motion_scale = 2.0: must be left out: it is of a motion, of this drive multiply the amplitude",
+            "motion_scale = 2.0: must be left out: it scales a motion; multiply the amplitude of this drive",
         ),
         ({}, "drive = none: must be either amplitude and drive_angle"),
     ],

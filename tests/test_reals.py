@@ -129,7 +129,7 @@ CYCLE = vibro.solve(SCENE)
 HISTORY = vibro.simulate(SCENE, cycles=1)
 SWEEP = vibro.sweep(
     amplitude_mm=[1, 1.2, 1.4], frequency_hz=[15, 16], drive_angle_deg=[20, 25], static_friction=0.7,
-    kinetic_friction=0.5, accuracy="regimes",
+    kinetic_friction=0.5, output="regimes",
 )  # fmt: skip
 TAKERS: dict[str, tuple[Callable[[Any], Any], type[VibroError]]] = {
     **{name: (of_scene(name), SceneError) for name in Line._fields},
@@ -185,5 +185,5 @@ def test_a_list_may_mix_numbers_with_texts_that_have_units() -> None:
         pd.Series(["0.1", "0.02cm", "300um"]),
         (Fraction(1, 10), "200um", 0.3),
     ):
-        found = vibro.sweep(amplitude_mm=values, kinetic_friction=0.5, accuracy="regimes", **given)
+        found = vibro.sweep(amplitude_mm=values, kinetic_friction=0.5, output="regimes", **given)
         assert found.axes["amplitude_mm"].tolist() == [0.1, 0.2, 0.3]

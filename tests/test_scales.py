@@ -120,7 +120,7 @@ def test_the_largest_and_smallest_numbers_pass_without_a_warning() -> None:
         static_friction=0.74,
         kinetic_friction=0.57,
     )
-    cycle = solve(scene, accuracy="regimes")
+    cycle = solve(scene, output="regimes")
     in_contact = cycle.regime != Regime.HOPPING
     exact = solve(Scene(**{name: x[in_contact] for name, x in spread_out(scene).items()}))
     assert np.isin(exact.status, (Status.OK, Status.BOUNDARY)).all()

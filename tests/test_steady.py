@@ -280,9 +280,15 @@ def test_a_grid_whose_axes_are_long_equals_its_rows() -> None:
 # --- regimes alone ----------------------------------------------------------------------------------
 
 
-def test_an_accuracy_that_does_not_exist_is_refused() -> None:
-    with pytest.raises(VibroError, match="accuracy = 'rough': must be one of exact, regimes"):
-        solve(scene_with(), accuracy="rough")  # type: ignore[arg-type]
+def test_an_output_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(VibroError, match="output = 'rough': must be one of exact, regimes"):
+        solve(scene_with(), output="rough")  # type: ignore[arg-type]
+
+
+def test_the_old_name_of_the_output_is_understood() -> None:
+    cycle = solve(scene_with(), accuracy="regimes")  # type: ignore[call-arg]
+    assert np.isnan(cycle.mean_velocity)
+    assert cycle.regime == solve(scene_with()).regime
 
 
 @pytest.mark.parametrize("name", ["flight", "coexistence"])

@@ -69,7 +69,7 @@ def test_kinetic_friction_below_the_rounding_of_1_still_ends_slides() -> None:
         # The trough is almost as steep as static friction can hold.
         (4.612268256911697e-13, 0.132502858647908, 3.693444354268408e-06, 0.3355745424441268,
          0.3355745424441265, -0.3237662845625886, 9.81),
-        # Half the length of the forward slide in the never-at-rest cycle is a right angle up to rounding.
+        # In continuous sliding half the length of the forward slide is a right angle up to rounding.
         (1.3205146024910965e-23, 64405082989.93417, 1.5526651535927725, 0.00141791454401135,
          0.0011394278749446362, -0.0011394273818401792, 9.81),
     ],

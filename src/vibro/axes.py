@@ -74,7 +74,7 @@ class Axis:
 
     @property
     def in_stroke(self) -> Axis:
-        """The same axis told in strokes, if it is of amplitudes of a line."""
+        """The same axis in strokes, if it is one of amplitudes of a line."""
         return replace(self, name="stroke", values=2.0 * self.values) if self.name == "amplitude" else self
 
     def __len__(self) -> int:
@@ -97,7 +97,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class AxisSpec:
-    """Values that a user asked for: one value, a list, or a range whose count may still be open.
+    """Values as a user gives them: one value, a list, or a range whose count may still be open.
 
     Numbers are in the quantity's default unit.
 
@@ -166,7 +166,7 @@ class AxisSpec:
         n = self.count or count
         first, last = (Fraction(end) for end in self.values)
         if self.log:
-            with np.errstate(over="ignore"):  # at the end, which replaces what its power comes to
+            with np.errstate(over="ignore"):  # at the end, which is replaced by the exact value
                 powers = np.geomspace(float(first), float(last), n)
             # 15 digits, so that 5:80:step=2:log holds 10, not 10.000000000000002.
             powers[1:-1] = [float(f"{v:.15g}") for v in powers[1:-1].tolist()]
@@ -197,7 +197,7 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
     Returns
     -------
     AxisSpec
-        Numbers stand for their shortest decimal form, as they would be typed.
+        Numbers mean their shortest decimal form, as they would be typed.
 
     Raises
     ------
@@ -228,7 +228,7 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
 
 
 def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
-    """Convert what is given to doubles; texts among it may have units."""
+    """Convert given values to doubles; texts among them may have units."""
     if hasattr(value, "__array__") and not isinstance(value, np.ma.MaskedArray):
         value = np.asarray(value)  # of pandas
         value = value.tolist() if value.dtype.kind in "OTU" else value

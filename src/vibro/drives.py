@@ -30,7 +30,7 @@ __all__ = ["KINDS", "Ability", "Columns", "Drive", "Ellipse", "Harmonics", "Line
 _ONE: Final = np.ones(())
 _NOTHING: Final = np.full((), np.nan)
 _POINTS: Final = 64  # points of the path per harmonic, which bracket the farthest one
-_TOGETHER: Final = 65_536  # of such points are looked at in one pass: they stay in the processor's cache
+_TOGETHER: Final = 65_536  # of such points are computed in one pass: they stay in the processor's cache
 _STEPS: Final = 6  # of Newton's method from there; each squares the error, which begins at 1e-3
 
 
@@ -282,7 +282,7 @@ class _MovedFields(NamedTuple):
 
 
 class _Moved(Drive):
-    """Base class of drives that are a ``Motion``; ``normal_acceleration`` is NaN where nothing is clamped."""
+    """Base class of drives that are a ``Motion``; ``normal_acceleration`` is NaN for free bodies."""
 
     told_by = ("motion", "along_harmonics", "normal_harmonics")
 
@@ -293,7 +293,7 @@ class _Moved(Drive):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Common shape of the fields, of which there are more than one NumPy iterator accepts."""
+        """Common shape of the fields, in several steps: a NumPy iterator accepts a limited number."""
         return np.broadcast_shapes(*(x.shape for _, _, x in self.members()))
 
     @property

@@ -1,4 +1,4 @@
-"""Exceptions of vibro, whose messages have the field, the value and the remedy."""
+"""Exceptions of vibro; their messages name the field, the value and the remedy."""
 
 from __future__ import annotations
 
@@ -57,22 +57,22 @@ def did_you_mean(
     Parameters
     ----------
     word : object
-        What was given; case does not matter. Nothing is near to what is no text.
+        What was given; case is ignored. Values that are not texts get no suggestion.
     known : iterable of str
-        The names that there are.
+        The known names.
     most : int
-        How many of them are suggested.
+        Largest number of suggestions.
     cutoff : float
         Least similarity, as of ``difflib``.
     before : str
-        What stands before each name: the folder of a file.
+        Text before each name, such as the folder of a file.
 
     Returns
     -------
     str
         ``did you mean 'amplitude_mm'?``; empty if no name is near.
     """
-    import difflib  # which messages alone need
+    import difflib  # needed for error messages alone
 
     text = word.casefold() if isinstance(word, str) else ""
     names: dict[str, str] = {}
@@ -96,7 +96,7 @@ def _told(lines: Sequence[str], what: str) -> tuple[str, ...]:
 
 
 class VibroError(Exception):
-    """Base class of every error that vibro raises on purpose."""
+    """Base class of all errors that vibro raises for wrong input, files or scenes."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class Problem:
 
 
 class SceneError(VibroError, ValueError):
-    """Raised for an invalid scene: it lists every problem, each with field, value and allowed range.
+    """An invalid scene; the message lists every problem with its field, value and allowed range.
 
     Attributes
     ----------
@@ -139,18 +139,17 @@ class SceneError(VibroError, ValueError):
 
 
 class InputError(VibroError):
-    """Input that cannot be used: an option, an axis, a scene file's content.
+    """Invalid input: an option, an axis, an argument, or the content of a scene file.
 
     Attributes
     ----------
     problems : tuple of str
-        Every problem, one sentence each; of more than ``MOST_TOLD`` the first ones, and how many more there
-        are.
+        Every problem, one sentence each. If there are more than 20, the first 20 and a count of the others.
     hint : str
         The remedy, in one or more lines; empty if the problems already say it.
     fields : tuple of str
-        For each listed problem the name of its quantity, or an empty text if it concerns several; or no names
-        at all.
+        For each listed problem the name of its quantity, or an empty text if it concerns several; an empty
+        tuple if no quantities are known.
     """
 
     def __init__(self, *problems: str, hint: str = "", fields: Sequence[str] = ()) -> None:

@@ -29,7 +29,9 @@ __all__ = [
 _KINK: Final = 0.2  # [1] relative difference of both sides that shows a kink
 _DAMPING_RATIO: Final = 0.015  # [1] of steel springs in feeders
 _RANGE: Final = 1024  # [cells] of a range, so that an interrupt is noticed within a fraction of a second
-_BESIDE: Final = 0.01  # [1] relative change of the amplitude that speeds of hopping bodies are compared over
+_AMPLITUDE_STEP: Final = (
+    0.01  # [1] relative change of the amplitude that speeds of hopping bodies are compared over
+)
 _ROWS: Final = 7  # shares, both parts of the second harmonic, errors of the shares, and the bound
 
 
@@ -42,7 +44,7 @@ def _compliance(frequency_ratio: float, trough_share: float) -> float:
     return abs((square - trough_share * (1.0 + damping)) / (square - 1.0 - damping))
 
 
-#: How strongly typical machines follow their filling, ``abs(m1 H)`` of Eq. (80), by what they are [1].
+#: Compliance ``abs(m1 H)`` of typical machines, Eq. (80), by their kind [1].
 TYPICAL_MACHINES: Final = {
     "unbalance motors, soft mounts (f/f0 = 4)": _compliance(4.0, 0.0),
     "two masses, m2 = 2 m1, below resonance (f/f0 = 0.90)": _compliance(0.90, 1.0 / 3.0),
@@ -52,17 +54,17 @@ TYPICAL_MACHINES: Final = {
 
 @shielded
 def filling(scene: Scene, *, threads: int | None = None) -> Filling:
-    """Return the settled force of what lies in the trough on it, per kg, for every scene.
+    """Return the steady force of the filling on its trough, per kg of filling.
 
-    The trough moves as the scene says, whatever the filling does to it. Valid for parts that move one by one,
-    or a thin bed.
+    The trough moves as the scene prescribes; the filling does not change its motion (``vibro.operate``
+    computes that change). Valid for single parts or a thin bed.
 
     Parameters
     ----------
     scene : Scene
         Operating points of any shape, with drives along lines or ellipses.
     threads : int, optional
-        How many threads share the work, at least 1; without, one a core.
+        Number of threads, at least 1; by default one per core.
 
     Returns
     -------
@@ -74,13 +76,13 @@ def filling(scene: Scene, *, threads: int | None = None) -> Filling:
     SceneError
         If the drive is neither a line nor an ellipse.
     InputError
-        If ``threads`` is no whole number of at least 1.
+        If ``threads`` is not a whole number of at least 1.
 
     Notes
     -----
-    Eqs. (75)-(79) of docs/theory, summed over the slides and flights of the cycle. Within 1e-11 of an
-    event walk in 34 digits (tests/test_fillings.py). Means over irregular motion are those of the same bodies
-    whose mean speed ``solve`` tells, and take several ms a cell.
+    Eqs. (75)-(79) of docs/theory, summed over the slides and flights of the cycle; within 1e-11 of an
+    event-driven simulation in 34 digits (tests/test_fillings.py). For irregular motion they are means over
+    the same flights as the mean speed of ``solve``, which takes several ms per cell.
 
     Examples
     --------
@@ -181,7 +183,7 @@ def amplitude_exponent(scene: Scene, cycle: SteadyCycle) -> Any:
     given = {f.name: getattr(scene, f.name) for f in fields(scene)}
     given = {name: value for name, value in given.items() if value is not None}
     found = []
-    for factor in (1.0 - _BESIDE, 1.0 + _BESIDE):
+    for factor in (1.0 - _AMPLITUDE_STEP, 1.0 + _AMPLITUDE_STEP):
         changed = {name: factor * value for name, value in given.items() if name in sizes}
         beside = solve(Scene.allowing_infeasible(**{**given, **changed}))
         known = (beside.status <= Status.BOUNDARY) & (beside.regime == cycle.regime)
@@ -207,7 +209,7 @@ def most_mass_ratio(
         Complex ``m1 H`` of the machine, or its size: how strongly its amplitude follows a mass on the trough
         [1].
     change : float, optional
-        Change of the speed that is of no account [1].
+        Change of the speed that is tolerated [1].
 
     Returns
     -------

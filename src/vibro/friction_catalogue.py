@@ -146,7 +146,7 @@ def static_row(text: str) -> Row:
     with_static = [row for row in by_source if row.static_friction]
     if not with_static:
         raise InputError(
-            f"{shown(text)}: the catalogue has no static friction of it",
+            f"{shown(text)}: the catalogue has no static friction for it",
             hint="give a number or a band of your own, such as 0.3:0.5",
         )
     if len(with_static) > 1:

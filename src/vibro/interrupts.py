@@ -1,4 +1,4 @@
-"""How the command's process ends when it is interrupted: at once, with nothing half done left behind.
+"""How the command's process ends when it is interrupted: at once, without half-finished files.
 
 An exception that a signal's handler raises may fall anywhere: into an import or a callback, where it is lost,
 or into the tidying up of the one before. So the handler raises nothing: it does what was asked for the end,
@@ -52,7 +52,7 @@ def _end(number: int, frame: FrameType | None) -> NoReturn:
 
 
 def tidy_up() -> list[str]:
-    """Do what was asked for the end of the process, and end its children; return the hints of that."""
+    """Run the clean-up of the process, end its children, and return the hints of the clean-up."""
     said = []
     for act in (*reversed(_acts), _kill_children):
         try:

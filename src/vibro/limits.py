@@ -30,7 +30,7 @@ __all__ = [
     "stays_upright", "tipping_load", "tipping_load_of_lines", "transitions",
 ]  # fmt: skip
 
-_CLASSES: Final = ("forward slip", "back slip", "never at rest")
+_CLASSES: Final = ("forward slip", "back slip", "continuous sliding")
 _LOADS: Final = ("load for forward slip", "load for back slip")
 _HOP: Final = "hopping"
 
@@ -44,54 +44,54 @@ _ROOM: Final = 64  # [intervals] of one class, to begin with; the most that were
 
 
 class CriticalLoads(NamedTuple):
-    """Critical loads G = A w^2 / g; inf if a transition never happens, 0 if it has happened at any load.
+    """Critical loads G = A w^2 / g [1]; inf if a transition never happens, 0 if no load is too small for it.
 
     Attributes
     ----------
     hop : array
-        Above it the throw number exceeds 1 and the body leaves the trough.
+        Load above which the throw number exceeds 1 and the body leaves the trough.
     forward_onset, back_onset : array
-        Above it the tangential force on a body at rest exceeds static friction forward, or back.
+        Load above which the tangential force on a body at rest exceeds static friction, forward or back.
     back_slip : array
-        Above it the steady cycle from rest has a back slide. It exceeds ``back_onset`` where the forward
-        slide outlasts the back window. Elliptical drives on troughs steeper than the angle of kinetic
-        friction may lose the back slide again at higher loads.
-    rest_vanishes : array
-        Above it the body slides continuously.
+        Load above which the steady cycle from rest has a back slide. It is larger than ``back_onset`` if the
+        forward slide lasts until the force back has fallen again. Elliptical drives on troughs steeper than
+        the angle of kinetic friction may lose the back slide again at higher loads.
+    continuous_sliding : array
+        Load above which the body slides continuously, without a rest.
 
     Notes
     -----
-    A body starts from rest at the phase where static friction is first exceeded. On inclines phase 0 may lie
-    later, and a start there may lead to another cycle where several coexist.
+    The body starts from rest at the phase where static friction is first exceeded. On inclines a start at
+    phase 0 may come after that phase and, where several cycles coexist, lead to another one.
     """
 
     hop: Floats
     forward_onset: Floats
     back_onset: Floats
     back_slip: Floats
-    rest_vanishes: Floats
+    continuous_sliding: Floats
 
 
 class Transition(NamedTuple):
-    """Amplitude and frequency at which a kind of motion begins, starting from one operating point.
+    """Amplitude, frequency and load at which a kind of motion begins, relative to one operating point.
 
     Attributes
     ----------
     name : str
         The motion that begins.
     ratio : float
-        The scene's load over the load at which it begins: above 1 it has begun [1].
+        The scene's load over the load at which the motion begins; the motion has begun if it is above 1 [1].
     amplitude : float
-        Largest distance of the trough from its middle at which it begins at the scene's frequency: of a line
-        its amplitude, of an ellipse half of its larger axis. All amplitudes are the scene's over ``ratio``
-        [m].
+        Amplitude at which the motion begins at the scene's frequency: of a line its amplitude, of an ellipse
+        its larger semi-axis, of other motions the largest distance from the middle. Every amplitude of the
+        scene is divided by ``ratio`` there [m].
     frequency : float
-        Frequency at which it begins at the scene's amplitude; NaN of steps and samples, whose accelerations
-        do not depend on it [Hz].
+        Frequency at which the motion begins at the scene's amplitude; NaN for steps and samples, whose
+        accelerations do not depend on the frequency [Hz].
     load : float
-        Load G at which it begins [1].
+        Load G at which the motion begins [1].
     end_ratio : float
-        The scene's load over the load at which it ends: at the hop at the latest, except for hopping; 0 where
+        The scene's load over the load at which the motion ends, which is that of hopping at the latest; 0 if
         no load ends it [1].
     """
 
@@ -104,46 +104,47 @@ class Transition(NamedTuple):
 
     @property
     def scales(self) -> tuple[float, float]:
-        """Factors of the whole motion between which it lasts; inf as an end where it lasts for ever [1]."""
+        """Factors of the scene's amplitudes at which the motion begins and ends; inf if it never ends [1]."""
         return 1.0 / self.ratio, 1.0 / self.end_ratio if self.end_ratio > 0.0 else math.inf
 
     @property
     def loads(self) -> tuple[float, float]:
-        """Loads G between which it lasts [1]."""
+        """Loads G at which the motion begins and ends; inf if it never ends [1]."""
         end = self.load * (self.ratio / self.end_ratio) if self.end_ratio > 0.0 else math.inf
         return self.load, end
 
 
 @shielded
 def critical_loads(scene: Scene) -> CriticalLoads:
-    """Critical loads G = A w^2 / g, at which the steady cycle from rest changes its regime.
+    """Return the critical loads G = A w^2 / g at which the steady cycle from rest changes its regime.
 
-    For an ellipse A is its larger semi-axis, as in ``Scene.load``: both amplitudes change in proportion. Of
-    any other motion G is its largest acceleration over gravity: all of it changes in proportion.
+    For an ellipse A is the larger semi-axis, as in ``Scene.load``, and both amplitudes keep their proportion.
+    For any other motion G is the largest acceleration over gravity; the motion is scaled as a whole.
 
     Parameters
     ----------
     scene : Scene
-        Operating points of any shape; amplitude, scale of a motion, frequency, gravity (unless the body is
+        Operating points of any shape. Amplitude, scale of a motion, frequency, gravity (unless the body is
         clamped) and restitution have no effect.
 
     Returns
     -------
     CriticalLoads
-        ``hop``, ``forward_onset``, ``back_onset``, ``back_slip`` and ``rest_vanishes``: arrays of the common
-        shape of angles and frictions, which broadcasts against the scene's [1]. inf where a transition never
-        happens, 0 where it always has; NaN where mu_d > mu_s or mu_s = 0.
+        ``hop``, ``forward_onset``, ``back_onset``, ``back_slip`` and ``continuous_sliding``: arrays of the
+        common shape of angles and frictions, which broadcasts against the scene's [1]. inf if a transition
+        never happens, 0 if no load is too small for it; NaN if mu_d > mu_s or mu_s = 0.
 
     Notes
     -----
     Closed forms, Eqs. (4), (5) and (21), and one root in a bracket, Eq. (22). They agree with ``solve`` on
     both sides of each load (tests/core/test_limits.py).
 
-    Of a motion beyond one harmonic ``back_slip`` and ``rest_vanishes`` are the first loads of their classes,
-    which may end and begin again: ``transitions`` lists all. They are not proved to be the first: the steady
-    cycle is solved at 256 loads between the first onset and the hop (or a million times the onset without
-    one), and each change of its pattern is closed in on by halving. In 4 000 random scenes with 2 to 5
-    harmonics a scan of 1 500 loads knew one interval more. A scene takes 5 to 10 ms.
+    With more than one harmonic, back slip and continuous sliding may end and begin again as the load rises.
+    ``back_slip`` and ``continuous_sliding`` are then the lowest loads at which they begin; ``transitions``
+    lists all. These loads are searched, not proved: the steady cycle is solved at 256 loads between the first
+    onset and the hop (or a million times the onset if there is no hop), and each change of its pattern is
+    located by bisection. In 4 000 random scenes with 2 to 5 harmonics a scan of 1 500 loads found one more
+    interval. A scene takes 5 to 10 ms.
 
     Examples
     --------
@@ -211,7 +212,7 @@ def _as_loads(found: Sequence[Floats], fields: Fields) -> Sequence[Floats]:
 
 @shielded
 def transitions(scene: Scene) -> tuple[Transition, ...]:
-    """Return where each kind of motion begins and ends, starting from one operating point.
+    """Return the amplitudes, frequencies and loads at which each kind of motion begins and ends.
 
     Parameters
     ----------
@@ -221,11 +222,13 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     Returns
     -------
     tuple of Transition
-        By rising amplitude; without transitions that hopping forestalls, that no load causes, or that lie
-        beyond the range of doubles. Motions last until the hop if their drive has one harmonic: "load for
-        forward slip" and "load for back slip" say that the load exceeds static friction, and not whether the
-        body slides. Under other motions "forward slip", "back slip" and "never at rest" (a cycle without a
-        rest, or a body that runs away) may end and begin again: there is one entry for each interval.
+        Transitions by rising amplitude: "forward slip", "back slip", "continuous sliding" (the body slides
+        continuously, or runs away) and "hopping". "load for forward slip" and "load for back slip" are loads
+        at which static friction is exceeded but the body does not slide yet. Transitions that no load causes,
+        or that lie above the load of hopping or beyond the range of doubles, are left out.
+
+        With one harmonic each motion lasts until the body hops. With others a motion may end and begin again:
+        there is one entry for each interval.
 
     Raises
     ------
@@ -234,9 +237,10 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
 
     Notes
     -----
-    Of one harmonic closed forms, as from ``critical_loads``. Beyond it intervals are sought on 256 loads, as
-    ``critical_loads`` says; on 60 reference scenes all are found, their ends within 3e-12, relative
-    (tests/test_critical_scales.py). Where the solver leaves a cycle unresolved the intervals go on.
+    Closed forms for one harmonic, as in ``critical_loads``. For other motions the intervals are searched at
+    256 loads, as ``critical_loads`` explains. On 60 reference scenes all intervals are found, with a relative
+    error of their ends below 3e-12 (tests/test_critical_scales.py). An interval does not end at a load whose
+    cycle is unresolved.
 
     Examples
     --------
@@ -247,7 +251,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     ...     print(f"{t.name} at {1e3 * t.amplitude:.4f} mm or {t.frequency:.4f} Hz")
     forward slip at 0.6852 mm or 12.4162 Hz
     back slip at 1.1903 mm or 16.3651 Hz
-    never at rest at 1.5623 mm or 18.7486 Hz
+    continuous sliding at 1.5623 mm or 18.7486 Hz
     hopping at 3.2291 mm or 26.9543 Hz
     """
     if scene.shape:
@@ -276,7 +280,7 @@ def _of_one_harmonic(scene: Scene) -> tuple[float, list[tuple[str, float, float]
     firsts = [
         (for_forward if loads.back_onset < loads.forward_onset else forward, loads.forward_onset),
         (back, loads.back_slip),
-        (never, loads.rest_vanishes),
+        (never, loads.continuous_sliding),
     ]
     if not math.isclose(loads.back_onset, loads.back_slip, rel_tol=_SAME):
         firsts.append((for_back, loads.back_onset))
@@ -407,7 +411,7 @@ def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
         If a stand ratio is no number, or not > 0, or the body is clamped.
     """
     load = tipping_load(scene, stand_ratio)
-    hops = solve(scene, accuracy="regimes").regime == int(Regime.HOPPING)
+    hops = solve(scene, output="regimes").regime == int(Regime.HOPPING)
     unheld = np.abs(np.tan(scene.trough_angle)) >= scene.static_friction
     tips = scene.load > load
     unknown = np.where(np.isinf(load), hops, unheld)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = ["retain_freed_memory"]
 
-# Of malloc.h: from which size [B] a buffer is the system's, and how much of what is freed stays.
+# Of malloc.h: size from which a buffer is mapped by the system, and freed memory that is kept [B].
 _M_TRIM_THRESHOLD: Final = -1
 _M_MMAP_THRESHOLD: Final = -3
 _MOST_RETAINED: Final = 32 << 20  # the largest that malloc takes, and would adapt to

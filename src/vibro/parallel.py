@@ -112,7 +112,7 @@ def in_parallel(
                     done(len(finished))
     finally:
         left.clear()
-        for thread in others:  # what they write to may not outlive this call
+        for thread in others:  # their buffers may not outlive this call
             if thread.ident is not None:
                 thread.join()
     if failures:

@@ -75,7 +75,7 @@ class Quantity:
     Attributes
     ----------
     name : str
-        Of the field of ``Scene``, where there is one.
+        Name of the field of ``Scene``, if it is one.
     kind : Kind
         Its units.
     letter, symbol : str
@@ -87,9 +87,9 @@ class Quantity:
     meaning : str
         What it is, for people.
     default : float or None
-        Its value where it is not given, in the unit outside; None where it must be given.
+        Default value in the unit outside; None if it must be given.
     usual : Range
-        What it is, but for slips; 0 is usual of all.
+        Usual values; 0 is usual for all. Others are questioned as slips.
     slips : pair of str
         What to write instead where a value is below, and above: the likely slip of units. ``{0}`` is the
         value, ``{1}`` a hundredth of it.
@@ -181,7 +181,7 @@ _ANY: Final = Range(-math.inf, with_low=False)
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
 MOST_HARMONICS: Final = 16  # of a drive
-TOLD_HARMONICS: Final = 2  # whose quantities are told one by one; more would be a page of numbers
+TOLD_HARMONICS: Final = 2  # whose quantities are listed one by one; more would fill a page
 
 
 # fmt: off
@@ -199,7 +199,8 @@ def _harmonic(n: int) -> tuple[Quantity, ...]:
                      (f"--{way}-{n}",) if n == 2 else (), _ZERO_OR_MORE,
                      f"amplitude of harmonic {n} of the motion {where}"),
             Quantity(f"{way}_phase_{n}", ANGLE, f"{letter}{n}", rf"{symbol}_{n}",
-                     (f"--{way}-phase-{n}",) if n == 2 else (), _ANY, f"phase of that harmonic {where}"),
+                     (f"--{way}-phase-{n}",) if n == 2 else (), _ANY,
+                     f"phase of harmonic {n} of the motion {where}"),
         )
     )
 
@@ -214,7 +215,7 @@ _ALL: Final = (
     Quantity("voltage", PERCENT, "U", "U", ("--voltage",), _POSITIVE,
              "voltage of a machine's supply over its nominal voltage", 100.0, Range(50.0, 150.0), _PERCENT),
     Quantity("filling", _MASS, "m", "m", ("--filling",), _ZERO_OR_MORE,
-             "mass of what lies in a machine's trough", 0.0, Range(high=1e5),
+             "mass of the filling in the trough", 0.0, Range(high=1e5),
              ("", "for grams write {0}g")),
     Quantity("natural", FREQUENCY, "f0", "f_0", ("--natural",), _POSITIVE,
              "natural frequency of the empty machine", usual=Range(high=1000.0),
@@ -237,21 +238,21 @@ _ALL: Final = (
              Range(0.0, 90.0), "angle of the drive's line above the trough's surface",
              usual=Range(1.0), slips=("for radians write {0}rad", "")),
     Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), _ANY,
-             "phase by which the normal motion leads the motion along the trough"),
+             "phase lead of the normal motion over the motion along the trough"),
     Quantity("along_phase", ANGLE, "xi", r"\xi", (), _ANY,
              "phase of the first harmonic along the trough, where arrays give it; else 0"),
     *(quantity for n in range(2, MOST_HARMONICS + 1) for quantity in _harmonic(n)),
     Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), _POSITIVE,
-             "factor of a whole motion: of all its amplitudes, or of its accelerations", 1.0),
+             "factor by which all amplitudes, or accelerations, of a motion are multiplied", 1.0),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
              "coefficient of friction at rest", usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
-             Range(0.0, 1.0, with_high=True), "kinetic over static friction, in place of the kinetic one"),
+             Range(0.0, 1.0, with_high=True), "kinetic over static friction, instead of kinetic friction"),
     Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _ZERO_OR_MORE,
              "coefficient of friction while sliding, at most the static one",
              usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
-             Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
+             Range(-90.0, 90.0, with_low=False), "inclination of the trough, > 0 uphill", 0.0),
     Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY, Range(1.0, 100.0), 2 * ("it is in m/s^2, 9.81 on Earth",)),
     Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("--normal-acceleration",), _POSITIVE,
@@ -295,7 +296,7 @@ AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
 SIZES: Final = ("stroke", *AMPLITUDES)
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
-#: What is taken where nothing is given, in the units outside.
+#: Default values, in the units outside.
 DEFAULTS: Final[Mapping[str, float]] = {
     q.name: q.default for q in _ALL if q.default is not None and q.name not in (*DRIVES, *MACHINE)
 }
@@ -380,7 +381,7 @@ def drive_of(names: Collection[str]) -> tuple[str, ...]:
 
 
 def counted_harmonics(names: Collection[str]) -> list[str]:
-    """Write how many harmonics quantities describe; empty if all are told one by one."""
+    """Write how many harmonics quantities describe; empty if all are listed one by one."""
     highest = max((QUANTITIES[name].order for name in names), default=1)
     return [f"{highest} harmonics"] * (highest > TOLD_HARMONICS)
 
@@ -418,7 +419,7 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     values : mapping of str to float or array
-        By name; ``stroke`` may stand for the amplitude, and ``friction_ratio`` for the kinetic friction. A
+        By name; ``stroke`` may replace the amplitude, and ``friction_ratio`` the kinetic friction. A
         trough length, the quantities of a machine and its results are left out. Under ``motion`` a ``Motion``
         may stand, or an array of one.
     """
@@ -537,7 +538,7 @@ def _split(text: str, quantity: Quantity) -> tuple[str, tuple[int, int]]:
     if len(text) > _LONGEST:
         raise InputError(
             f"{quantity.label} = {shown(text)}: longer than {_LONGEST} characters",
-            hint="17 digits tell every number that vibro computes with",
+            hint="17 digits are enough for every number that vibro computes with",
         )
     match = _NUMBER.fullmatch(text)
     if match is None:

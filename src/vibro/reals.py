@@ -115,7 +115,7 @@ def _of_sequence(values: Sequence[Any], allowed: str) -> Floats:
         return np.array([real_array(value, allowed) for value in values], np.float64)
     except NotRealError:
         raise
-    except (ValueError, RecursionError):  # lists of lists of different lengths, or of no end
+    except (ValueError, RecursionError):  # lists of different lengths, or in themselves
         raise NotRealError(shown(values), allowed) from None
 
 

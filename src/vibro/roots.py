@@ -40,7 +40,7 @@ def close_in(
         Widths at which the search ends: of the argument, and in its unit. Without both it goes on to
         neighbouring doubles.
     sections : int
-        Arguments looked at in every bracket at once: a call that costs the same for many is best asked so.
+        Arguments per bracket and call, for functions whose calls cost the same for many arguments.
 
     Returns
     -------

@@ -67,7 +67,7 @@ def _kind_of(values: dict[str, Any]) -> type[Fields]:
     if "motion" in names:
         return _kind_of_motion(values)
     if values.get("motion_scale") is not None:
-        beside = "left out: it is of a motion, of this drive multiply the amplitude"
+        beside = "left out: it scales a motion; multiply the amplitude of this drive"
         raise SceneError((Problem("motion_scale", shown(values["motion_scale"]), beside),))
     if values.get("normal_acceleration") is not None:
         beside = "given beside a motion along the trough alone, such as along_harmonics"
@@ -95,45 +95,48 @@ def _kind_of_motion(values: dict[str, Any]) -> type[Fields]:
 
 @dataclass(frozen=True, eq=False, init=False)
 class Scene:
-    """One operating point, a line of them, or a whole grid.
+    """A trough, its drive and a body on it: one operating point, or a whole grid of them.
 
-    The fields broadcast against each other like the arguments of a NumPy ufunc. They are
-    copied, converted to ``float64`` and made read-only. A point body lies on a rigid trough;
-    Coulomb friction with stiction acts between the two. The trough moves either along a line, as
-    ``amplitude * sin(2 pi frequency t)`` in the direction ``drive_angle``, or along an ellipse, as
-    ``along_amplitude * sin(2 pi frequency t)`` along its surface and
-    ``normal_amplitude * sin(2 pi frequency t + normal_phase)`` normal to it.
+    A point body lies on a rigid trough, with Coulomb friction and stiction between the two. The trough moves
+
+    * along a line: ``amplitude * sin(2 pi frequency t)`` in the direction ``drive_angle``;
+    * along an ellipse: ``along_amplitude * sin(2 pi frequency t)`` along its surface and ``normal_amplitude *
+      sin(2 pi frequency t + normal_phase)`` normal to it;
+    * or as a ``motion`` prescribes.
+
+    Give exactly one of these drives. Fields broadcast against each other like the arguments of a NumPy ufunc.
+    They are copied, converted to ``float64`` and made read-only.
 
     Parameters
     ----------
     amplitude : array_like
-        Amplitude of a motion along a line, half of its stroke, > 0 [m].
+        Amplitude of the motion along a line, half of the stroke, > 0 [m].
     drive_angle : array_like
-        Angle of that line above the trough's surface, in [0, pi/2) [rad].
+        Angle of the line above the trough's surface, in [0, pi/2) [rad].
     along_amplitude, normal_amplitude : array_like
-        Amplitudes of an elliptical motion, in place of the former two: along the trough, positive in the
-        conveying direction, and normal to it, positive upwards; >= 0 [m].
+        Amplitudes of the elliptical motion, along the trough (positive in the conveying direction) and normal
+        to it (positive upwards), >= 0 [m].
     normal_phase : array_like, optional
-        Phase by which the normal motion leads the motion along the trough, modulo 2 pi [rad]. Others count
-        the lag, or from the normal motion: theory, section 15.
+        Phase lead of the normal motion over the motion along the trough, modulo 2 pi [rad]. For other
+        conventions see theory, section 15.
     along_harmonics, normal_harmonics : sequence of pair of array_like
-        In place of all these, up to 16 pairs of an amplitude [m] and a phase [rad], of a motion with
-        harmonics ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first; either may be left out. They
-        stand for ``motion=Motion.harmonics(...)``.
+        Up to 16 pairs of an amplitude [m] and a phase [rad] of the harmonics ``amplitude * sin(2 pi n
+        frequency t + phase)``, n = 1 first. One of the two may be left out. Short for
+        ``motion=Motion.harmonics(along, normal)``.
     motion : Motion
-        In place of all these, any periodic motion: harmonics, steps or samples.
+        Any periodic motion: harmonics, steps, samples or a measured motion.
     motion_scale : array_like, optional
-        Factor of a whole motion: of its amplitudes, or of its accelerations, > 0 [1].
+        Factor by which the amplitudes or accelerations of a ``motion`` are multiplied, > 0 [1].
     normal_acceleration : array_like, optional
-        Of a body that is clamped to the trough, the constant normal force over the body's mass, > 0 [m/s^2].
-        Gravity then acts along the trough alone, which may be vertical, and does not move normal to itself.
+        For a body that is clamped to the trough: constant normal force over the body's mass, > 0 [m/s^2]. The
+        trough then moves along itself only, and may be vertical; the normal component of gravity is ignored.
     frequency : array_like
         Drive frequency, > 0 [Hz].
     static_friction, kinetic_friction : array_like
         Coefficients of friction mu_s and mu_d, ``0 <= mu_d <= mu_s`` [1].
     trough_angle : array_like, optional
-        Climb of the trough in the conveying direction, in (-pi/2, pi/2), under a clamped body with both ends
-        [rad].
+        Inclination of the trough, positive if it rises in the conveying direction, in (-pi/2, pi/2), with a
+        clamped body in [-pi/2, pi/2] [rad].
     gravity : array_like, optional
         Acceleration of gravity, > 0 [m/s^2].
     restitution : array_like, optional
@@ -142,8 +145,8 @@ class Scene:
     Raises
     ------
     SceneError
-        If a field or a combination of fields is out of range, or not exactly one drive is given; it lists
-        every problem.
+        If a field or a combination of fields is out of range, or not exactly one drive is given; the message
+        lists every problem.
 
     Examples
     --------
@@ -224,20 +227,32 @@ class Scene:
     @classmethod
     @shielded
     def allowing_infeasible(cls, **values: ArrayLike) -> Scene:
-        """Make a scene whose fields are valid but whose combinations may be infeasible.
+        """Make a scene that may contain infeasible combinations of valid values (mu_d > mu_s).
 
-        A sweep over both coefficients of friction crosses combinations that cannot be (mu_d > mu_s).
-        ``solve`` gives those cells the status ``INFEASIBLE`` and no numbers.
+        A grid over both coefficients of friction contains such combinations; ``solve`` gives these cells the
+        status ``INFEASIBLE`` and no numbers.
 
         Parameters
         ----------
         **values
             As for ``Scene``.
 
+        Returns
+        -------
+        Scene
+            ``Scene.infeasible`` marks the infeasible combinations.
+
         Raises
         ------
         SceneError
-            If a field alone is out of its range, or the shapes do not broadcast.
+            If a value is out of its range, or the shapes do not broadcast.
+
+        Examples
+        --------
+        >>> scene = Scene.allowing_infeasible(amplitude=1e-3, frequency=15, drive_angle=0.35,
+        ...                                   static_friction=0.4, kinetic_friction=[0.3, 0.5])
+        >>> scene.infeasible.tolist()
+        [False, True]
         """
         scene = cls.__new__(cls)
         scene._set({**_SI_DEFAULTS, **values})
@@ -247,16 +262,16 @@ class Scene:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Common shape of the fields."""
+        """Shape to which the fields broadcast."""
         return self.arrays().shape
 
     @property
     @shielded
     def load(self) -> Floats:
-        """Largest acceleration of the trough over gravity, G; A w^2 / g along a line [1].
+        """Load G: largest acceleration of the trough over gravity; A w^2 / g along a line [1].
 
-        With harmonics the largest maximum along the path is searched: of two maxima that agree to within 1e-6
-        it may be the lower one.
+        With harmonics the maximum is searched numerically: where two local maxima agree to within 1e-6, the
+        lower one may be returned.
         """
         with np.errstate(over="ignore", invalid="ignore"):  # inf, or NaN, beyond the range of doubles
             w = 2.0 * np.pi * self.frequency
@@ -265,17 +280,23 @@ class Scene:
     @property
     @shielded
     def scale(self) -> Floats:
-        """Unit of length of the solvers: A, or the largest of all amplitudes [m]."""
+        """Unit of length of the solver: the amplitude, or the largest of several amplitudes [m]."""
         return self.arrays().scale
 
     @property
     @shielded
     def reach(self) -> Floats:
-        """Largest distance of the trough from its middle: A, or the ellipse's larger semi-axis [m]."""
+        """Largest distance of the trough from its mean position: A, or an ellipse's larger semi-axis [m]."""
         return self.arrays().reach
 
     def arrays(self) -> Fields:
-        """Return the fields of this scene's drive, in their declared order."""
+        """Return the fields as a named tuple of the drive's kind, for the solver.
+
+        Returns
+        -------
+        Line, Ellipse, Harmonics or Piecewise
+            Fields in SI units, not broadcast.
+        """
         return next(kind for kind in KINDS if self._has(kind)).of(self)
 
     def _has(self, kind: type[Fields]) -> bool:
@@ -285,22 +306,28 @@ class Scene:
 
     @property
     def along_harmonics(self) -> Pairs | None:
-        """Amplitudes [m] and phases [rad] along the trough; None of other motions."""
+        """Pairs of amplitude [m] and phase [rad] along the trough; None unless the motion is harmonics."""
         return self.motion.along if isinstance(self.motion, HarmonicMotion) else None
 
     @property
     def normal_harmonics(self) -> Pairs | None:
-        """Amplitudes [m] and phases [rad] normal to the trough; None of other motions."""
+        """Pairs of amplitude [m] and phase [rad] normal to it; None unless the motion is harmonics."""
         return self.motion.normal if isinstance(self.motion, HarmonicMotion) else None
 
     def flat(self) -> Fields:
-        """Return the fields as 1-D arrays over all scenes, in the order of their cells."""
+        """Return the fields broadcast and flattened, for the solver.
+
+        Returns
+        -------
+        Line, Ellipse, Harmonics or Piecewise
+            1-D arrays with one value per cell, the last axis fastest.
+        """
         shape = self.shape
         return self.arrays().changed(lambda x: np.broadcast_to(x, shape).reshape(-1))
 
     @property
     def infeasible(self) -> NDArray[np.bool_]:
-        """Whether each combination of frictions is impossible: mu_d > mu_s."""
+        """Whether mu_d > mu_s in each cell, which is impossible; bool array of the scene's shape."""
         return np.broadcast_to(self.kinetic_friction > self.static_friction, self.shape)
 
     def _set(self, values: dict[str, Any]) -> None:
@@ -317,7 +344,7 @@ class Scene:
                     problems.append(Problem(name, exc.value, exc.allowed))
                     continue
                 x.flags.writeable = False
-                if name == "normal_acceleration" and np.isnan(x).any():  # which stands for none further on
+                if name == "normal_acceleration" and np.isnan(x).any():  # NaN means none in the solver
                     problems.append(Problem(name, field_text(name, math.nan), field_range(name)))
             object.__setattr__(self, name, x)
         if problems:

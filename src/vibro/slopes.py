@@ -103,7 +103,7 @@ def load_slope(scene: Scene, pattern: ArrayLike) -> Floats:
     Returns
     -------
     array
-        Over A; 0 at rest, NaN where there is no steady contact cycle [1].
+        Slope over A; 0 at rest, NaN without a steady cycle in contact [1].
 
     Raises
     ------

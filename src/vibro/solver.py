@@ -36,7 +36,7 @@ class Grid:
     Parameters
     ----------
     fields : Drive
-        Of a scene; they broadcast against each other, and nothing is copied for that.
+        Fields of a scene; they broadcast against each other without copies.
 
     Attributes
     ----------

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from functools import cache
-from typing import TYPE_CHECKING, Any, Final, Literal
+from functools import cache, wraps
+from typing import TYPE_CHECKING, Any, Final, Literal, ParamSpec, TypeVar
 
 import numpy as np
 
-from vibro.core.codes import Level, Status
+from vibro.core.codes import Output, Status
 from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.errors import InputError, shown
@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
     from vibro.scene import Scene
 
-__all__ = ["check_switch", "level_of", "solve"]
+__all__ = ["check_switch", "output_of", "solve", "takes_old_name"]
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 
 # Cells of a range: many enough that Python takes no time between them, few enough that an interrupt is
 # noticed within a fraction of a second.
@@ -38,39 +41,52 @@ _MANY_FLIGHTS: Final = 10_000  # [cells] above which plain Python takes minutes
 _MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.dtype) for r in RESULTS)
 
 
+def takes_old_name(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Let a function take its argument ``output`` by the old name ``accuracy`` too."""
+
+    @wraps(function)
+    def called(*args: _P.args, **values: _P.kwargs) -> _R:
+        if "accuracy" in values:
+            values["output"] = values.pop("accuracy")
+        return function(*args, **values)
+
+    return called
+
+
+@takes_old_name
 @shielded
 def solve(
     scene: Scene,
     *,
-    accuracy: Literal["exact", "regimes"] | Level = "exact",
+    output: Literal["exact", "regimes"] | Output = "exact",
     flight: bool = True,
     coexistence: bool = False,
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> SteadyCycle:
-    """Return the steady cycle that a body at rest settles into, for every scene.
+    """Return the steady cycle in which a body that starts from rest settles, for every scene.
 
     Parameters
     ----------
     scene : Scene
         Operating points of any shape.
-    accuracy : {"exact", "regimes"}, optional
-        With "regimes" only the classes, ratios and statuses are found: a slipping cell has neither
-        pattern nor model, NaN for its numbers, and no ``BOUNDARY`` between patterns of one class. It
-        stands for ``flight=False``.
+    output : {"exact", "regimes"}, optional
+        With "regimes" only regimes, ratios and statuses are computed: cells that slip have no pattern and no
+        model, their numbers are NaN, and ``BOUNDARY`` between patterns of one regime is not detected. It
+        implies ``flight=False``.
     flight : bool, optional
-        Whether hopping scenes are followed through flight and impact; else, and above a throw number of
-        1e6, they have no numbers and the status ``FLIGHT_NOT_MODELLED``.
+        Whether to compute flights and impacts of hopping scenes. If False, and for throw numbers above 1e6,
+        hopping scenes have no numbers and the status ``FLIGHT_NOT_MODELLED``.
     coexistence : bool, optional
-        Whether to look for other motions of hopping scenes, to which a disturbed body could settle
-        (``SteadyCycle.coexists``); it takes several ms a cell. In contact they are known without a search,
-        but for those of bodies that are thrown on the trough and bounce on, which are not looked for.
+        Whether to search for other motions in which a disturbed body could settle
+        (``SteadyCycle.coexists``) in hopping scenes; it takes several ms per cell. In contact they are known
+        without a search, except those of bouncing bodies, which are not searched.
     threads : int, optional
-        How many threads share the work, at least 1; without, one a core. The numbers are the same bit for
-        bit, however many there are. Where the solver is not compiled there is one.
+        Number of threads, at least 1; by default one per core. Results do not depend on it. Without the
+        compiled solver one thread is used.
     progress : callable, optional
-        Called now and then, in the calling thread, with the number of cells that are done, and of all. Cells
-        that hop are counted once more, as they take longest.
+        Function of the number of cells done and the number of all cells, called now and then in the calling
+        thread. Hopping cells count twice, because they take longest.
 
     Returns
     -------
@@ -84,10 +100,10 @@ def solve(
 
     Notes
     -----
-    Exact up to rounding, see docs/theory: on the reference tables the displacement is within
-    16 eps (condition * abs(d) + S), where S = A if the body slides both ways and abs(d) otherwise
-    (tests/test_reference.py). Each scene is solved by itself, wherever it stands in a grid. An interrupt is
-    noticed within a fraction of a second.
+    Exact up to rounding, see docs/theory: on the reference tables the error of the displacement d is at
+    most ``16 eps (condition * abs(d) + S)``, where S = A if the body slides both ways and S = abs(d)
+    otherwise (tests/test_reference.py). The result of a scene does not depend on the other scenes of the
+    array. Ctrl-C stops the computation within a fraction of a second.
 
     Examples
     --------
@@ -97,7 +113,7 @@ def solve(
     >>> print(f"{cycle.mean_velocity:.9f} m/s, {cycle.pattern}")
     0.016263456 m/s, F_
     """
-    classes_alone = level_of(accuracy) is Level.REGIMES
+    classes_alone = output_of(output) is Output.REGIMES
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
     _check_threads(threads)
@@ -156,12 +172,12 @@ def _say_that_it_takes_long() -> None:
     )
 
 
-def level_of(accuracy: str) -> Level:
-    """Return the level of detail that ``accuracy`` names."""
+def output_of(output: str) -> Output:
+    """Return the output that a text names; raise InputError if there is no such output."""
     try:
-        return Level(accuracy)
+        return Output(output)
     except ValueError:
-        raise InputError(f"accuracy = {shown(accuracy)}: must be one of {', '.join(Level)}") from None
+        raise InputError(f"output = {shown(output)}: must be one of {', '.join(Output)}") from None
 
 
 def check_switch(name: str, value: bool) -> None:

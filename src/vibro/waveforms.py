@@ -47,7 +47,7 @@ _OPEN_ENDS: Final = 1e-9  # [1] of the largest acceleration: a smaller gap betwe
 _HEARD: Final = 1e-12  # [1] of the largest acceleration: harmonics below it are rounding of the samples
 _LEAST_NOISE: Final = 8  # harmonics beyond those kept whose mean power is a level of noise
 _CHANCE: Final = 1e-3  # that noise is taken for the last harmonic
-_POINTS: Final = 512  # of a path, besides its breaks, among which the widest pair is looked for
+_POINTS: Final = 512  # of a path, besides its breaks, among which the widest pair is searched
 _PAIRS: Final = f"up to {MOST_HARMONICS} pairs of an amplitude and a phase"
 _STEPS: Final = f"up to {MOST_PIECES} pairs of a share of the period and an acceleration"
 _SAMPLES: Final = f"a list of {LEAST_SAMPLES} to {MOST_PIECES} finite numbers: one period, equally spaced"
@@ -55,10 +55,11 @@ _QUANTITIES: Final = ("acceleration", "displacement")
 
 
 class Motion:
-    """How a trough moves during a period, for ``Scene(motion=...)``.
+    """One period of any periodic motion of a trough, for ``Scene(motion=...)``.
 
-    It is made by ``Motion.harmonics``, ``.steps``, ``.samples`` or ``.measured``. Along the trough
-    positive is the conveying direction, normal to it upwards. In a direction that is left out nothing moves.
+    Make it with ``Motion.harmonics``, ``Motion.steps``, ``Motion.samples`` or ``Motion.measured``. Motion
+    along the trough is positive in the conveying direction, motion normal to it is positive upwards. Without
+    values for a direction the trough does not move in it.
     """
 
     @staticmethod
@@ -75,7 +76,7 @@ class Motion:
         Raises
         ------
         SceneError
-            If they are no such pairs, or there is none; ``Scene`` checks their ranges.
+            If they are not such pairs, or there are none; ``Scene`` checks the ranges of the values.
 
         Examples
         --------
@@ -91,25 +92,25 @@ class Motion:
     @staticmethod
     @shielded
     def steps(along: GivenPairs | None = None, normal: GivenPairs | None = None) -> Motion:
-        """Return a motion whose acceleration is constant on each of some shares of the period.
+        """Return a motion with piecewise constant acceleration.
 
         Parameters
         ----------
         along, normal : sequence of pair of float, optional
-            Up to 4096 pairs of a share of the period, > 0, and the acceleration of the trough during it
-            [m/s^2]. Shares add up to 1 within 1e-9. Both directions may change at different times.
+            Up to 4096 pairs of a share of the period, > 0 [1], and the acceleration of the trough during it
+            [m/s^2]. The shares must add up to 1 within 1e-9. Those of the two directions may differ.
 
         Raises
         ------
         SceneError
-            If they are no such pairs, or if their mean acceleration is above 1 % of the largest one: the
-            trough would not come back. The message names the last acceleration with which it does. A smaller
-            mean is removed.
+            If they are not such pairs, or if the mean acceleration exceeds 1 % of the largest one, with which
+            the trough would not return; the message names a last acceleration with which it does. A smaller
+            mean is subtracted.
 
         Notes
         -----
-        Accelerations do not depend on the frequency, displacements do: they fall with its square. The solver
-        takes steps exactly; their breaks are ends of its cells.
+        The accelerations do not depend on the frequency; the displacements fall with its square. The solver
+        represents steps exactly.
 
         Examples
         --------
@@ -133,27 +134,34 @@ class Motion:
         Parameters
         ----------
         along, normal : sequence of float, optional
-            8 to 4096 samples, as many of both; the first one is not repeated at the end. Their mean, such as
-            the offset of a sensor, is removed.
+            8 to 4096 samples, the same number in both directions; the first one is not repeated at the end.
+            Their mean, such as the offset of a sensor, is subtracted.
         of : {"acceleration", "displacement"}
-            What is sampled [m/s^2] or [m]; the other one of both follows from the frequency of the scene.
+            What is sampled: accelerations [m/s^2] or displacements [m].
 
         Raises
         ------
         SceneError
-            If they are no such samples.
+            If they are not such samples.
 
-        Notes
-        -----
-        Samples of acceleration are joined by a periodic cubic spline of the acceleration, samples of
-        displacement become harmonics, up to 16, as many as stand out from the mean power of those beyond
-        (there are such from 49 samples on). Both were chosen by measurement, as errors of the acceleration,
-        root mean square over the largest (benchmarks/samples.py). From 128 accelerations a period the spline
-        misses a sine with harmonics by 3e-5 %, a trapezoid with ramps of 5 % by 0.23 %, two levels by 8 %
-        (1024: 2.3 %); 16 harmonics of the same samples by rounding, 1.1 % and 11 %, however many samples
-        there are. Displacements are the other way round: from 128 with noise of 0.1 %, a spline
-        that is differentiated twice misses the sine by 130 %, all 16 harmonics by 4 %, those that stand out
-        by 0.3 %. Where the acceleration jumps give ``Motion.steps``: it is exact.
+        Notes ----- Accelerations are interpolated by a periodic cubic spline. Displacements are fitted by up
+        to 16 harmonics: those that are significant against the noise, which is estimated from the harmonics
+        above 16 (available from 49 samples on). For an acceleration that jumps use ``Motion.steps``, which is
+        exact.
+
+        Errors of the acceleration, root mean square over the largest one, with 128 samples a period
+        (benchmarks/samples.py):
+
+        ============================  =========================  =============  ==================
+        samples of acceleration       sine with harmonics        trapezoid      two levels
+        ============================  =========================  =============  ==================
+        spline (used)                 3e-5 %                     0.23 %         8 % (1024: 2.3 %)
+        16 harmonics                  rounding                   1.1 %          11 %
+        ============================  =========================  =============  ==================
+
+        The trapezoid has ramps of 5 % of the period. For displacements with 0.1 % of noise the errors of the
+        sine are 0.3 % with the significant harmonics (used), 4 % with all 16, and 130 % with a spline that is
+        differentiated twice.
 
         Examples
         --------
@@ -168,19 +176,21 @@ class Motion:
     @staticmethod
     @shielded
     def measured(path: str | PathLike[str], **columns: Any) -> Motion:
-        """Return the harmonics that accelerometers on a trough have measured.
+        """Return the motion that sensors on a trough have measured, as a sum of harmonics.
+
+        ``vibro.measured_motion`` returns the frequency and the standard errors too.
 
         Parameters
         ----------
         path : str or path
-            The record.
+            File of the record.
         **columns
-            As for ``vibro.measured_motion``, which tells the frequency, and the errors of all, too.
+            Other arguments of ``vibro.measured_motion``.
 
         Raises
         ------
         FileError, InputError
-            As ``vibro.measured_motion``.
+            As for ``vibro.measured_motion``.
 
         Examples
         --------
@@ -208,7 +218,8 @@ class HarmonicMotion(Motion):
     Attributes
     ----------
     along, normal : tuple of pair of array
-        Amplitude [m] and phase [rad] of each harmonic, the first harmonic first; empty where nothing moves.
+        Amplitude [m] and phase [rad] of each harmonic, the first harmonic first; empty without motion in that
+        direction.
     """
 
     along: Pairs
@@ -238,7 +249,7 @@ class PiecewiseMotion(Motion):
 
     @property
     def unit(self) -> float:
-        """Bound of both accelerations, their largest Bernstein coefficient; 1 where nothing moves [m/s^2]."""
+        """Bound of both accelerations, their largest Bernstein coefficient; 1 without motion [m/s^2]."""
         a, b, c, d = np.moveaxis(self.pieces, -1, 0)
         corners = (a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c + d)
         return float(np.abs(corners).max()) or 1.0
@@ -356,7 +367,7 @@ def _read_harmonics(name: str, value: Any) -> tuple[Pairs, list[Problem]]:
 def _piecewise(
     along: Any, normal: Any, names: tuple[str, str], read: Callable[[str, Any], Pieces]
 ) -> PiecewiseMotion:
-    """Read both directions, cut both at the breaks of either, and remove what is left of their means."""
+    """Read both directions, cut both at the breaks of either, and subtract the rest of their means."""
     problems: list[Problem] = []
     found: list[Pieces | None] = []
     for name, value in zip(names, (along, normal), strict=True):
@@ -454,7 +465,7 @@ def _harmonics_of(samples: Floats) -> list[tuple[float, float]]:
 
 
 def _union(several: Sequence[Floats]) -> Floats:
-    """Return the breaks of all; those that agree but for rounding are one."""
+    """Return the breaks of all; those that agree within rounding are one."""
     breaks = np.unique(np.concatenate(several))
     breaks = np.append(0.0, breaks[1:][np.diff(breaks) > _WHOLE])
     breaks[-1] = 1.0
@@ -462,7 +473,7 @@ def _union(several: Sequence[Floats]) -> Floats:
 
 
 def _cut(own: Floats, pieces: Floats, breaks: Floats) -> Floats:
-    """Return the same cubics on the pieces between other breaks, of which these are some."""
+    """Return the same cubics on the pieces between more breaks."""
     piece = np.clip(np.searchsorted(own, 0.5 * (breaks[1:] + breaks[:-1])) - 1, 0, len(pieces) - 1)
     length = np.diff(own)[piece]
     u, ratio = (breaks[:-1] - own[piece]) / length, np.diff(breaks) / length

@@ -16,7 +16,7 @@ from matplotlib.text import Text
 import vibro
 from vibro.accuracy.events import simulate_by_events
 from vibro.accuracy.methods import METHODS, Answers, Method
-from vibro.accuracy.motion import Motion, motion_arrays, motions
+from vibro.accuracy.motion import TroughBody, motion_arrays, motions
 from vibro.accuracy.reference import exact_cycle, exact_sensitivity
 from vibro.accuracy.sample import draw_scenes
 from vibro.accuracy.smoothed import simulate_smoothed
@@ -51,7 +51,7 @@ def nut(amplitude_mm: float | np.ndarray) -> vibro.Scene:
     )
 
 
-def motion(amplitude_mm: float) -> Motion:
+def motion(amplitude_mm: float) -> TroughBody:
     return next(motions(nut(amplitude_mm)))
 
 

@@ -158,7 +158,7 @@ def test_faults_are_told_in_one_line_and_leave_nothing(
     def fail(*_: object) -> str:
         raise error
 
-    monkeypatch.setattr("vibro.files.tables.CsvFormat.rows", fail)
+    monkeypatch.setattr("vibro.files.csv_tables.CsvFormat.rows", fail)
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert message in result.stderr
@@ -172,7 +172,7 @@ def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert result.stderr.endswith(
-        "error: nut-speed.png exists already, but no nut.json: that is left of an interrupted run\n"
+        "error: nut-speed.png exists already, but no nut.json: it is left from an interrupted run\n"
         "hint: replace with --force, or choose another name\n"
     )
     assert [path.name for path in Path().iterdir()] == ["nut-speed.png"]
@@ -271,7 +271,7 @@ def test_stems_and_folders(run: Run) -> None:
     Path("nut.toml").write_text(
         "[scene]\ndrive_angle_deg = 20\nstatic_friction = 0.7\nkinetic_friction = 0.6\n"
     )
-    axes = ("-A", "1,2", "-f", "15", "-q", "--accuracy", "regimes")
+    axes = ("-A", "1,2", "-f", "15", "-q", "--regimes-only")
     for output, written in (
         (("-o", "run1.5"), "run1.5.csv"),
         (("-o", "new/"), "new/nut.csv"),

@@ -246,7 +246,7 @@ def test_the_data_are_never_replaced(run: Run, tmp_path: Path) -> None:
     result = run("compare", SCENE, data, "-o", "short", "--force")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-2:] == [
-        "error: cannot write short.csv: it is what this run reads", "hint: choose another name",
+        "error: cannot write short.csv: this run reads it", "hint: choose another name",
     ]  # fmt: skip
     assert data.read_bytes() == before
 
@@ -257,7 +257,7 @@ def test_the_scene_is_never_replaced(run: Run) -> None:
     for args in (("solve",), ("simulate",), ("map", "-A", "1,2", "-f", "15")):
         result = run(args[0], scene, *args[1:], "-o", "scene", "--force")
         assert result.exit_code == 1
-        assert "error: cannot write scene.json: it is what this run reads\n" in result.stderr
+        assert "error: cannot write scene.json: this run reads it\n" in result.stderr
         assert scene.read_bytes() == SCENE.read_bytes()
 
 

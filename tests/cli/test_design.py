@@ -343,7 +343,7 @@ def test_the_question_is_never_overwritten(run: Run, monkeypatch: pytest.MonkeyP
     asked = found(monkeypatch, answer(met=True))
     result = run("design", "nut.csv", "-o", "nut", "--force")
     assert (result.exit_code, asked) == (1, [])
-    assert "it is what this run reads" in result.stderr
+    assert "this run reads it" in result.stderr
     assert Path("nut.csv").read_text(encoding="utf-8") == QUESTION
 
 
@@ -357,7 +357,7 @@ def test_a_folder_takes_the_questions_name(ask: Callable[..., Any]) -> None:
     [
         (1.0, "1: all bands and drifts may be that many times as wide"),
         (10.0, "10 or more: all bands and drifts may be that many times as wide"),
-        (0.5, "0.5: all bands and drifts would have to be that share as wide"),
+        (0.5, "0.5: all bands and drifts would have to shrink to this share"),
     ],
 )
 def test_the_margin_in_words(

@@ -30,7 +30,7 @@ def test_the_sheet(run: Run, tmp_path: Path) -> None:
     said, lines = folded(result.stdout), lines_of(result.stdout)
     assert "f/f0 = 1.05 empty, 1.064 full: 5 % above resonance when empty." in said
     assert "This filling brings less amplitude" in said
-    assert "no filling brings it to the drive" in said
+    assert "no filling brings the machine to resonance" in said
     assert "2 kg act like 0.2477 kg more of trough, a mass share of 12.4 %" in said
     assert "100 % empty 0.35 24.24 1.2 1.05 hopping" in said
     assert "100 % 2 kg 0.2518 16.4" in said
@@ -41,7 +41,7 @@ def test_the_sheet(run: Run, tmp_path: Path) -> None:
     assert lines["load-proof"].startswith("load-proof 86.6 0.577 20.6 0.35 24.24 0.3499")
     assert "It takes 20.6 times today's force" in said
     assert "for a trough that moves as a sine" in said
-    assert "warning: the filling puts a second harmonic of up to 1 %" in result.stderr
+    assert "warning: the filling adds a second harmonic of up to 1 %" in result.stderr
     assert "* with the second harmonic that the filling gives its trough" in said
     assert [path.name for path in tmp_path.iterdir()] == ["feeder.toml"]
 
@@ -59,7 +59,7 @@ def test_every_line_fits_into_80_columns(run: Run, tmp_path: Path, kind: str) ->
 def test_below_resonance_a_filling_adds_amplitude(run: Run, tmp_path: Path) -> None:
     said = folded(run("drive", written(tmp_path, feeder(0.9, BANDS))).stdout)
     assert "10 % below resonance when empty. This filling brings more amplitude" in said
-    assert "kg of filling, at the share found here, bring it to the drive" in said
+    assert "kg of filling, at this share, bring the machine to resonance" in said
 
 
 def test_bands_of_options_replace_those_of_the_file(run: Run, tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def test_json_and_tables_have_the_same_numbers(run: Run, tmp_path: Path) -> None
 @each(
     ("args", "told"),
     [
-        ("-A .1 -f 15", "given motion the part rests, and is a mass of the trough"),
+        ("-A .1 -f 15", "given motion the part rests: it moves with the trough"),
         ("-A 12 -f 15 --restitution .6", "given motion unknown: the motion is irregular"),
         ("-A 8 -f 15 --flight off", "filling 2 kg: unknown, as the motion is"),
         ("-A 3.2291 -f 15", "given motion unknown: the regime changes within 1 % of amplitude"),

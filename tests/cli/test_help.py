@@ -37,6 +37,8 @@ def test_options_stand_in_groups(run: Run, name: str) -> None:
     assert not {*sections} - {*GROUPS, "Arguments"}
     assert list(sections) == [group for group in ("Arguments", *GROUPS) if group in sections]
     for parameter in COMMANDS[name].params:
+        if getattr(parameter, "hidden", False):
+            continue
         if parameter.param_type_name == "argument":
             group = "Arguments"
         else:

@@ -131,7 +131,7 @@ def test_where_nobody_handles_signals_an_exception_ends_a_run(
     def interrupt(*_: object) -> str:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("vibro.files.tables.CsvFormat.rows", interrupt)
+    monkeypatch.setattr("vibro.files.csv_tables.CsvFormat.rows", interrupt)
     result = run(*SMALL, "-o", "nut", "-q")
     assert (result.exit_code, result.stderr) == (130, "error: interrupted\n")
     assert list(Path().iterdir()) == []

@@ -65,7 +65,7 @@ def test_the_side_of_resonance_is_told(run: Run, tmp_path: Path) -> None:
     assert "-12.1 %" in soft["amplitude"]
     assert soft == lines_of(run("solve", path, "--natural", "47.6", "--filling", "2000g").stdout)
     near = run("solve", path, "--natural", "50.2")
-    assert "within 2 zeta = 3 % of resonance: damping decides much" in near.stderr
+    assert "within 2 zeta = 3 % of resonance: the amplitude depends much on damping" in near.stderr
 
 
 def test_soft_mounts_are_said_to_be_assumed(run: Run, tmp_path: Path) -> None:
@@ -285,7 +285,7 @@ def test_what_begins_is_told_by_amplitude_alone(run: Run, tmp_path: Path) -> Non
 def test_maps_tell_how_many_cells_are_no_sines(run: Run, tmp_path: Path, filling: str, cells: int) -> None:
     of_cells = "--setting", "90,100", "--filling", filling, "-f", "50", "-o", str(tmp_path / "map")
     said = run("map", feeder(tmp_path, ""), *of_cells).stderr
-    told = f"warning: {cells} of 4 cells: the filling bends the trough's motion"
+    told = f"warning: {cells} of 4 cells: the filling adds a second harmonic to the trough's motion"
     assert told in said if cells else "bends" not in said
 
 

@@ -101,7 +101,7 @@ def test_pictures_carry_the_sidecar(nut_map: tuple[Path, Result]) -> None:
 
 
 def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
-    result = run("map", *NUT, "-A", "0.5:2:3", "--accuracy", "regimes", "-o", "nut", "--json")
+    result = run("map", *NUT, "-A", "0.5:2:3", "--regimes-only", "-o", "nut", "--json")
     assert json.loads(result.stdout) == json.loads(Path("nut.json").read_text(encoding="utf-8"))
 
 
@@ -131,7 +131,7 @@ def test_the_fastest_cells_are_told_last(run: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    "args", [("-A", "0.01:0.02"), ("-A", "1:2", "--accuracy", "regimes"), ("-A", "1:2", "-a", "0")]
+    "args", [("-A", "0.01:0.02"), ("-A", "1:2", "--regimes-only"), ("-A", "1:2", "-a", "0")]
 )
 def test_without_motion_forwards_no_cell_is_the_fastest(run: Run, args: tuple[str, ...]) -> None:
     result = run("map", "-f", "15", *NUT_ANGLE_AND_FRICTION, *args, "-o", "-")
@@ -171,7 +171,7 @@ def test_flight_off_keeps_to_contact(run: Run) -> None:
 
 
 def test_regimes_alone(run: Run) -> None:
-    assert run(*HOPS, "--accuracy", "regimes").exit_code == 0
+    assert run(*HOPS, "--regimes-only").exit_code == 0
     assert [name for name in names() if name.endswith(".png")] == ["hop-regime.png"]
     regimes = rows_of(Path("hop.csv").read_text(encoding="utf-8"))
     exact = rows_of(run(*HOPS[:-1], "-", "--flight", "off").stdout)
@@ -189,11 +189,11 @@ def test_regimes_alone(run: Run) -> None:
         (("--show", "height"), "--show height: there is no such picture"),
         (
             ("--show", "impact", "--flight", "off"),
-            "--show impact: no flight is modelled with --flight off or --accuracy regimes",
+            "--show impact: no flight is modelled with --flight off or --regimes-only",
         ),
         (
-            ("--show", "impact,flight", "--accuracy", "regimes"),
-            "--show impact,flight: no flight is modelled with --flight off or --accuracy regimes",
+            ("--show", "impact,flight", "--regimes-only"),
+            "--show impact,flight: no flight is modelled with --flight off or --regimes-only",
         ),
     ],
 )
@@ -271,7 +271,7 @@ def test_nothing_that_varies_is_an_error(run: Run) -> None:
 def test_infeasible_combinations_are_rows_without_numbers(run: Run) -> None:
     result = run("map", *NUT[:6], "--mu-s", "0.2:1:5", "--mu-d", "0.2:1:5", "-o", "-")
     assert result.exit_code == 0
-    assert "10 of 25 cells: infeasible (the combination cannot be" in result.stderr
+    assert "10 of 25 cells: infeasible (impossible combination" in result.stderr
     given = {"amplitude_mm", "frequency_hz", "drive_angle_deg", "static_friction", "kinetic_friction"}
     for row in rows_of(result.stdout):
         infeasible = float(row["kinetic_friction"]) > float(row["static_friction"])
@@ -380,7 +380,7 @@ def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPa
         return cycle
 
     monkeypatch.setattr(vibro.sweeps.grid, "solve", doubtful)
-    result = run("map", *NUT, "-A", "0.5:2:3", "--accuracy", "regimes", "-o", "nut")
+    result = run("map", *NUT, "-A", "0.5:2:3", "--regimes-only", "-o", "nut")
     assert result.exit_code == 3
     assert "1 of 3 cells: unresolved" in result.stderr
     assert "nut.csv" in names()

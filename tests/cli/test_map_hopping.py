@@ -19,15 +19,15 @@ kinetic_friction = 0.57
 
 
 @pytest.mark.parametrize("command", ["solve", "map"])
-@pytest.mark.parametrize("args", [("--flight", "off"), ("--accuracy", "regimes")])
+@pytest.mark.parametrize("args", [("--flight", "off"), ("--regimes-only",)])
 def test_other_motions_of_what_is_not_followed_are_refused(
-    run: Run, command: str, args: tuple[str, str]
+    run: Run, command: str, args: tuple[str, ...]
 ) -> None:
     result = run(command, *NUT, "-A", "4" if command == "solve" else "4,5", "--coexist", *args)
     assert result.exit_code == 2
     assert result.stdout == ""
     assert result.stderr.splitlines() == [
-        "error: --coexist: no flight is modelled with --flight off or --accuracy regimes",
+        "error: --coexist: no flight is modelled with --flight off or --regimes-only",
         "hint: leave one of them out",
     ]
     assert list(Path().iterdir()) == []
@@ -36,7 +36,7 @@ def test_other_motions_of_what_is_not_followed_are_refused(
 @pytest.mark.parametrize("command", ["solve", "map"])
 def test_the_help_says_what_other_motions_cost(run: Run, command: str) -> None:
     text = " ".join(run(command, "--help").stdout.replace("│", " ").split())
-    assert "several ms a cell that hops" in text
+    assert "several ms per hopping cell" in text
 
 
 def test_other_motions_are_looked_for_on_request(run: Run) -> None:

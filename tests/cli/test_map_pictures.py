@@ -34,7 +34,7 @@ def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
         (("--at", "A=9"), "amplitude = 9 mm lies outside of the sweep"),
         (("--at", "A"), "--at A: not of the form AXIS=VALUE"),
         (("--at", "colour=1"), "--at colour=1: 'colour' is no axis"),
-        (("--at", "A=1,f=12"), "every axis of the sweep is held: nothing is left to draw"),
+        (("--at", "A=1,f=12"), "every axis of the sweep is fixed: nothing is left to draw"),
         (("--format", "bmp"), "--format bmp: 'bmp' is not a format of pictures"),
     ],
 )
@@ -47,7 +47,7 @@ def test_a_wrong_choice_of_picture_is_refused_beforehand(
     assert names() == []
 
 
-FOUR = ("map", "-A", "0.5:2:3", "-f", "10:30:13", *NUT_ANGLE_AND_FRICTION[2:], "--accuracy", "regimes")
+FOUR = ("map", "-A", "0.5:2:3", "-f", "10:30:13", *NUT_ANGLE_AND_FRICTION[2:], "--regimes-only")
 
 
 def test_what_pictures_do_not_show_is_said(run: Run) -> None:
@@ -77,7 +77,7 @@ def test_the_nearest_values_can_be_typed(run: Run) -> None:
 def test_a_list_beside_a_range_is_curves(run: Run) -> None:
     args = ("map", "-A", "0.01:0.3:5", "-f", "50,100", *NUT_ANGLE_AND_FRICTION)
     assert run(*args, "-o", "all").exit_code == 0
-    assert run(*args, "-o", "few", "--accuracy", "regimes").exit_code == 0
+    assert run(*args, "-o", "few", "--regimes-only").exit_code == 0
     assert run("map", *NUT, "-f", "25,50,100", "-o", "dots").exit_code == 0
     assert [name for name in names() if name.endswith(".png")] == [
         "all-regime.png", "all-speed.png", "dots-speed.png", "few-regime.png",

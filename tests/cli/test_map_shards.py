@@ -108,7 +108,7 @@ def test_json_is_what_there_is(run: Run) -> None:
          "--workers and --scheduler are both given: either makes all shards",
          "leave one of them out"),
         (["--resume", "--force"],
-         "--resume and --force are both given: the one goes on, the other starts anew",
+         "--resume and --force are both given: one continues the sweep, the other starts anew",
          "leave one of them out"),
         (["--shard-cells", "0"], "--shard-cells 0: must be a whole number from 1 to 100000000",
          "1000000 is usual"),
@@ -122,7 +122,7 @@ def test_json_is_what_there_is(run: Run) -> None:
         (["--shards", "0:4", "--shard-cells", "4"], "--shards 0:4: must be first:stop, of 3 shards",
          'write it like --shards 0:2'),
         (["--shards", "0:1", "--force"],
-         "--shards and --force are both given: the one goes on, the other starts anew",
+         "--shards and --force are both given: one continues the sweep, the other starts anew",
          "leave one of them out"),
         (["-o", "-"], "--table parquet: it is no text for stdout", "give a name, such as -o out/nut"),
         (["-o", ""], '-o "": shards go into a folder', "write it like -o out/wide"),
@@ -132,7 +132,7 @@ def test_json_is_what_there_is(run: Run) -> None:
          "give at least --shard-cells 2"),
         (["-A", "1", "-f", "15", "--mu-s", "0.5,0.7", "--mu-d", "0.3,0.4", "--accuracy", "exact",
           "--speed", "20"],
-         "--speed: which of both frictions keep it is not told beside a folder",
+         "--speed: which frictions reach it is not known for a folder",
          "leave it out, or --table parquet"),
     ],
 )  # fmt: skip
@@ -198,7 +198,7 @@ def test_bodies_that_rest_may_have_restitutions(run: Run, table: str) -> None:
 
 
 def test_infeasible_cells_are_no_error(run: Run) -> None:
-    result = run("map", *NUT, "--mu-s", "0.5,0.7", "--table", "parquet", "-o", "out", "--accuracy", "regimes")
+    result = run("map", *NUT, "--mu-s", "0.5,0.7", "--table", "parquet", "-o", "out", "--regimes-only")
     assert result.exit_code == 0
     assert frame()["status"].tolist() == ["infeasible", "ok"]
     assert "1 of 2 cells: infeasible" in result.stderr

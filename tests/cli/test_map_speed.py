@@ -38,7 +38,7 @@ def test_a_map_of_frictions_tells_which_keep_a_speed(run: Run) -> None:
         f"at least 20 mm/s: {len(fast)} of {len(possible)} possible cells"
         f" ({100.0 * len(fast) / len(possible):.1f} %); they lie within static friction {static[0]:g} ..."
         f" {static[1]:g} and kinetic friction {kinetic[0]:g} ... {kinetic[1]:g}, where"
-        f" {share:.1f} % of the possible cells do it"
+        f" {share:.1f} % of the possible cells reach it"
     )
     assert 0 < len(fast) < len(inside) < len(possible)
 
@@ -46,7 +46,7 @@ def test_a_map_of_frictions_tells_which_keep_a_speed(run: Run) -> None:
 def test_the_window_of_a_friction_ratio_may_be_whole_or_empty(run: Run) -> None:
     frictions = ("--mu-s", "0.7,0.8", "--mu-ratio", "0.6,0.7")
     ranges = "static friction 0.7 ... 0.8 and friction ratio 0.6 ... 0.7"
-    whole = f"they lie within {ranges}, where all of the possible cells do it"
+    whole = f"they lie within {ranges}, where all of the possible cells reach it"
     assert (
         window(run, *frictions, "--speed", "1")
         == f"at least 1 mm/s: 4 of 4 possible cells (100.0 %); {whole}"
@@ -99,7 +99,7 @@ def test_a_speed_is_drawn_where_it_is_reached(run: Run) -> None:
     assert Path("with-speed.svg").stat().st_size > Path("without-speed.svg").stat().st_size
 
 
-@each("wrong", [("0",), ("-5",), ("20Hz",), ("20", "--accuracy", "regimes")])
+@each("wrong", [("0",), ("-5",), ("20Hz",), ("20", "--regimes-only")])
 def test_speeds_that_cannot_be_asked_for(run: Run, wrong: tuple[str, ...]) -> None:
     result = run(*NUT_MAP, "--speed", *wrong)
     assert (result.exit_code, list(Path().rglob("*"))) == (2, [])

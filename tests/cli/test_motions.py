@@ -61,7 +61,7 @@ def test_a_report_of_steps(run: Run, tmp_path: Path) -> None:
     first, then = 0.3 * 9.81 / 9.6, 0.3 * 9.81 / 2.4
     assert rows == [
         [name, f"{1.0 / scale:.6g}", f"{scale:.6g}", "no end"]
-        for name, scale in (("forward slip", first), ("back slip", then), ("never at rest", then))
+        for name, scale in (("forward slip", first), ("back slip", then), ("continuous sliding", then))
     ]
 
 

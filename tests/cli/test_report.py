@@ -248,4 +248,4 @@ def test_designs(run: Run, tmp_path: Path, speed: float, code: int) -> None:
     assert ("Why no drive meets the goal" in read.text) is (code == 4)
     assert "i" not in read.tags
     assert read.tags.count("figure") == 2
-    assert "Drive and trough keep what was set: no drift was given." in read.text
+    assert "Drive and trough stay as set: no drift was given." in read.text

@@ -158,7 +158,7 @@ def test_a_duration_and_another_start(run: Run) -> None:
         ),
         (
             (*HOPS, "--restitution", "0.9"),
-            "the motion has not begun to repeat yet: the motion has no short period",
+            "the motion has not begun to repeat yet: irregular motion",
         ),
     ],
 )

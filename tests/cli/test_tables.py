@@ -11,7 +11,7 @@ import pytest
 from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
-from vibro.files import tables
+from vibro.files import csv_tables
 
 MAP = ("map", "-A", "0.1,1,1.15,4", "-f", "14.9876,15", *NUT_ANGLE_AND_FRICTION)
 TRAVERSE = ("traverse-time", *MAP[1:], "-L", "600")
@@ -36,8 +36,8 @@ def test_columns_in_the_order_asked_for(run: Run) -> None:
 def test_digits_are_significant_ones(
     run: Run, command: tuple[str, ...], fast: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert tables._arrow() is not None
-    monkeypatch.setattr("vibro.files.tables._WORTH_ARROW", 1 if fast else 100)
+    assert csv_tables._arrow() is not None
+    monkeypatch.setattr("vibro.files.csv_tables._WORTH_ARROW", 1 if fast else 100)
     exact = rows_of(run(*command, "-o", "-").stdout)
     text = run(*command, "-o", "-", "--digits", "4", "--decimal-comma", "--excel").stdout
     header, *lines = text.removeprefix("\ufeff").splitlines()
@@ -63,7 +63,7 @@ def test_the_sidecar_tells_what_the_table_holds(run: Run) -> None:
     assert (content["columns"]["acceleration_g"], content["columns"]["parts_per_min"]) == ("g", "1/min")
     assert (content["digits"], content["part"]) == (6, {"pitch_mm": 25.4, "mass_kg": 0.012})
     assert Path("few.csv").read_text(encoding="utf-8").splitlines()[0] == ",".join(content["columns"])
-    assert run(*MAP, "-o", "all", "--accuracy", "regimes").exit_code == 0
+    assert run(*MAP, "-o", "all", "--regimes-only").exit_code == 0
     content = json.loads(Path("all.json").read_text(encoding="utf-8"))
     assert content["digits"] is None
     assert "part" not in content
@@ -79,10 +79,10 @@ LONG = ("-L", "600")
         (("solve", *NUT), {"restitution": 0}),
         (("solve", *NUT, *BOUNCING, *LONG), {"restitution": 0.5, "trough_length_mm": 600}),
         (("solve", *NUT, *BOUNCING, *LONG, "--flight", "off"), {"trough_length_mm": 600}),
-        (("solve", *NUT, *BOUNCING, "--accuracy", "regimes"), {}),
+        (("solve", *NUT, *BOUNCING, "--regimes-only"), {}),
         ((*MAP, *BOUNCING, *LONG), {"restitution": 0.5, "trough_length_mm": 600}),
         ((*MAP, *BOUNCING, "--flight", "off"), {}),
-        ((*MAP, *LONG, "--accuracy", "regimes"), {"trough_length_mm": 600}),
+        ((*MAP, *LONG, "--regimes-only"), {"trough_length_mm": 600}),
         ((*TRAVERSE, *BOUNCING), {"restitution": 0.5, "trough_length_mm": 600}),
         ((*TRAVERSE, "--flight", "off"), {"trough_length_mm": 600}),
         (("traverse-time", *NUT, *LONG), {"restitution": 0, "trough_length_mm": 600}),
@@ -152,7 +152,7 @@ def test_the_report_tells_the_throughput(run: Run, args: tuple[str, ...], said: 
         ((*NUT, "-A", "0.9", "--mu-s", ".3", "--mu-d", ".29", "--trough-angle", "15"), "+10 % amplitude: +"),
         ((*TO_AND_FRO, "-a", "31.0109"), "+10 % amplitude: +13.2 % speed (d ln"),
         ((*TO_AND_FRO, "-a", "31.010843891"), "+10 % amplitude: -4.595"),  # 1e-10 mm/s
-        ((*NUT, "--accuracy", "regimes"), None),
+        ((*NUT, "--regimes-only"), None),
     ],
 )
 def test_the_report_tells_what_more_amplitude_does(run: Run, args: tuple[str, ...], said: str | None) -> None:

@@ -43,7 +43,7 @@ FEW_VALUES = st.one_of(
     st.tuples(WILD, WILD).map(lambda ends: f"{ends[0]}:{ends[1]}:3"),
 )
 OWN = {
-    "solve": (["--coexist", "--flight=off", "--accuracy=regimes", "--json", "-q", "-o-"], ["--stand-ratio"]),
+    "solve": (["--coexist", "--flight=off", "--regimes-only", "--json", "-q", "-o-"], ["--stand-ratio"]),
     "traverse-time": (["--exact", "--sweep", "--json", "-q", "-o-"], []),
     "simulate": (
         ["-q"],
@@ -91,7 +91,7 @@ def test_maps_end_well_whatever_their_axes_are(
         option: text for option, text in options.items() if ":" not in text
     }  # a range without a count is long
     given_ = arguments({**SCENE, **few, **axes, **values})
-    end(run, "map", *given_, *chosen, "--accuracy=regimes", "-o-")
+    end(run, "map", *given_, *chosen, "--regimes-only", "-o-")
 
 
 LINE = st.one_of(
@@ -111,7 +111,7 @@ def test_commands_end_well_whatever_their_scene_file_holds(
     run: Run, command: str, lines: list[str], complete: bool
 ) -> None:
     own = {
-        "map": ["--accuracy=regimes", "-A1,2", "-f15", "-o-"],
+        "map": ["--regimes-only", "-A1,2", "-f15", "-o-"],
         "traverse-time": ["--sweep", "-L600", "-o-"],
     }
     path = Path("scene.toml")

@@ -13,8 +13,8 @@ from vibro.core.codes import (
     LETTERS,
     PATTERNS,
     SPELT_PATTERNS,
-    Level,
     Mode,
+    Output,
     Pattern,
     Status,
     is_answered,
@@ -30,10 +30,10 @@ def test_cells_with_these_statuses_have_numbers() -> None:
     assert is_answered(codes).tolist() == [[status.answered, True] for status in Status]
 
 
-def test_levels_are_the_words_that_users_write() -> None:
-    assert [str(level) for level in Level] == ["exact", "regimes"]
+def test_outputs_are_the_words_that_users_write() -> None:
+    assert [str(output) for output in Output] == ["exact", "regimes"]
     with pytest.raises(ValueError, match="nothing"):
-        Level("nothing")
+        Output("nothing")
 
 
 def test_contact_patterns_have_one_text_each() -> None:

@@ -26,7 +26,7 @@ from helpers.followed import (
 from vibro.core import history
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads
-from vibro.core.history import Followed, Legs, Sections, follow, is_section, sections_of
+from vibro.core.history import Followed, Legs, Sections, follow_legs, is_section, sections_of
 from vibro.core.steps import Launch, State, course_of, starting, step
 
 INF = math.inf
@@ -247,7 +247,7 @@ def test_where_a_motion_is_compared_with_itself() -> None:
     assert _sections(CONTACT["F_"], 0.0) == Sections(1, lands=True, cycles=1)
     assert _sections(*HOPS["HFB"]) == Sections(1, lands=True, cycles=1)
     throw = 3.5
-    once = line(throw / math.sin(0.5), math.degrees(0.5), 0.5, 0.4)  # thrown once a turn, never at rest
+    once = line(throw / math.sin(0.5), math.degrees(0.5), 0.5, 0.4)  # thrown once a turn, without a rest
     assert _sections(once, 0.0) == Sections(1, lands=False, cycles=1)
     assert _sections(*HOPS["HHH"]) == Sections(3, lands=False, cycles=3)
     assert _sections(line(12.0, 30.0, 0.5, 0.4), 0.3) == Sections(
@@ -278,7 +278,7 @@ def test_a_cycle_of_several_flights_is_compared_flight_by_flight() -> None:
     sections = sections_of(course, FLIGHTS)
     assert sections == Sections(3, lands=False, cycles=3)
     found = [
-        follow(course, sections._replace(lag=lag), Launch(0.0, 0.0, 0.0, 0.0), 900.0, legs, 20_000, LAST)
+        follow_legs(course, sections._replace(lag=lag), Launch(0.0, 0.0, 0.0, 0.0), 900.0, legs, 20_000, LAST)
         for lag in (0, 1, 2, 3, 6)
     ]
     assert [f.period for f in found] == [0, 0, 0, 5, 10]
@@ -298,7 +298,7 @@ def test_a_body_that_rounding_holds_stays_where_it_is(monkeypatch: pytest.Monkey
         return leg if steps < 3 else leg._replace(length=0.0, after=now)
 
     monkeypatch.setattr(history, "step", short)
-    found = follow(course, Sections(1, True, 1), Launch(0.0, 0.0, 0.0, 0.0), 50.0, room(99), 99, LAST)
+    found = follow_legs(course, Sections(1, True, 1), Launch(0.0, 0.0, 0.0, 0.0), 50.0, room(99), 99, LAST)
     assert found == Followed(2, 2, 0, 0.0)
     assert starting(course, 0.0, 0.0).mode == Mode.REST
     assert 50 < steps < 200

@@ -80,7 +80,7 @@ HAPPENS: dict[str, Callable[[Loads, float], bool]] = {
     "forward_onset": forward_load,
     "back_onset": back_load,
     "back_slip": lambda unit, load: at(unit, load).regime == Regime.BACK_SLIP,
-    "rest_vanishes": lambda unit, load: at(unit, load).pattern == Pattern.FB,
+    "continuous_sliding": lambda unit, load: at(unit, load).pattern == Pattern.FB,
 }
 
 
@@ -93,7 +93,7 @@ def test_each_limit_is_where_the_cycle_changes(name: str, kind: str) -> None:
         critical = getattr(limits, name)
         highest = limits.hop * (1.0 - 10.0 * NEAR)
         if critical == math.inf or (name != "hop" and critical > highest):
-            if name in ("back_slip", "rest_vanishes"):  # it never happens in contact
+            if name in ("back_slip", "continuous_sliding"):  # it never happens in contact
                 for share in (0.1, 0.5, 0.9, 1.0):
                     found = at(unit, share * highest)
                     assert found.status == Status.RUNAWAY or not HAPPENS[name](unit, share * highest)
@@ -120,7 +120,7 @@ def test_classes_follow_each_other_in_one_order_as_the_load_grows(kind: str) -> 
             rank = 2.5 if cycle.pattern == Pattern.FB else float(cycle.regime)
             slips = load > min(limits.forward_onset, limits.back_onset)
             expected = float(slips) + (slips and load > limits.back_slip)
-            expected = 2.5 if load > limits.rest_vanishes else expected
+            expected = 2.5 if load > limits.continuous_sliding else expected
             assert rank == (3.0 if load > limits.hop else expected)
             assert rank >= reached
             reached = rank
@@ -135,7 +135,7 @@ def test_an_ellipse_that_is_a_line_has_the_limits_of_the_line() -> None:
                 assert same == pytest.approx(load, rel=1e-12), name
 
 
-def _rest_vanishes(groups: Groups) -> float:
+def _continuous_sliding(groups: Groups) -> float:
     """Bisect, with 40 digits, for the load from which both slides of FB start beyond static friction."""
     with mpmath.mp.workdps(40):
         alpha, beta = mpmath.radians(mpf(groups.drive_deg)), mpmath.radians(mpf(groups.trough_deg))
@@ -173,11 +173,11 @@ def _rest_vanishes(groups: Groups) -> float:
         Groups(0.0, 12.0, 0.8, 0.7, 20.0),
     ],
 )
-def test_rest_vanishes_in_closed_form(groups: Groups) -> None:
+def test_continuous_sliding_in_closed_form(groups: Groups) -> None:
     unit = line(groups.drive_deg, 1.0, groups.mu_s, groups.mu_d, groups.trough_deg)
     limits = critical_loads(unit)
-    assert limits.rest_vanishes > limits.back_slip
-    assert limits.rest_vanishes == pytest.approx(_rest_vanishes(groups), rel=1e-14)
+    assert limits.continuous_sliding > limits.back_slip
+    assert limits.continuous_sliding == pytest.approx(_continuous_sliding(groups), rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -225,26 +225,26 @@ def test_closed_forms() -> None:
 def test_transitions_that_never_happen_are_at_infinity() -> None:
     assert critical_loads(line(0.0, 1.0, 0.5, 0.4)).hop == math.inf
     pressed = critical_loads(line(60.0, 1.0, 0.9, 0.5))  # a < mu_s b: no load slips the body back
-    assert pressed.rest_vanishes == math.inf
+    assert pressed.continuous_sliding == math.inf
     assert math.isfinite(pressed.forward_onset)
     assert pressed.back_onset > pressed.hop
     still = critical_loads(ellipse(0.0, 0.0, 1.0, 1.0, 0.5, 0.4))
     assert still == (math.inf,) * 5
     # a decline steeper than kinetic friction: forward slides outlast every back window
     downhill = critical_loads(line(10.0, 1.0, 0.5, 0.1, -10.0))
-    assert downhill.back_onset < downhill.back_slip == math.inf == downhill.rest_vanishes
+    assert downhill.back_onset < downhill.back_slip == math.inf == downhill.continuous_sliding
 
 
 def test_a_trough_that_nothing_rests_on_has_no_load_to_wait_for() -> None:
     for unit in (line(11.0, 1.0, 0.3, 0.2, -20.0), ellipse(1.0, 0.2, 1.0, 1.0, 0.3, 0.2, -0.35)):
         limits = critical_loads(unit)
-        assert limits.forward_onset == 0.0 == limits.rest_vanishes
+        assert limits.forward_onset == 0.0 == limits.continuous_sliding
         assert limits.back_onset > 0.0
     limits = critical_loads(line(11.0, 1.0, 0.3, 0.2, 20.0))
-    assert limits.back_onset == 0.0 == limits.rest_vanishes
+    assert limits.back_onset == 0.0 == limits.continuous_sliding
     for unit in (line(11.0, 1.0, 0.25, 0.2), ellipse(1.0, 0.2, 1.0, 1.0, 0.25, 0.2)):
         on_the_edge = unit._replace(weight_tangential=0.25 * unit.weight_normal)
-        assert critical_loads(on_the_edge).rest_vanishes == 0.0
+        assert critical_loads(on_the_edge).continuous_sliding == 0.0
 
 
 def test_combinations_that_cannot_be_have_no_critical_loads() -> None:
@@ -258,7 +258,7 @@ def test_drives_without_lift_are_looked_at_up_to_a_high_load() -> None:
     limits = critical_loads(ellipse(1.0, 0.0, 1.0, 1.0, 0.5, 0.3, -0.1))
     assert limits.hop == math.inf
     assert limits.back_slip < 10.0
-    for load, pattern in ((limits.rest_vanishes, Pattern.FB),):
+    for load, pattern in ((limits.continuous_sliding, Pattern.FB),):
         unit = ellipse(1.0, 0.0, 1.0, 1.0, 0.5, 0.3, -0.1)
         assert at(unit, load * (1.0 + NEAR)).pattern == pattern
         assert at(unit, load * (1.0 - NEAR)).pattern != pattern

@@ -228,7 +228,7 @@ def test_solving_is_contact_then_hops_then_a_search() -> None:
     np.testing.assert_array_equal(cycle.flight_fraction[~hops], 0.0)
     np.testing.assert_array_equal(cycle.impact_velocity[~hops], 0.0)
     np.testing.assert_array_equal(cycle.mean_velocity_error[~hops], 0.0)
-    classes = vibro.solve(LINES, accuracy="regimes")
+    classes = vibro.solve(LINES, output="regimes")
     np.testing.assert_array_equal(classes.regime, cycle.regime)
     assert (classes.status[hops] == Status.FLIGHT_NOT_MODELLED).all()
     assert np.isnan(classes.mean_velocity[1:]).all()

@@ -11,7 +11,7 @@ from helpers.cases import each
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight
 from vibro.core.return_map import Hops, write_hop
-from vibro.core.samples import BODIES, ROWS, Sample, _spread, fly, kick
+from vibro.core.samples import BODIES, ROWS, BodySample, _spread, fly, kick
 
 TURN = 2.0 * math.pi
 LENGTH = 12  # events in each half of the samples below
@@ -33,7 +33,7 @@ def _ellipse(throw: float) -> Loads:
     return ellipse_loads(0.8, 1.0, 1.0 / throw, directions(-1.2, 0.0), 0.5, 0.4)
 
 
-def _fly(throw: float, restitution: float, body: int = 0, length: int = LENGTH, row: int = 0) -> Sample:
+def _fly(throw: float, restitution: float, body: int = 0, length: int = LENGTH, row: int = 0) -> BodySample:
     return fly(_line(throw), restitution, body, length, HOPS, row)
 
 

@@ -254,7 +254,7 @@ def test_the_operating_point_is_told_with_its_amplitude(feeder: State) -> None:
 def test_warnings_are_those_of_solve(feeder: State) -> None:
     near = read_state({"natural_hz": "50.5", "setting_percent": "20"}, feeder)
     page = unescape(Answers(feeder).point(near)["tables"])
-    assert "Warning: the drive is within 2 zeta = 3 % of resonance: damping decides much" in page
+    assert "Warning: the drive is within 2 zeta = 3 % of resonance: the amplitude depends" in page
     far = read_state({"filling_kg": "0", "setting_percent": "50"}, feeder)
     assert "Warning" not in Answers(feeder).point(far)["tables"]
 

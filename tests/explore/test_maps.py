@@ -23,7 +23,7 @@ from vibro.quantities import QUANTITIES
 from vibro.results.steady import SteadyCycle
 from vibro.sweeps.grid import scene_of
 
-CURVES = ("forward_onset", "back_slip", "rest_vanishes", "hop")
+CURVES = ("forward_onset", "back_slip", "continuous_sliding", "hop")
 NO_ANSWER = 4  # in the palette, after the regimes
 BAND = {"static_friction_band": "0.6:0.8"}
 

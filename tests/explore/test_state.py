@@ -11,7 +11,7 @@ from helpers.packed import GIVEN_DRIVES
 
 from vibro.errors import InputError
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
-from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, number_text, read_state
+from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, read_state, typed_number
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, SWEPT
 from vibro.scene import Scene
@@ -61,8 +61,8 @@ def test_numbers_may_have_units_and_come_back_as_they_are_typed() -> None:
 
 @each("value", [0.1, 1 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 123456789.123456789])
 def test_a_number_is_read_as_it_was(value: float) -> None:
-    assert float(number_text(value)) == value
-    assert len(number_text(0.1 + 0.2)) > len(number_text(0.3))
+    assert float(typed_number(value)) == value
+    assert len(typed_number(0.1 + 0.2)) > len(typed_number(0.3))
 
 
 def test_the_map_has_the_cells_that_its_axes_say() -> None:
@@ -116,7 +116,7 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"x": "gravity_m_s2"}, "x", "no axis of this drive"),
         ({"x": "normal_phase_deg"}, "x", "no axis of this drive"),
         ({"x": "amplitude_mm"}, "y", "x and y are both amplitude"),
-        ({"x": "friction_ratio", "y": "kinetic_friction"}, "y", "stand for the same"),
+        ({"x": "friction_ratio", "y": "kinetic_friction"}, "y", "describe the same"),
         ({"x_range": "5"}, "x_range", "must be a range"),
         ({"x_range": "5,6,7"}, "x_range", "must be a range"),
         ({"x_range": "5:6:99"}, "x_range", "must be a range"),
@@ -130,14 +130,14 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"static_friction_band": "-0.5:0.3"}, "static_friction_band", "must be finite and >= 0"),
         ({"static_friction_band": "0:0.3"}, "static_friction_band", "have no regime"),
         ({"static_friction_band": "0.5:"}, "static_friction_band", "not a number"),
-        ({"static_friction_band": "1:2", "x": "static_friction"}, "static_friction_band", "has no band"),
-        ({"kinetic_friction_band": "0:1", "x": "static_friction"}, "kinetic_friction_band", "has no band"),
+        ({"static_friction_band": "1:2", "x": "static_friction"}, "static_friction_band", "cannot have"),
+        ({"kinetic_friction_band": "0:1", "x": "static_friction"}, "kinetic_friction_band", "cannot have"),
         ({"static_friction_band": "0.3:0.5", "follow": "0"}, "static_friction_band", "must reach down to"),
         ({"kinetic_friction_band": "0.8:1"}, "kinetic_friction_band", "static friction = 0.74"),
-        ({"static_friction_band": "1:2", "drive": "ellipse"}, "static_friction_band", "along a line alone"),
+        ({"static_friction_band": "1:2", "drive": "ellipse"}, "static_friction_band", "along a line"),
         ({"friction_ratio_band": "0.5:1.2"}, "friction_ratio_band", "must be in [0, 1]"),
         ({"friction_ratio_band": "0:1", "kinetic_friction_band": "0:1"}, "friction_ratio_band", "a band too"),
-        ({"friction_ratio_band": "0:1", "y": "friction_ratio"}, "friction_ratio_band", "has no band"),
+        ({"friction_ratio_band": "0:1", "y": "friction_ratio"}, "friction_ratio_band", "cannot have"),
         ({"target": "0"}, "target", "must be finite and > 0 mm/s"),
         ({"target": "fast"}, "target", "not a number"),
         ({"colour": "red"}, "", "unknown key 'colour'"),

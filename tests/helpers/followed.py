@@ -10,7 +10,7 @@ import numpy as np
 from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES, Flights
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
-from vibro.core.history import Followed, LastStarts, Legs, follow, sections_of
+from vibro.core.history import Followed, LastStarts, Legs, follow_legs, sections_of
 from vibro.core.steps import Course, Launch, State, Step, course_of, starting, step
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def history_of(
     course = course_of(loads, restitution)
     legs = room(rows)
     sections = sections_of(course, FLIGHTS)
-    return follow(course, sections, Launch(phase, velocity, 0.0, 0.0), cycles, legs, rows, LAST), legs
+    return follow_legs(course, sections, Launch(phase, velocity, 0.0, 0.0), cycles, legs, rows, LAST), legs
 
 
 def room(rows: int) -> Legs:

@@ -16,7 +16,7 @@ from typing import Any
 from helpers.commands import NUT_ANGLE_AND_FRICTION
 from helpers.plans import NUT, written
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.output.plan import Plan, read_plan
 from vibro.output.shard_folder import MANIFEST, SUCCESS, shard_name
 from vibro.output.shards import Progress
@@ -75,7 +75,7 @@ AS_CALL = f"""{PAUSES}
 
 def small_plan(shards: int = 15, **changed: Any) -> Plan:
     """Plan a sweep of 3000 cells, or of others."""
-    grid = request_of_call(None, {**GIVEN, **changed}).grid(Level.EXACT, flight=False, coexistence=False)
+    grid = request_of_call(None, {**GIVEN, **changed}).grid(Output.EXACT, flight=False, coexistence=False)
     table = Table(columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with))
     return Plan.of(grid, table, -(-grid.size // shards), "", {})
 

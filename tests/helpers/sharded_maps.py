@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from typer.testing import Result
 
 AXES = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
-QUICK = (*AXES, "--accuracy", "regimes")
+QUICK = (*AXES, "--regimes-only")
 SHARDED = (*QUICK, "--table", "parquet", "--shard-cells", "4")
 SHARD_NAMES = ["part-000000.parquet", "part-000001.parquet", "part-000002.parquet"]
 WHOLE = ["_SUCCESS", "_manifest.json", *SHARD_NAMES]

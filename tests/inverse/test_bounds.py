@@ -153,7 +153,7 @@ def limit_at(
         ("back_onset", "the load for back slip is reached"),
         ("forward_onset", "forward slip begins"),
         ("hop", None),
-        ("rest_vanishes", None),
+        ("continuous_sliding", None),
     ],
 )
 @each(("speed", "side"), [(BELOW, "below"), (ABOVE, "above"), (0.0351, "below"), (0.0349, "above")])

@@ -48,7 +48,7 @@ BOXES: dict[str, tuple[Scene, dict[str, Any]]] = {
     ),
     "a drop inside": (scene_with(), {"amplitude": (1.18e-3, 1.21e-3)}),
     "slowly settled": (scene_with(**SLOWLY_SETTLED), {"static_friction": (0.17, 0.19)}),
-    "never at rest": (
+    "continuous sliding": (
         scene_with(**NEVER_AT_REST), {"static_friction": (0.18, 0.2), "kinetic_friction": (0.15, 0.16)},
     ),
     "backward": (

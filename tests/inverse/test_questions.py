@@ -19,7 +19,7 @@ from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.proofs import corners
-from vibro.inverse.questions import MOST_THROW, Question
+from vibro.inverse.questions import MOST_DESIGN_THROW, Question
 from vibro.inverse.reading import read_spec
 from vibro.inverse.rows import KINDS
 from vibro.inverse.scenarios import Scenarios
@@ -220,7 +220,7 @@ def test_limits_on_landings_count_where_parts_may_hop(highest: Regime, limited: 
     goal = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 100, "flight_fraction": 0.4}
     landings = asked({**LINE, "goal": goal}, highest).landings
     assert landings == ((0.1, 0.4) if limited else (math.inf, math.inf))
-    assert MOST_THROW == 10.0
+    assert MOST_DESIGN_THROW == 10.0
 
 
 @pytest.mark.parametrize(

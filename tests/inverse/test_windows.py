@@ -202,7 +202,7 @@ def ellipse(seed: int, most_throw: float, restitution: float = 0.0, count: int =
         frequency=rng.uniform(8.0, 60.0), static_friction=mu_s, kinetic_friction=mu_s * rng.uniform(0.5, 1.0),
         trough_angle=rng.choice([0.0, rng.uniform(-0.2, 0.2)]), restitution=restitution,
     )  # fmt: skip
-    top = most_throw * 1e-3 * (x or y) / float(solve(scene, accuracy="regimes").throw_number)
+    top = most_throw * 1e-3 * (x or y) / float(solve(scene, output="regimes").throw_number)
     return Scan(scene, np.linspace(0.0, top, count + 1)[1:-1])
 
 

@@ -356,7 +356,7 @@ def test_errors_have_the_field_the_value_and_the_remedy(
         ),
         ("magnet", lambda m: m.with_natural_frequency([8.0]), "natural_frequency = [8.0]: must be one real"),
         ("magnet", lambda m: m.response("50"), "frequency = '50': must be a real number"),
-        ("magnet", lambda _: Machine(), "a machine is made by its kind"),
+        ("magnet", lambda _: Machine(), "Machine() cannot be called: every machine has a kind"),
     ],
 )
 def test_errors_of_what_is_asked_of_a_machine(kind: str, call: Any, message: str) -> None:

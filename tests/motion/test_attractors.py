@@ -105,7 +105,7 @@ def test_what_the_search_covered_is_said() -> None:
     assert "all cycles are known" in repr(vibro.attractors(driven(LOW_FRICTION, None)))
     bounces_on = vibro.attractors(driven(LOW_FRICTION, None, 0.7))
     assert not bounces_on.complete
-    assert "were not looked for" in bounces_on.covered
+    assert "were not searched" in bounces_on.covered
     irregular = vibro.attractors(replaced(at_load(8.0, 20.0, 0.5, 0.4), restitution=0.8))
     assert irregular.unsettled > 0
     assert f"{irregular.starts} starts followed, {irregular.unsettled} led to no cycle" in repr(irregular)

@@ -49,9 +49,9 @@ class Motion(NamedTuple):
 LINES = {
     "slips forward between rests": Motion(Groups(0.9, 20.0, 0.5, 0.4)),
     "slips both ways": Motion(Groups(1.35, 20.0, 0.74, 0.57)),
-    "never at rest, low friction": Motion(Groups(2.0, 25.0, 0.2, 0.15)),
-    "never at rest, high friction": Motion(Groups(2.0, 20.0, 0.74, 0.57)),
-    "never at rest, uphill": Motion(Groups(2.2, 20.0, 0.45, 0.3, 3.0)),
+    "continuous sliding, low friction": Motion(Groups(2.0, 25.0, 0.2, 0.15)),
+    "continuous sliding, high friction": Motion(Groups(2.0, 20.0, 0.74, 0.57)),
+    "continuous sliding, uphill": Motion(Groups(2.2, 20.0, 0.45, 0.3, 3.0)),
     "downhill": Motion(Groups(1.1, 30.0, 0.5, 0.4, -6.0)),
     "downhill, high friction": Motion(Groups(1.007, 16.82, 0.51, 0.426, -8.95)),
     "hops": Motion(Groups(3.4, 30.0, 0.5, 0.4)),
@@ -65,8 +65,8 @@ LINES = {
 ELLIPSES = {
     "slips between rests": Motion(Groups(0.9, 20.0, 0.5, 0.4), -60.0),
     "conveys backwards": Motion(Groups(1.35, 20.0, 0.74, 0.57), 160.0),
-    "never at rest": Motion(Groups(2.0, 25.0, 0.2, 0.15), -90.0),
-    "never at rest, uphill": Motion(Groups(2.2, 20.0, 0.45, 0.3, 3.0), 75.0),
+    "continuous sliding": Motion(Groups(2.0, 25.0, 0.2, 0.15), -90.0),
+    "continuous sliding, uphill": Motion(Groups(2.2, 20.0, 0.45, 0.3, 3.0), 75.0),
     "presses more than it pushes": Motion(Groups(0.95, 75.0, 0.6, 0.5, -6.0), 120.0),
     "near the hop, at rest inside a window": Motion(Groups(1.03, 75.0, 0.7, 0.6, 8.0), -100.0),
     "hops, slides forward before": Motion(Groups(3.4, 30.0, 0.5, 0.4), -35.0),

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from vibro.sweeps.whole import Sweep
 
 ARGV = ["vibro", "map", "nut.toml"]
-NOTICED = r"damaged|is not known here|is no manifest"
+NOTICED = r"damaged|is an unknown format|is no manifest"
 ELLIPSE: dict[str, Any] = {"along_amplitude_mm": 1, "normal_amplitude_mm": "0.1,0.2", "normal_phase_deg": 40}
 
 
@@ -218,7 +218,7 @@ DIFFERENT = {
     "trough_length_mm: none there, 600.0 here; columns: none there, trough_length_mm here":
         plan_of(nut(trough_length_mm=600)),
     "accuracy: exact there, regimes here; flight: True there, False here;"
-    " columns: restitution there, none here": plan_of(nut(accuracy="regimes")),
+    " columns: restitution there, none here": plan_of(nut(output="regimes")),
     "flight: True there, False here; columns: restitution there, none here": plan_of(nut(flight=False)),
     "coexistence: False there, True here": plan_of(nut(coexistence=True), 1_000_000),
     "digits: none there, 4 here": plan_of(nut(), digits=4),
@@ -269,7 +269,7 @@ DEAR, CHEAP = 20_000, 1_000_000
         ({"restitution": 0.3}, DEAR),
         ({"restitution": [0, 0.3]}, DEAR),
         ({"restitution": [0, 0.3], "flight": False}, CHEAP),
-        ({"restitution": 0.3, "accuracy": "regimes"}, CHEAP),
+        ({"restitution": 0.3, "output": "regimes"}, CHEAP),
         ({"restitution": 0.3, "coexistence": True}, DEAR),
         ({"coexistence": True}, DEAR),
         ({"flight": False}, CHEAP),
@@ -302,7 +302,7 @@ def test_what_is_no_manifest_is_told(text: str) -> None:
 
 def test_a_later_format_is_told() -> None:
     content = json.loads(THERE.manifest(ARGV)) | {"format": "vibro sweep 3"}
-    with pytest.raises(FileError, match="vibro sweep 3 is not known here") as caught:
+    with pytest.raises(FileError, match="vibro sweep 3 is an unknown format") as caught:
         read_plan(json.dumps(content), "m")
     assert caught.value.hint == "use the vibro that wrote it"
 

@@ -138,7 +138,7 @@ SWEEPS: dict[str, dict[str, Any]] = {
     "a ratio": {"static_friction": "0.2,0.5,0.8", "friction_ratio": 0.77, "amplitude_mm": "1,2"},
     "ellipses": {**ELLIPSE, "frequency_hz": "10:40:4", "restitution": [0, 0.3]},
     "harmonics": {**ELLIPSE, "frequency_hz": "10:40:4", "along_amplitude_2_mm": [0, 0.2]},
-    "regimes": {**HOPS, "accuracy": "regimes"},
+    "regimes": {**HOPS, "output": "regimes"},
     "no flight": {**HOPS, "flight": False},
     "coexistence": {
         "amplitude_mm": "0.1,6",

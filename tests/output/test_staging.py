@@ -110,7 +110,7 @@ def test_a_picture_that_would_stay_beside_a_new_table_is_in_the_way(tmp_path: Pa
 def test_what_the_run_reads_is_never_replaced(tmp_path: Path) -> None:
     scene = tmp_path / "x.csv"
     scene.touch()
-    with pytest.raises(FileError, match="it is what this run reads"):
+    with pytest.raises(FileError, match="this run reads it"):
         Staging(tmp_path / "x", force=True, reads=[None, scene]).__enter__()
 
 

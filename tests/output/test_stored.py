@@ -316,12 +316,12 @@ def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
         path.write_text(json.dumps(content | {key: value}), encoding="utf-8")
         refused(copy, "_manifest.json is damaged, or was changed", "force=True")
     path.write_text(json.dumps(content | {"format": "vibro sweep 99"}), encoding="utf-8")
-    refused(copy, "vibro sweep 99 is not known here", "use the vibro that wrote it")
+    refused(copy, "vibro sweep 99 is an unknown format", "use the vibro that wrote it")
     for text in ("", "[]", "{"):
         path.write_text(text, encoding="utf-8")
         refused(copy, "_manifest.json is no manifest of a sweep", "")
     path.write_bytes(b"\xff")
-    refused(copy, "_manifest.json is damaged: it is no text in UTF-8")
+    refused(copy, "_manifest.json is damaged: it is not a text in UTF-8")
 
 
 def test_damage_inside_a_shard_is_found_where_it_is_read(copy: Path) -> None:

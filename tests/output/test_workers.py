@@ -131,8 +131,8 @@ def answering(kind: str) -> Iterator[str]:
     ("kind", "told"),
     [
         ("nothing", "^no Dask scheduler answers at tcp://127.0.0.1:1: "),
-        ("HTTP", "^no Dask scheduler answers at tcp:.*: it says nothing"),
-        ("silence", "^no Dask scheduler answers at tcp:.*: it says nothing"),
+        ("HTTP", "^no Dask scheduler answers at tcp:.*: no reason is given"),
+        ("silence", "^no Dask scheduler answers at tcp:.*: no reason is given"),
         ("no address", "^no Dask scheduler answers at http://host: unknown address scheme 'http'"),
         ("tls", "^tls://127.0.0.1:1 needs certificates, and Dask's configuration names none"),
     ],
@@ -203,7 +203,7 @@ def test_a_cluster_says_that_it_has_no_workers_and_waits_for_them(
 def test_a_worker_that_has_no_vibro_is_told(dask: Dask, tmp_path: Path) -> None:
     (tmp_path / "preload.py").write_text("import sys; sys.modules['vibro'] = None", encoding="utf-8")
     worker = dask.add("--no-nanny", "--preload", str(tmp_path / "preload.py"))
-    told = f"^a worker of {dask.address} has another vibro, or none: "
+    told = f"^a worker of {dask.address} has another version of vibro, or none: "
     with Cluster(dask.address) as workers, pytest.raises(VibroError, match=told):
         checked(workers, workers.submit(cores))
     dask.kill(worker)

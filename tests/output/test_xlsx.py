@@ -367,7 +367,7 @@ def test_where_nothing_is_feasible_only_statuses_are_shown(tmp_path: Path) -> No
     assert matrix(workbook["Regime"])[2] == [["no regime"] * 2] * 3
     told = summary(workbook)
     assert told["no regime"][:2] == [6, 1]
-    assert told["infeasible"][2] == "the combination cannot be: mu_d > mu_s, or a machine whose masses strike"
+    assert told["infeasible"][2] == "impossible combination: mu_d > mu_s, or a machine whose masses strike"
 
 
 def test_more_cells_than_rows_are_refused_before_any_is_solved() -> None:

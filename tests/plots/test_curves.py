@@ -124,7 +124,9 @@ def test_names_of_regimes_keep_clear_of_the_critical_loads(curve_pictures: dict[
     figure = curve_pictures["regime"]
     (axes,) = figure.axes
     assert {"no-slip", "back-slip", "hopping"} <= set(words(axes))
-    crossings = [line for line in axes.lines if line.get_gid() in ("rest_vanishes", "hop", "operating point")]
+    crossings = [
+        line for line in axes.lines if line.get_gid() in ("continuous_sliding", "hop", "operating point")
+    ]
     assert len(crossings) == 7
     for text in axes.texts:
         box = text.get_window_extent()
@@ -259,7 +261,7 @@ def test_a_second_list_makes_facets_of_curves() -> None:
 
 
 def test_a_level_and_the_zero_line(curves: SweepResult) -> None:
-    axes = map_figures(curves, ["speed"], level=20.0)["speed"].axes[1]
+    axes = map_figures(curves, ["speed"], target_speed=20.0)["speed"].axes[1]
     assert "20 mm/s" in words(axes)
     climbs = sweep(points=101, amplitude=1.5, trough_angle="-10:25", drive_angle="20,30")
     for axes in map_figures(climbs, ["speed"])["speed"].axes[1:]:

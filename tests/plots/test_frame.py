@@ -159,6 +159,6 @@ def test_a_long_legend_takes_nothing_from_the_map() -> None:
     ranges: dict[str, Any] = {"amplitude": "0.1:6", "trough_angle": "-15:15"}
     plain = map_figures(sweep(points=41, **ranges), ["regime"])["regime"]
     result = sweep(points=41, frequency=20, drive_angle=85, restitution=0.3, **ranges)
-    busy = map_figures(result, ["speed"], level=100.0)["speed"]
+    busy = map_figures(result, ["speed"], target_speed=100.0)["speed"]
     assert len(busy.legends[0].get_texts()) > 5
     assert busy.axes[0].bbox.height > 0.88 * plain.axes[0].bbox.height

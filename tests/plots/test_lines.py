@@ -81,7 +81,7 @@ def test_critical_values_are_in_the_legend(line_pictures: dict[str, Figure]) -> 
     assert {
         "forward-slip onset: 0.68517 mm",
         "back-slip onset: 1.1903 mm",
-        "rest vanishes: 1.5623 mm",
+        "continuous sliding: 1.5623 mm",
         "hop limit: 3.2291 mm",
         "operating point",
     } <= set(legend(line_pictures["speed"]))
@@ -137,7 +137,7 @@ def test_flight_over_one_axis(one_axis: SweepResult) -> None:
 
 @pytest.mark.parametrize("level", [20.0, 1000.0])
 def test_a_speed_that_is_asked_for_is_a_line_across(one_axis: SweepResult, level: float) -> None:
-    axes = map_figures(one_axis, ["speed"], level=level)["speed"].axes[1]
+    axes = map_figures(one_axis, ["speed"], target_speed=level)["speed"].axes[1]
     (line,) = [line for line in axes.lines if line.get_gid() == "level"]
     assert set(np.asarray(line.get_ydata(), float)) == {level}
     assert axes.get_ylim()[1] > level

@@ -358,7 +358,7 @@ def test_flight_is_shown_where_there_is_one(flights: tuple[SweepResult, dict[str
 
 
 def test_a_speed_that_is_asked_for_stands_out(nut: SweepResult) -> None:
-    figure = map_figures(nut, ["speed"], level=20.0)["speed"]
+    figure = map_figures(nut, ["speed"], target_speed=20.0)["speed"]
     line = curve(only_map(figure), "20 mm/s")
     speed = 1e3 * solve(scene_of(1e-3 * line[:, 1], line[:, 0])).mean_velocity
     error = abs(speed / 20.0 - 1.0)
@@ -379,7 +379,7 @@ def test_cells_of_irregular_motion_that_reach_a_speed_are_outlined(nut: SweepRes
         means[name][irregular] = value
     means["mean_velocity"][240:280, 200:250] = 1.5
     result = dataclasses.replace(nut, cycle=dataclasses.replace(cycle, **means))
-    axes = only_map(map_figures(result, ["speed"], level=1000.0)["speed"])
+    axes = only_map(map_figures(result, ["speed"], target_speed=1000.0)["speed"])
     frequency, amplitude = curve(axes, "1000 mm/s").T
     y, x = (axis.values for axis in nut.axes.values())
     block = (frequency > x[199]) & (frequency < x[250]) & (amplitude > y[239]) & (amplitude < y[280])
@@ -392,7 +392,7 @@ def test_cells_of_irregular_motion_that_reach_a_speed_are_outlined(nut: SweepRes
 @pytest.mark.parametrize(("level", "where"), [(9e4, "nowhere"), (1e-9, "everywhere")])
 def test_a_speed_without_a_line_is_told_in_the_legend(level: float, where: str) -> None:
     result = sweep(points=61, amplitude="1:2", frequency="15:20")
-    figure = map_figures(result, ["speed"], level=level)["speed"]
+    figure = map_figures(result, ["speed"], target_speed=level)["speed"]
     assert f"{number_text(level)} mm/s is reached {where}" in legend(figure)
 
 

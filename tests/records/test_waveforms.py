@@ -292,7 +292,7 @@ def test_a_record_without_a_wave_is_refused() -> None:
     signals = {name: noise(time.size, 600.0, QUIET, random) for name in ("trough_along", "trough_normal")}
     with pytest.raises(InputError, match="no wave stands out in column 'trough_along' and") as caught:
         motion_of(Record(time, {}, signals, {name: name for name in signals}))
-    assert caught.value.hint == "is it the motion of a trough that runs?"
+    assert caught.value.hint == "was the trough running?"
 
 
 def test_sensors_and_drive_angle_must_fit() -> None:

@@ -74,7 +74,7 @@ def test_the_change_that_counts_most_is_named_where_that_is_sure() -> None:
     assert texts[0] == "Of 1 % more of each, the frequency counts most: 1.47 % faster."
     assert "2 % more, or 1 % less, may do something else" in texts[1]
     texts, rows = change_texts(at(**IRREGULAR))
-    assert texts[0] == "The standard errors leave open which change counts most."
+    assert texts[0] == "Within the standard errors it is not clear which change has the largest effect."
     assert {row[0]: row[1] for row in rows}["amplitude, 10 % more"].startswith("+9.81 % +- 4.9 %")
 
 
@@ -93,7 +93,7 @@ def test_other_motions_are_told() -> None:
     then = {row[0]: row[-1] for row in change_texts(at(**BOUNCES))[1]}
     assert then["amplitude, 10 % more"] == "repeats every 11 drive cycles"
     then = {row[0]: row[-1] for row in change_texts(at(amplitude=500.0, frequency=400.0))[1]}
-    assert then["amplitude"] == "hops irregularly"
+    assert then["amplitude"] == "hops in irregular motion"
 
 
 def test_a_part_at_rest() -> None:

@@ -103,7 +103,7 @@ def test_nothing_is_kept_where_nothing_is_steady() -> None:
 def test_patterns() -> None:
     assert pattern_text("F_B_") == "forward slide, rest, back slide, rest"
     assert pattern_text("H" * 21 + "FB") == "21 flights, forward slide, back slide"
-    assert pattern_text("H...") == "flights without a short period"
+    assert pattern_text("H...") == "irregular flights"
     assert pattern_text("HF" * 5) == "10 phases"
     assert pattern_text("") == ""
 

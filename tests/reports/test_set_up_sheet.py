@@ -237,7 +237,7 @@ def test_irregular_hops_leave_an_interval(tmp_path: Path) -> None:
     assert full.status is Status.AVERAGED
     assert full.amplitude_low < full.amplitude < full.amplitude_high
     assert full.speed_error > 0.0
-    assert any("hops irregularly" in text for text in sheet.warnings)
+    assert any("motion is irregular" in text for text in sheet.warnings)
 
 
 def test_the_speed_with_the_second_harmonic(tmp_path: Path) -> None:

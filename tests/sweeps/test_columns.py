@@ -18,8 +18,8 @@ import vibro
 from vibro.axes import parse_axis
 from vibro.core.codes import Status
 from vibro.errors import InputError
-from vibro.files import tables
-from vibro.files.tables import CsvFormat
+from vibro.files import csv_tables
+from vibro.files.csv_tables import CsvFormat
 from vibro.quantities import DRIVES, QUANTITIES, SWEPT
 from vibro.results.operating import FIELDS, OPERATING
 from vibro.results.sweep import Block, Column
@@ -153,10 +153,10 @@ def test_large_tables_are_written_faster_but_not_otherwise(
 ) -> None:
     block = one_block(600.0, **texts)
     plain = form.rows(COLUMNS, block)
-    assert tables._arrow() is not None
-    monkeypatch.setattr("vibro.files.tables._WORTH_ARROW", 1)
+    assert csv_tables._arrow() is not None
+    monkeypatch.setattr("vibro.files.csv_tables._WORTH_ARROW", 1)
     assert form.rows(COLUMNS, block) == plain
-    monkeypatch.setattr("vibro.files.tables._arrow", lambda: None)
+    monkeypatch.setattr("vibro.files.csv_tables._arrow", lambda: None)
     assert form.rows(COLUMNS, block) == plain
 
 
@@ -165,7 +165,7 @@ def test_both_ways_write_the_same_numbers(values: list[float], power: int) -> No
     near = np.array([1e-4, 1e10, 1e16, 9999999999.5, 9.9999999999999e-5]) * 10.0**power
     numbers = np.array([*values, *near, *-near, *np.nextafter(near, 0.0), 0.0, -0.0, 3.0])
     form = CsvFormat()
-    assert form._arrow_numbers(numbers, tables._arrow()).to_pylist() == form._numbers(numbers)
+    assert form._arrow_numbers(numbers, csv_tables._arrow()).to_pylist() == form._numbers(numbers)
 
 
 @pytest.mark.parametrize("digits", [1, 6, 16, 17])

@@ -56,7 +56,7 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, int]]] = {
     ),
     "length": ({"amplitude_mm": [0.1, 1], "trough_length_mm": 600}, {"amplitude_mm": 2}),
     "no flight": ({"amplitude_mm": [1, 6], "flight": False}, {"amplitude_mm": 2}),
-    "regimes": ({"amplitude_mm": [0.1, 1, 6], "accuracy": "regimes"}, {"amplitude_mm": 3}),
+    "regimes": ({"amplitude_mm": [0.1, 1, 6], "output": "regimes"}, {"amplitude_mm": 3}),
     "coexistence": ({"amplitude_mm": "2:6:4", "coexistence": True}, {"amplitude_mm": 4}),
 }  # fmt: skip
 
@@ -111,7 +111,7 @@ def test_every_number_of_the_frame_comes_back_from_netcdf(name: str, tmp_path: P
         assert dataset[key] == value
     assert dataset.attrs["flight"] == (given.get("flight", True) and name != "regimes")
     assert dataset.attrs["coexistence"] == (name == "coexistence")
-    assert dataset.attrs["accuracy"] == given.get("accuracy", "exact")
+    assert dataset.attrs["accuracy"] == given.get("output", "exact")
     back = store(solved, tmp_path / "stored", shard_cells=5, row_group_cells=2)
     for chunks in (None, "auto"):
         xr.testing.assert_identical(vibro.open_sweep(back).to_xarray(chunks=chunks).compute(), dataset)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vibro
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.plots import choose_view, map_figures
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import DrawnCells, sweep_blocks, sweep_picture
@@ -19,7 +19,7 @@ MAP: dict[str, Any] = {"amplitude_mm": "0.1:3:35", "frequency_hz": "5:60:45:log"
 
 
 def grid_of(*, coexistence: bool = False, flight: bool = True, **given: Any) -> Grid:
-    return request_of_call(None, given).grid(Level.EXACT, flight=flight, coexistence=coexistence)
+    return request_of_call(None, given).grid(Output.EXACT, flight=flight, coexistence=coexistence)
 
 
 def cells_of(grid: Grid) -> DrawnCells | None:

@@ -35,9 +35,9 @@ natural_hz = 55.6
 
 
 def grid_of(path: Path, **quantities: Any) -> Grid:
-    from vibro.core.codes import Level
+    from vibro.core.codes import Output
 
-    return request_of_call(path, quantities).grid(Level.EXACT)
+    return request_of_call(path, quantities).grid(Output.EXACT)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["id"])
@@ -266,8 +266,8 @@ def test_every_kind_is_swept(tmp_path: Path, kind: str) -> None:
         (FEEDER, {"along_amplitude_mm": 1, "normal_amplitude_mm": 1}, "moves its trough along a line"),
         (FEEDER, {"voltage_percent": 0}, "voltage = 0 %: must be finite and > 0 %"),
         (FEEDER, {"filling_kg": -1}, "filling = -1 kg: must be finite and >= 0 kg"),
-        (UNBALANCE, {"natural_hz": 3}, "natural frequency = 3 Hz: means nothing to a machine of kind"),
-        (UNBALANCE, {"voltage_percent": [90, 100]}, "voltage = 90 %: means nothing to a machine of kind"),
+        (UNBALANCE, {"natural_hz": 3}, "natural frequency = 3 Hz: does not apply to a machine of kind"),
+        (UNBALANCE, {"voltage_percent": [90, 100]}, "voltage = 90 %: does not apply to a machine of kind"),
         (
             FEEDER.replace("natural_hz = 55.6\n", "").replace("calibration", "force_n = 50 #") + PACKS,
             {},
@@ -301,7 +301,7 @@ def test_bands_are_the_axes_of_a_map_where_nothing_else_varies(tmp_path: Path) -
 
 def test_the_operating_point_is_that_of_the_file(tmp_path: Path) -> None:
     request = request_of_call(feeder(tmp_path, "setting_percent = 80\n"), {"filling_kg": "0:2"})
-    grid = request.grid(vibro.core.codes.Level.EXACT)
+    grid = request.grid(vibro.core.codes.Output.EXACT)
     assert grid.operating_point(request.own) == {"filling": 0.0}
 
 

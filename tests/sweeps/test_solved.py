@@ -54,7 +54,7 @@ def test_pictures_need_no_other_results(given: dict[str, Any], names: tuple[Any,
 
 
 def test_long_ranges_show_some_of_their_values_and_their_ends() -> None:
-    t = vibro.sweep(amplitude_mm="0.1:3:701", frequency_hz="5:60:601", accuracy="regimes", **LINE)
+    t = vibro.sweep(amplitude_mm="0.1:3:701", frequency_hz="5:60:601", output="regimes", **LINE)
     view = choose_view(t._grid.axes)
     (image,) = t.draw("regime").axes
     assert (image.get_xlim(), image.get_ylim()) == ((5.0, 60.0), (0.1, 3.0))
@@ -62,7 +62,7 @@ def test_long_ranges_show_some_of_their_values_and_their_ends() -> None:
     assert seen["frequency"].tolist() == list(range(0, 601, 2))
     amplitudes = seen["amplitude"]
     assert (len(amplitudes), amplitudes[0], amplitudes[-1]) == (351, 0, 700)
-    few = vibro.sweep(amplitude_mm="0.1:3:11", frequency_hz="5:60:600", accuracy="regimes", **LINE)
+    few = vibro.sweep(amplitude_mm="0.1:3:11", frequency_hz="5:60:600", output="regimes", **LINE)
     seen = run._solved_indices(few._grid, choose_view(few._grid.axes).drawn)
     assert [len(indices) for indices in seen.values()] == [11, 600]
 

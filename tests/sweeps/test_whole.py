@@ -133,13 +133,13 @@ def test_a_text_is_no_switch() -> None:
 
 
 def test_regimes_alone_and_contact_alone() -> None:
-    t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, accuracy="regimes", **NUT)
+    t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, output="regimes", **NUT)
     assert list(t.to_frame()["regime"]) == ["no-slip", "back-slip", "hopping"]
     assert np.isnan(t.cycle.mean_velocity[1:]).all()
     t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, flight=False, **NUT)
     assert list(t.to_frame()["status"]) == ["ok", "ok", "flight-not-modelled"]
-    with pytest.raises(VibroError, match="accuracy = 'fast': must be one of exact, regimes"):
-        vibro.sweep(NUT_FILE, accuracy="fast")  # type: ignore[arg-type]
+    with pytest.raises(VibroError, match="output = 'fast': must be one of exact, regimes"):
+        vibro.sweep(NUT_FILE, output="fast")  # type: ignore[arg-type]
 
 
 def test_what_was_not_looked_at_is_no_number() -> None:
@@ -260,7 +260,7 @@ def test_pictures_that_there_are_not() -> None:
     with pytest.raises(InputError, match="no axis of a map") as caught:
         line.draw("speed", y="A")
     assert "leave y out" in caught.value.hint
-    regimes = vibro.sweep(NUT_FILE, frequency_hz="5:60:7", accuracy="regimes")
+    regimes = vibro.sweep(NUT_FILE, frequency_hz="5:60:7", output="regimes")
     with pytest.raises(InputError, match="no such picture") as caught:
         regimes.draw("speed")
     assert caught.value.hint == "there are regime"
@@ -339,8 +339,8 @@ def test_examples_and_messages_cut_long_values() -> None:
     with pytest.raises(InputError, match="missing: ") as caught:
         vibro.sweep(amplitude_mm=wide, frequency_hz=list(wide), static_friction="0." + "3" * 900)
     assert len(caught.value.hint) < 500
-    with pytest.raises(VibroError, match="accuracy = ") as refused:
-        vibro.sweep(NUT_FILE, accuracy="x" * 5000)  # type: ignore[arg-type]
+    with pytest.raises(VibroError, match="output = ") as refused:
+        vibro.sweep(NUT_FILE, output="x" * 5000)  # type: ignore[arg-type]
     assert len(str(refused.value)) < 200
 
 

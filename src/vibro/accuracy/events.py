@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from vibro.accuracy.motion import Found
 
 if TYPE_CHECKING:
-    from vibro.accuracy.motion import Motion
+    from vibro.accuracy.motion import TroughBody
 
     Solver = Literal["RK45", "DOP853", "LSODA"]
 
@@ -23,7 +23,11 @@ _SETTLED: Final = 10.0  # [rtol] smaller changes of a slide's start from cycle t
 
 
 def simulate_by_events(
-    motion: Motion, solver: Solver, rtol: float, max_step: float = math.inf, most_slides: int = _MOST_SLIDES
+    motion: TroughBody,
+    solver: Solver,
+    rtol: float,
+    max_step: float = math.inf,
+    most_slides: int = _MOST_SLIDES,
 ) -> Found:
     """Simulate from rest until the motion repeats.
 
@@ -33,7 +37,7 @@ def simulate_by_events(
 
     Parameters
     ----------
-    motion : Motion
+    motion : TroughBody
         One scene in contact.
     solver : str
         ``method`` of ``solve_ivp``.
@@ -95,7 +99,7 @@ def _next_from_rest(onsets: dict[str, float | None], phase: float) -> tuple[str,
 
 
 def _slide(
-    motion: Motion, kind: str, start: float, solver: Solver, rtol: float, max_step: float
+    motion: TroughBody, kind: str, start: float, solver: Solver, rtol: float, max_step: float
 ) -> tuple[float | None, float]:
     """End and distance of one slide from rest; no end if the solver finds none."""
     sign = 1.0 if kind == "F" else -1.0

@@ -15,7 +15,7 @@ from vibro.accuracy.motion import Found, motion_arrays, motions
 from vibro.accuracy.sample import take_scenes
 from vibro.accuracy.smoothed import simulate_smoothed
 from vibro.accuracy.stepping import simulate_by_steps
-from vibro.core.codes import Level, Regime
+from vibro.core.codes import Output, Regime
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.accuracy.motion import Motion
+    from vibro.accuracy.motion import TroughBody
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Answers(NamedTuple):
     Attributes
     ----------
     displacement : array
-        Per drive cycle [A]; NaN where there is none.
+        Displacement per drive cycle [A]; NaN without a steady cycle.
     regime : int array
         Codes of ``Regime``; UNDEFINED where the method gave up.
     seconds : float
@@ -90,7 +90,7 @@ def answers_of(found: Sequence[tuple[float, str]], seconds: float) -> Answers:
     return Answers(np.array([displacement for displacement, _ in found]), np.array(regimes, np.int8), seconds)
 
 
-def _one_by_one(simulate: Callable[[Motion], Found], scene: Scene, tick: Tick) -> Answers:
+def _one_by_one(simulate: Callable[[TroughBody], Found], scene: Scene, tick: Tick) -> Answers:
     bodies = list(motions(scene))
     found = []
     start = time.perf_counter()
@@ -110,17 +110,17 @@ def _by_steps(steps: int, scene: Scene, tick: Tick) -> Answers:
     return answers_of(found, time.perf_counter() - start)
 
 
-def _by_vibro(level: Level, scene: Scene, tick: Tick) -> Answers:
+def _by_vibro(output: Output, scene: Scene, tick: Tick) -> Answers:
     """Solve the scenes as one batch; a few are repeated to fill it, because the solver is made for many."""
     n = scene.shape[0]
     batch = take_scenes(scene, np.arange(max(n, _BATCH)) % n)
     seconds = []
     for _ in range(_REPEATS):
         start = time.perf_counter()
-        cycle = solve(batch, accuracy=level)
+        cycle = solve(batch, output=output)
         seconds.append(time.perf_counter() - start)
     displacement = cycle.displacement_per_cycle[:n] / scene.scale
-    if level is Level.REGIMES:
+    if output is Output.REGIMES:
         displacement[:] = np.nan  # the zeros of bodies at rest are known, but no speed was computed
     return Answers(displacement, cycle.regime[:n], min(seconds) * n / batch.shape[0])
 
@@ -146,8 +146,8 @@ def _steps(steps: int, share: float) -> Method:
 
 
 METHODS: Final = (
-    Method("vibro", "exact", 1.0, partial(_by_vibro, Level.EXACT)),
-    Method("vibro", "regimes alone", 1.0, partial(_by_vibro, Level.REGIMES)),
+    Method("vibro", "exact", 1.0, partial(_by_vibro, Output.EXACT)),
+    Method("vibro", "regimes alone", 1.0, partial(_by_vibro, Output.REGIMES)),
     _events("RK45", 1e-3, 0.1),
     _events("RK45", 1e-6, 0.04),
     _events("RK45", 1e-9, 0.01),

@@ -1,4 +1,4 @@
-"""The equations of motion that a simulation needs, and what it finds.
+"""The equations of motion for simulations, and their results.
 
 Methods must not share formulas with the solver that they are compared with, so nothing here comes from
 ``vibro.core``. Lengths are in A, speeds in A w, loads in m A w^2, phases p = w t in radians.
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
     from vibro.scene import Scene
 
-__all__ = ["Found", "Motion", "motion_arrays", "motions"]
+__all__ = ["Found", "TroughBody", "motion_arrays", "motions"]
 
 
-class Motion(NamedTuple):
+class TroughBody(NamedTuple):
     """A body on a trough; numbers for one scene, or arrays for many.
 
     Attributes
@@ -67,14 +67,14 @@ class Found(NamedTuple):
     slides: str
 
 
-def motion_arrays(scene: Scene) -> Motion:
+def motion_arrays(scene: Scene) -> TroughBody:
     """Form the equations of motion of all scenes at once, as flat arrays in the order of their cells."""
     flat = (field.reshape(-1) for field in np.broadcast_arrays(*scene.arrays()))
     amplitude, frequency, alpha, mu_s, mu_d, beta, gravity, _ = flat
     weight = gravity / (amplitude * (2.0 * np.pi * frequency) ** 2)
-    return Motion(np.cos(alpha), np.sin(alpha), weight * np.cos(beta), weight * np.sin(beta), mu_s, mu_d)
+    return TroughBody(np.cos(alpha), np.sin(alpha), weight * np.cos(beta), weight * np.sin(beta), mu_s, mu_d)
 
 
-def motions(scene: Scene) -> Iterator[Motion]:
+def motions(scene: Scene) -> Iterator[TroughBody]:
     """Form the equations of motion of scenes one by one, in the order of their cells."""
-    return itertools.starmap(Motion, zip(*(a.tolist() for a in motion_arrays(scene)), strict=True))
+    return itertools.starmap(TroughBody, zip(*(a.tolist() for a in motion_arrays(scene)), strict=True))

@@ -188,7 +188,7 @@ class _Walk:
         return (self.phase - way * _CONTEXT.pi + quarter) % _TURN - quarter
 
     def _way_of_load(self) -> int | None:
-        """Direction in which the load exceeds static friction now; None where it is equal or less."""
+        """Direction in which the load exceeds static friction now; None if it does not."""
         body = self.body
         sine = _CONTEXT.sin(self.phase)
         load = body.along * sine - body.tangential
@@ -223,7 +223,7 @@ class _Walk:
         return slide.slope
 
     def _limit_of_chain(self) -> Any:
-        """Displacement of the never-at-rest cycle that the walk tends to; None if it does not tend to one.
+        """Displacement of the cycle of continuous sliding to which the walk tends; None without one.
 
         Plain walking takes hundreds of cycles at low friction, so Newton's method is used on the map from
         one forward start to the next. The map rises with a slope below 1 and therefore has a single fixed

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from vibro.accuracy.motion import Found
 
 if TYPE_CHECKING:
-    from vibro.accuracy.motion import Motion
+    from vibro.accuracy.motion import TroughBody
 
 __all__ = ["simulate_smoothed"]
 
@@ -27,7 +27,7 @@ _SETTLED: Final = 1e-3  # [width] smaller changes of the displacement from cycle
 _MOST_TURNS: Final = 200
 
 
-def simulate_smoothed(motion: Motion, width: float) -> Found:
+def simulate_smoothed(motion: TroughBody, width: float) -> Found:
     """Simulate from rest, with a friction law that has no jump, until the displacement repeats.
 
     The coefficient is ``tanh(v/w) (mu_d + (mu_s - mu_d) exp(-(max(abs(v)/w - 5, 0)/5)^2))``. This smoothed
@@ -36,7 +36,7 @@ def simulate_smoothed(motion: Motion, width: float) -> Found:
 
     Parameters
     ----------
-    motion : Motion
+    motion : TroughBody
         One scene in contact.
     width : float
         w [A w].

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.accuracy.motion import Found, Motion
+from vibro.accuracy.motion import Found, TroughBody
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,7 +21,7 @@ _SETTLED: Final = (
 _MOST_TURNS: Final = 300
 
 
-def simulate_by_steps(motion: Motion, steps: int) -> list[Found]:
+def simulate_by_steps(motion: TroughBody, steps: int) -> list[Found]:
     """Simulate scenes from rest with equal time steps until the displacement repeats.
 
     Moreau's rule: the load at the end of a step acts during the whole step; then friction reduces the speed
@@ -29,7 +29,7 @@ def simulate_by_steps(motion: Motion, steps: int) -> list[Found]:
 
     Parameters
     ----------
-    motion : Motion
+    motion : TroughBody
         Scenes in contact, as flat arrays.
     steps : int
         Steps per drive cycle.
@@ -56,14 +56,14 @@ def simulate_by_steps(motion: Motion, steps: int) -> list[Found]:
         if not going.any():
             break
         cells, speed, before = cells[going], speed[going], place[going]
-        motion = Motion(*(field[going] for field in motion))
+        motion = TroughBody(*(field[going] for field in motion))
     return [
         Found(d, "F" * f + "B" * b)
         for d, f, b in zip(displacement.tolist(), forward.tolist(), back.tolist(), strict=True)
     ]
 
 
-def _turn(motion: Motion, speed: NDArray[Any], steps: int) -> tuple[NDArray[Any], ...]:
+def _turn(motion: TroughBody, speed: NDArray[Any], steps: int) -> tuple[NDArray[Any], ...]:
     """Speed after one drive cycle, displacement in it, and the highest and lowest speed."""
     along, across, normal, tangential, mu_s, mu_d = motion
     h = _TURN / steps

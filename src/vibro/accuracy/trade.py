@@ -40,7 +40,7 @@ class Reference(NamedTuple):
     name : str
         In words.
     answer : callable
-        Like that of a method; NaN where there is no steady cycle in contact, or none was found.
+        As that of a method; NaN if no steady cycle in contact exists or was found.
     most : int
         Number of scenes that it solves in reasonable time.
     """
@@ -185,7 +185,7 @@ def run_methods(
     Returns
     -------
     Trade
-        With fewer scenes than asked for if the grid does not contain enough.
+        The trade-off, of fewer scenes than requested if the grid does not contain enough.
     """
     done = 0
 

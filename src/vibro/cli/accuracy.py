@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
     from vibro.accuracy.trade import Row, Trade
     from vibro.cli.console import Console
-    from vibro.files.tables import TableColumns
+    from vibro.files.csv_tables import TableColumns
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
 __all__ = ["accuracy_command"]
 
-# The paper's ranges where nothing is given: its drive angles are below 45 deg, its scenes within these.
+# Default ranges, those of the paper: its drive angles are below 45 deg, its scenes within these.
 _SAMPLE: Final = {
     "amplitude": "0.1:3:log",
     "frequency": "5:60:log",
@@ -53,7 +53,7 @@ def accuracy_command(
         ),
     ] = str(_SCENES),
     tolerance: Annotated[
-        str, typer.Option("--tolerance", metavar="E", help="Error in mean speed that counts as none [A f].")
+        str, typer.Option("--tolerance", metavar="E", help="Tolerated error in mean speed [A f].")
     ] = "0.001",
     formats: FormatOption = "png",
 ) -> int:
@@ -112,7 +112,7 @@ def accuracy_command(
 
 
 def _request(options: Options, argv: Sequence[str]) -> Request:
-    """Merge options, scene file and what is sampled where nothing is given."""
+    """Merge options, scene file and the default ranges of the sample."""
     from vibro.cli.request import request_of
 
     if options.scene is None and not options.given:
@@ -192,7 +192,7 @@ _HEADINGS: Final = (
 
 
 def _print_table(trade: Trade) -> None:
-    """Print the table, in parts below each other where it is wider than the terminal, and the advice."""
+    """Print the table, stacked in parts if it is wider than the terminal, and the advice."""
     from vibro.accuracy.trade import advice
     from vibro.cli.report import line_width, stacked
 

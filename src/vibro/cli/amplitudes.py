@@ -16,7 +16,7 @@ from vibro.cli.request import question, request_of
 from vibro.core.codes import Regime
 from vibro.errors import InputError
 from vibro.inverse.extremes import counted
-from vibro.inverse.questions import MOST_THROW
+from vibro.inverse.questions import MOST_DESIGN_THROW
 from vibro.inverse.windows import HOPS_SAMPLED, feasible_amplitudes
 from vibro.limits import critical_loads
 from vibro.output.record import json_text
@@ -61,7 +61,7 @@ _MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of sliv
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
 _LEAST: Final = 1e-6  # of the largest of them, where bodies start at once or hop
 _MOST: Final = 1e3  # times the largest critical load, where bodies never hop
-_BESIDE: Final = 1e-12
+_BELOW_HOP: Final = 1e-12
 _BEGINS: Final = {
     "speed": "the speed is reached",
     "onset": "forward slip begins",
@@ -74,7 +74,7 @@ _ENDS: Final = {
     "back slip": "back slip makes it slower",
     "hop": "its hops change",
     "unconfirmed": "its speed is unknown beyond",
-    "limit": f"throw number {MOST_THROW:g}",
+    "limit": f"throw number {MOST_DESIGN_THROW:g}",
 }
 _HOPS: Final = "the body hops"
 
@@ -85,7 +85,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     Parameters
     ----------
     text : str
-        The speed, with or without a unit, in which the answer tells speeds too.
+        The speed, with or without a unit; speeds of the answer have this unit too.
     options : Options
         The scene. The amplitude of a line is not given, nor the scale of a motion; the amplitudes of an
         ellipse give its proportion.
@@ -97,7 +97,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     Raises
     ------
     InputError
-        If something is wrong or missing, or what is asked for is given.
+        If something is wrong or missing, or the amplitude is given.
     FileError
         If the scene file cannot be read.
     """
@@ -128,7 +128,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
 
 @dataclass(frozen=True)
 class _Drive:
-    """The drive whose size is asked for: an amplitude, of an ellipse along or normal, or a motion's scale.
+    """The drive whose size is searched: an amplitude, of an ellipse along or normal, or a motion's scale.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ class _Drive:
     hopping : bool
         Whether the body may hop.
     in_stroke : bool
-        Whether the scene has the stroke of a line, which is then told.
+        Whether the scene has the stroke of a line, which the answer then has too.
     """
 
     scene: Scene
@@ -168,7 +168,7 @@ class _Drive:
             }
             return cls(scene, 1.0, {SCALE: 1.0, **amplitudes}, unit, size, hopping)
         names: list[str] = [name for name in ("along_amplitude", "normal_amplitude") if name in fixed]
-        given = fixed if names else {**fixed, "amplitude": 1.0}  # whatever it is, it does not count
+        given = fixed if names else {**fixed, "amplitude": 1.0}  # its value has no effect
         if names and not any(fixed[name] for name in names):
             raise InputError(
                 "along amplitude = normal amplitude = 0 mm: their proportion is that of the answer",
@@ -209,12 +209,12 @@ class _Drive:
 
     @cached_property
     def limit(self) -> float:
-        """Size up to which hops are looked for; inf where there are none, or none are asked for."""
-        throw = float(solve(self.scene, accuracy="regimes").throw_number)
-        return self.amplitude * (MOST_THROW / throw) if self.hopping and throw > 0.0 else math.inf
+        """Size up to which hops are searched; inf without hops, or if they are not allowed."""
+        throw = float(solve(self.scene, output="regimes").throw_number)
+        return self.amplitude * (MOST_DESIGN_THROW / throw) if self.hopping and throw > 0.0 else math.inf
 
     def facts(self, fixed: Mapping[str, float], speed: str) -> list[tuple[str, str]]:
-        """Return what is asked, as pairs of a name and a text."""
+        """Return the question, as pairs of a name and a text."""
         words = [
             f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
             for name, value in fixed.items()
@@ -233,7 +233,7 @@ class _Drive:
                 (
                     "hops",
                     f"sampled at {count} {self.sizes} up to {self.at(self.limit)} (throw number"
-                    f" {MOST_THROW:g}): what lies between two of them may be missed",
+                    f" {MOST_DESIGN_THROW:g}): what lies between two of them may be missed",
                 ),
                 ("restitution", bounce_text(float(self.scene.restitution))),
                 ("irregular hops", "count with their mean speed less three standard errors"),
@@ -295,7 +295,7 @@ class _Drive:
             return "it moves forwards only where it hops, if at all"
         amplitudes = np.geomspace(low, high, _SAMPLES)
         speeds = counted(solve(self.scenes(amplitudes), flight=flies), fast=False)
-        where = f"up to a throw number of {MOST_THROW:g}" if flies else "without hopping"
+        where = f"up to a throw number of {MOST_DESIGN_THROW:g}" if flies else "without hopping"
         if not np.isfinite(speeds).any():
             return f"it has no steady motion {where}"
         known = np.where(np.isfinite(speeds), speeds, 0.0)
@@ -316,7 +316,7 @@ class _Drive:
         known = [float(load) for load in loads if 0.0 < float(load) < math.inf]
         if not known:
             return math.nan, math.nan
-        high = min((1.0 - _BESIDE) * float(loads.hop), _MOST * max(known))
+        high = min((1.0 - _BELOW_HOP) * float(loads.hop), _MOST * max(known))
         low = min(known) if float(loads.forward_onset) else _LEAST * high
         per_load = self.amplitude / float(self.scene.load)
         return low * per_load, high * per_load

@@ -14,7 +14,7 @@ from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Flight
 from vibro.cli.stems import output_stem
-from vibro.core.codes import Level, Regime, Status
+from vibro.core.codes import Output, Regime, Status
 from vibro.errors import FileError, InputError
 from vibro.output.record import json_text, sweep_record
 from vibro.output.run import write_table
@@ -100,14 +100,14 @@ def make_grid(
     request: Request,
     console: Console | None = None,
     *,
-    level: Level = Level.EXACT,
+    output: Output = Output.EXACT,
     flight: Flight = Flight.ON,
     coexistence: bool = False,
     arrivals: bool = False,
 ) -> Grid:
     """Spell out the axes of a request, and echo them."""
-    follows = level is Level.EXACT and flight is Flight.ON
-    grid = request.grid(level, flight=follows, coexistence=coexistence, arrivals=arrivals)
+    follows = output is Output.EXACT and flight is Flight.ON
+    grid = request.grid(output, flight=follows, coexistence=coexistence, arrivals=arrivals)
     if console is not None:
         for axis in grid.told_axes.values():
             console.echo(str(axis))
@@ -320,7 +320,7 @@ def _check_size(grid: Grid, row_bytes: int, files: Staging) -> None:
 
 
 def _fewer(counts: Sequence[int], room: int) -> str:
-    """Say how many values would fit where there is room for so many cells: the longest axes give way."""
+    """Say how many values would fit into so many cells, by shortening the longest axes."""
     most = (
         bisect_right(range(max(counts, default=1)), room, key=lambda n: math.prod(min(n, m) for m in counts))
         - 1

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 __all__ = ["app", "main"]
 
 _OF_COMPLETION = frozenset({"--install-completion", "--show-completion"})
-_OBJECTS = 100_000  # made before garbage is looked for
+_OBJECTS = 100_000  # made before garbage is collected
 
 
 class _Commands(TyperGroup):
@@ -106,7 +106,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         command = next((arg for arg in argv if not arg.startswith("-")), "")
         known = command if command in _SCENES | _OTHERS else ""
         see = " ".join(filter(None, ["see vibro", known, "--help"]))
-        said = exc.format_message().strip().replace("Value error, ", "")  # which tells users nothing
+        said = exc.format_message().strip().replace("Value error, ", "")  # which does not help users
         return _report(InputError(said, hint=see), [])
     if isinstance(exc, OSError):
         silence(sys.stdout)

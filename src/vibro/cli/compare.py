@@ -47,7 +47,7 @@ __all__ = ["compare_command"]
 
 _NO_MACHINE: Final = "a record is compared with the motion that the trough had"
 
-# In the place of what is measured, while the rest of a scene is read: valid whatever that is [SI].
+# In place of the measured drive while the rest of a scene is read: valid with any rest [SI].
 _HARMLESS: Final = {
     "amplitude": 1e-3,
     "drive_angle": 0.0,
@@ -81,7 +81,7 @@ def compare_command(
     trough_normal: TroughNormalOption = None,
     sensitivity: SensitivityOption = None,
     mass: Annotated[
-        str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
+        str | None, typer.Option("--mass", metavar="VALUE", help="Mass of the body [kg].", show_default=False)
     ] = None,
     reverse: ReverseOption = False,
     absolute: Annotated[
@@ -240,14 +240,14 @@ def compare_command(
 def _motion_command(
     options: Options, data: Path, columns: Mapping[str, str], sensitivity: Sequence[str], *, reverse: bool
 ) -> str:
-    """Write the command that measures the trough alone, with what it takes of the options that were given."""
+    """Write the command that measures the trough alone, with those given options that it takes."""
     from vibro.files.scene_files import read_scene_file
     from vibro.quantities import DRIVES
 
     own = read_scene_file(options.scene).scene if options.scene else {}
     drive = {"stroke", "frequency", "normal_acceleration", *DRIVES}
     given = {name: text for name, text in options.given.items() if name not in drive}
-    if not {"trough_along", "trough_normal"} <= columns.keys():  # one sensor does not tell the drive's line
+    if not {"trough_along", "trough_normal"} <= columns.keys():  # one sensor measures no drive angle
         line = {"drive_angle": f"{float(own['drive_angle'].values[0]):.15g}"} if "drive_angle" in own else {}
         given |= line | {name: text for name, text in options.given.items() if name == "drive_angle"}
     typed = [(f"--{name.replace('_', '-')}", text) for name, text in columns.items()]
@@ -347,7 +347,7 @@ def _with_measured(
 def _measured_motion(
     record: Record, reverse: bool, elliptical: bool, drive: MeasuredDrive, request: Request, *, fits: bool
 ) -> MeasuredMotion | None:
-    """Measure the trough's harmonics; None where the record does not tell them.
+    """Measure the trough's harmonics; None if the record does not determine them.
 
     An estimate of friction would take the effect of harmonics for its own. It is therefore refused where
     there may be some that are not known.
@@ -371,8 +371,8 @@ def _measured_motion(
         return measured
     if fits and measured.order > 1:
         raise InputError(
-            f"--fit needs both motions of the trough: it moves with {measured.order} harmonics, of which one"
-            " accelerometer tells one direction alone",
+            f"--fit needs both motions of the trough: it moves with {measured.order} harmonics, and one"
+            " accelerometer measures one direction alone",
             hint="name --trough-along and --trough-normal",
         )
     return None

@@ -26,7 +26,7 @@ __all__ = ["comparison_report", "measured", "uncertain"]
 
 
 def comparison_report(tables: ComparisonTables, data: Path, request: Request) -> str:
-    """Say what was measured, what is computed and what is estimated.
+    """Report measured, computed and estimated values.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class _Report:
         self.request = request
 
     def text(self) -> str:
-        """Return what is printed."""
+        """Return the report as text."""
         parts = [aligned(self._facts(), right=False)]
         head = ("", "measured", "computed", "difference")
         parts.append(aligned([head, *map(self._row, self.comparison.rows)]))
@@ -94,7 +94,7 @@ class _Report:
         return facts
 
     def _scene(self) -> str:
-        """Name the scene file, and say what it comes to."""
+        """Name the scene file, and its operating point."""
         given = (
             f"{QUANTITIES[name].label} {number(value, QUANTITIES[name].unit)}"
             for name, value in self.request.told.items()

@@ -54,7 +54,7 @@ def tolerate_any_encoding() -> None:
 
 
 def tell(text: str) -> None:
-    """Write a line to stderr; one that is full or gone stops nothing."""
+    """Write a line to stderr; errors of stderr are ignored."""
     try:
         print(printable(text), file=sys.stderr, flush=True)
     except (OSError, ValueError):
@@ -70,7 +70,7 @@ def silence(stream: TextIO) -> None:
 
 
 def print_error(problems: Sequence[str], hint: str = "") -> None:
-    """Print what is wrong and how to put it right, a line each."""
+    """Print problems and remedies, a line each."""
     for problem in problems:
         tell(f"error: {in_options(problem)}")
     for line in hint.splitlines():
@@ -128,7 +128,7 @@ class Console:
         label : str
             What is being done.
         total : int or None
-            Amount of work; None where it is told later.
+            Amount of work; None if it is set later.
 
         Yields
         ------

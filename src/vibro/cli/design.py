@@ -15,7 +15,7 @@ from vibro.cli.options import FormatOption, Options, picture_formats
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibro.files.tables import TableColumns
+    from vibro.files.csv_tables import TableColumns
     from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
     from vibro.results.designs import DesignResult
@@ -54,13 +54,14 @@ def design_command(
     digits: DigitsOption = None,
     formats: FormatOption = "png",
 ) -> int:
-    """Find drive settings that convey every part at least as fast as asked for, whatever its friction.
+    """Find drive settings that convey every part at least at a required speed, for all its frictions.
 
-    The question says what is known of the parts and the trough, as bands lo:hi, what each drive can do and
-    may drift, and the goal. Drives move along a line, an ellipse or in a given motion. For every drive there
-    are three designs within the goal's highest regime: the gentlest that meets the goal, the fastest, and the
-    safest. Those within the other regimes follow. With -o they go to STEM.csv and STEM.json too, and there
-    are pictures of one of them. The exit code is 4 if no drive meets the goal: what comes closest is printed.
+    The design file gives what is known of the parts and the trough as bands lo:hi, the range and drift of
+    each drive, and the goal. Drives move along a line, an ellipse or in a given motion. For every drive three
+    designs within the goal's highest regime are printed: the gentlest (least acceleration) that meets the
+    goal, the fastest, and the safest; then those within other regimes. With -o they go to STEM.csv and
+    STEM.json too, with pictures of one of them. If no drive meets the goal, the closest designs are printed
+    and the exit code is 4.
     """
     from vibro.cli.design_report import design_report
     from vibro.cli.request import whole_number
@@ -111,7 +112,7 @@ def design_command(
 
 
 def _columns(result: DesignResult) -> TableColumns:
-    """Return the table: texts as they are, numbers with NaN where there is none."""
+    """Return the table: texts as they are, missing numbers as NaN."""
     import numpy as np
 
     columns: dict[str, Any] = {}
@@ -133,7 +134,7 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
 
 
 def design_record(source: Path, result: DesignResult) -> dict[str, Any]:
-    """Return what the sidecar says: the question as it was asked, and its answer."""
+    """Return the content of the sidecar: the question as it was given, and its answer."""
     from vibro.files.toml_files import read_toml
 
     units = {column.name: column.unit for column in result.columns}

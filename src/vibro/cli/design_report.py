@@ -1,4 +1,4 @@
-"""What ``vibro design`` prints: the question, all designs, and what is to be known of the chosen one."""
+"""What ``vibro design`` prints: the question, all designs, and details of the chosen one."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def design_report(spec: Spec, result: DesignResult, chosen: Chosen | None) -> st
     result : DesignResult
         Its answer.
     chosen : Chosen or None
-        The design that is told more of; None where nothing is guaranteed anywhere.
+        The design to report in detail; None if no design guarantees a speed.
 
     Returns
     -------

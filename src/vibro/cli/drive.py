@@ -63,10 +63,10 @@ def drive_command(
 ) -> int:
     """Print the set-up sheet of a machine and its filling, or fit the machine to measured amplitudes.
 
-    SCENE.toml has a table [machine]. The sheet tells amplitude and speed at each setting, empty and full,
-    which side of resonance the drive is on, the guaranteed speed, and what mains, filling and other springs
-    change. Here --setting takes a list (25,50,100), and --voltage, --filling, --mu-s and --mu-d take bands,
-    such as 90:110.
+    SCENE.toml has a table [machine]. The sheet lists amplitude and speed at each setting, empty and full, the
+    side of resonance on which the drive runs, the guaranteed speed, and the effect of mains, filling and
+    other springs. Here --setting takes a list (25,50,100), and --voltage, --filling, --mu-s and --mu-d take
+    bands, such as 90:110.
     With -o the operating points go to STEM.csv, and amplitude and speed over frequency to STEM-response.png.
     """
     wanted = picture_formats(formats)
@@ -180,7 +180,7 @@ def _sheet(formats: Sequence[str], options: Options, argv: Sequence[str], consol
 
 
 def _settings(typed: dict[str, str], given: GivenMachine) -> tuple[float, ...]:
-    """Return the settings that are told, ascending, and leave the largest in what was typed."""
+    """Return the settings of the sheet, ascending, and keep the largest among the typed values."""
     from vibro.axes import parse_axis
 
     quantity = QUANTITIES["setting"]

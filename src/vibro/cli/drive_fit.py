@@ -41,7 +41,7 @@ _BOTH_SIDES: Final = (
     "no estimate: the largest amplitude is at an end of the points, so that the\n"
     "resonance may lie beyond them"
 )
-_APART: Final = 0.05  # [1] of amplitudes of the points and of the file's machine that are told
+_APART: Final = 0.05  # [1] of amplitudes of the points and of the file's machine that is reported
 
 
 def fit_points(
@@ -66,12 +66,12 @@ def fit_points(
     law, amplitude_error : str or None
         As typed.
     formats, options, argv, console
-        As for every command that writes files.
+        Shared options of commands that write files.
 
     Returns
     -------
     int
-        The exit code: 3 where there is no estimate.
+        The exit code: 3 without an estimate.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def _interval(low: float, high: float) -> str:
 
 
 def _rounded(value: float, error: float) -> float:
-    """Round a value to a hundredth of its error, so that the table holds no digits that mean nothing."""
+    """Round a value to a hundredth of its error, so that the table has no meaningless digits."""
     if not (math.isfinite(error) and error > 0.0):
         return float(f"{value:.6g}")
     return round(value, max(0, 2 - math.floor(math.log10(error))))
@@ -303,7 +303,7 @@ def _number(value: float) -> float | None:
 
 
 def _content(fit: ResponseFit, path: Path, table: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return what the JSON says; null where there is no estimate, or an end is unbounded."""
+    """Return the content of the JSON; null without an estimate, or for an unbounded end."""
     content: dict[str, Any] = {
         "points": str(path),
         "law": fit.law,

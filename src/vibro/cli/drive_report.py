@@ -34,12 +34,12 @@ _PROOFS: Final = {
     "sampled": "sampled, not proved",
 }
 _AT: Final = 0.01  # [%] distance from resonance that counts as none
-_FAR: Final = 100.0  # [%] distance that is told no more
+_FAR: Final = 100.0  # [%] distance from resonance that is printed as "far"
 _FRICTIONS: Final = ("static_friction", "kinetic_friction")
 
 
 def report(sheet: Sheet, name: str) -> str:
-    """Return what is printed.
+    """Return the report as text.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ _EXAMPLES: Final = {"voltage": "90:110", "filling": "0:2kg"}
 
 def _resonance(sheet: Sheet, empty: Row, full: Row) -> str:
     if sheet.request.machine.kind == "crank":
-        return "none: the trough follows the crank, whatever lies in it"
+        return "none: the trough follows the crank with any filling"
     ratios = [empty.frequency_ratio]
     if sheet.request.full and math.isfinite(full.filled_frequency_ratio):
         ratios.append(full.filled_frequency_ratio)
@@ -172,10 +172,10 @@ def _to_resonance(sheet: Sheet) -> str:
     if sheet.request.machine.kind == "crank":
         return ""
     if empty.frequency_ratio > 1.0:
-        return "no filling brings it to the drive: it moves away from it"
+        return "no filling brings the machine to resonance: it moves away from it"
     if math.isnan(sheet.resonant_filling):
-        return "no filling brings it to the drive"
-    return f"about {sheet.resonant_filling:.3g} kg of filling, at the share found here, bring it to the drive"
+        return "no filling brings the machine to resonance"
+    return f"about {sheet.resonant_filling:.3g} kg of filling, at this share, bring the machine to resonance"
 
 
 def _tolerated(sheet: Sheet) -> str:
@@ -399,7 +399,7 @@ _NUMBERS: Final = {
 
 
 def _all_rows(sheet: Sheet) -> list[tuple[str, Row]]:
-    """Return the cases of the sheet, each once, and what they are told for."""
+    """Return the cases of the sheet, each once, with their purposes."""
     pairs = [("setting", pair) for pair in sheet.settings]
     pairs += [(change.name, (change.empty, change.full)) for change in sheet.changes]
     pairs += [(pack.name, (pack.empty, pack.full)) for pack in sheet.packs]
@@ -408,7 +408,7 @@ def _all_rows(sheet: Sheet) -> list[tuple[str, Row]]:
 
 
 def columns(sheet: Sheet) -> dict[str, Any]:
-    """Return the operating points as a table: a row for each, with what it is told for."""
+    """Return the operating points as a table: a row for each, with its purpose."""
     rows = _all_rows(sheet)
     table: dict[str, Any] = {"case": [name for name, _ in rows]}
     for name in ("setting", "voltage", "filling", "frequency", "natural"):
@@ -457,7 +457,7 @@ def _bounds(one: Bounds) -> dict[str, Any]:
 
 
 def content(sheet: Sheet) -> dict[str, Any]:
-    """Return the sheet for JSON, in the units of the names; null where there is no number."""
+    """Return the sheet for JSON, in the units of the names; null for missing numbers."""
     request = sheet.request
     pair = _pair_of(sheet)
     return {

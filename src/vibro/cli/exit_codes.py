@@ -24,7 +24,7 @@ class ExitCode(IntEnum):
     DONE = 0, "done"
     FAILED = 1, "a file or stream could not be read or written"
     WRONG_INPUT = 2, "the input is wrong"
-    UNRESOLVED = 3, "done, but something is unresolved: cells, or the one value asked for"
+    UNRESOLVED = 3, "done, but a cell or the requested value is unresolved"
     NOT_MET = 4, "done, but nothing meets the goal"
     INTERRUPTED = EXIT_CODE, "interrupted"
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["explore_command"]
 
 _GOODBYE: Final = b"goodbye: the page gets no more answers\n"
-_PATIENCE: Final = 20.0  # [s] until somebody is told that no browser has come
+_PATIENCE: Final = 20.0  # [s] until the console says that no browser has opened the page
 _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the environment
 
 
@@ -34,16 +34,16 @@ def explore_command(
     options: Options,
     port: Annotated[
         str,
-        typer.Option("--port", metavar="PORT", help="Where to listen; if it is taken, at the next free one."),
+        typer.Option("--port", metavar="PORT", help="Port to listen on; if it is taken, the next free one."),
     ] = "8765",
     no_open: Annotated[
-        bool, typer.Option("--no-open", help="Print the page's address, open no browser.")
+        bool, typer.Option("--no-open", help="Print the page's address without opening a browser.")
     ] = False,
 ) -> int:
     """Explore a scene in the browser: move its quantities, and see the map, the numbers and the motion.
 
-    Axes and [map] say what the map shows first; without a scene it is the paper's safety nut. The page comes
-    from this machine and can be opened from this machine alone, by one browser; Ctrl-C ends it. It needs
+    Axes and [map] are those that the map shows first; without a scene file the page begins with the paper's
+    safety nut. Only one browser on this computer can open the page; Ctrl-C ends it. Install with
     pip install 'vibro[explore]'.
     """
     from vibro.cli.console import Console, print_unexpected, tell_traceback
@@ -118,7 +118,7 @@ def _check_extra() -> None:
 
 
 def _request(options: Options, argv: Sequence[str]) -> Request | None:
-    """Read what is given, if anything is: one scene is an operating point, axes are the map's."""
+    """Read the given scene, if any: its values are the operating point, its axes those of the map."""
     if options.scene is None and not options.given:
         return None
     from vibro.cli.request import request_of

@@ -53,7 +53,7 @@ def _content(row: Row) -> dict[str, Any]:
 
 
 def _print_table(found: Sequence[Row]) -> None:
-    """Print the rows, and below them what is known of each source."""
+    """Print the rows, and below them the notes on each source."""
     from vibro.cli.report import aligned
     from vibro.friction_catalogue import band_text
 

@@ -27,8 +27,8 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "Axes": ("x", "y", "at", "sweep"),
     "Solving": (
-        "speed", "hopping", "exact", "flight", "accuracy", "coexist", "scenes", "tolerance", "only", "cycles",
-        "duration", "start_phase", "start_velocity", "start_height", "start_normal_velocity",
+        "speed", "hopping", "exact", "flight", "regimes_only", "coexist", "scenes", "tolerance", "only",
+        "cycles", "duration", "start_phase", "start_velocity", "start_height", "start_normal_velocity",
         "every",
     ),
     "Pictures": ("show", "panels", "begin", "end", "formats"),

@@ -13,8 +13,9 @@ from vibro.cli.options import (
     Flight,
     FlightOption,
     FormatOption,
-    LevelOption,
+    OldOutputOption,
     Options,
+    RegimesOnlyOption,
     picture_formats,
     refuse_without_flight,
 )
@@ -29,7 +30,7 @@ from vibro.cli.shards import (
     sharding_of,
     write_sharded,
 )
-from vibro.cli.tables import (
+from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
     DigitsOption,
@@ -40,7 +41,7 @@ from vibro.cli.tables import (
     throughput_of,
 )
 from vibro.cli.views import SHOWN, axis_name, held_axes, shown_pictures, tell_choices
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import FileError, InputError
 from vibro.files.nearby import suggestion
 
@@ -62,7 +63,7 @@ def map_command(
         typer.Option(
             "--x",
             metavar="AXIS",
-            help="The range drawn across, or, where no range is left, the list.",
+            help="Horizontal axis of the pictures.",
             show_default=False,
             autocompletion=complete_axes,
         ),
@@ -72,7 +73,7 @@ def map_command(
         typer.Option(
             "--y",
             metavar="AXIS",
-            help="The range drawn up.",
+            help="Vertical axis of the pictures.",
             show_default=False,
             autocompletion=complete_axes,
         ),
@@ -82,8 +83,8 @@ def map_command(
         typer.Option(
             "--at",
             metavar="AXIS=VALUE",
-            help="At which of its values the pictures hold an axis; repeatable. Without it, axes that are not"
-            " drawn are held in the middle of their feasible values.",
+            help="Fix an axis at one of its values in the pictures; repeatable. By default axes that are not"
+            " drawn are fixed at the middle of their feasible values.",
             show_default=False,
             autocompletion=complete_held_axes,
         ),
@@ -93,7 +94,7 @@ def map_command(
         typer.Option(
             "--show",
             metavar="|".join(SHOWN),
-            help="Picture the impact speed, or the share of time in flight, too; repeatable.",
+            help="Draw the impact speed, or the share of time in flight, too; repeatable.",
             show_default=False,
             autocompletion=listed(lambda: SHOWN),
         ),
@@ -104,14 +105,15 @@ def map_command(
             "--speed",
             metavar="SPEED",
             rich_help_panel="Pictures",
-            help="Draw where this speed is reached, and tell by which share of the cells; in a map of both"
-            " frictions, by which [mm/s].",
+            help="Draw the contour of this speed, and print the share of the cells that reach it; in a map of"
+            " both frictions, also which frictions reach it [mm/s].",
             show_default=False,
         ),
     ] = None,
     formats: FormatOption = "png",
     flight: FlightOption = Flight.ON,
-    accuracy: LevelOption = Level.EXACT,
+    regimes_only: RegimesOnlyOption = False,
+    accuracy: OldOutputOption = Output.EXACT,
     coexist: CoexistOption = False,
     columns: ColumnsOption = None,
     digits: DigitsOption = None,
@@ -128,10 +130,10 @@ def map_command(
 
     An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log;
     without a count a range has 200 values, 100 beside another axis and 20 beside more. Numbers may carry
-    units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm and 5:60 Hz. The
-    results go to STEM.csv, STEM.json and pictures; with --table xlsx to a workbook, with parquet to a folder.
-    Given in place of a scene file, such a folder is drawn without solving anything. A list of at most 12
-    values is drawn as curves beside one range, and as a map each beside two.
+    units: 800um, 900rpm, 0.35rad. Without amplitude or frequency the map covers 0.1:3 mm and 5:60 Hz. The
+    results go to STEM.csv, STEM.json and pictures; with --table xlsx to a workbook, with --table parquet to a
+    folder. Give such a folder instead of a scene file to draw its pictures. A list of at most 12 values is
+    drawn as curves beside one range, and as several maps beside two.
     """
     if options.scene is not None and options.scene.is_dir():
         from vibro.cli.stored_map import map_stored
@@ -159,15 +161,14 @@ def map_command(
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     shown = shown_pictures(show or [])
+    output = Output.REGIMES if regimes_only else accuracy
     if shown:
-        refuse_without_flight(f"--show {','.join(shown)}", flight, accuracy)
+        refuse_without_flight(f"--show {','.join(shown)}", flight, output)
     if coexist:
-        refuse_without_flight("--coexist", flight, accuracy)
-    level = None if speed is None else checked_number(speed, LEAST_SPEED)
-    if level is not None and accuracy is not Level.EXACT:
-        raise InputError(
-            "--speed: no speeds are computed with --accuracy regimes", hint="leave one of them out"
-        )
+        refuse_without_flight("--coexist", flight, output)
+    target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
+    if target_speed is not None and output is not Output.EXACT:
+        raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
     sharding = sharding_of(
         table,
@@ -180,7 +181,7 @@ def map_command(
     )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question(request, options)
-    grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
+    grid = make_grid(request, console, output=output, flight=flight, coexistence=coexist)
     usual = columns_of(
         grid.axes,
         *throughput_of(part),
@@ -196,7 +197,7 @@ def map_command(
     view = choose_view(axes, x and axis_name(x), y and axis_name(y), held, fixed)
     name = request.name or "vibro-map"
 
-    target = None if level is None else TargetSpeed(axes, level)
+    target = None if target_speed is None else TargetSpeed(axes, target_speed)
     cells = None if sharding or options.output == "-" else DrawnCells.of(grid, view.drawn)
     reached = ""
 
@@ -213,11 +214,16 @@ def map_command(
             reached = target_in_pictures(result, axes, target.speed)
         y_name = view.y.name if view.y else None
         return map_figures(
-            result, names, x=view.x.name, y=y_name, level=level, progress=lambda done, size: show(done)
+            result,
+            names,
+            x=view.x.name,
+            y=y_name,
+            target_speed=target_speed,
+            progress=lambda done, size: show(done),
         )
 
     names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
-    if grid.level is not Level.EXACT:
+    if grid.output is not Output.EXACT:
         names = [name for name in names if name == "regime"]
     pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
     if pictures:
@@ -226,7 +232,7 @@ def map_command(
     if sharding is not None:
         if target and target.is_of_frictions:
             raise InputError(
-                "--speed: which of both frictions keep it is not told beside a folder",
+                "--speed: which frictions reach it is not known for a folder",
                 hint="leave it out, or --table parquet",
             )
         plan = sharding.plan(grid, written, request.name or "", request.own)
@@ -257,7 +263,7 @@ def map_command(
         console.echo(target.text())
     if bends:
         console.warn(
-            f"{bends} of {grid.size} cells: the filling bends the trough's motion, by a second harmonic above"
+            f"{bends} of {grid.size} cells: the filling adds a second harmonic to the trough's motion, above"
             f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; the speed with it is the column"
             f" {BENT_SPEED.column} of --columns"
         )

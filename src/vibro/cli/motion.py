@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["motion_command"]
 
-# In the place of the drive, while the rest of a scene is read: valid whatever that is, in users' units.
+# In place of the drive while the rest of a scene is read: valid with any rest, in users' units.
 _HARMLESS: Final = {"amplitude": "1", "drive_angle": "0", "frequency": "1"}
 _FRICTIONS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 
@@ -51,7 +51,7 @@ def motion_command(
             "-a",
             "--drive-angle",
             metavar="VALUE",
-            help="Angle of the drive's line, which a single sensor does not tell [deg].",
+            help="Angle of the drive's line, needed with a single sensor [deg].",
             show_default=False,
         ),
     ] = None,
@@ -61,19 +61,19 @@ def motion_command(
             "-o",
             "--output",
             metavar="DRIVE.toml",
-            help="Scene file to be written, or its folder; - for stdout.",
+            help="Scene file to write, or its folder; - for stdout.",
             show_default=False,
         ),
     ] = None,
     json: JsonOption = False,
     force: ForceOption = False,
 ) -> int:
-    """Measure a trough's motion, with its harmonics, by one or two sensors on it.
+    """Determine a trough's motion, with its harmonics, from a record of one or two sensors on it.
 
     Amplitudes and phases are printed with their standard errors, the throw number and the amplitude at which
-    parts begin to hop, and with the friction of a part (--mu-s, --mu-d, or SCENE.toml) the speed: what noise,
-    the last harmonic and wrong calibration make of it. With -o the motion goes to a scene file, for
-    vibro solve, vibro map and others.
+    parts begin to hop. With the friction of a part (--mu-s, --mu-d, or SCENE.toml) its speed is printed too,
+    with the effects of noise, of the last harmonic and of wrong calibration. With -o the motion goes to a
+    scene file, for vibro solve, vibro map and others.
     """
     from vibro.cli.motion_report import MotionReport
     from vibro.cli.request import question
@@ -122,14 +122,14 @@ def motion_command(
 
 
 def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool]:
-    """Read what is given besides the drive, and whether friction is."""
+    """Read the given quantities besides the drive, and whether friction is among them."""
     from vibro.cli.request import request_of
     from vibro.files.scene_files import read_scene_file
 
     own = read_scene_file(options.scene).scene if options.scene else {}
     if "normal_acceleration" in {*options.given, *own}:
         raise InputError(
-            "vibro motion tells no speed of a clamped part",
+            "vibro motion computes no speed of a clamped part",
             hint="leave its normal force out, and give it to vibro solve beside the motion that -o writes",
         )
     has_friction = not {*options.given, *own}.isdisjoint(_FRICTIONS)

@@ -70,11 +70,11 @@ class MotionReport:
 
     @property
     def unresolved(self) -> bool:
-        """Whether the speed that was asked for is unknown."""
+        """Whether the requested speed is unknown."""
         return self.speeds is not None and self.speeds.status is Status.UNRESOLVED
 
     def text(self) -> str:
-        """Return what is printed."""
+        """Return the report as text."""
         return "\n\n".join([aligned(self._facts(), right=False), aligned(self._harmonics())])
 
     def _facts(self) -> list[tuple[str, str]]:
@@ -104,7 +104,7 @@ class MotionReport:
             return "never: the trough moves along itself alone"
         sizes = ", ".join(described(*pair) for pair in amplitudes.items())
         at = f"{_told(*growth)} times today's amplitude ({sizes})"
-        return f"already, and no more below {at}" if throw.value > 1.0 else f"from {at} on"
+        return f"already; below {at} they do not" if throw.value > 1.0 else f"from {at} on"
 
     def _options(self) -> str:
         """Return the options with which ``vibro solve`` takes the motion, or where else it takes it from."""
@@ -148,7 +148,7 @@ class MotionReport:
         return [*facts, ("calibration", f"errors would change it by: {', '.join(sizes)}")]
 
     def _change(self, change: float, sign: str = "") -> str:
-        """Write a change of the speed, in per cent where there is a speed."""
+        """Write a change of the speed, in per cent if the speed is not 0."""
         assert self.speeds is not None
         speed = self.speeds.speed.value
         if math.isnan(change):
@@ -173,7 +173,7 @@ class MotionReport:
         return rows
 
     def content(self) -> dict[str, Any]:
-        """Return what is printed as JSON."""
+        """Return the report for JSON."""
         m, to_mm = self.measured, LENGTH.from_si
         harmonics = []
         for k in range(m.order):
@@ -235,7 +235,7 @@ class MotionReport:
     def _quantities(self) -> dict[str, float]:
         """Return a motion of one harmonic, and the rest of the scene, in users' units: a line or an ellipse.
 
-        What was measured has the digits that the record tells.
+        Measured values have the digits that the record supports.
         """
         m = self.measured
         if m.drive_angle is not None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 import typer
 
 from vibro.cli.completion import complete_formats
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError, cut, shown
 from vibro.output.names import PICTURE_FORMATS
 from vibro.quantities import DRIVES, MACHINE, QUANTITIES
@@ -31,10 +31,11 @@ __all__ = [
     "ForceOption",
     "FormatOption",
     "JsonOption",
-    "LevelOption",
+    "OldOutputOption",
     "Options",
     "OutputOption",
     "QuietOption",
+    "RegimesOnlyOption",
     "VersionOption",
     "picture_formats",
     "print_version",
@@ -53,22 +54,25 @@ class Flight(StrEnum):
 FlightOption = Annotated[
     Flight, typer.Option("--flight", help="Without flight, cells that hop have a regime but no numbers.")
 ]
-LevelOption = Annotated[Level, typer.Option("--accuracy", help="With regimes alone no speeds are computed.")]
+RegimesOnlyOption = Annotated[
+    bool, typer.Option("--regimes-only", help="Compute regimes, ratios and statuses only, no speeds.")
+]
+OldOutputOption = Annotated[Output, typer.Option("--accuracy", hidden=True)]  # the old name of --regimes-only
 CoexistOption = Annotated[
     bool,
     typer.Option(
         "--coexist",
-        help="Look for other motions of bodies that hop, to which a push could lead; it takes several ms a"
-        " cell that hops, of tables and of pictures. In contact they are known without.",
+        help="Search for other motions in which a hopping body could settle after a push; it takes several ms"
+        " per hopping cell, of tables and of pictures. In contact they are known without a search.",
     ),
 ]
 
 
-def refuse_without_flight(option: str, flight: Flight, accuracy: Level) -> None:
-    """Refuse an option that is about bodies that hop, where these are not followed."""
-    if flight is Flight.OFF or accuracy is Level.REGIMES:
+def refuse_without_flight(option: str, flight: Flight, output: Output) -> None:
+    """Refuse an option about hopping bodies if no flights are computed."""
+    if flight is Flight.OFF or output is Output.REGIMES:
         raise InputError(
-            f"{option}: no flight is modelled with --flight off or --accuracy regimes",
+            f"{option}: no flight is modelled with --flight off or --regimes-only",
             hint="leave one of them out",
         )
 
@@ -111,12 +115,12 @@ OutputOption = Annotated[
         "-o",
         "--output",
         metavar="STEM",
-        help="Stem or folder of the files, - for stdout.",
+        help="Stem or folder of the files to write; - for stdout.",
         show_default=False,
     ),
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
-QuietOption = Annotated[bool, typer.Option("-q", "--quiet", help="No messages but errors.")]
+QuietOption = Annotated[bool, typer.Option("-q", "--quiet", help="Print no messages except errors.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
 DebugOption = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 VersionOption = Annotated[

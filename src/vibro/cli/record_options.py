@@ -34,14 +34,15 @@ TroughAlongOption = Annotated[
     str | None,
     column_option(
         "trough-along",
-        "Column of the trough's acceleration (or velocity, or displacement) along its surface: gives"
-        " amplitude, frequency.",
+        "Column of the trough's acceleration (or velocity, or displacement) along its surface, from which"
+        " amplitude and frequency follow.",
     ),
 ]
 TroughNormalOption = Annotated[
     str | None,
     column_option(
-        "trough-normal", "The same normal to its surface, upwards; both give drive angle or ellipse too."
+        "trough-normal",
+        "The same normal to its surface, upwards; from both the drive angle or the ellipse follows too.",
     ),
 ]
 SensitivityOption = Annotated[
@@ -49,7 +50,7 @@ SensitivityOption = Annotated[
     typer.Option(
         "--sensitivity",
         metavar="100mV/g",
-        help="What a sensor's voltage stands for; of one of several columns: velocity=125mm/s/V.",
+        help="Sensitivity of a sensor that gives voltages; for one of several columns: velocity=125mm/s/V.",
         show_default=False,
     ),
 ]

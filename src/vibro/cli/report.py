@@ -1,4 +1,4 @@
-"""How the commands lay out what they say."""
+"""Layout of the commands' reports."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def aligned(rows: Iterable[Sequence[str]], *, right: bool = True) -> str:
 
 
 def line_width() -> int | None:
-    """Return how many characters a line of stdout may have; None where it is no terminal."""
+    """Return how many characters a line of stdout may have; None if it is not a terminal."""
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 

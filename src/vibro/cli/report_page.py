@@ -13,7 +13,7 @@ from vibro.cli.console import Console
 from vibro.cli.design import design_record
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options
-from vibro.cli.tables import MassOption, PitchOption, part_of, throughput_of
+from vibro.cli.table_options import MassOption, PitchOption, part_of, throughput_of
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,12 +28,13 @@ __all__ = ["report_command"]
 def report_command(
     context: typer.Context, options: Options, pitch: PitchOption = None, mass: MassOption = None
 ) -> int:
-    """Write one page about a scene, or about the answer to a question of vibro design, to read and to print.
+    """Write a report on one page, about a scene or the answer of vibro design, to read and to print.
 
-    Of a scene it holds what the part does and how fast, a map, what comes next, what the speed depends on,
-    what keeps the regime, the motion over three cycles and what was assumed; of a question the designs and
-    what they guarantee for every part. With -o the page goes to STEM.html, beside STEM.json; without to
-    stdout. It needs no other file and no network, and prints to A4. It needs pip install 'vibro[report]'.
+    The page about a scene has the motion and speed of the part, a map, the next regimes, the sensitivity of
+    the speed, the limits of the regime, three cycles of the motion and the assumptions; that about a design
+    file has the designs and their guarantees. With -o the page goes to STEM.html, beside STEM.json; without
+    -o to stdout. It needs no other file and no network, and prints on A4. Install with
+    pip install 'vibro[report]'.
     """
     from vibro.files.descriptions import DESIGN_FILE
     from vibro.files.toml_files import kind_of, read_toml
@@ -53,7 +54,7 @@ def report_command(
 
 
 def _remedy(given: Iterable[str], part: Mapping[str, float]) -> str:
-    """Say where a question says what options say of a scene, and of what it says nothing."""
+    """Raise InputError for options of a scene beside a design file, with the keys to use instead."""
     from vibro.quantities import QUANTITIES
 
     hints = []

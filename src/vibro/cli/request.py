@@ -6,7 +6,7 @@ import shlex
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.cli.console import Console
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, Quantity, exact_number
@@ -94,15 +94,15 @@ def request_of(options: Options, argv: Sequence[str], *, without_machine: str = 
 
 
 def warn_of_machine(request: Request, console: Console) -> None:
-    """Say on stderr what is known of a machine's operating point beside its numbers."""
+    """Print warnings about a machine's operating point on stderr."""
     from vibro.sweeps.machine_facts import machine_warnings
 
     if request.machine is not None:
-        for text in machine_warnings(request.machine, request.grid(Level.EXACT).values()):
+        for text in machine_warnings(request.machine, request.grid(Output.EXACT).values()):
             console.warn(text)
 
 
 def question(request: Request, options: Options, found: Collection[str] = ()) -> None:
-    """Question on stderr what is possible but likely a slip of units."""
+    """Warn on stderr about unusual values that are probably in wrong units."""
     for doubt in request.doubts(found):
         Console(quiet=options.quiet).warn(doubt)

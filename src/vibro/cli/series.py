@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from vibro.cli.answer import check_stdout
 from vibro.cli.stems import output_stem
-from vibro.files.tables import CsvFormat
+from vibro.files.csv_tables import CsvFormat
 from vibro.output.staging import Staging
 from vibro.quantities import QUANTITIES
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from vibro.cli.console import Console
     from vibro.cli.options import Options
-    from vibro.files.tables import TableColumns
+    from vibro.files.csv_tables import TableColumns
     from vibro.sweeps.request import Request
 
 __all__ = ["SeriesOutput", "scene_record"]
@@ -104,14 +104,14 @@ class SeriesOutput:
         draw: Callable[[], Mapping[str, Figure]],
         content: Mapping[str, Any],
     ) -> None:
-        """Write what is wanted of it.
+        """Write the requested files.
 
         Parameters
         ----------
         tables : callable
             Makes the columns by their header, by the name of the table.
         draw : callable
-            Makes the pictures, by their names: all of them, or none if there is nothing to be drawn.
+            Makes the pictures, by their names: all of them, or none.
         content : mapping
             What the sidecar says beside version, arguments and files.
         """

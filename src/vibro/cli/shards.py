@@ -1,4 +1,4 @@
-"""Tables in shards: the options of ``vibro map --table parquet``, and how such a run is told about."""
+"""Tables in shards: the options of ``vibro map --table parquet``, and the messages of such a run."""
 
 from __future__ import annotations
 
@@ -68,8 +68,8 @@ ShardsOption = Annotated[
     typer.Option(
         "--shards",
         metavar="FIRST:STOP",
-        help="With --table parquet: make these shards alone, such as 0:40, while other jobs make others; a"
-        " run with --resume in its place finishes the folder.",
+        help="With --table parquet: make only these shards, such as 0:40, while other jobs make others; a"
+        " last run with --resume instead finishes the folder.",
         show_default=False,
     ),
 ]
@@ -78,7 +78,7 @@ WorkersOption = Annotated[
     typer.Option(
         "--workers",
         metavar="NUMBER",
-        help="With --table parquet: processes that make the files; without, threads of this one.",
+        help="With --table parquet: number of processes; by default threads of one process.",
         show_default=False,
     ),
 ]
@@ -87,13 +87,13 @@ SchedulerOption = Annotated[
     typer.Option(
         "--scheduler",
         metavar="ADDRESS",
-        help="With --table parquet: a Dask cluster that makes the files, such as tcp://host:8786; its workers"
-        " need the same vibro and the same folder.",
+        help="With --table parquet: address of a Dask cluster, such as tcp://host:8786; its workers need the"
+        " same version of vibro and the same folder.",
         show_default=False,
     ),
 ]
 ResumeOption = Annotated[
-    bool, typer.Option("--resume", help="With --table parquet: go on in a folder where a run was cut short.")
+    bool, typer.Option("--resume", help="With --table parquet: continue an interrupted run in its folder.")
 ]
 
 _MANY_FILES: Final = 10_000
@@ -110,7 +110,7 @@ def sharding_of(
     scheduler: str | None,
     resume: bool,
 ) -> Sharding | None:
-    """Check the options about tables in shards; return nothing where the table is one file.
+    """Check the options about tables in shards; return None if the table is one file.
 
     Raises
     ------
@@ -224,7 +224,7 @@ def _draw(
 
 @contextlib.contextmanager
 def _progress(console: Console, folder: Path, cells: int) -> Iterator[Callable[[Progress], None]]:
-    """Tell how far a run has come: a bar where somebody watches, else a line for every tenth."""
+    """Print the progress of a run: a bar on a terminal, else a line for every tenth."""
     from vibro.cli.answer import byte_count, count
 
     said = seen = 0

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from vibro.files.tables import TableColumns
+    from vibro.files.csv_tables import TableColumns
     from vibro.results.history import History
     from vibro.sweeps.request import Request
 
@@ -31,10 +31,10 @@ _SAMPLES: Final = 200  # a cycle
 _MOST_ROWS: Final = 5_000_000
 _ROWS_OF_A_SHEET: Final = 1_048_576
 _PRINTED: Final = 24  # phases
-_DRAWN: Final = 6.0  # cycles at the end of a history, where no others are asked for
+_DRAWN: Final = 6.0  # cycles at the end of a history, drawn by default
 _MOST_DRAWN: Final = 100.0  # cycles of a picture: of more nobody sees one
 _ROUNDING: Final = 1e-12  # share of a history by which its end, as typed, may lie behind it
-_FOLLOWED: Final = 1000.0  # cycles within which a motion is looked for that repeats
+_FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
 
 
 def simulate_command(
@@ -43,13 +43,13 @@ def simulate_command(
     cycles: Annotated[
         str | None,
         typer.Option(
-            "--cycles", metavar="N", help="Drive cycles to follow; 3 if not given.", show_default=False
+            "--cycles", metavar="N", help="Number of drive cycles; 3 if not given.", show_default=False
         ),
     ] = None,
     duration: Annotated[
         str | None,
         typer.Option(
-            "--duration", metavar="TIME", help="Time to follow, instead of cycles [s].", show_default=False
+            "--duration", metavar="TIME", help="Duration, instead of cycles [s].", show_default=False
         ),
     ] = None,
     start_phase: Annotated[
@@ -60,13 +60,13 @@ def simulate_command(
         typer.Option(
             "--start-velocity",
             metavar="SPEED",
-            help="Of the body relative to the trough, along it, at the start [mm/s].",
+            help="Velocity of the body at the start, along the trough and relative to it [mm/s].",
         ),
     ] = "0",
     start_height: Annotated[
         str,
         typer.Option(
-            "--start-height", metavar="LENGTH", help="Of the body above the trough at the start [mm]."
+            "--start-height", metavar="LENGTH", help="Height of the body above the trough at the start [mm]."
         ),
     ] = "0",
     start_normal_velocity: Annotated[
@@ -74,19 +74,19 @@ def simulate_command(
         typer.Option(
             "--start-normal-velocity",
             metavar="SPEED",
-            help="Of the body relative to the trough, away from it, at the start [mm/s]; a negative one"
-            " lands there. The trough has a velocity of its own there, but at --start-phase 90.",
+            help="Velocity of the body at the start, away from the trough and relative to it [mm/s]; a"
+            " negative one is an impact. The trough itself moves at the start, except at --start-phase 90.",
         ),
     ] = "0",
     samples: Annotated[
-        str, typer.Option("--samples-per-cycle", metavar="N", help="Rows a cycle, beside one at every event.")
+        str, typer.Option("--samples-per-cycle", metavar="N", help="Rows a cycle; each event has one more.")
     ] = str(_SAMPLES),
     panels: Annotated[
         str | None,
         typer.Option(
             "--panels",
             metavar="NAMES",
-            help="Of trough,forces,acceleration,velocity,position,gap.",
+            help="Panels of the picture, from trough,forces,acceleration,velocity,position,gap.",
             show_default=False,
             autocompletion=complete_panels,
         ),
@@ -96,24 +96,24 @@ def simulate_command(
         typer.Option(
             "--from",
             metavar="TIME",
-            help="Where the picture begins [s]; without, it shows the last 6 cycles.",
+            help="Time at which the picture begins [s]; by default it shows the last 6 cycles.",
             show_default=False,
         ),
     ] = None,
     end: Annotated[
         str | None,
-        typer.Option("--to", metavar="TIME", help="Where the picture ends [s].", show_default=False),
+        typer.Option("--to", metavar="TIME", help="Time at which the picture ends [s].", show_default=False),
     ] = None,
     every: Annotated[
         bool,
-        typer.Option("--all", help="Print every phase: each bounce, and more than 24 rows."),
+        typer.Option("--all", help="Print all phases and every bounce, not only the first 24 rows."),
     ] = False,
     formats: FormatOption = "png",
 ) -> int:
-    """Follow a body from its first moment on: phases, motion and forces, exact at any time.
+    """Simulate the motion of one body: phases, motion and forces, exact at any time.
 
-    The phases are printed, the first 24 of them, a chain of bounces that die out as one. With -o all go to
-    STEM-phases.csv, the sampled motion to STEM.csv, forces per unit mass, and its picture to STEM.png.
+    The first 24 phases are printed; bounces that die out count as one. With -o all phases go to
+    STEM-phases.csv, the motion and the forces per unit mass to STEM.csv, and their picture to STEM.png.
     """
     from vibro.cli.request import plain_number, question, request_of, warn_of_machine, whole_number
     from vibro.cli.series import SeriesOutput, scene_record
@@ -244,7 +244,7 @@ def _figure(
 
 
 def _part(since: float, until: float, history: History) -> str:
-    """Say which part of a history is drawn; nothing if it is all."""
+    """Say which part of a history is drawn; an empty text for all of it."""
     frequency = float(history.scene.frequency)
     first, last, whole = (f"{time * frequency:.4g}" for time in (since, until, history.end))
     if until < history.end:
@@ -328,7 +328,7 @@ def _text(history: History, follow: Callable[..., History], *, every: bool) -> s
 
 
 def _outlook(history: History, follow: Callable[..., History]) -> str:
-    """Say what the body does from when on; where it is not there yet, how many cycles would show it."""
+    """Say from when on the motion repeats or rests; if it does not yet, how many cycles would show it."""
     from vibro.core.codes import Regime, Status
     from vibro.steady import solve
 

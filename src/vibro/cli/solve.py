@@ -13,11 +13,12 @@ from vibro.cli.options import (
     CoexistOption,
     Flight,
     FlightOption,
-    LevelOption,
+    OldOutputOption,
     Options,
+    RegimesOnlyOption,
     refuse_without_flight,
 )
-from vibro.cli.tables import (
+from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
     DigitsOption,
@@ -28,7 +29,7 @@ from vibro.cli.tables import (
     table_of,
     throughput_of,
 )
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -49,15 +50,16 @@ def solve_command(
     context: typer.Context,
     options: Options,
     flight: FlightOption = Flight.ON,
-    accuracy: LevelOption = Level.EXACT,
+    regimes_only: RegimesOnlyOption = False,
+    accuracy: OldOutputOption = Output.EXACT,
     coexist: CoexistOption = False,
     stand_ratio: Annotated[
         str | None,
         typer.Option(
             "--stand-ratio",
             metavar="VALUE",
-            help="Half base over height of the centre of mass of a part: does it stay upright? The half base"
-            " is the distance along the trough from the centre of mass to the nearer edge.",
+            help="Half base over height of the centre of mass of a part, to print whether it stays upright."
+            " The half base is the distance along the trough from the centre of mass to the nearer edge.",
             show_default=False,
         ),
     ] = None,
@@ -66,9 +68,9 @@ def solve_command(
         typer.Option(
             "--speed",
             metavar="SPEED",
-            help="Instead list the amplitudes that convey at least so fast [mm/s], such as 5m/min; the exit"
-            " code is 4 if there are none. Amplitudes of an ellipse keep the proportion that is given; of"
-            " other motions the scales are listed.",
+            help="List the amplitudes that convey at least at this speed [mm/s], such as 5m/min; the exit"
+            " code is 4 if there are none. Amplitudes of an ellipse keep their proportion; of other motions"
+            " the scales are listed.",
             show_default=False,
         ),
     ] = None,
@@ -85,18 +87,18 @@ def solve_command(
         typer.Option(
             "--trough-mass",
             metavar="MASS",
-            help="Mass of the empty trough and of what moves with it [kg]; with --filling, of a scene"
-            " without a machine: up to what filling is the motion as given?",
+            help="Mass of the empty trough and of what moves with it [kg]; with --filling and without a"
+            " machine, to print up to which filling the trough moves as given.",
             show_default=False,
         ),
     ] = None,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
-    With -o the row of a map's table is written to STEM.csv too; --columns chooses what it holds, and what
-    --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed, or
-    which scales of a motion, with --hopping also those at which the body hops. With --filling the answer
-    tells what that mass does to a trough that moves as given; a machine follows from its own table.
+    With -o a table of one row is written to STEM.csv too; --columns chooses its columns, and those of --json.
+    With --speed, and without an amplitude, the amplitudes, or the scales of a motion, that reach the speed
+    are listed, with --hopping also those at which the body hops. With --filling the force of that mass on the
+    trough is printed, for a trough that moves as given; describe a machine in the table [machine] instead.
     """
     from vibro.cli.answer import answer_one, make_grid
     from vibro.cli.request import question, request_of
@@ -111,13 +113,14 @@ def solve_command(
     )
     from vibro.sweeps.weighed import weighed
 
+    output = Output.REGIMES if regimes_only else accuracy
     if coexist:
-        refuse_without_flight("--coexist", flight, accuracy)
+        refuse_without_flight("--coexist", flight, output)
     if speed is not None:
         others = {
             "-o": options.output is not None,
             "--flight": flight is not Flight.ON,
-            "--accuracy": accuracy is not Level.EXACT,
+            "--regimes-only": output is not Output.EXACT,
             "--coexist": coexist,
             "--stand-ratio": stand_ratio is not None,
             "--columns": columns is not None,
@@ -130,9 +133,7 @@ def solve_command(
         refused = [name for name, given in others.items() if given]
         return _amplitudes(speed, options, context.obj, refused, hopping=hopping)
     if hopping:
-        raise InputError(
-            "--hopping is about the amplitudes of --speed", hint="add --speed 5m/min, or leave it out"
-        )
+        raise InputError("--hopping needs --speed", hint="add --speed 5m/min, or leave it out")
     part = part_of(pitch, mass)
     extra = throughput_of(part)
     options, load = _with_filling(options, trough_mass)
@@ -144,7 +145,7 @@ def solve_command(
     refuse_without_table(options, columns, digits)
     request = request_of(options, context.obj)
     question(request, options)
-    grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
+    grid = make_grid(request, output=output, flight=flight, coexistence=coexist)
     described: dict[str, Any] = {
         "drive": grid.drive, "made_with": grid.made_with, "machine": grid.machine is not None,
     }  # fmt: skip
@@ -188,7 +189,7 @@ def _amplitudes(
 
     if others:
         raise InputError(
-            f"--speed lists amplitudes: {', '.join(others)} means nothing to it", hint="leave it out"
+            f"--speed lists amplitudes: {', '.join(others)} cannot be used with it", hint="leave it out"
         )
     return list_amplitudes(speed, options, argv, hopping=hopping)
 
@@ -207,7 +208,7 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     if math.isinf(load):
         return "yes: static friction is at most the stand ratio"
     if not load:
-        return "no: an edge lifts whatever the drive"
+        return "no: an edge lifts under any drive"
     told, edge = ("yes", "an edge would lift") if answer else ("no", "an edge lifts")
     ratio = float(one.scene.load) / load
     if not 0.0 < ratio < math.inf:  # beyond the range of doubles

@@ -1,4 +1,4 @@
-"""``vibro map DIR``: pictures of a sweep that is stored, of which nothing is solved again."""
+"""``vibro map DIR``: pictures of a stored sweep, without solving it again."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from vibro.cli.console import Console
 from vibro.cli.options import picture_formats
 from vibro.cli.views import axis_name, held_axes, shown_pictures, tell_choices
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def map_stored(
     _refuse_others(context, folder, options.output)
     console = Console(quiet=options.quiet)
     wanted, shown = picture_formats(formats), shown_pictures(show)
-    level = None if speed is None else checked_number(speed, LEAST_SPEED)
+    target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
     shards = open_shards(folder)
     plan, grid = shards.plan, shards.plan.grid
     _refuse_unsolved(grid, folder, shown, speed)
@@ -88,7 +88,7 @@ def map_stored(
     axes, held = grid.told_axes, grid.told(held_axes(at, grid.told_axes))
     view = choose_view(axes, x and axis_name(x), y and axis_name(y), held, grid.told(grid.fixed))
     names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
-    if grid.level is not Level.EXACT:
+    if grid.output is not Output.EXACT:
         names = [name for name in names if name == "regime"]
     if not names:
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
@@ -100,11 +100,16 @@ def map_stored(
     def draw(show: Callable[..., None]) -> dict[str, Figure]:
         nonlocal said
         result = stored_picture(shards, view.drawn, names)
-        if level is not None:
-            said = target_in_pictures(result, axes, level)
+        if target_speed is not None:
+            said = target_in_pictures(result, axes, target_speed)
         y_name = view.y.name if view.y else None
         return map_figures(
-            result, names, x=view.x.name, y=y_name, level=level, progress=lambda done, size: show(done)
+            result,
+            names,
+            x=view.x.name,
+            y=y_name,
+            target_speed=target_speed,
+            progress=lambda done, size: show(done),
         )
 
     with Staging(
@@ -129,7 +134,7 @@ def map_stored(
 
 
 def _refuse_others(context: typer.Context, folder: Path, output: str | None) -> None:
-    """Refuse what is about cells that are not solved yet, or about their table."""
+    """Refuse options about solving cells, or about their table."""
     typed = [
         parameter.opts[0]
         for parameter in context.command.params
@@ -150,5 +155,5 @@ def _refuse_unsolved(grid: Grid, folder: Path, shown: list[str], speed: str | No
         raise InputError(
             f"--show {','.join(shown)}: {folder} was solved without flights", hint="leave it out"
         )
-    if speed is not None and grid.level is not Level.EXACT:
+    if speed is not None and grid.output is not Output.EXACT:
         raise InputError(f"--speed: {folder} was solved for regimes alone", hint="leave it out")

@@ -11,7 +11,7 @@ import numpy as np
 from vibro.cli.answer import count, peak_text
 from vibro.core.codes import Status
 from vibro.quantities import LENGTH, QUANTITIES
-from vibro.results.sweep import spread
+from vibro.results.sweep import cell_values
 from vibro.sweeps.one_scene import number
 from vibro.sweeps.tally import Tally
 
@@ -52,7 +52,7 @@ class TargetSpeed:
 
     @property
     def is_of_frictions(self) -> bool:
-        """Whether both frictions are the axes, so that the text tells which keep the speed."""
+        """Whether both frictions are the axes, so that the text names those that keep the speed."""
         return self.axes.keys() in _FRICTIONS
 
     def add(self, block: Block) -> None:
@@ -93,7 +93,7 @@ class TargetSpeed:
         box: Any = np.ix_(*(np.arange(cells[0], cells[-1] + 1) for cells in inside))
         whole = fast[box].sum() == possible[box].sum()
         which = "all" if whole else f"{100.0 * fast[box].sum() / possible[box].sum():.1f} %"
-        return f"they lie within {' and '.join(ranges)}, where {which} of the possible cells do it"
+        return f"they lie within {' and '.join(ranges)}, where {which} of the possible cells reach it"
 
 
 def target_in_pictures(result: SweepResult, axes: Mapping[str, Axis], speed: float) -> str:
@@ -104,5 +104,5 @@ def target_in_pictures(result: SweepResult, axes: Mapping[str, Axis], speed: flo
     same = same and len(result.axes) == len(axes)
     among = TargetSpeed.among if same else "possible cells of the pictures"
     target = TargetSpeed(result.axes, speed, among)
-    target.add(Block(spread(result.axes, result.fixed), result.cycle, None))
+    target.add(Block(cell_values(result.axes, result.fixed), result.cycle, None))
     return target.text()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibro.cli.options import Flight, FlightOption, Options  # typer reads the annotations
-from vibro.cli.tables import ColumnsOption, DigitsOption, refuse_without_table, table_of
+from vibro.cli.table_options import ColumnsOption, DigitsOption, refuse_without_table, table_of
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,10 +35,11 @@ def traverse_time_command(
     columns: ColumnsOption = None,
     digits: DigitsOption = None,
 ) -> int:
-    """Tell how long a body takes over the trough's length, and why if it never arrives.
+    """Compute the time over the trough's length, or say why the body never arrives.
 
-    One scene has both the time at its mean speed and the exact one from rest at trough phase 0. With axes, in
-    the syntax of vibro map, or with --sweep it prints a table, or writes it to STEM.csv with -o STEM.
+    For one scene it prints the time at the mean speed and the exact time from rest at trough phase 0. With
+    axes, in the syntax of vibro map, or with --sweep it prints a table, or writes it to STEM.csv with -o
+    STEM.
     """
     from vibro.cli.answer import answer_one, answer_sweep, make_grid
     from vibro.cli.console import Console
@@ -110,7 +111,7 @@ def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
     text = f"{number(abs(apart))} drive cycles {'later' if apart > 0 else 'earlier'} than at the mean speed"
     why = "the start from rest, and an arrival within a cycle, whose speed is not the mean"
     if scene.relative_error:
-        why = "the motion has no short period, and over this length its speed is not the mean"
+        why = "the motion is irregular, and over this length its speed is not the mean"
     return [*rows, ("why", f"{text}: {why}")]
 
 

@@ -1,4 +1,4 @@
-"""What the options of ``vibro map`` say of its pictures: which there are, and what they show of a sweep."""
+"""The options of ``vibro map`` about its pictures: their kinds, and their axes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SHOWN: Final = ("impact", "flight")
 
 
 def tell_choices(view: View, axes: Mapping[str, Axis], asked: Mapping[str, float], console: Console) -> None:
-    """Tell which values the pictures show of axes of which they do not show all."""
+    """Print which values the pictures show, for axes that they do not show whole."""
     from vibro.plots.view import value_of
     from vibro.quantities import QUANTITIES
 
@@ -35,7 +35,7 @@ def tell_choices(view: View, axes: Mapping[str, Axis], asked: Mapping[str, float
 
 
 def shown_pictures(texts: list[str]) -> list[str]:
-    """Check which pictures are asked for beside the usual ones."""
+    """Check the names of the additional pictures."""
     names = list(dict.fromkeys(name.strip().casefold() for text in texts for name in text.split(",")))
     for name in names:
         if name not in SHOWN:

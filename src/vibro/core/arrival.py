@@ -17,7 +17,7 @@ from vibro.core.elementary import (
     NAN,
     PI,
     TURN,
-    Motion,
+    PathPoint,
     free_motion,
     positive_part,
     wrap,
@@ -242,11 +242,11 @@ class Path(NamedTuple):
     load: float
 
 
-def _moved(path: Path, s: float) -> Motion:
+def _moved(path: Path, s: float) -> PathPoint:
     """Return the path after a phase ``s``, and the velocity there."""
     if path.waves.kind != SINE:
         since = moved(path.waves, path.mix, path.phase, path.load, s)
-        return Motion(path.velocity * s + since.path, path.velocity + since.velocity)
+        return PathPoint(path.velocity * s + since.path, path.velocity + since.velocity)
     sine, cosine = math.sin(path.phase), math.cos(path.phase)
     return free_motion(path.amplitude, path.drag, sine, cosine, path.velocity, s)
 

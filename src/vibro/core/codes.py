@@ -19,9 +19,9 @@ __all__ = [
     "PATTERNS",
     "PHASE_NAMES",
     "SPELT_PATTERNS",
-    "Level",
     "Mode",
     "Model",
+    "Output",
     "Pattern",
     "Regime",
     "Status",
@@ -32,15 +32,20 @@ __all__ = [
 ]
 
 
-class Level(StrEnum):
-    """How much is found of every cell: all of it, or its regime, ratios and status alone."""
+class Output(StrEnum):
+    """What is computed of every cell: all results, or its regime, ratios and status only."""
 
     EXACT = "exact"
     REGIMES = "regimes"
 
 
 class Regime(IntEnum):
-    """What a body on the trough does, as maps class it."""
+    """Class of the steady motion of a body on the trough; the integer codes of ``SteadyCycle.regime``.
+
+    ``NO_SLIP``: it rests. ``FORWARD_SLIP``: it slides, never backwards. ``BACK_SLIP``: it slides backwards at
+    some time of the cycle. ``HOPPING``: the throw number exceeds 1. ``UNDEFINED`` (-1): the status says why
+    there is no regime.
+    """
 
     UNDEFINED = -1  # the cell has no regime: see its status
     NO_SLIP = 0
@@ -50,12 +55,22 @@ class Regime(IntEnum):
 
     @property
     def label(self) -> str:
-        """The regime's name in tables and pictures; empty where there is none."""
+        """Name of the regime in tables and pictures, such as ``forward-slip``; empty for ``UNDEFINED``."""
         return "" if self is Regime.UNDEFINED else self.name.lower().replace("_", "-")
 
 
 class Status(IntEnum):
-    """How far the numbers of a cell can be trusted, and why one is missing."""
+    """Whether a cell has numbers and of what kind, or why it has none; codes of ``SteadyCycle.status``.
+
+    ``OK``, ``BOUNDARY`` (within rounding of a threshold) and ``AVERAGED`` (mean of irregular motion) have
+    numbers; ``RUNAWAY``, ``INDETERMINATE``, ``FLIGHT_NOT_MODELLED``, ``INFEASIBLE`` and ``UNRESOLVED`` have
+    none. ``message`` explains each.
+
+    Examples
+    --------
+    >>> Status(2).label, Status(2).answered
+    ('runaway', False)
+    """
 
     OK = 0
     BOUNDARY = 1
@@ -68,12 +83,12 @@ class Status(IntEnum):
 
     @property
     def label(self) -> str:
-        """The status's name in tables."""
+        """Name of the status in tables, such as ``flight-not-modelled``."""
         return self.name.lower().replace("_", "-")
 
     @property
     def message(self) -> str:
-        """One sentence that tells a user what the status means."""
+        """One sentence that explains the status."""
         return _STATUS_MESSAGES[self]
 
     @property
@@ -84,12 +99,12 @@ class Status(IntEnum):
 
 _STATUS_MESSAGES: Final = {
     Status.OK: "solved to rounding",
-    Status.BOUNDARY: "within a few ulp of a threshold: the value is that of the side equality belongs to",
+    Status.BOUNDARY: "within rounding of a threshold: the value is that of the side which includes equality",
     Status.RUNAWAY: "the body never comes to rest and gains speed every cycle: no steady cycle exists",
-    Status.INDETERMINATE: "without static friction the steady motion depends on how the body was started",
+    Status.INDETERMINATE: "without static friction the steady motion depends on the start of the body",
     Status.FLIGHT_NOT_MODELLED: "the body leaves the trough; its flight is not modelled",
-    Status.INFEASIBLE: "the combination cannot be: mu_d > mu_s, or a machine whose masses strike",
-    Status.AVERAGED: "the motion has no short period: mean over many flights, with its standard error",
+    Status.INFEASIBLE: "impossible combination: mu_d > mu_s, or a machine whose masses strike",
+    Status.AVERAGED: "irregular motion: mean over many flights, with its standard error",
     Status.UNRESOLVED: "the solver could not prove its answer; please report the scene",
 }
 
@@ -199,7 +214,7 @@ class Model(IntEnum):
     REST = 1  # thresholds alone
     ONE_SLIDE = 2
     TWO_SLIDES = 3
-    CLOSED_FORM = 4  # never at rest
+    CLOSED_FORM = 4  # continuous sliding
     FLIGHT = 5
     SLIDES = 6  # as many as two a harmonic, of a drive that has several
 

@@ -136,7 +136,9 @@ def doors() -> Doors:
         text = source.read_bytes() if source.is_file() else b""
         whole.update(name.encode() + b"\0" + text + b"\0")
     if whole.hexdigest() != digest:
-        raise VibroError(f"the compiled solver {path} is not of the source beside it; {_REMEDY}")
+        raise VibroError(
+            f"the compiled solver {path} was built from another version of the source; {_REMEDY}"
+        )
     return Doors(library)
 
 

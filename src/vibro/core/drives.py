@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.elementary import NAN, QUARTER, TURN, Motion, free_motion
+from vibro.core.elementary import NAN, QUARTER, TURN, PathPoint, free_motion
 from vibro.core.waves import (
     FORCE,
     NORMAL,
@@ -232,7 +232,7 @@ def normal_load(loads: Loads, phase: float) -> float:
     return loads.weight_normal - loads.drive_normal * math.sin(phase)
 
 
-def free_along(loads: Loads, phase: float, velocity: float, s: float) -> Motion:
+def free_along(loads: Loads, phase: float, velocity: float, s: float) -> PathPoint:
     """Move along the trough, relative to it, without friction; phases are those of the normal motion."""
     waves = loads.waves
     if waves.kind == SINE:
@@ -240,10 +240,10 @@ def free_along(loads: Loads, phase: float, velocity: float, s: float) -> Motion:
         return free_motion(a, t, along_sine(loads, phase), along_cosine(loads, phase), velocity, s)
     mix = mix_of(loads, FORCE)
     flown = moved(waves, mix, phase, depart(waves, mix, phase).load, s)
-    return Motion(velocity * s + flown.path, velocity + flown.velocity)
+    return PathPoint(velocity * s + flown.path, velocity + flown.velocity)
 
 
-def free_normal(loads: Loads, phase: float, velocity: float, s: float) -> Motion:
+def free_normal(loads: Loads, phase: float, velocity: float, s: float) -> PathPoint:
     """Move off the trough, relative to it, under the weight alone [A, A w]."""
     waves = loads.waves
     if waves.kind == SINE:
@@ -251,7 +251,7 @@ def free_normal(loads: Loads, phase: float, velocity: float, s: float) -> Motion
         return free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, velocity, s)
     mix = mix_of(loads, NORMAL)
     flown = moved(waves, mix, phase, depart(waves, mix, phase).load, s)
-    return Motion(velocity * s + flown.path, velocity + flown.velocity)
+    return PathPoint(velocity * s + flown.path, velocity + flown.velocity)
 
 
 def normal_height(loads: Loads, phase: float) -> float:

@@ -9,7 +9,8 @@ import math
 from typing import Final, NamedTuple
 
 __all__ = [
-    "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "Motion", "braked", "circle",
+    "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "PathPoint", "braked",
+    "circle",
     "free_motion", "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap",
     "until", "wrap", "wrap_around",
 ]  # fmt: skip
@@ -155,7 +156,7 @@ def circle(phase: float) -> Circle:
     return Circle(up if quarter < 2 else -up, right if quarter == 0 or quarter == 3 else -right)
 
 
-class Motion(NamedTuple):
+class PathPoint(NamedTuple):
     """Path since a start, and the velocity there."""
 
     path: float
@@ -164,7 +165,7 @@ class Motion(NamedTuple):
 
 def free_motion(
     amplitude: float, drag: float, sine: float, cosine: float, velocity: float, s: float
-) -> Motion:
+) -> PathPoint:
     """Move under x'' = amplitude sin p - drag for a phase s >= 0, Eq. (40).
 
     Slides, flights along the trough and flights off it differ in amplitude and drag alone; ``sine`` and
@@ -186,4 +187,4 @@ def free_motion(
         ) * y * s  # fmt: skip
     fall = drag * s
     path = s * (velocity - 0.5 * fall) + amplitude * (sine * versine + cosine * gap)
-    return Motion(path, velocity + amplitude * (cosine * versine + sine * rise) - fall)
+    return PathPoint(path, velocity + amplitude * (cosine * versine + sine * rise) - fall)

@@ -19,7 +19,7 @@ from vibro.core.elementary import (
     PI,
     QUARTER,
     TURN,
-    Motion,
+    PathPoint,
     free_motion,
     sine_gap,
     until,
@@ -183,7 +183,7 @@ class _TakeOff(NamedTuple):
     speed: float
 
 
-def _height(at: _TakeOff, s: float) -> Motion:
+def _height(at: _TakeOff, s: float) -> PathPoint:
     """Return height and rate of climb over n, a phase s after take-off, Eq. (30)."""
     return free_motion(at.throw, 1.0, at.sine, at.cosine, at.speed, s)
 

@@ -21,7 +21,7 @@ from vibro.core.steps import Course, Launch, State, Step, first_step, launched, 
 from vibro.core.waves import NORMAL, SINE, nodes_of
 
 __all__ = [
-    "Followed", "LastStarts", "Legs", "Sections", "follow", "is_section", "places", "sections_from",
+    "Followed", "LastStarts", "Legs", "Sections", "follow_legs", "is_section", "places", "sections_from",
     "sections_of",
 ]  # fmt: skip
 
@@ -113,7 +113,7 @@ class Sections(NamedTuple):
 
 
 class Followed(NamedTuple):
-    """What ``follow`` has found.
+    """What ``follow_legs`` has found.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ def sections_of(course: Course, flights: Flights) -> Sections:
 
 
 def sections_from(course: Course, start: Launch, flights: Flights) -> Sections:
-    """Choose where to compare the motion of a body with itself that starts as in ``follow``.
+    """Choose where to compare the motion of a body with itself that starts as in ``follow_legs``.
 
     Several normal motions may coexist. A body that the trough cannot bear at its start leaves at once, and
     may come to another one than from a lift-off; so may one that is thrown.
@@ -193,7 +193,7 @@ def is_section(course: Course, sections: Sections, at: State, last: int) -> bool
     return at.rate == 0.0 and at.phase == next_take_off(course.bed, at.phase).phase
 
 
-def follow(
+def follow_legs(
     course: Course, sections: Sections, start: Launch, cycles: float, legs: Legs, rows: int, last: LastStarts
 ) -> Followed:  # fmt: skip
     """Follow one body until its motion repeats, ends or has lasted ``cycles`` drive cycles.

@@ -30,7 +30,7 @@ class CriticalLoads(NamedTuple):
     forward_onset: float
     back_onset: float
     back_slip: float
-    rest_vanishes: float
+    continuous_sliding: float
 
 
 def critical_loads(unit: Loads) -> CriticalLoads:
@@ -56,7 +56,7 @@ def critical_loads(unit: Loads) -> CriticalLoads:
         if held and back > forward:
             back_slip = _back_slip_of_line(unit, forward, back) if braked else INF
         if held and braked:
-            vanishes = max(_rest_vanishes_of_line(unit, forward, back), back_slip)
+            vanishes = max(_continuous_sliding_of_line(unit, forward, back), back_slip)
     elif held and not unit.line and max(forward, back) < hop:
         if back > forward:
             back_slip = _begins_at(unit, back, hop, False)
@@ -131,7 +131,7 @@ def _back_slip_of_line(unit: Loads, forward: float, back: float) -> float:
     return 1.0 / x
 
 
-def _rest_vanishes_of_line(unit: Loads, forward: float, back: float) -> float:
+def _continuous_sliding_of_line(unit: Loads, forward: float, back: float) -> float:
     """Load from which a line's cycle without rest is valid, Eq. (21); inf where there is none."""
     mu_d, a, b = unit.kinetic_friction, unit.drive_tangential, unit.drive_normal
     n, t = unit.weight_normal, unit.weight_tangential

@@ -185,7 +185,7 @@ class Limits(NamedTuple):
     forward_onset: Doubles
     back_onset: Doubles
     back_slip: Doubles
-    rest_vanishes: Doubles
+    continuous_sliding: Doubles
 
 
 def transition_loads(scenes: Scenes, place: Place, out: Limits, begin: int, end: int) -> None:
@@ -198,7 +198,7 @@ def transition_loads(scenes: Scenes, place: Place, out: Limits, begin: int, end:
         waves = point.loads.waves.kind != SINE
         found = wave_limits(point.loads) if waves else critical_loads(point.loads)
         out.hop[i], out.forward_onset[i], out.back_onset[i] = found.hop, found.forward_onset, found.back_onset
-        out.back_slip[i], out.rest_vanishes[i] = found.back_slip, found.rest_vanishes
+        out.back_slip[i], out.continuous_sliding[i] = found.back_slip, found.continuous_sliding
 
 
 def class_scales(scenes: Scenes, place: Place, out: Doubles, counts: Integers, room: int) -> None:

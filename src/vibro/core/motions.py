@@ -21,7 +21,7 @@ from vibro.core.drives import (
     tangential_load,
 )
 from vibro.core.elementary import NAN, TURN, wrap
-from vibro.core.history import LastStarts, Legs, follow, sections_from
+from vibro.core.history import LastStarts, Legs, follow_legs, sections_from
 from vibro.core.hopping import MOST_THROW, cycle_of, entered
 from vibro.core.orbits import orbit_from
 from vibro.core.return_map import Hops
@@ -164,7 +164,7 @@ def history(
     course = course_of(point.loads, point.restitution)
     start = Launch(phase, velocity, height, rate / point.loads.weight_normal)
     sections = sections_from(course, start, flights)
-    found = follow(course, sections, start, cycles, legs, rows, last)
+    found = follow_legs(course, sections, start, cycles, legs, rows, last)
     cycle.first[0] = found.first
     cycle.period[0] = found.period
     cycle.advance[0] = found.advance

@@ -48,7 +48,7 @@ ROUNDING: Final = 16.0 * EPS
 
 # [1] Distance from the fixed point at which a cycle is closed, over the velocities in it.
 _CLOSED: Final = 1e-13
-_BESIDE: Final = 4.0 * _CLOSED  # [1] distance of another body from a cycle, over the velocities in it
+_DISTURBED: Final = 4.0 * _CLOSED  # [1] distance of another body from a cycle, over the velocities in it
 
 _MOST_EVALUATIONS: Final = 200  # [1] of the return map; the slowest orbits need the most
 _NEWTONS: Final = 8  # steps of Newton's that are not judged
@@ -216,7 +216,7 @@ def orbit_from(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     if end.status == Status.OK and (cycle.edge or cycle.neutral):
         # Where friction just holds gravity, or neither acts, a body may stop in its cycle by rounding alone.
         # It does not if a body that slides a little faster stops too, downhill or either way.
-        beside = _BESIDE * _size(cycle, end.velocity)
+        beside = _DISTURBED * _size(cycle, end.velocity)
         for i in range(2):
             way = _downhill(cycle) if cycle.edge else 2.0 * i - 1.0
             if not has_stop(cycle_from(cycle, hops, end.velocity + way * beside)):
@@ -570,5 +570,5 @@ def differ(cycle: HoppingCycle, found: Orbit, home: Orbit) -> bool:
     """Return whether two fixed points are farther apart than rounding moves them."""
     if found.cycle.slope >= 1.0:
         return False  # of a continuum
-    blur = ROUNDING * cycle.forces / (1.0 - found.cycle.slope)
-    return abs(found.velocity - home.velocity) > max(_SEPARATE, 8.0 * blur)
+    error = ROUNDING * cycle.forces / (1.0 - found.cycle.slope)
+    return abs(found.velocity - home.velocity) > max(_SEPARATE, 8.0 * error)

@@ -15,7 +15,7 @@ from vibro.core.flight import BOUNCE, after_landing, bed_of, flight, next_take_o
 from vibro.core.return_map import Hops, write_hop
 from vibro.core.waves import at_break
 
-__all__ = ["BODIES", "ROWS", "Sample", "fly", "kick"]
+__all__ = ["BODIES", "ROWS", "BodySample", "fly", "kick"]
 
 #: Bodies of each scene.
 BODIES: Final = 12
@@ -33,7 +33,7 @@ _ACCUMULATED: Final = 1e-4
 _GOLDEN: Final = 0.6180339887498949  # [1] multiples of it are spread evenly over [0, 1), modulo 1
 
 
-class Sample(NamedTuple):
+class BodySample(NamedTuple):
     """Hops of a body: those of its transient, and those of both halves of the sample.
 
     Attributes
@@ -70,7 +70,7 @@ class Sample(NamedTuple):
     ends: bool
 
 
-def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, row: int) -> Sample:
+def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, row: int) -> BodySample:
     """Fly a body that starts from rest through its transient and its sample.
 
     Parameters
@@ -138,11 +138,11 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
             middle, trough_between = last, along_cosine(loads, phase)
         else:
             second_swing = trough_between - along_cosine(loads, phase)
-            return Sample(
+            return BodySample(
                 first, middle, last, first_time, second_time, trough - trough_between, second_swing, trough,
                 aloft, impact, lands, True,
             )  # fmt: skip
-    return Sample(first, middle, row + ROWS, 0.0, 0.0, 0.0, 0.0, trough, aloft, impact, lands, False)
+    return BodySample(first, middle, row + ROWS, 0.0, 0.0, 0.0, 0.0, trough, aloft, impact, lands, False)
 
 
 def _spread(count: int, body: int) -> float:

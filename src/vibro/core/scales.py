@@ -28,7 +28,7 @@ SCALES: Final = 256
 # [1] Scale over that of the first onset up to which drives are looked at that never make bodies hop.
 _MOST: Final = 1e6
 # [1] Behind an onset rounding leaves open whether the body slips.
-_BESIDE: Final = 1e-12
+_NEAR: Final = 1e-12
 # [1] Relative width to which a change of pattern is enclosed that leaves all classes as they are.
 _COARSE: Final = 1e-5
 _FINE: Final = 4.0 * EPS  # [1] the same of a class that begins or ends
@@ -65,7 +65,7 @@ def _scaled(loads: Loads) -> _Scaled:
     forward, back = onset(capacity + t, at.forward_load), onset(capacity - t, at.back_load)
     low = min(forward, back)
     high = min(hop, _MOST * low) if low < INF else low
-    return _Scaled(loads, at, forward, back, max(forward, back) * (1.0 + _BESIDE), low, high, hop)
+    return _Scaled(loads, at, forward, back, max(forward, back) * (1.0 + _NEAR), low, high, hop)
 
 
 def _classes_at(scaled: _Scaled, scale: float) -> Classes:
@@ -87,7 +87,7 @@ def _scale_at(scaled: _Scaled, index: int) -> float:
 
 def _first(scaled: _Scaled) -> _Stretch:
     """Begin just above the first onset."""
-    return _Stretch(scaled.low, 1, _classes_at(scaled, min(scaled.low * (1.0 + _BESIDE), scaled.high)))
+    return _Stretch(scaled.low, 1, _classes_at(scaled, min(scaled.low * (1.0 + _NEAR), scaled.high)))
 
 
 def _next(scaled: _Scaled, here: _Stretch) -> _Stretch:
@@ -205,7 +205,7 @@ def _told(scaled: _Scaled, scale: float) -> float:
     """Replace a scale by the onset that it is but for rounding."""
     for i in range(2):
         closed = scaled.forward if i == 0 else scaled.back
-        if abs(scale - closed) <= 2.0 * _BESIDE * closed:
+        if abs(scale - closed) <= 2.0 * _NEAR * closed:
             return closed
     return scale
 
@@ -224,7 +224,7 @@ def _mark(classes: Classes, scale: float, out: Doubles, counts: Integers, room: 
         if holds and counts[CLASSES + row] == 0:
             counts[CLASSES + row] = 1
             # rounding alone may part two intervals
-            if 0 < count <= room and scale <= out[last + 1] * (1.0 + _BESIDE):
+            if 0 < count <= room and scale <= out[last + 1] * (1.0 + _NEAR):
                 continue
             if count < room:
                 out[last + 2] = scale
@@ -233,5 +233,5 @@ def _mark(classes: Classes, scale: float, out: Doubles, counts: Integers, room: 
             counts[CLASSES + row] = 0
             if count <= room:
                 out[last + 1] = scale
-                if scale <= out[last] * (1.0 + _BESIDE):  # or make one
+                if scale <= out[last] * (1.0 + _NEAR):  # or make one
                     counts[row] = count - 1

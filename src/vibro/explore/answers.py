@@ -12,12 +12,12 @@ from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of, searched_text
 from vibro.explore.controls import CONTROLS, drives_of
 from vibro.explore.form import form_html
-from vibro.explore.histories import packed_history
 from vibro.explore.levels import MapCells
 from vibro.explore.looks import MARKS
 from vibro.explore.maps import packed_map
+from vibro.explore.packed_histories import packed_history
 from vibro.explore.points import point_of
-from vibro.files.tables import CsvFormat
+from vibro.files.csv_tables import CsvFormat
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block, Column
 from vibro.sweeps.columns import columns_of
@@ -32,7 +32,7 @@ __all__ = ["Answers"]
 
 _KEPT: Final = 16  # maps of about 8 MB
 _PATIENCE: Final = 0.05  # [s] to wait for a first picture while somebody moves a slider
-_TURN: Final = 0.1  # [s] of work on a map for one request
+_REQUEST_TIME: Final = 0.1  # [s] of work on a map for one request
 
 
 class Answers:
@@ -77,7 +77,7 @@ class Answers:
     def map(self, state: State, *, advance: bool = False) -> bytes:
         """Return a map as ``packed_map`` does, as it is or after some more work."""
         kept = self._kept(state)
-        return packed_map(state, kept.cells(_TURN if advance else 0.0).shown)
+        return packed_map(state, kept.cells(_REQUEST_TIME if advance else 0.0).shown)
 
     def point(self, state: State) -> dict[str, Any]:
         """Return the report on the operating point, as JSON values."""
@@ -116,12 +116,12 @@ class Answers:
             )
         form = CsvFormat(decimal_comma=decimal_comma)
         yield form.header(columns).encode()
-        while not (shown := kept.cells(_TURN).shown).exact.all():
+        while not (shown := kept.cells(_REQUEST_TIME).shown).exact.all():
             yield b""
         yield form.rows(columns, Block(shown.values, shown.cycle, grid.length)).encode()
 
     def _kept(self, state: State) -> _Kept:
-        """Return the cells of a state's map, partly solved if it was asked for before."""
+        """Return the cells of a state's map, partly solved if it was requested before."""
         grid = state.grid()
         key = repr(
             (

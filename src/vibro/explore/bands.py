@@ -94,7 +94,7 @@ def is_outside(state: State) -> bool:
 
 
 def guaranteed_text(state: State) -> tuple[str, bool]:
-    """Describe what is proved at the operating point, empty without bands; and whether no least speed is."""
+    """Describe the proved bounds at the operating point, empty without bands; and whether none was proved."""
     found = certain_of(state, state.point.scene())
     if found is None:
         return "", False

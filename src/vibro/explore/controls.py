@@ -189,7 +189,7 @@ def drive_named(quantities: Collection[str]) -> str:
 
 
 def given_drive(quantities: Collection[str], varying: Collection[str]) -> Drive:
-    """Return the drive of a scene with these quantities, of which some vary.
+    """Return the drive of a scene with these quantities, some of which vary.
 
     It stays as it is given, up to a scale, where it has no sliders: steps and samples, harmonics above the
     second, the first harmonic's phase along the trough. Under a clamped part the trough does not move normal
@@ -211,7 +211,7 @@ def machine_drive(machine: GivenMachine, values: Mapping[str, float]) -> Drive:
     machine : GivenMachine
         Of a scene.
     values : mapping of str to float
-        Quantities of the scene in the units outside, to either side of which sliders and axes reach.
+        Quantities of the scene in the units outside; sliders and axes reach to both sides of them.
     """
     tuned = [values[name] for name in ("frequency", "natural") if name in values]
     around = _control(0.5 * min(tuned), 1.5 * max(tuned), 0.1)

@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 from vibro.explore.controls import BANDS, CONTROLS, DRIVEN, PRESETS, VIEWS, drives_of
 from vibro.explore.markup import Html, tag
-from vibro.explore.state import number_text
+from vibro.explore.state import typed_number
 from vibro.explore.words import symbol_of, unit_of
 from vibro.quantities import LEAST_SPEED, MACHINE, QUANTITIES, SWEPT
 
@@ -56,7 +56,7 @@ def form_html(initial: State) -> str:
                 _tick("bands", "friction is not known exactly", aria_describedby="no-bands"),
                 tag(
                     "p",
-                    "only of drives along a line, and of frictions that are no axis",
+                    "only for drives along a line, and for frictions that are not an axis",
                     id="no-bands",
                     class_="note",
                 ),
@@ -107,7 +107,7 @@ def _packs(initial: State) -> list[Html]:
     """Write the choice of a spring pack, which sets its natural frequency; none without packs."""
     machine, column = initial.file.machine, QUANTITIES["natural"].column
     packs = [
-        _option(name, name, data_patch=urlencode({column: number_text(natural)}))
+        _option(name, name, data_patch=urlencode({column: typed_number(natural)}))
         for name, natural in (machine.packs if machine else {}).items()
     ]
     if not packs:

@@ -55,7 +55,7 @@ _WEIGHED_SPACINGS: Final = (
 _LIMIT_ROWS: Final = 15  # of a map whose critical loads are found at once, which takes 40 us a cell
 _FIRST_CELLS: Final = 64  # solved first, to measure how long they take
 _FIRST_WEIGHED: Final = 8  # which take up to 60 ms each where bodies bounce
-_TURN: Final = 0.25  # [s] that solving so many at once may take: of few, each takes ten times as long
+_BATCH_TIME: Final = 0.25  # [s] that solving so many at once may take: of few, each takes ten times as long
 
 _ANY_AMPLITUDE: Final = {"amplitude": np.ones((1, 1))}
 
@@ -304,7 +304,7 @@ class _Turn:
         done = work(self._count)
         taken = time.perf_counter() - start
         if done == self._count:
-            self._count = max(self._least, int(self._count * min(4.0, _TURN / taken)))
+            self._count = max(self._least, int(self._count * min(4.0, _BATCH_TIME / taken)))
 
 
 class _Line:

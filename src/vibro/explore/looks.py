@@ -33,7 +33,7 @@ __all__ = ["HATCHES", "MARKS", "STRIPES", "Looks", "curve_look", "looks_of"]
 
 # Faces are places in a palette: of regimes their codes, then these, then the colours of the scale.
 _NO_ANSWER, _GREY, _FAINT, _INK, _WHITE, _SCALE = range(4, 10)
-_COLOURS: Final = 256 - _SCALE  # of a scale: with those before as many as a byte can tell
+_COLOURS: Final = 256 - _SCALE  # of a scale: with those before as many as a byte can number
 _PLAIN: Final = [
     *(REGIME_COLOURS[Regime(code)] for code in range(4)),
     NO_ANSWER_FACE,
@@ -90,7 +90,10 @@ _NAMES: Final = {
     "preview": ("preview, not exact yet", (_GREY,)),
     "unknown": ("not computed yet", (_NO_ANSWER,)),
     "unproved": ("not proved here", (_NO_ANSWER,)),
-    "either": ("either regime, or one between, as friction may be", (Regime.FORWARD_SLIP, Regime.BACK_SLIP)),
+    "either": (
+        "either regime or one between, depending on friction",
+        (Regime.FORWARD_SLIP, Regime.BACK_SLIP),
+    ),
     "misses": ("slower than the target speed, or hops", (_GREY,)),
 }
 
@@ -137,7 +140,7 @@ def looks_of(
         Scale of the numbers, the numbers, NaN where unknown, and whether the colour of rest covers each;
         without it regimes are shown.
     marked : mapping of str to bool array
-        Where each of ``MARKS`` applies; reasons for a missing answer count only where it is missing.
+        Where each of ``MARKS`` applies; reasons for a missing answer only where it is missing.
     words : mapping of str to str
         Names in the legend that differ from the usual ones; ``rest`` names the colour of rest.
     """

@@ -171,7 +171,7 @@ class _Drawn:
         return self.title + (f" [{unit}]" if unit else "")
 
     def progress_text(self, cells: Shown) -> str:
-        """List what is not exact yet: numbers, and regimes where critical loads are not known, or not yet."""
+        """List the cells that are not exact yet: numbers, and regimes without known critical loads."""
         is_exact = self._state.view == "regime" and cells.limits is not None and not self._is_weighed
         return "" if is_exact else cells.text
 
@@ -202,7 +202,7 @@ class _Drawn:
 
     @property
     def covered(self) -> NDArray[np.bool_]:
-        """Whether the colour of rest covers each cell: nothing moves there, or nothing flies."""
+        """Whether the colour of rest covers each cell, where bodies rest or do not fly."""
         regime = self.cycle["regime"]
         if self._state.view in _FLIGHT_ALONE:
             return np.asarray((regime >= 0) & (regime != Regime.HOPPING))
@@ -331,14 +331,14 @@ class _Drawn:
             notes.append(self._best(self.seen))
         unproved = self.marks().get("unproved")
         if unproved is not None and unproved.any():
-            notes.append("Not proved here: move the operating point there, and its speeds are searched for.")
+            notes.append("Not proved here: move the operating point there to search its speeds.")
         if self.certain is not None and is_outside(self._state):
             notes.append("The operating point's own friction lies outside of its bands.")
         if self.certain is not None:
             notes.append(
-                "Flights depend on friction: they are those of the operating point's own."
+                "Flights depend on friction: they are computed with that of the operating point."
                 if self._state.view in _FLIGHT_ALONE
-                else "Colours are of all bodies of the bands, curves of those of least and of most friction."
+                else "Colours are for all bodies in the bands, curves for those of least and most friction."
             )
         return notes
 

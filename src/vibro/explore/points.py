@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.explore.bands import bands_if, guaranteed_text
 from vibro.explore.controls import DRIVEN, GIVEN
 from vibro.explore.markup import tag
-from vibro.explore.state import HEIGHT, WIDTH, number_text
+from vibro.explore.state import HEIGHT, WIDTH, typed_number
 from vibro.files.motions import harmonic_lists
 from vibro.plots.style import REGIME_COLOURS
 from vibro.quantities import DEFAULTS, MACHINE, QUANTITIES
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = ["command_of", "point_of", "scene_text"]
 
-_APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
+_APART: Final = "For the operating point's own friction: these commands and scene files have no bands."
 _SAVED: Final = "scene.toml"  # as the page calls it
 _IN_FILE: Final = {
-    GIVEN: f"The motion has no options: the command reads the scene file, saved as {_SAVED}.",
-    DRIVEN: f"The machine has no options: the command reads the scene file, saved as {_SAVED}.",
+    GIVEN: f"The command reads the motion from the scene file, saved as {_SAVED}.",
+    DRIVEN: f"The command reads the machine from the scene file, saved as {_SAVED}.",
 }
 
 
@@ -93,7 +93,7 @@ def command_of(state: State) -> str:
         words += [f"{option}={text}"] if option.startswith("--") else [option, text]
     words += ["--x", state.x.quantity.name, "--y", state.y.quantity.name]
     words += ["--show", state.view] if state.view in ("impact", "flight") else []
-    words += ["--speed", number_text(state.target)] if state.target is not None else []
+    words += ["--speed", typed_number(state.target)] if state.target is not None else []
     return shlex.join([*words, "-o", f"out/{state.point.name or 'map'}"])
 
 
@@ -102,9 +102,9 @@ def scene_text(state: State) -> str:
     given = _given(state)
     point = state.point.fixed | ({} if state.point.length is None else {"trough_length": state.point.length})
     lists, others = harmonic_lists(point) if state.is_given else ({}, point)
-    scene = [f"{key} = [{', '.join(map(number_text, values))}]" for key, values in lists.items()]
+    scene = [f"{key} = [{', '.join(map(typed_number, values))}]" for key, values in lists.items()]
     scene += [
-        f"{QUANTITIES[name].column} = {number_text(value)}"
+        f"{QUANTITIES[name].column} = {typed_number(value)}"
         for name, value in others.items()
         if name not in MACHINE
     ]
@@ -149,12 +149,12 @@ def _toml(value: object) -> str:
 def _given(state: State) -> dict[str, str]:
     """Return every quantity of the map without its usual value, as it is typed: ranges with counts."""
     grid = state.grid()
-    given = {name: number_text(value) for name, value in grid.fixed.items() if value != DEFAULTS.get(name)}
+    given = {name: typed_number(value) for name, value in grid.fixed.items() if value != DEFAULTS.get(name)}
     for spec, count in ((state.x, WIDTH), (state.y, HEIGHT)):
-        ends = ":".join(map(number_text, spec.values))
+        ends = ":".join(map(typed_number, spec.values))
         given[spec.quantity.name] = f"{ends}:{count}" + ":log" * spec.log
     if grid.length is not None:
-        given["trough_length"] = number_text(grid.length)
+        given["trough_length"] = typed_number(grid.length)
     return {name: given[name] for name in QUANTITIES if name in given}
 
 

@@ -78,7 +78,7 @@ class _Turns:
         RefusedError
             If too many wait already.
         ClientDisconnect
-            If the client has gone by then.
+            If the client has disconnected by then.
         """
         if self._waiting >= MOST_WAITING:
             text = f"{MOST_WAITING} requests of this kind wait already"
@@ -280,7 +280,7 @@ def bind(port: int) -> socket.socket:
 
 
 class _Connection(H11Protocol):
-    """A connection that refuses what is no HTTP with the headers of all responses, and is closed when idle.
+    """A connection that refuses requests other than HTTP, with the usual headers, and closes when idle.
 
     The clock of uvicorn runs from an answer to the next byte alone: a socket that says nothing, or never ends
     what it asks, would stay open for ever. Here one that has asked nothing new since the last look, and waits

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from vibro.explore.controls import Control, Drive
     from vibro.quantities import Quantity
 
-__all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "number_text", "read_state"]
+__all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "read_state", "typed_number"]
 
 #: [cells] of a map.
 WIDTH: Final = 200
@@ -57,7 +57,7 @@ HEIGHT: Final = 150
 _OF_FILE: Final = (GIVEN, DRIVEN)
 _FINGERPRINT: Final = 8  # hexadecimal digits
 _AROUND: Final = 3.0  # factor between an operating point and the ends of an axis around it
-_MOST_CYCLES: Final = 20  # drive cycles of a history: more could not be told apart
+_MOST_CYCLES: Final = 20  # drive cycles of a history: more could not be distinguished
 # The nut of examples/safety_nut.toml, and drives of other kinds with about its load.
 _VALUES: Final = {**EXAMPLES, **DEFAULTS, "normal_amplitude_2": 0.0, "normal_phase_2": 0.0, SCALE: 1.0}
 _USUAL: Final = {
@@ -65,7 +65,7 @@ _USUAL: Final = {
 }
 _OTHERS: Final = {
     "drive": "line",
-    "motion": "",  # of the drives GIVEN and DRIVEN, to tell one scene file from another
+    "motion": "",  # of the drives GIVEN and DRIVEN, to distinguish scene files
     "view": "regime",
     "x": "",
     "y": "",
@@ -205,7 +205,7 @@ def initial_state(request: Request | None = None) -> State:
         point["kinetic_friction"] = own.get("kinetic_friction", mu_d)
     if request.machine:
         drives = {DRIVEN: machine_drive(request.machine, point), **DRIVES}
-    texts |= {QUANTITIES[name].column: number_text(value) for name, value in point.items()}
+    texts |= {QUANTITIES[name].column: typed_number(value) for name, value in point.items()}
     drawn = [name for name in request.varying if name in CONTROLS]
     if "frequency" in drawn and drawn[0] in AMPLITUDES:  # as pictures have it
         drawn = ["frequency", *(name for name in drawn if name != "frequency")]
@@ -278,7 +278,7 @@ def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) 
     if len(drawn) == 1:
         wrong.add(f"x and y are both {x.quantity.label}", "choose two quantities", "y")
     elif {"friction_ratio", "kinetic_friction"} == drawn:
-        wrong.add("friction ratio and kinetic friction stand for the same", "choose one of them", "y")
+        wrong.add("friction ratio and kinetic friction describe the same", "choose one of them", "y")
     bands = {}
     weighed = is_weighed(point.machine, drawn, point.fixed)
     for name in BANDS:
@@ -293,7 +293,7 @@ def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) 
     follows = "friction_ratio" in bands or (texts["follow"] == "1" and "kinetic_friction" not in bands)
     if bands and not follows and kinetic[0] > static[1]:
         key = next(f"{name}_band" for name in reversed(BANDS) if name in bands)
-        least, most = number_text(kinetic[0]), number_text(static[1])
+        least, most = typed_number(kinetic[0]), typed_number(static[1])
         said = f"kinetic friction = {least} and more: must reach down to static friction = {most}"
         wrong.add(said, field=key)
     target = None
@@ -303,16 +303,16 @@ def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) 
     if texts["view"] == "traverse" and point.length is None:
         wrong.add("the traverse time needs the length of the trough", "give it", "trough_length_mm")
     wrong.settle()
-    kept = {name: number_text(value) for name, value in point.fixed.items()}
-    kept["trough_length"] = "" if point.length is None else number_text(point.length)
+    kept = {name: typed_number(value) for name, value in point.fixed.items()}
+    kept["trough_length"] = "" if point.length is None else typed_number(point.length)
     canonical = {
         **{key: texts[key] for key in _OTHERS},
         "motion": motion,
         **{QUANTITIES[name].column: kept[name] for name in shown_names if name in kept},
         **{key: axis.quantity.column for key, axis in axes.items()},
         **{f"{key}_range": _range_text(axis) for key, axis in axes.items()},
-        **{f"{name}_band": ":".join(map(number_text, band)) for name, band in bands.items()},
-        "target": "" if target is None else number_text(target),
+        **{f"{name}_band": ":".join(map(typed_number, band)) for name, band in bands.items()},
+        "target": "" if target is None else typed_number(target),
     }
     return State(canonical, point, x, y, bands, target, drives, file)
 
@@ -328,7 +328,7 @@ def _fingerprint(file: SceneFile) -> str:
 
 
 def _point(texts: Mapping[str, str], names: list[str], file: SceneFile) -> Request:
-    """Read the operating point, of which a file may give what has no slider."""
+    """Read the operating point; quantities without a slider come from the file."""
     given = {name: texts[QUANTITIES[name].column] for name in names}
     if not given["trough_length"]:
         del given["trough_length"]
@@ -348,7 +348,7 @@ def _axis(
     point: Mapping[str, float],
     drive: Drive,
 ) -> AxisSpec:
-    """Read an axis of the map; an InputError says what is wrong with its range, or names another field."""
+    """Read an axis of the map; raises InputError for a wrong range, which may name another field."""
     column, text = texts[key], texts[f"{key}_range"]
     quantity = BY_COLUMN.get(column) if column else QUANTITIES[usual]
     if quantity is None or quantity.name not in names:
@@ -378,14 +378,14 @@ def _band(name: str, text: str, drive: str, drawn: set[str], *, of_filling: bool
     """Read the band of a friction."""
     quantity = QUANTITIES[name]
     if drive not in ("line", DRIVEN):
-        said = "bands of friction are known of drives along a line alone"
+        said = "bands of friction are possible only for drives along a line"
         raise InputError(said, hint="take a drive along a line")
     if of_filling:
-        said = "what a filling weighs depends on its friction: no band of it is known beside a filling"
+        said = "the force of a filling depends on its friction: with a filling no band of it is possible"
         raise InputError(said, hint="set the filling to 0, or give added_mass_share in [machine]")
     if drawn & {*BANDS}:
         hint = "choose other axes, or leave the band out"
-        raise InputError("a friction that is drawn over has no band", hint=hint)
+        raise InputError("a friction that is an axis of the map cannot have a band", hint=hint)
     low, colon, high = text.partition(":")
     ends, wrong = [], Problems()
     for end in (low, high if colon else low):
@@ -401,9 +401,9 @@ def _band(name: str, text: str, drive: str, drawn: set[str], *, of_filling: bool
 
 def _range_text(spec: AxisSpec) -> str:
     """Write the range of an axis; of a list from its first value to its last."""
-    return f"{number_text(spec.values[0])}:{number_text(spec.values[-1])}" + ":log" * spec.log
+    return f"{typed_number(spec.values[0])}:{typed_number(spec.values[-1])}" + ":log" * spec.log
 
 
-def number_text(value: Fraction | float) -> str:
+def typed_number(value: Fraction | float) -> str:
     """Write a number as people type it, such that it is read as the same double."""
     return f"{float(value):.15g}" if float(f"{float(value):.15g}") == float(value) else repr(float(value))

@@ -125,7 +125,7 @@ def _moved(of: Form, key: str, meaning: str) -> Entry:
 
 
 def _value(quantity: Quantity) -> Entry:
-    quantity = of_part(quantity, is_clamped=True)  # whether a part is, other keys tell
+    quantity = of_part(quantity, is_clamped=True)  # other keys decide whether a part is clamped
     usual = "" if quantity.default is None else f"{quantity.default:g}"
     return form.Entry(form.VALUE, quantity, usual, EXAMPLES.get(quantity.name))
 
@@ -180,7 +180,7 @@ MACHINE_KEYS: Final = (
            "needed of magnet, or the calibration", kind=FORCE),
     _entry(_CALIBRATION, "calibration", "one measured amplitude, in place of a force: amplitude_mm,"
            " frequency_hz, setting_percent, voltage_percent", "needed of magnet, or the force", kind=PURE),
-    _entry(form.NUMBER, "voltage_exponent", "percent of force that 1 % of voltage brings: 1 of a piezo drive",
+    _entry(form.NUMBER, "voltage_exponent", "exponent of the force over the voltage; 1 for a piezo drive",
            "2", kind=PURE),
     _entry(form.NUMBER, "base_stiffness", "stiffness of the counter mass's own mounts", "0", kind=STIFFNESS,
            allowed=_ZERO_OR_MORE),
@@ -194,7 +194,7 @@ MACHINE_KEYS: Final = (
     _entry(form.NUMBER, "working_moment", "vibrating mass times amplitude, or stroke, of all motors together",
            "", kind=WORKING_MOMENT),
     _entry(form.one_of({"amplitude": 1.0, "stroke": 0.5}), "working_moment_is",
-           "what the working moment is taken with: makers differ", "needed with it", "stroke", PURE),
+           "whether the working moment is taken with amplitude or stroke", "needed with it", "stroke", PURE),
     _entry(form.NUMBER, "centrifugal_force", "centrifugal force of one motor, at the speed below", "",
            kind=FORCE),
     _entry(form.NUMBER, "at", "speed of that force", "needed with it", 25, FREQUENCY),
@@ -205,15 +205,15 @@ MACHINE_KEYS: Final = (
     _entry(form.POINTS, "points", "measured frequency [Hz] and amplitude [mm] of the empty trough",
            "needed of measured", "points.csv", PURE),
     _entry(form.one_of({"constant": "constant", "square": "square"}), "law",
-           "how the measured machine's force goes with the frequency", "needed of measured", "constant",
+           "how the force of the measured machine depends on the frequency", "needed of measured", "constant",
            PURE),
     _entry(form.BAND, "setting", "", "100"),
     _entry(form.BAND, "voltage", "", "100"),
     _entry(form.BAND, "filling", "", "0"),
     _entry(form.BAND, "added_mass_share", "share of the filling's mass that moves with the trough",
            "computed", kind=PURE, allowed=Range(-10.0, 10.0)),
-    _entry(form.BAND, "added_damping_share", "the same of its damping", "computed, or 0 beside the other",
-           kind=PURE, allowed=_ZERO_OR_MORE),
+    _entry(form.BAND, "added_damping_share", "share of the filling's mass that acts as damping",
+           "computed, or 0 if the mass share is given", kind=PURE, allowed=_ZERO_OR_MORE),
 )
 
 #: Input of the commands that take a scene.
@@ -231,7 +231,7 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
                         _by_key(*_MOTION)),
     "machine": TableKind("[machine]", "what drives the trough, in place of an amplitude in [scene]",
                          _by_key(*MACHINE_KEYS), needs=(("kind",),)),
-    "map": TableKind("[map]", "what is swept, in place of values of [scene] and [machine]",
+    "map": TableKind("[map]", "axes of a sweep, instead of values in [scene] and [machine]",
                      _by_key(*map(_axis, BY_COLUMN.values()))),
 })
 
@@ -246,11 +246,12 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
     "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
         _entry(form.FRICTION, "static_friction", "static friction of the parts", "needed", "0.3:0.5",
                allowed=_POSITIVE),
-        _entry(form.BAND, "kinetic_friction", "kinetic friction; what is above static friction is cut off",
+        _entry(form.BAND, "kinetic_friction", "kinetic friction; values above static friction are left out",
                "needed, or its ratio, unless a row of the catalogue has it"),
         _entry(form.BAND, "friction_ratio", "kinetic over static friction",
                "needed, or kinetic friction", "0.7:0.9"),
-        _entry(form.BAND, "trough_angle", "climb of the trough, less steep than where parts slide down", "0"),
+        _entry(form.BAND, "trough_angle", "inclination of the trough, too small for parts to slide down",
+               "0"),
         _entry(form.NUMBER, "trough_length", "length of the trough, for traverse times", "", 1200),
         _entry(form.NUMBER, "gravity", "", "9.81"),
         _entry(form.NUMBER, "restitution", "", "0"),
@@ -264,23 +265,23 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
                "needed of an ellipse", 1),
         _entry(form.SPAN, "normal_amplitude", "amplitude of an ellipse normal to the trough",
                "needed of an ellipse", 0.3),
-        _entry(form.SPAN, "normal_phase", "phase by which the normal motion of an ellipse leads", "0"),
+        _entry(form.SPAN, "normal_phase", "phase lead of the normal motion of an ellipse", "0"),
         *(_IN_DESIGN.get(entry.key, entry) for entry in MACHINE_KEYS),
         *_MOTION,
-        _entry(form.SPAN, "motion_scale", "factor of that whole motion", "1"),
+        _entry(form.SPAN, "motion_scale", "factor by which that motion is multiplied", "1"),
         _entry(form.CHOICES, "frequency", "frequencies that may be chosen", "needed", "15:25"),
         _entry(form.CHOICES, "drive_angle", "drive angles that may be chosen", "needed of a line", "10:40"),
         _entry(form.NUMBER, "acceleration", "largest acceleration along the path, over gravity", "no limit",
                kind=IN_GRAVITIES),
     ), True, (("frequency_hz",),)),
-    "drift": TableKind("[drift]", "how far drive and trough may be off what was chosen, either way", _by_key(
+    "drift": TableKind("[drift]", "drift of drive and trough from their chosen values, up and down", _by_key(
         _entry(form.NUMBER, "amplitude", "drift of all amplitudes", "0", kind=PERCENT, allowed=_RELATIVE),
         _entry(form.NUMBER, "frequency", "drift of the frequency", "0", kind=PERCENT, allowed=_RELATIVE),
         _entry(form.NUMBER, "drive_angle", "drift of the drive angle, of a line", "0"),
         _entry(form.NUMBER, "trough_angle", "drift of the trough angle", "0", allowed=_ACUTE),
         _entry(form.NUMBER, "normal_phase", "drift of the phase, of an ellipse", "0", allowed=_HALF_TURN),
     )),
-    "goal": TableKind("[goal]", "what every part is to do", _by_key(
+    "goal": TableKind("[goal]", "requirements for every part", _by_key(
         _entry(form.NUMBER, "speed", "mean speed, at least", "needed, or the time", 80, SPEED),
         _entry(form.NUMBER, "traverse_time", "time over the trough's length, at most",
                "needed, or the speed", kind=TIME),
@@ -291,7 +292,7 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
         _entry(form.one_of({regime.label: regime for regime in _REGIMES}), "highest_regime",
                "highest regime that any part may reach", "`back-slip`", kind=PURE),
     ), True, (("speed_mm_s", "traverse_time_s"),)),
-    "part": TableKind("[part]", "what keeps a part upright; without the table it may tip", _by_key(
+    "part": TableKind("[part]", "stability of a part; without this table parts may tip", _by_key(
         _entry(form.NUMBER, "half_base", "from the centre of mass to the edge over which the part would tip",
                "needed", 6, LENGTH),
         _entry(form.NUMBER, "centre_height", "height of the centre of mass", "needed", 8, LENGTH),

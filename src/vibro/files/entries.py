@@ -36,8 +36,8 @@ _NUMBER: Final = "a finite number"
 _BAND: Final = 'a finite number or a band "lo:hi"'
 _LIMITS: Final = 'a finite number, the largest, or a range "lo:hi"'
 _CHOICES: Final = 'a finite number, a list, or a range "lo:hi"'
-_NO_MORE: Final = 'it takes no such list or count: "lo:hi" is all between two ends; decimals have a point'
-# Matches the beginning of a name in the friction catalogue, and of no number.
+_NO_MORE: Final = 'no list or count is possible: "lo:hi" is all between two ends; decimals have a point'
+# Matches the beginning of a name in the friction catalogue, but not of a number.
 _NAME: Final = re.compile(r"\s*(?!(nan|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
 
 
@@ -56,7 +56,7 @@ class Form(NamedTuple):
         ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
         ``list`` of these, a list of a ``single`` one, or a list of ``numbers``, ``pairs`` or ``samples``.
     words : tuple of str
-        Allowed words, where it is one of a few.
+        Allowed words, if it is one of a few.
     entries : tuple of Entry
         Keys of a table within a table.
     needed : tuple of str
@@ -223,7 +223,7 @@ def _list(quantity: Quantity, value: Any) -> list[float]:
 
 
 def _pairs(quantity: Quantity, value: Any) -> list[list[float]]:
-    """Read a list of pairs of numbers; what they may be is left to the motion."""
+    """Read a list of pairs of numbers; the motion checks their values."""
     if not isinstance(value, list) or not value or not all(_is_numbers(pair, 2, 2) for pair in value):
         hint = f"write {quantity.column} = [[0.8, 6.9], [0.2, -27.6]]"
         raise _refusal(quantity, value, "must be a list of pairs of numbers", hint)
@@ -248,7 +248,7 @@ def _is_number(value: Any) -> bool:
 
 
 def one_of(values: Mapping[str, Any]) -> Form:
-    """Make the form of words, each of which stands for a value."""
+    """Make the form of an entry whose value is one of several words."""
 
     def read(quantity: Quantity, value: Any) -> Any:
         if not isinstance(value, str) or value not in values:
@@ -262,7 +262,7 @@ def one_of(values: Mapping[str, Any]) -> Form:
 def table_of(says: str, *entries: Entry, needed: tuple[str, ...], several: bool = False) -> Form:
     """Make the form of a table within a table, or of a list of such tables.
 
-    Its ``read`` returns a dict of what its entries read, by the names of their quantities; or a tuple of
+    Its ``read`` returns a dict of the values of its entries, by the names of their quantities; or a tuple of
     such.
     """
     keys = {entry.key: entry for entry in entries}

@@ -26,7 +26,7 @@ VERSION: Final = 1
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 _DIGITS: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_LAST_FOLDED: Final = 0x2200  # beyond the Kelvin sign, the last character that stands for an ASCII letter
+_LAST_FOLDED: Final = 0x2200  # beyond the Kelvin sign, the last character that folds to an ASCII letter
 
 Schema = dict[str, Any]
 

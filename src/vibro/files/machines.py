@@ -46,7 +46,7 @@ _KEYS: Final[Mapping[str, tuple[str, ...]]] = {
         "voltage_percent",
     ),
 }  # fmt: skip
-# Those of them that must be given; a moment, a force and springs are looked at one by one.
+# Those of them that must be given; a moment, a force and springs have checks of their own.
 _NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
     "unbalance": ("vibrating_mass_kg",),
     "magnet": ("trough_mass_kg", "counter_mass_kg", "damping_ratio"),
@@ -66,7 +66,7 @@ _ARGUMENTS: Final = (
 _NAMES: Final = {  # of arguments of Machine, where they are called otherwise
     "natural": "natural_frequency", "mount": "mount_frequency", "crank_radius": "radius",
 }  # fmt: skip
-_SAME: Final = 0.01  # relative difference of two moments that are the same but for rounding of makers
+_SAME: Final = 0.01  # relative difference of two moments that differ only by the maker's rounding
 _SLIPS: Final = (2.0, 4.0, 0.5, 0.25)  # ratios of moments of makers' conventions
 _MILLIMETRES: Final = 1000.0  # [mm] of a metre
 
@@ -90,7 +90,7 @@ class GivenMachine:
     shares : mapping of str to pair of float
         ``added_mass_share`` and ``added_damping_share`` where they are given, with both ends [1].
     own : mapping of str to float
-        Values of ``MACHINE`` that hold where nothing else is given, in the units outside. Of a band: the
+        Default values of ``MACHINE``, in the units outside. Of a band: the
         upper end of the setting, the nominal voltage if it lies in its band, an empty trough.
     """
 
@@ -179,7 +179,7 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
     values : mapping
         What the entries read, by the names of their quantities, in SI units.
     folder : Path or None
-        Against which the name of a file of points is resolved; None where there is no file.
+        Folder of the scene file, for the file of points; None without a scene file.
 
     Raises
     ------
@@ -344,7 +344,7 @@ def _settings(kind: str, table: Mapping[str, Any]) -> tuple[dict[str, float], di
 
 
 def _ends(value: Any, name: str) -> tuple[float, float]:
-    """Return both ends of what is given, which is valid, in the units outside: exactly as given."""
+    """Return both ends of a valid value or band, in the units outside, exactly as given."""
     if not isinstance(value, str):
         return float(value), float(value)
     ends = [nearest_double(end, QUANTITIES[name]) for end in value.split(":")]

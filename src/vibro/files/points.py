@@ -99,7 +99,7 @@ def read_points(path: Path) -> MeasuredPoints:
             with problems.taken(f"row {row}, "):
                 if not cell:
                     raise InputError(f"{quantity.label}: the cell is empty", hint="delete that row")
-                value = nearest_double(cell, quantity)  # which names what is no number
+                value = nearest_double(cell, quantity)  # raises an error that names the cell
                 if cell[-1] in "0123456789.":  # without a unit of its own
                     value = nearest_double(cell + unit, quantity)
                 value = float(quantity.to_si(value))
@@ -164,7 +164,7 @@ def _text(path: Path) -> str:
 
 
 def _rows(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Split lines into cells, numbered as spreadsheets do; the header row tells the separator."""
+    """Split lines into cells, numbered as spreadsheets do; the separator is that of the header row."""
     first = next((line for line in text.splitlines() if line.strip()), "")
     separator = next((mark for mark in ";\t," if mark in first), ",")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_DIGITS", "rounded"]
 
-#: Digits that tell every double from its neighbours.
+#: Digits that distinguish every double from its neighbours.
 MOST_DIGITS: Final = 17
 # Up to so many, a number of so many digits without a point is a double.
 _WHOLE_DIGITS: Final = 15

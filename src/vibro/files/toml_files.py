@@ -95,7 +95,7 @@ class Table:
     given : object
         Content in the file; ``ABSENT`` without such a table.
     problems : Problems
-        Collects what is wrong.
+        Collects the problems.
     place : int, optional
         Its number, if the table is repeated.
 

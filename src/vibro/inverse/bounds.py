@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Slowest", "slowest_in_contact", "small_speed"]
 
-_GAP: Final = 1e-3  # [1] distance of what is proved from the slowest body that is enough, over its speed
+_GAP: Final = 1e-3  # [1] relative distance of the proved bound from the slowest body at which the proof ends
 _POPULATION: Final = 64
 _GENERATIONS: Final = 300
 _SEED: Final = 1
@@ -38,7 +38,7 @@ _BETTER: Final = 1e-12  # [1] by which a body that the bounds have met must be s
 
 
 class Slowest(NamedTuple):
-    """Bodies that the search has met, the slowest one first, and what is proved of all.
+    """Bodies that the search has computed, the slowest one first, and the proved bound on all.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Slowest(NamedTuple):
     speeds : array
         Theirs, with the sign turned where the fastest body is sought [m/s]; inf where unknown.
     certificate : Certificate or None
-        Boxes that cover the set; None where nothing is proved.
+        Boxes that cover the set; None without a proof.
     """
 
     points: Points

@@ -148,11 +148,11 @@ def _bodies(scene: Scene, static_friction: Floats, kinetic_friction: Floats) -> 
 
 
 def _regimes(scene: Scene, static_friction: Floats, kinetic_friction: Floats) -> Codes:
-    return np.asarray(solve(_bodies(scene, static_friction, kinetic_friction), accuracy="regimes").regime)
+    return np.asarray(solve(_bodies(scene, static_friction, kinetic_friction), output="regimes").regime)
 
 
 def _settle(scene: Scene, codes: Codes, box: UncertaintySet, *, was: Regime, otherwise: Regime) -> None:
-    """Change a bound in place on declines where it is not proved for all bodies.
+    """Replace a bound, in place, on declines for which it is not proved for all bodies.
 
     A body slips back at a lower load the lower its static and the higher its kinetic friction. So each part
     of the band of static friction is proved by a body that bounds it, refuted by the body in its middle, and

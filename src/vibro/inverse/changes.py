@@ -34,7 +34,7 @@ def change_loads(scene: Scene) -> dict[str, Floats]:
     """
     if scene.motion is None:
         return critical_loads(scene)._asdict()
-    cycle, load = solve(scene, accuracy="regimes"), scene.load
+    cycle, load = solve(scene, output="regimes"), scene.load
     ratios = {
         "hop": cycle.throw_number, "forward_onset": cycle.forward_ratio, "back_onset": cycle.back_ratio,
     }  # fmt: skip
@@ -62,5 +62,5 @@ def slip_load(scene: Scene) -> Floats:
     if scene.motion is None:
         return np.asarray(critical_loads(scene).back_slip)
     onset = change_loads(scene)["back_onset"]
-    slips = solve(scene, accuracy="regimes").regime >= Regime.BACK_SLIP
+    slips = solve(scene, output="regimes").regime >= Regime.BACK_SLIP
     return np.where(slips, onset, np.maximum(onset, scene.load))

@@ -27,7 +27,7 @@ _RAISED: Final = 0.1  # [1] and the whole drive by this share
 # Slopes below and above a setting differ by less than this share of the larger one where the speed is smooth.
 _SMOOTH: Final = 0.05
 _JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
-# Inputs of a scene, and whether each is an angle of which 1 % may be nothing.
+# Inputs of a scene, and whether each is an angle, of which 1 % may be too small a change.
 _OF_LINES: Final = {
     "amplitude": False, "frequency": False, "drive_angle": False, "static_friction": False,
     "kinetic_friction": False, "trough_angle": True,

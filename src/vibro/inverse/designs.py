@@ -41,27 +41,28 @@ def design(
     digits: int = DIGITS,
     only: Literal["goal"] | None = None,
 ) -> DesignResult:
-    """Find the drive settings that guarantee a speed to every part of a box of bands.
+    """Find the drive settings that guarantee a speed for every part within given tolerances.
 
     Parameters
     ----------
     spec : path or mapping
-        A TOML file, or a mapping with its keys; docs/guide/design.md lists them.
+        A design file in TOML, or a mapping with the same keys; docs/guide/design.md lists them.
     digits : int, optional
-        Significant digits of settings, from 1 to 15. A setting that does not hold with so few has more.
+        Significant digits of settings, from 1 to 15. A setting that would lose its guarantee by rounding has
+        more.
     only : {"goal"}, optional
-        Leaves out the designs of other regimes than the goal's.
+        ``"goal"`` leaves out designs within other regimes than the goal's highest one.
 
     Returns
     -------
     DesignResult
-        For every drive the gentlest, the fastest and the safest design within the goal's highest regime, then
-        those within each other one of forward-slip, back-slip and hopping.
+        The gentlest (least acceleration), the fastest and the safest design of every drive within the goal's
+        highest regime; then those within forward-slip, back-slip and hopping, as far as these differ from it.
 
     Raises
     ------
     InputError
-        If the question or an argument is invalid; it lists every problem of the question.
+        If the question or an argument is invalid; the message lists all problems.
     FileError
         If the file cannot be read.
 
@@ -159,7 +160,7 @@ class Chosen:
     drive : Drive
         Its drive.
     design : Design
-        Within the goal's regime the safest of all drives; the gentlest where nothing is uncertain, and the
+        Within the goal's regime the safest of all drives; the gentlest without uncertainty, and the
         fastest where no drive meets the goal.
     setting : Setting or Scaled
         In SI units and radians.
@@ -180,7 +181,7 @@ class Chosen:
 def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     """Return the design that the report shows; None if no design guarantees any speed."""
     highest = spec.goal.highest_regime
-    # where nothing is uncertain no design is safer than another, and the safest would be the drive's limit
+    # without uncertainty no design is safer than another, and the safest would be the drive's limit
     wanted = "fastest" if not result.met else "safest" if spec.has_bands else "gentlest"
     covered = result.covered or (None,) * len(result.designs)
     rows = [

@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.inverse.evolved import Evolution, below
 from vibro.inverse.exchange import MOST_MARGIN
-from vibro.inverse.questions import MOST_THROW
+from vibro.inverse.questions import MOST_DESIGN_THROW
 from vibro.inverse.spaces import Setting, inside
 from vibro.inverse.tolerances import TOLERANCES
 
@@ -49,11 +49,11 @@ class EllipseOptimiser(Evolution):
         return Setting(x, y, phase, f), coordinates[0] + coordinates[1], possible & fits
 
     def _most_normal(self, frequency: Floats, scale: float) -> Floats:
-        """Return the largest nominal normal amplitude [m]: where bodies hop, or reach ``MOST_THROW``."""
+        """Return the largest nominal normal amplitude, that of hopping or of ``MOST_DESIGN_THROW`` [m]."""
         question = self._question
         unit = question.box(Setting(1.0, 1.0, 0.0, 1.0), scale)
         weight = question.spec.gravity * unit.hop_load / (2.0 * np.pi * frequency) ** 2
-        most = MOST_THROW if question.flies else 1.0
+        most = MOST_DESIGN_THROW if question.flies else 1.0
         return np.asarray(most * weight / question.growth(scale) * (1.0 - TOLERANCES.beside))
 
     def _most_along(self, frequency: Floats, normal_amplitude: Floats, phase: Floats) -> Floats:

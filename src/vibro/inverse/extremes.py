@@ -168,7 +168,7 @@ def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:
 
 
 def least_of(speed: Floats) -> Floats:
-    """Return the least speed of each row of bodies, without NaN unless a row has nothing else."""
+    """Return the least speed of each row of bodies, ignoring NaN unless all are."""
     known = ~np.isnan(speed)
     return np.where(known.any(axis=1), np.where(known, speed, np.inf).min(axis=1), -np.inf)
 

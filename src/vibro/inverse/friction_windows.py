@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_FRICTION", "FrictionWindow", "friction_windows"]
 
-#: [1] Largest static friction that is looked at: no pair of materials has more.
+#: [1] Largest static friction that is searched: no pair of materials has more.
 MOST_FRICTION: Final = 10.0
-_LEAST: Final = 1e-3  # of the scene's friction, below which nothing is looked at
+_LEAST: Final = 1e-3  # of the scene's friction: lower end of the search
 _TRIED: Final = 129  # frictions to either side, between which a regime that comes and goes may be missed
 
 
@@ -96,7 +96,7 @@ def friction_windows(scene: Scene) -> dict[str, FrictionWindow]:
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    cycle = solve(scene, accuracy="regimes")
+    cycle = solve(scene, output="regimes")
     regime = Regime(int(cycle.regime))
     mu_s, mu_d = float(scene.static_friction), float(scene.kinetic_friction)
     if regime is Regime.HOPPING:
@@ -134,7 +134,7 @@ def _solved(scene: Scene, frictions: Frictions, values: Floats) -> SteadyCycle:
     given = {f.name: getattr(scene, f.name) for f in fields(scene)}
     given["static_friction"], given["kinetic_friction"] = frictions(values)
     given = {name: value for name, value in given.items() if value is not None}
-    return solve(Scene.allowing_infeasible(**given), accuracy="regimes")
+    return solve(Scene.allowing_infeasible(**given), output="regimes")
 
 
 def _end(

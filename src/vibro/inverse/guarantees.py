@@ -43,7 +43,7 @@ _AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude", "motio
 BOXES: Final = 8000
 #: The same where a slower body alone is sought.
 BRIEF: Final = 400
-_CLOSE: Final = 1e-2  # [1] distance of what is proved from the speed, over it, that counts as proved
+_CLOSE: Final = 1e-2  # [1] largest relative distance of a proved bound from a speed called proved
 # Coordinates of the slowest and the fastest body on a line where none slips back: the slowest is the roughest
 # and least driven one, on the steepest trough.
 _CORNERS: Final = (
@@ -65,13 +65,13 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     Parameters
     ----------
     scene : Scene
-        One operating point; it gives the values of fields without a band.
+        One operating point, with the values of all quantities that have no band.
     **bands
-        Pairs (low, high) by the names of fields, in SI units and radians: ``static_friction``,
-        ``kinetic_friction`` or ``friction_ratio``, ``frequency``, ``trough_angle``, and those of the scene's
-        drive: ``amplitude``, ``drive_angle``, or ``along_amplitude``, ``normal_amplitude``,
-        ``normal_phase``, or ``motion_scale`` of a given motion. They need not hold the scene's own value. The
-        box is cut at mu_d <= mu_s.
+        Pairs (low, high) by quantity, in SI units and radians: ``static_friction``, ``kinetic_friction`` or
+        ``friction_ratio``, ``frequency``, ``trough_angle``, and quantities of the drive: ``amplitude`` and
+        ``drive_angle`` of a line; ``along_amplitude``, ``normal_amplitude`` and ``normal_phase`` of an
+        ellipse; ``motion_scale`` of another motion. The scene's own value may be outside the band. Points
+        with mu_d > mu_s do not count.
 
     Returns
     -------
@@ -81,17 +81,22 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     Raises
     ------
     SceneError
-        If the scene is more than one operating point, or a band is invalid; it lists every problem.
+        If the scene is more than one operating point, or a band is invalid; the message lists all problems.
 
     Notes
     -----
-    If the drive moves along a line of a known angle and no body slips back or hops, the speed is monotone,
-    so that both bounds lie at corners of the box (``corners``; theory, section 14). Otherwise bodies in
-    contact are searched by differential evolution, and bounded by boxes that cover the set (``proved``);
-    where even 8000 of them leave more than 1 % it is ``searched``. Of a given motion nothing is proved:
-    bodies in contact are ``searched`` (docs/guide/design.md tells how well). Hopping bodies are sampled
-    (``sampled``). The regimes are those of all bodies that were solved. If a body's motion has no short
-    period, its mean speed is widened by three standard errors.
+    ``Guarantee.proof_min`` and ``proof_max`` say how each bound is known:
+
+    * ``corners``: the drive moves along a line of fixed angle, and no body slides back or hops. The speed is
+      then monotone, and the bounds lie at corners of the box (theory, section 14).
+    * ``proved``: bodies in contact are searched by differential evolution, and a proved bound, from boxes
+      that cover the set, is within 1 % of the result.
+    * ``searched``: the same, but 8000 boxes do not bring the proved bound within 1 %; and all motions that
+      are neither lines nor ellipses, for which nothing is proved (docs/guide/design.md has measurements).
+    * ``sampled``: bodies hop; their speeds are those of a sample.
+
+    The regimes are those of all bodies that were computed. The mean speed of irregular motion is widened by
+    three standard errors.
 
     Examples
     --------
@@ -176,7 +181,7 @@ def bound(
 
 
 def _cornered(extreme: Extreme) -> Bound:
-    """Return a body that is at a corner of its box: its speed is what is proved."""
+    """Return the guarantee of a body at a corner of its box, whose speed is exact."""
     return Bound(extreme, "corners", extreme.speed)
 
 

@@ -16,7 +16,7 @@ from vibro.core.codes import Regime
 from vibro.drives import Line
 from vibro.inverse.exchange import SCATTERED, SEED, Effort, Exchange, Optimum
 from vibro.inverse.proofs import corners, is_braked, onset_load, regime_loads, steeper_is_slower, tip_load
-from vibro.inverse.questions import MOST_THROW
+from vibro.inverse.questions import MOST_DESIGN_THROW
 from vibro.inverse.scenarios import entry_loads
 from vibro.inverse.search import first_crossing, placed, sobol
 from vibro.inverse.spaces import SPACES, Setting, inside
@@ -49,7 +49,7 @@ class _Effort(Effort):
     angles, rounds : int
         Drive angles of the first grid, and rounds of refinement.
     loads : int
-        Loads between which a speed is looked for.
+        Loads between which a speed is searched.
     climbs : int
         Rounds of looking closer at peaks of the speed.
     width : float
@@ -77,8 +77,8 @@ _BOUNCING: Final = _Effort(
     margin=3e-2, scale=3e-2, exchanges=1,
 )  # fmt: skip
 
-_IN_WINDOW: Final = 9  # loads between which a speed is looked for near those of other angles
-_BESIDE: Final = 1e-6  # [1] of a load, least distance of the window's ends from them
+_IN_WINDOW: Final = 9  # loads at which a speed is searched near those of other angles
+_END_MARGIN: Final = 1e-6  # [1] of a load, least distance of the window's ends from them
 _MISSED: Final = 1e6  # [1] against the load of settings that miss the speed
 _AT_REST: Final = 1e6  # [m/s] against the speed of settings at which no part moves
 _KEPT: Final = 3  # angles to look around in each round
@@ -139,7 +139,7 @@ class LineOptimiser(Exchange):
         caps = {name: np.broadcast_to(load / most * least, shape) for name, load in loads.items()}
         limit = np.full(shape, question.drive.acceleration)
         if question.flies:
-            limit = np.minimum(limit, MOST_THROW * box.hop_load / most)
+            limit = np.minimum(limit, MOST_DESIGN_THROW * box.hop_load / most)
         return {**caps, "limit": limit}
 
     def _tip_loads(self, box: UncertaintySet) -> dict[str, Floats]:
@@ -283,7 +283,7 @@ class LineOptimiser(Exchange):
     ) -> Floats:
         """Least loads that reach a speed at drive angles, given those at others, in ascending order.
 
-        The load is looked for near those of both neighbours; over all loads where it is not there.
+        The load is searched near those of both neighbours, and over all loads if it is not found there.
         """
         if not known.size:
             return self._first_load(angles, target, choice)
@@ -293,7 +293,7 @@ class LineOptimiser(Exchange):
         near = np.isfinite(ends).all(axis=0)
         if near.any():
             low, high = ends[:, near].min(axis=0), ends[:, near].max(axis=0)
-            margin = high - low + _BESIDE * high
+            margin = high - low + _END_MARGIN * high
             found[near] = self._first_load(angles[near], target, choice, (low - margin, high + margin))
             near[near] = found[near] > low - margin  # else a load below may reach it too
         lost = ~(near & np.isfinite(found))

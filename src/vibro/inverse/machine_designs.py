@@ -118,7 +118,7 @@ class _Settled:
     def _settle(self, kind: str, question: Question) -> _Held | None:
         """Find a design whose interval holds the amplitudes at its setting, and little more."""
         best: _Held | None = None
-        narrow: Span | None = None  # does not cover what is met at its design
+        narrow: Span | None = None  # does not cover the amplitudes of its design
         wide: Span | None = None  # covers it, or leaves no design
         for _ in range(_ROUNDS):
             finder, machine = find(question, {}, self._digits, self._tell, until=kind), question.drive.machine

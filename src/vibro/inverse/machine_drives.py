@@ -97,22 +97,22 @@ class MachineDrive:
 
     @cached_property
     def amplitude(self) -> float:
-        """Amplitude in the middle of what is covered, at 100 % [m]."""
+        """Amplitude in the middle of the covered interval, at 100 % [m]."""
         return self.middle * self.full_amplitude
 
     @property
     def middle(self) -> float:
-        """Middle of what is covered [1]."""
+        """Middle of the covered interval [1]."""
         return 0.5 * sum(self.covered)
 
     def doubt(self, name: str) -> str:
-        """Return a warning where damping decides much of the amplitude; ``name`` is the drive's."""
+        """Return a warning if the drive is near resonance, else an empty text; ``name`` is the drive's."""
         natural, zeta = self.natural_frequency, self.machine.damping_ratio
         if natural is None or abs(self.frequency / natural - 1.0) > _NEAR * zeta:
             return ""
         return (
             f"{name}: {self.frequency:.6g} Hz is within {_NEAR:g} damping ratios of the resonance at "
-            f"{natural:.6g} Hz, where damping decides much of the amplitude; exchange springs"
+            f"{natural:.6g} Hz, where the amplitude depends much on damping; exchange springs"
         )
 
     @property
@@ -133,7 +133,7 @@ class MachineDrive:
 
     @property
     def is_plain(self) -> bool:
-        """Whether its amplitude at a setting is the same at all frequencies, and whatever the parts."""
+        """Whether its amplitude at a setting is the same at all frequencies and for all parts."""
         return self.natural_frequency is None and not self.is_filled
 
     @property
@@ -204,7 +204,7 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
     question : Question
         Of the machine's drive.
     setting : Setting
-        Nominal motion of the trough; its amplitude is the middle of what is covered.
+        Nominal motion of the trough; its amplitude is the middle of the covered interval.
 
     Notes
     -----

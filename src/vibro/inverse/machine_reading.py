@@ -40,7 +40,7 @@ def machine_drives(table: Table, given: GivenMachine, usual_name: str, drift: fl
     Returns
     -------
     list of Drive
-        Each with its own name; none if something is wrong, which the table's problems tell.
+        Drives with different names; empty if the table has problems.
     """
     packs = _packs(given)
     frequencies = _frequencies(table, given.machine)

@@ -8,7 +8,7 @@ import numpy as np
 
 from vibro.inverse.evolved import Evolution, below
 from vibro.inverse.exchange import MOST_MARGIN, Effort
-from vibro.inverse.questions import MOST_THROW
+from vibro.inverse.questions import MOST_DESIGN_THROW
 from vibro.inverse.spaces import Scaled, inside
 from vibro.inverse.tolerances import TOLERANCES
 
@@ -44,11 +44,11 @@ class MotionOptimiser(Evolution):
         return Scaled(size, f), share, possible
 
     def _most(self, frequency: Floats, scale: float) -> Floats:
-        """Return the largest nominal scale: where bodies hop, or reach ``MOST_THROW``, or the drive ends."""
+        """Return the largest nominal scale: that of hopping, of ``MOST_DESIGN_THROW``, or of the drive."""
         question = self._question
         one = Scaled(1.0, frequency)
         hop = question.box(one, scale).hop_load / question.load(one)
-        most = (MOST_THROW if question.flies else 1.0) * hop / question.growth(scale)
+        most = (MOST_DESIGN_THROW if question.flies else 1.0) * hop / question.growth(scale)
         limit = question.drive.acceleration / question.load(one)
         return np.asarray(np.minimum(most, limit) * (1.0 - TOLERANCES.beside))
 

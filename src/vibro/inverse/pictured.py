@@ -129,12 +129,12 @@ def _with_jumps(low: float, high: float, begins: Begins, spec: Spec) -> Floats:
 
 
 def _most(values: Floats) -> Floats:
-    """Return the largest value of each row, without NaN; NaN where a row has nothing else."""
+    """Return the largest value of each row, ignoring NaN; NaN if all are."""
     return -_least(-values)
 
 
 def _least(speed: Floats) -> Floats:
-    """Return the least speed of each row, without NaN; NaN where a row has nothing else."""
+    """Return the least speed of each row, ignoring NaN; NaN if all are."""
     least = np.where(np.isnan(speed), np.inf, speed).min(axis=1)
     return np.where(np.isinf(least) & (least > 0.0), np.nan, least)
 

@@ -77,7 +77,7 @@ def last_ratio(box: UncertaintySet, regime: Regime) -> float:
 
 
 def slip_ratio(box: UncertaintySet) -> tuple[float, Floats]:
-    """Return a ratio that is above 1 if some body of a single box slips back, and where it is the largest."""
+    """Return a ratio that is above 1 if a body of a single box slips back, and where it is largest."""
     return extreme_ratio(box, slip_load, largest=True)
 
 

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MOST_THROW", "Question"]
+__all__ = ["MOST_DESIGN_THROW", "Question"]
 
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 #: [1] Throw number up to which hopping settings are searched: beyond, flights last many cycles, and landings
 #: damage parts and drive.
-MOST_THROW: Final = 10.0
+MOST_DESIGN_THROW: Final = 10.0
 
 
 @dataclass(frozen=True)

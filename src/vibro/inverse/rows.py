@@ -182,7 +182,7 @@ class Finder:
         tell: Callable[[str], None] = lambda _: None,
         until: str = SEARCHED[-1],
     ) -> dict[str, Rounded]:
-        """Find the designs, by their kind; ``tell(kind)`` says which is searched, ``until`` which is last."""
+        """Find the designs, by their kind; ``tell(kind)`` reports the search, ``until`` is the last kind."""
         if not self.optimiser.has_more():
             return dict(calmer)
         tell("fastest")

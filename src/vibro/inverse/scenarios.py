@@ -33,7 +33,7 @@ _LOAD: Final = 0  # the axis of the load
 _ALONG: Final = ("static_friction", "second_friction", "drive_angle")
 _LOADS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's band at which slowest bodies join
 _PAST: Final = 1.0 + TOLERANCES.past_drop
-_SECTIONS: Final = 3  # of its bracket that are looked at in one call
+_SECTIONS: Final = 3  # of its bracket that are computed in one call
 _WIDTH: Final = 2.0**-40  # [share of a band] to which a drop is found; ``past_drop`` is a thousand times that
 
 
@@ -153,7 +153,7 @@ def _moved_to_drops(boxes: UncertaintySet, coordinates: Floats, axes: NDArray[np
 
 
 def _drop_axis(box: UncertaintySet, coordinates: Floats) -> int:
-    """Return the axis along which back slip enters at a body of a single box; -1 where there is none."""
+    """Return the axis along which back slip enters at a body of a single box; -1 without one."""
     for axis in map(box.axes.index, _ALONG[: 3 if _ALONG[2] in box.axes else 2]):
         if not box.varies[axis]:
             continue
@@ -168,4 +168,4 @@ def _drop_axis(box: UncertaintySet, coordinates: Floats) -> int:
 def _slips_back(boxes: UncertaintySet, points: Points) -> Bools:
     """Return which bodies slip back or hop."""
     scene = boxes.scene(points, fast=False)
-    return np.asarray(solve(scene, accuracy="regimes").regime >= Regime.BACK_SLIP)
+    return np.asarray(solve(scene, output="regimes").regime >= Regime.BACK_SLIP)

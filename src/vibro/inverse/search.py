@@ -26,7 +26,7 @@ _KEPT: Final = 8  # best points, around which more are sampled
 _AROUND: Final = 0.1  # standard deviation of these in the first round
 _CLOSER: Final = 0.4  # factor on it from round to round
 
-_SECTIONS: Final = 7  # of a bracket that are looked at in one call
+_SECTIONS: Final = 7  # of a bracket that are computed in one call
 _PEAK: Final = 17  # points around a peak between two points of the grid
 
 
@@ -172,9 +172,9 @@ def scatter(
     cost : callable
         As for ``evolve``.
     first : (d, n) array
-        The points looked at first.
+        The first points.
     more, rounds : int
-        How many more are looked at in each round, closer and closer around the best.
+        Number of further points in each round, which lie closer and closer around the best.
     seed : int
         Of these.
 

@@ -292,7 +292,7 @@ class MotionSpace(Space):
     def of(cls, motion: Motion, normal_acceleration: float = math.nan) -> MotionSpace:
         """Return the space of a motion."""
         light = Scene(motion=motion, frequency=1.0, static_friction=1.0, kinetic_friction=1.0, gravity=1.0)
-        unit, hops = float(light.load), float(solve(light, accuracy="regimes").throw_number)
+        unit, hops = float(light.load), float(solve(light, output="regimes").throw_number)
         power = 2 if isinstance(motion, HarmonicMotion) else 0
         return cls(
             motion, type(light.arrays()), unit, power, hops / unit if unit else 0.0, normal_acceleration

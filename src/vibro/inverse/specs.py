@@ -41,11 +41,11 @@ class Drive:
     acceleration : float
         Largest acceleration along the path over g [1]; inf without a limit.
     in_stroke : bool
-        Whether the amplitude of a line was given as its stroke, and is told so.
+        Whether the amplitude of a line was given as its stroke, which texts then contain.
     motion : Motion or None
         Of a drive that is a given motion.
     machine : MachineDrive or None
-        Of a drive whose amplitude follows from the setting of a machine, and is told so.
+        The machine from whose setting the amplitude follows; texts contain the setting.
     """
 
     name: str
@@ -68,13 +68,13 @@ class Drive:
 
     @property
     def told(self) -> tuple[str, ...]:
-        """Names of the quantities in which its knobs are told: a stroke or a setting for the amplitude."""
+        """Names of the printed quantities of its variables: a stroke or a setting for the amplitude."""
         size = "setting" if self.machine is not None else "stroke" if self.in_stroke else "amplitude"
         return tuple(size if knob == "amplitude" else knob for knob in self.space.knobs)
 
     @property
     def told_per_amplitude(self) -> float:
-        """Ratio of what is told, a stroke or an amplitude, to the amplitude [1]."""
+        """Ratio of the printed size, a stroke or an amplitude, to the amplitude [1]."""
         return 2.0 if self.in_stroke else 1.0
 
     def scale(self, knob: str) -> float:
@@ -96,7 +96,7 @@ class Drive:
     def accelerations(self) -> Span:
         """Largest acceleration of its gentlest and of its hardest setting, its limit aside [m/s^2].
 
-        That of an ellipse is at least this, whatever the phase: its larger amplitude's.
+        That of an ellipse is at least this for any phase: its larger amplitude's.
         """
         sizes = [self.span(knob) for knob in self.space.sizes]
         slow = min((low for low, _ in self.frequency), default=0.0)
@@ -169,7 +169,7 @@ class Spec:
     stand_ratio : float
         Half base over height of the centre of mass of a part that must stay upright; inf where it need not.
     name : str
-        Of the file, without its suffix; empty where there is none.
+        Name of the file without its suffix; empty without a file.
     """
 
     bands: Mapping[str, Span]

@@ -25,7 +25,7 @@ class Tolerances(NamedTuple):
         Of a speed, by which the slowest body of a search may exceed the slowest of the scenarios
         (tests/inverse/test_guarantees.py: searches agree to 1e-9 with ten times their effort).
     near : float
-        From a critical load, at which a limit at that load is looked for: searches end within 1e-7 of it.
+        Distance from a critical load within which its one-sided limit is computed: searches end within 1e-7.
     either_side : float
         From a critical load at which both sides are compared: beyond the rounding of 1e-12 of its root.
     jump : float

@@ -127,23 +127,21 @@ def feasible_amplitudes(
     amplitude_percent: float = 0.0,
     **bands: Any,
 ) -> list[Interval]:
-    """Nominal amplitudes that guarantee a speed over a box of bands.
+    """Return the nominal amplitudes that guarantee a speed over a box of bands.
 
     Parameters
     ----------
     scene : Scene
-        One operating point. The amplitude of a line is ignored. Of an ellipse the proportion of both
-        amplitudes counts, which change together: ``along_amplitude`` is found, or ``normal_amplitude`` where
-        that is 0. Of a given motion ``motion_scale`` is found.
+        One operating point. Its amplitude is ignored; of an ellipse the proportion of both amplitudes is
+        kept.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"back-slip", "forward-slip", "hopping"}, optional
         Highest regime that may occur anywhere in the box.
     limit : float, optional
-        Largest nominal amplitude [m], of an ellipse the one that is found, or scale of a motion [1]; it must
-        be finite where bodies may hop.
+        Largest nominal amplitude [m], or scale of a motion [1]; it must be finite if bodies may hop.
     amplitude_percent : float, optional
-        Drift of the amplitude from its nominal value, either way, in per cent; both amplitudes of an ellipse
+        Drift of the amplitude from its nominal value, up and down, in per cent; both amplitudes of an ellipse
         drift together.
     **bands
         As for ``vibro.guarantee``, except amplitudes.
@@ -151,8 +149,9 @@ def feasible_amplitudes(
     Returns
     -------
     list of Interval
-        Closed intervals by rising amplitude [m], or scale of a motion [1], with the constraint at each end;
-        empty if no amplitude guarantees the speed, as where bodies move backwards.
+        Closed intervals of the amplitude [m], ascending, with the constraint at each end: of the amplitude of
+        a line; of an ellipse ``along_amplitude``, or ``normal_amplitude`` if that is 0; of another motion
+        ``motion_scale`` [1]. Empty if no amplitude guarantees the speed.
 
     Raises
     ------
@@ -164,16 +163,16 @@ def feasible_amplitudes(
 
     Notes
     -----
-    The least speed of some scenarios is computed over the amplitude, with every critical load and extremum,
-    and its crossings of the target are found to rounding. ``vibro.guarantee`` then confirms whole intervals;
-    slower bodies that it finds join the scenarios.
+    The least speed of a few scenarios is computed as a function of the amplitude, with all its critical loads
+    and extrema; where it crosses the target is found to rounding. ``vibro.guarantee`` then checks whole
+    intervals, and slower bodies that it finds are added to the scenarios.
 
-    The speed of hopping bodies jumps with the amplitude, and where their motion is irregular it does so
-    everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, when ends are found to
-    1e-5; what lies between two of them may be missed (tests/inverse/test_windows.py compares with other
-    amplitudes). A mean of irregular motion counts less three standard errors. With
-    ``highest_regime="forward-slip"`` intervals end where back slip first begins, also if larger amplitudes of
-    an ellipse, or scales of a motion, end it again.
+    The speed of hopping bodies jumps as the amplitude changes, and for irregular motion it does so
+    everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, and ends are found to
+    1e-5; intervals or gaps between two of these amplitudes may be missed (tests/inverse/test_windows.py
+    compares with other amplitudes). Three standard errors are subtracted from a mean of irregular motion.
+    With ``highest_regime="forward-slip"`` an interval ends where back slip first begins, even if back slip
+    ends again at larger amplitudes.
 
     Examples
     --------

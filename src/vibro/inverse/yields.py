@@ -36,19 +36,20 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     Parameters
     ----------
     scene : Scene
-        One operating point; it gives the values of fields without a band.
+        One operating point, with the values of all quantities that have no band.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"forward-slip", "back-slip", "hopping"}
-        Highest regime that counts.
+        Highest regime allowed.
     **bands
-        As for ``vibro.guarantee``. Everything is uniform in its band and independent, cut at mu_d <= mu_s.
+        As for ``vibro.guarantee``. Quantities are independent and uniform in their bands, subject to mu_d <=
+        mu_s.
 
     Returns
     -------
     share, standard_error : float
-        In [0, 1]; the error is that of 8 scrambles of a Sobol sequence, of which as many points are taken as
-        it needs to be at most 3e-4. Points whose speed is unknown do not count as reaching it.
+        Share, in [0, 1], and its standard error, which is at most 3e-4 unless 8 million points do not suffice
+        [1]. Points whose speed is unknown count as not reaching it.
 
     Raises
     ------
@@ -56,6 +57,11 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
         If the scene is more than one operating point, or a band is invalid.
     InputError
         If another argument is invalid.
+
+    Notes
+    -----
+    The share is a mean over 8 scrambled Sobol sequences, whose scatter gives the error; their length is
+    doubled until the error is small enough.
 
     Examples
     --------

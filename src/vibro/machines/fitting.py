@@ -25,7 +25,7 @@ Law = Literal["constant", "square"]
 LAWS: Final = {"constant": 0, "square": 2}
 #: Least number of points at different frequencies: there are three unknowns.
 LEAST_POINTS: Final = 3
-#: Least number of points whose residuals tell the error of an amplitude: two degrees of freedom.
+#: Least number of points whose residuals give the error of an amplitude: two degrees of freedom.
 POINTS_FOR_ERROR: Final = 5
 _CONFIDENCE: Final = 0.95
 # Starts of the search: natural frequencies over those of the points [1], and 4 zeta^2 [1].
@@ -38,7 +38,7 @@ _ENOUGH: Final = 1e-8
 _MOST_STEPS: Final = 100
 # A profile that does not end within this change of a logarithm is unbounded: a factor of about 1000.
 _FARTHEST: Final = 7.0
-_MOST_DAMPING: Final = 16.0  # 4 zeta^2 at a damping ratio of 2, where there is no resonance any more
+_MOST_DAMPING: Final = 16.0  # 4 zeta^2 at a damping ratio of 2, far above those with a resonance
 _CLOSE: Final = 1e-4  # [1] accuracy of the increase of the misfit at an end of an interval
 _MOST_TRIES: Final = 60
 

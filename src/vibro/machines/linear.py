@@ -153,7 +153,7 @@ def slopes(masses: Masses, frequency: Any, found: Transfer, exponent: float) -> 
     g = masses.base_stiffness * r / ww
     free = 1.0 - g
     split, coupling = free + mass * r, kappa * r - ww * free
-    if masses.on_counter_mass:  # what the force through the springs adds is merged, so that nothing cancels
+    if masses.on_counter_mass:  # terms of the force through the springs are merged: no cancellation
         through = mass * ww * free / kappa
         forced = (exponent - 2.0) * found.impedance
         changed = 2.0 * mass * ww - 2.0 * g * kappa - damping * through

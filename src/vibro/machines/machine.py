@@ -1,4 +1,4 @@
-"""The machines that drive troughs: what people know of them, and the amplitude that follows from it."""
+"""The machines that drive troughs: their data, and the amplitude that follows from them."""
 
 from __future__ import annotations
 
@@ -44,18 +44,25 @@ _REMEDIES: Final = {
 
 @dataclass(frozen=True)
 class Calibration:
-    """One amplitude that was measured, which fixes a machine's force.
+    """A measured amplitude, from which the force of a machine follows.
 
     Attributes
     ----------
     amplitude : float
-        Of the trough, half of its stroke, > 0 [m].
+        Amplitude of the trough, half of its stroke, > 0 [m].
     frequency : float
-        Of the drive, > 0 [Hz].
+        Drive frequency, > 0 [Hz].
     setting, voltage : float
-        At which it was measured, over those that count as 100 %, > 0 [1].
+        Setting and voltage during the measurement, over those that count as 100 %, > 0 [1].
     filling : float
-        Mass that was clamped to the trough, >= 0; 0 of an empty machine [kg].
+        Mass that was clamped to the trough, >= 0; 0 if the machine was empty [kg].
+
+    Examples
+    --------
+    0.35 mm at 50 Hz, measured with the controller at 80 %:
+
+    >>> Calibration(0.35e-3, 50, setting=0.8)
+    Calibration(amplitude=0.00035, frequency=50, setting=0.8, voltage=1.0, filling=0.0)
     """
 
     amplitude: float
@@ -67,27 +74,28 @@ class Calibration:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Response:
-    """Motion of a linear machine; arrays of the broadcast shape, NumPy scalars of one case.
+    """Steady motion of a linear machine: arrays of the broadcast shape, or NumPy scalars for one case.
 
     Attributes
     ----------
     amplitude : array
-        Of the trough along the drive's line [m].
+        Amplitude of the trough along the drive's line [m].
     phase : array
-        By which the trough leads the force, in (-pi, pi]; 0 of a crank [rad].
+        Phase lead of the trough over the force, in (-pi, pi]; 0 for a crank [rad].
     counter_amplitude : array
-        Of the counter mass; 0 where the springs stand on the floor [m].
+        Amplitude of the counter mass; 0 if the springs stand on the floor [m].
     relative_amplitude : array
-        Of the trough against the counter mass or the floor: what the springs bend [m].
+        Amplitude of the trough relative to the counter mass or the floor, by which the springs deflect [m].
     filled_natural_frequency : array
-        With the real part of the added mass, without the base mount; inf of a crank, and where a negative
-        added mass takes all of the trough's away [Hz].
+        Natural frequency with the real part of the added mass, without the base mount; inf for a crank, and
+        where a negative added mass leaves no mass of the trough [Hz].
     compliance : complex array
-        H: the amplitude is that of the empty machine over abs(1 + m H), for a complex added mass m [1/kg].
+        H: with a complex added mass m the amplitude is that of the empty machine over ``abs(1 + m H)``
+        [1/kg].
     elasticities : mapping of str to array
-        Percent of amplitude that 1 % more of a quantity brings, the others held: ``frequency``, ``setting``,
-        ``voltage``, ``trough_mass``, ``filling``, ``stiffness`` (of the springs without a rod) and
-        ``damping`` [1].
+        Relative change of the amplitude over the relative change of one quantity, the others constant:
+        ``frequency``, ``setting``, ``voltage``, ``trough_mass``, ``filling``, ``stiffness`` (of the springs
+        without a rod) and ``damping`` [1].
     """
 
     amplitude: Floats
@@ -101,32 +109,37 @@ class Response:
 
 @dataclass(frozen=True, init=False)
 class Machine:
-    """A linear machine that drives a trough along a line: one mass on the floor, or two on springs.
+    """A linear machine that drives a trough along a line, against the floor or a counter mass.
 
-    It is made by the classmethod of its kind: ``unbalance``, ``magnet``, ``exciter``, ``crank``, ``rod`` or
+    Make it with the classmethod of its kind: ``unbalance``, ``magnet``, ``exciter``, ``crank``, ``rod`` or
     ``measured``.
 
     Attributes
     ----------
     kind : str
-        Name of that classmethod.
-    trough_mass, counter_mass : float
-        m1, with all that moves with the empty trough; inf of a crank, which no filling slows. m2; inf where
-        the springs stand on the floor [kg].
+        Name of the classmethod that made it.
+    trough_mass : float
+        Mass m1 of the empty trough with all that moves with it; inf for a crank, whose amplitude does not
+        depend on the filling [kg].
+    counter_mass : float
+        Counter mass m2; inf if the springs stand on the floor [kg].
     natural_frequency : float
-        f0 of the empty machine between its masses; 0 of infinitely soft mounts, inf of a crank [Hz].
+        Natural frequency f0 of the empty machine, without the base mount; 0 for infinitely soft mounts, inf
+        for a crank [Hz].
     damping_ratio : float
-        zeta of the empty machine [1].
-    base_stiffness, rod_stiffness : float
-        Of the mount of m2 on the floor, and of the springs through which a crank acts [N/m].
+        Damping ratio zeta of the empty machine [1].
+    base_stiffness : float
+        Stiffness of the mount of the counter mass on the floor [N/m].
+    rod_stiffness : float
+        Stiffness of the springs through which a crank acts [N/m].
     force : float
-        Amplitude of the force at 100 % setting and voltage and at ``force_frequency``; 0 of a crank [N].
+        Amplitude of the force at 100 % setting and voltage and at ``force_frequency``; 0 for a crank [N].
     force_frequency, force_exponent : float
-        [Hz] and [1]: the force is proportional to (frequency / force_frequency) ** force_exponent.
+        The force is proportional to ``(frequency / force_frequency) ** force_exponent`` [Hz], [1].
     voltage_exponent : float
-        The force is proportional to voltage ** voltage_exponent [1].
+        The force is proportional to ``voltage ** voltage_exponent`` [1].
     radius : float
-        Of a crank; 0 of other machines [m].
+        Radius of a crank; 0 for other machines [m].
     gap : float
         Relative amplitude at which the masses strike each other [m].
 
@@ -156,7 +169,7 @@ class Machine:
 
     def __init__(self) -> None:
         raise InputError(
-            "a machine is made by its kind",
+            "Machine() cannot be called: every machine has a kind",
             hint="call Machine.unbalance, .magnet, .exciter, .crank, .rod or .measured",
         )
 
@@ -181,24 +194,35 @@ class Machine:
         mount_frequency: float = 0.0,
         damping_ratio: float = 0.0,
     ) -> Machine:
-        """Make a trough on soft mounts with unbalance motors on it, which turn against each other.
+        """Make a trough on soft mounts that is driven by counter-rotating unbalance motors.
 
         Parameters
         ----------
         vibrating_mass : float
-            Of the trough with the motors, > 0 [kg].
+            Mass of the trough with the motors, > 0 [kg].
         static_moment : float
             Eccentric mass times its radius, of all motors together, at 100 % setting, > 0 [kg m].
         mount_frequency : float, optional
-            Natural frequency of the empty trough on its mounts, >= 0; without, infinitely soft mounts. At a
-            third of the drive's frequency mounts add 12.5 % of amplitude [Hz].
+            Natural frequency of the empty trough on its mounts, >= 0; by default 0, infinitely soft mounts.
+            Mounts at a third of the drive frequency increase the amplitude by 12.5 % [Hz].
         damping_ratio : float, optional
-            Of the mounts, in [0, 1) [1].
+            Damping ratio of the mounts, in [0, 1) [1].
+
+        Returns
+        -------
+        Machine
+            Of the kind ``unbalance``.
 
         Raises
         ------
         InputError
-            With every argument that is out of its range.
+            If an argument is out of its range; the message lists all of them.
+
+        Examples
+        --------
+        >>> machine = Machine.unbalance(vibrating_mass=200, static_moment=1.2, mount_frequency=4)
+        >>> print(f"{1e3 * machine.response(24.5).amplitude:.2f} mm")
+        6.16 mm
         """
         read = _Reader("unbalance")
         values = {
@@ -227,38 +251,51 @@ class Machine:
         base_stiffness: float = 0.0,
         gap: float = math.inf,
     ) -> Machine:
-        """Make a trough and a counter mass, or the floor, on springs, with a magnet between the two.
+        """Make a trough on springs that a magnet or a piezo drive moves against a counter mass or the floor.
 
         Parameters
         ----------
         trough_mass : float
-            Of the trough with all that moves with it, > 0 [kg].
+            Mass of the trough with all that moves with it, > 0 [kg].
         counter_mass : float, optional
-            > 0; without, the springs stand on the floor [kg].
+            Counter mass, > 0; by default the springs stand on the floor [kg].
         natural_frequency : float
-            Of the empty machine, between its masses, > 0 [Hz].
+            Natural frequency of the empty machine, without the base mount, > 0 [Hz].
         damping_ratio : float
-            In [0, 1) [1].
+            Damping ratio, in [0, 1) [1].
         force : float, optional
-            Amplitude of the force at 100 % setting and voltage, > 0 [N].
+            Amplitude of the force at 100 % setting and voltage, > 0 [N]. Give either this or ``calibration``.
         calibration : Calibration, optional
-            In place of the force an amplitude that was measured.
+            A measured amplitude, from which the force follows.
         voltage_exponent : float, optional
-            Of the force: 2 of a magnet, 1 of a piezo drive, > 0 [1].
+            The force is proportional to this power of the voltage: 2 for a magnet, 1 for a piezo drive, > 0
+            [1].
         law : {"current", "voltage"}, optional
-            Whether the force is the same at every frequency, or that of a coil on a constant voltage:
-            proportional to 1 / frequency^2.
+            ``current``: the force does not depend on the frequency. ``voltage``: it is proportional to
+            1 / frequency^2, as that of a coil at constant voltage.
         force_frequency : float, optional
-            Of the voltage law, at which the force was told; without, that of the calibration [Hz].
+            With ``law="voltage"``, the frequency at which the force is as given; by default that of the
+            calibration [Hz].
         base_stiffness : float, optional
-            Of the mount of the counter mass on the floor, >= 0 [N/m].
+            Stiffness of the mount of the counter mass on the floor, >= 0 [N/m].
         gap : float, optional
-            Relative amplitude at which the magnet's faces strike each other, > 0 [m].
+            Relative amplitude at which the faces of the magnet strike each other, > 0 [m].
+
+        Returns
+        -------
+        Machine
+            Of the kind ``magnet``.
 
         Raises
         ------
         InputError
-            With every argument that is missing, out of its range or given twice.
+            If an argument is missing, out of its range or given twice; the message lists all of them.
+
+        Examples
+        --------
+        >>> machine = Machine.magnet(trough_mass=6, natural_frequency=55, damping_ratio=0.02, force=40)
+        >>> print(f"{1e3 * machine.response(50).amplitude:.3f} mm")
+        0.315 mm
         """
         read = _Reader("magnet")
         values = {
@@ -270,7 +307,7 @@ class Machine:
             read.problem(f"law = {shown(law)}: must be 'current' or 'voltage'", field="law")
         if (force is None) == (calibration is None):
             read.problem(
-                f"force = {shown(force)} and calibration = {shown(calibration)}: must be either of them",
+                f"force = {shown(force)} and calibration = {shown(calibration)}: must be one or the other",
                 "give the force, or one amplitude that was measured:"
                 " calibration=vibro.Calibration(amplitude=0.35e-3, frequency=50)",
                 "force",
@@ -304,25 +341,37 @@ class Machine:
         damping_ratio: float | None = None,
         base_stiffness: float = 0.0,
     ) -> Machine:
-        """Make a trough that springs couple to an exciter mass with unbalance motors on it.
+        """Make a trough on springs on an exciter mass that is driven by unbalance motors.
 
         Parameters
         ----------
         trough_mass, counter_mass : float
-            Of the trough, and of the exciter with its motors, > 0 [kg].
+            Masses of the trough and of the exciter with its motors, > 0 [kg].
         static_moment : float
             Eccentric mass times its radius, of all motors together, at 100 % setting, > 0 [kg m].
         natural_frequency : float
-            Of the empty machine, between its masses, > 0 [Hz].
+            Natural frequency of the empty machine, without the base mount, > 0 [Hz].
         damping_ratio : float
-            In [0, 1) [1].
+            Damping ratio, in [0, 1) [1].
         base_stiffness : float, optional
-            Of the mount of the exciter mass on the floor, >= 0 [N/m].
+            Stiffness of the mount of the exciter mass on the floor, >= 0 [N/m].
+
+        Returns
+        -------
+        Machine
+            Of the kind ``exciter``.
 
         Raises
         ------
         InputError
-            With every argument that is missing or out of its range.
+            If an argument is missing or out of its range; the message lists all of them.
+
+        Examples
+        --------
+        >>> machine = Machine.exciter(trough_mass=100, counter_mass=50, static_moment=0.3,
+        ...                           natural_frequency=18, damping_ratio=0.02)
+        >>> print(f"{1e3 * machine.response(16.5).amplitude:.2f} mm")
+        12.21 mm
         """
         read = _Reader("exciter")
         values = read.two_masses(trough_mass, counter_mass, natural_frequency, damping_ratio, base_stiffness)
@@ -337,17 +386,27 @@ class Machine:
     @classmethod
     @shielded
     def crank(cls, *, radius: float) -> Machine:
-        """Make a trough that a rigid crank moves: no filling slows it.
+        """Make a trough that is driven by a rigid crank; its amplitude does not depend on the filling.
 
         Parameters
         ----------
         radius : float
-            At 100 % setting, > 0 [m].
+            Radius of the crank at 100 % setting, > 0 [m].
+
+        Returns
+        -------
+        Machine
+            Of the kind ``crank``.
 
         Raises
         ------
         InputError
             If the radius is out of its range.
+
+        Examples
+        --------
+        >>> print(f"{1e3 * Machine.crank(radius=8e-3).response(8).amplitude:.2f} mm")
+        8.00 mm
         """
         read = _Reader("crank")
         value = read("radius", radius)
@@ -365,26 +424,39 @@ class Machine:
         natural_frequency: float | None = None,
         damping_ratio: float | None = None,
     ) -> Machine:
-        """Make a trough on springs that a crank moves through a soft rod.
+        """Make a trough on springs that is driven by a crank through a soft rod.
 
         Parameters
         ----------
         radius : float
-            Of the crank, at 100 % setting, > 0 [m].
+            Radius of the crank at 100 % setting, > 0 [m].
         rod_stiffness : float
-            Of the springs in the rod, > 0 [N/m].
+            Stiffness of the springs in the rod, > 0 [N/m].
         trough_mass : float
-            > 0 [kg].
+            Mass of the trough with all that moves with it, > 0 [kg].
         natural_frequency : float
-            Of the empty trough on all springs, with the rod's while the crank stands, > 0 [Hz].
+            Natural frequency of the empty trough on all its springs, those of the rod included, with the
+            crank at rest, > 0 [Hz].
         damping_ratio : float
-            In [0, 1) [1].
+            Damping ratio, in [0, 1) [1].
+
+        Returns
+        -------
+        Machine
+            Of the kind ``rod``.
 
         Raises
         ------
         InputError
-            With every argument that is missing or out of its range, and if the rod alone is stiffer than the
-            natural frequency allows.
+            If an argument is missing or out of its range, or the rod is stiffer than all springs together;
+            the message lists all problems.
+
+        Examples
+        --------
+        >>> machine = Machine.rod(radius=5e-3, rod_stiffness=2e5, trough_mass=80, natural_frequency=12,
+        ...                       damping_ratio=0.03)
+        >>> print(f"{1e3 * machine.response(10).amplitude:.2f} mm")
+        7.10 mm
         """
         read = _Reader("rod")
         values = read.two_masses(trough_mass, math.inf, natural_frequency, damping_ratio, 0.0)
@@ -412,31 +484,45 @@ class Machine:
         voltage_exponent: float | None = None,
         gap: float = math.inf,
     ) -> Machine:
-        """Make a machine from amplitudes that were measured over the frequency, empty and at 100 % setting.
+        """Make a machine from measured amplitudes of the empty trough at several frequencies.
 
         Parameters
         ----------
         points : array_like, shape (n, 2)
-            Frequency [Hz] and amplitude [m], of 3 or more frequencies on both sides of the resonance.
+            Frequency [Hz] and amplitude [m] at 100 % setting, at 3 or more frequencies on both sides of the
+            resonance.
         trough_mass : float
-            Of the trough with all that moves with it, > 0 [kg].
+            Mass of the trough with all that moves with it, > 0 [kg].
         counter_mass : float, optional
-            > 0; without, the springs stand on the floor [kg].
+            Counter mass, > 0; by default the springs stand on the floor [kg].
         law : {"constant", "square"}, optional
-            How the force depends on the frequency: constant of a magnet, and of unbalance on a counter mass;
-            square of unbalance on the trough.
+            How the force depends on the frequency: ``constant`` for a magnet, and for unbalance motors on a
+            counter mass; ``square`` for unbalance motors on the trough.
         voltage_exponent : float, optional
-            Of the force; without, 2 of a constant force, as a magnet's, and 0 of unbalance [1].
+            The force is proportional to this power of the voltage; by default 2 with ``law="constant"``, and
+            0 with ``law="square"`` [1].
         gap : float, optional
-            As of ``magnet``.
+            Relative amplitude at which the masses strike each other, > 0 [m].
+
+        Returns
+        -------
+        Machine
+            Of the kind ``measured``, with the natural frequency, damping ratio and force that fit best.
 
         Raises
         ------
         InputError
-            With every argument that is out of its range, and if the points determine no natural frequency or
-            no damping.
+            If an argument is out of its range, or the points do not determine the natural frequency or the
+            damping; the message lists all problems.
         SceneError
-            If the points are no such pairs.
+            If the points are not such pairs.
+
+        Examples
+        --------
+        >>> points = [(44, 0.21e-3), (47, 0.62e-3), (48, 0.71e-3), (50, 0.34e-3), (54, 0.14e-3)]
+        >>> machine = Machine.measured(points=points, trough_mass=6, counter_mass=12)
+        >>> print(f"{machine.natural_frequency:.1f} Hz, {machine.damping_ratio:.3f}")
+        47.9 Hz, 0.025
         """
         from vibro.machines.fitting import fit_response
 
@@ -458,7 +544,7 @@ class Machine:
         for name, value in (("natural frequency", fit.natural_frequency), ("damping", fit.damping_ratio)):
             if math.isnan(value):
                 read.problem(
-                    f"points: they determine no {name}",
+                    f"points: they do not determine the {name}",
                     "measure on both sides of the resonance, some points within 5 % of it; or describe a"
                     " magnet, by its natural frequency and damping ratio",
                     "points",
@@ -482,12 +568,17 @@ class Machine:
         Parameters
         ----------
         natural_frequency : float
-            Of the empty machine with that pack, > 0 [Hz].
+            Natural frequency of the empty machine with that pack, > 0 [Hz].
+
+        Returns
+        -------
+        Machine
+            A new machine.
 
         Raises
         ------
         InputError
-            If it is out of its range, or the machine is a crank.
+            If the frequency is out of its range, or the machine is a crank.
         """
         self._require_springs("natural_frequency", natural_frequency)
         problems = Problems()
@@ -507,20 +598,20 @@ class Machine:
         added_mass: Any = 0.0,
         natural_frequency: ArrayLike | None = None,
     ) -> Response:
-        """Return amplitudes, phase, filled natural frequency and elasticities.
+        """Return the steady motion of the machine: amplitudes, phase, natural frequency and elasticities.
 
         Parameters
         ----------
         frequency : array_like
-            Of the drive, > 0 [Hz].
+            Drive frequency, > 0 [Hz].
         setting : array_like, optional
-            Force, static moment or radius over that at 100 %, > 0 [1].
+            Force, static moment or radius over its value at 100 %, > 0 [1].
         voltage : array_like, optional
-            Over that at 100 %, > 0; of a magnet alone, other machines do not depend on it [1].
+            Voltage over that at 100 %, > 0; it has an effect on magnets only [1].
         added_mass : complex array_like, optional
-            The filling's m (lambda - i delta) [kg].
+            Complex mass ``m (lambda - i delta)`` of the filling; ``vibro.filling`` computes the shares [kg].
         natural_frequency : array_like, optional
-            Of other spring packs, as in ``with_natural_frequency`` [Hz].
+            Natural frequencies of other spring packs, as in ``with_natural_frequency`` [Hz].
 
         Returns
         -------
@@ -534,7 +625,14 @@ class Machine:
 
         Notes
         -----
-        Eqs. (85) to (87); within 1e-12 of 60 digits on 40 machines (tests/machines/test_machine.py).
+        Eqs. (85) to (87); within 1e-12 of a computation in 60 digits on 40 machines
+        (tests/machines/test_machine.py).
+
+        Examples
+        --------
+        >>> machine = Machine.magnet(trough_mass=6, natural_frequency=55, damping_ratio=0.02, force=40)
+        >>> print(*(f"{1e3 * x:.3f} mm" for x in machine.response(50, added_mass=[0, 0.4]).amplitude))
+        0.315 mm 0.451 mm
         """
         f, s, u, f0, added = self.broadcast(frequency, setting, voltage, natural_frequency, added_mass)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -578,7 +676,13 @@ class Machine:
         natural_frequency: ArrayLike | None,
         added_mass: Any = 0.0,
     ) -> tuple[Floats, Floats, Floats, Floats, Complexes]:
-        """Check the arguments of ``response``, and broadcast them against each other."""
+        """Check the arguments of ``response`` and broadcast them against each other.
+
+        Returns
+        -------
+        frequency, setting, voltage, natural_frequency, added_mass : array
+            Arrays of the common shape.
+        """
         if natural_frequency is not None:
             self._require_springs("natural_frequency", natural_frequency)
         problems = Problems()
@@ -603,12 +707,33 @@ class Machine:
         return _positive(problems, "natural_frequency", natural_frequency, "Hz", least)
 
     def force_at(self, frequency: Any, setting: Any = 1.0, voltage: Any = 1.0) -> Any:
-        """Return the force's amplitude [N]."""
+        """Return the amplitude of the force [N].
+
+        Parameters
+        ----------
+        frequency : array_like
+            Drive frequency [Hz].
+        setting, voltage : array_like, optional
+            Setting and voltage over those at 100 % [1].
+        """
         ratio = frequency / self.force_frequency
         return self.force * setting * voltage**self.voltage_exponent * ratio**self.force_exponent
 
     def filled_natural_frequency(self, natural_frequency: Floats, added: Floats) -> Floats:
-        """Return the natural frequency with a mass added to the trough; inf where none is left [Hz]."""
+        """Return the natural frequency with a mass added to the trough.
+
+        Parameters
+        ----------
+        natural_frequency : array
+            Natural frequency of the empty machine [Hz].
+        added : array
+            Added mass, which may be negative [kg].
+
+        Returns
+        -------
+        array
+            Natural frequency; inf where a negative added mass leaves no mass of the trough [Hz].
+        """
         r, m1 = self.masses.counter_inverse, self.trough_mass
         filled = m1 + added
         ratio = (m1 / filled) * ((1.0 + filled * r) / (1.0 + m1 * r))
@@ -616,7 +741,7 @@ class Machine:
 
     @property
     def masses(self) -> Masses:
-        """What decides its motion for a given force."""
+        """Masses, damping and stiffnesses, for the equations of motion."""
         return Masses(
             self.trough_mass, 1.0 / self.counter_mass, self.damping_ratio, self.base_stiffness,
             self.rod_stiffness, self.kind == "exciter",
@@ -624,22 +749,23 @@ class Machine:
 
     @shielded
     def load_proof_frequency(self, frequency: float) -> float:
-        """Return the natural frequency with which no filling changes the amplitude, Eq. (88).
+        """Return the natural frequency at which the amplitude does not depend on the filling, Eq. (88).
 
         Parameters
         ----------
         frequency : float
-            Of the drive, > 0 [Hz].
+            Drive frequency, > 0 [Hz].
 
         Returns
         -------
         float
-            Of the empty machine; exact without damping [Hz].
+            Natural frequency of the empty machine, for which the counter mass acts as an absorber; exact
+            without damping [Hz].
 
         Raises
         ------
         InputError
-            If the machine has no counter mass, or its base mount alone is too stiff for any such pack.
+            If the machine has no counter mass, or its base mount is too stiff.
         """
         read = _Reader(self.kind)
         f = read("frequency", frequency)
@@ -660,9 +786,10 @@ class Machine:
 
     @shielded
     def load_proof_force(self, frequency: float) -> float:
-        """Return the force that the load-proof pack takes, over that of this pack at the same amplitude [1].
+        """Return the force needed with the load-proof spring pack, over that with the present pack [1].
 
-        Both machines are empty; arguments and errors are those of ``load_proof_frequency``.
+        Both forces give the empty trough the same amplitude. Parameters and errors are those of
+        ``load_proof_frequency``.
         """
         pack = self.with_natural_frequency(self.load_proof_frequency(frequency))
         own, other = (float(m.response(frequency).amplitude) for m in (self, pack))
@@ -672,21 +799,21 @@ class Machine:
     def mass_to_resonance(
         self, frequency: ArrayLike, *, natural_frequency: ArrayLike | None = None
     ) -> Floats:
-        """Return the mass on the trough with which the machine is in resonance with the drive.
+        """Return the mass that, added to the trough, brings the machine into resonance.
 
         Parameters
         ----------
         frequency : array_like
-            Of the drive, > 0 [Hz].
+            Drive frequency, > 0 [Hz].
         natural_frequency : array_like, optional
-            Of other spring packs [Hz].
+            Natural frequencies of other spring packs [Hz].
 
         Returns
         -------
         array
-            Of a filling ``filling * added_mass_share``; without base mount and damping [kg]. Negative where
-            the drive is above resonance, so that a filling leads away from it; inf where no mass is enough,
-            and of a crank.
+            Added mass, that is ``filling * added_mass_share`` of a filling, computed without base mount and
+            damping [kg]. It is negative if the drive is above resonance, so that a filling moves the machine
+            away from it; inf if no mass is large enough, and for a crank.
 
         Raises
         ------
@@ -831,7 +958,7 @@ def _complex(problems: Problems, value: Any) -> Complexes:
 
 
 def driven(machine: Machine, f: Floats, s: Floats, u: Floats, f0: Floats) -> tuple[Floats, Transfer | None]:
-    """Return the empty machine's amplitude and its transfer; None of a crank, which nothing slows."""
+    """Return the empty machine's amplitude and its transfer; None for a crank, whose amplitude is fixed."""
     if machine.kind == "crank":
         return machine.radius * s, None
     found = transfer(machine.masses, f, f0, 0.0)

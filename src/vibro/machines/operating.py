@@ -34,15 +34,15 @@ if TYPE_CHECKING:
 
 __all__ = ["OperatingPoints", "operate", "operating_points"]
 
-# Amplitudes that are looked at: logarithms apart of neighbours, and how many at most between the ends.
+# Amplitudes that are computed: logarithms of the ratio of neighbours, and their largest number.
 _STEP: Final = 0.03
 _FINE_STEP: Final = 0.002
 _MOST: Final = 64
 _FINE_MOST: Final = 2048
 # Where slides begin or change their kind, shares jump and have roots of the distance: relative distances of
-# the amplitudes looked at there. Critical loads are exact to a few ulp.
-_BESIDE: Final = (-1e-12, 1e-12, 1e-6, 1e-4, 1e-3, 1e-2)
-_LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is looked at of bodies that never rest
+# the amplitudes computed there. Critical loads are exact to a few ulp.
+_NEAR_JUMPS: Final = (-1e-12, 1e-12, 1e-6, 1e-4, 1e-3, 1e-2)
+_LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is computed for bodies that never rest
 _ROUNDING: Final = 1e-9  # [1] by which bounds are widened
 _JUMP: Final = 1e-9  # [1] residual over the empty amplitude that only a jump leaves in a closed bracket
 _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  # of what is checked after it
@@ -52,47 +52,50 @@ _CHUNK: Final = 8192  # [cells] whose amplitudes are held at once
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OperatingPoints:
-    """Machine and filling together; arrays of the broadcast shape, NumPy scalars of one case.
+    """Operating points of a machine with its filling; returned by ``vibro.operate``.
 
-    Of several operating points the one with the least amplitude is given, which the machine reaches when it
-    is switched on.
+    Arrays have the broadcast shape of the arguments; one case gives NumPy scalars. Where several operating
+    points exist, the one with the least amplitude is returned, which the machine reaches when it starts.
 
     Attributes
     ----------
     scene : Scene
-        What lies in the trough, at the amplitude found: ``vibro.solve(points.scene)``.
+        The scene at the amplitude of the operating point, for ``vibro.solve(points.scene)``.
     amplitude : array
-        NaN where the filling has no settled motion (see ``status``), or the masses strike each other [m].
+        Amplitude of the trough; NaN where the motion of the filling has no steady state (see ``status``), or
+        where the masses strike each other [m].
     amplitude_empty : array
-        Without filling [m].
+        Amplitude without filling [m].
     amplitude_low, amplitude_high : array
-        Between which the amplitude lies; equal to it unless ``status`` is ``AVERAGED`` [m].
+        Bounds on the amplitude, which differ from it only where ``status`` is ``AVERAGED`` [m].
     phase : array
-        By which the trough leads the force, in (-pi, pi] [rad].
+        Phase lead of the trough over the force, in (-pi, pi] [rad].
     relative_amplitude : array
-        Of the trough against the counter mass or the floor [m].
+        Amplitude of the trough relative to the counter mass or the floor [m].
     frequency_ratio, filled_frequency_ratio : array
-        Frequency over the natural frequency, empty and with the filling's added mass [1].
+        Drive frequency over the natural frequency of the empty machine, and of that with the filling's added
+        mass [1].
     added_mass_share, added_damping_share : array
-        Of the filling; NaN without a filling, and where they are unknown [1].
+        Shares of the filling's mass that act as added mass and as added damping; NaN without a filling, and
+        where they are unknown [1].
     second_harmonic : array
-        Amplitude of the trough's second harmonic over that of the first; NaN where the filling's is unknown
-        [1].
+        Amplitude of the second harmonic of the trough's motion, which the filling causes, over that of the
+        first; NaN where it is unknown [1].
     second_phasor : complex array
-        The same with its phase: where the first harmonic is ``A sin(w t)`` the second one is the imaginary
-        part of ``A second_phasor exp(2j w t)`` [1].
+        The second harmonic with its phase: if the first harmonic is ``A sin(w t)``, the second one is the
+        imaginary part of ``A second_phasor exp(2j w t)`` [1].
     number : array of int
-        Operating points that were found; 0 where there is none that can be told.
+        Number of operating points that were found; 0 where none can be determined.
     at_jump : array of bool
-        Whether the shares jump at the amplitude, so that the machine never settles: more amplitude makes the
-        filling take more than it has, less makes it take less. The motion given is that just below.
+        Whether the shares jump at the amplitude. There is no steady operating point then: just above, the
+        filling reduces the amplitude, just below, it lets it grow. The motion returned is that just below.
     strikes : array of bool
-        Whether the relative amplitude exceeds the machine's gap: no linear machine any more.
+        Whether the relative amplitude exceeds the machine's gap, so that the linear model is not valid.
     status : array of int8
-        ``Status``: OK, BOUNDARY at a jump, AVERAGED where irregular motion leaves the filling's shares to a
-        bound, or why there is no settled motion.
+        Code of the ``Status``: OK; BOUNDARY at a jump; AVERAGED where the motion of the filling is irregular
+        and its force is known to a bound; or the reason why there is no steady state.
     machine : Machine
-        That drives the trough.
+        The machine that drives the trough.
     """
 
     scene: Scene
@@ -117,43 +120,49 @@ class OperatingPoints:
     @property
     @shielded
     def near_resonance(self) -> NDArray[np.bool_]:
-        """Whether the drive is within 2 zeta of resonance, empty or filled: damping decides much of there."""
+        """Whether the drive is within 2 zeta of resonance, empty or filled: damping matters there."""
         ratios = np.stack(np.broadcast_arrays(self.frequency_ratio, self.filled_frequency_ratio))
         return np.asarray(np.any(np.abs(ratios - 1.0) <= 2.0 * self.machine.damping_ratio, axis=0))[()]
 
     @property
     @shielded
     def scene_with_second_harmonic(self) -> Scene:
-        """What lies in the trough, which moves with its second harmonic too, where that is known."""
+        """The scene with the second harmonic of the trough's motion, where that is known."""
         return with_second_harmonic(self.scene, self.second_phasor)
 
     @shielded
     def speed_with_second_harmonic(self, *, threads: int | None = None) -> Floats:
-        """Return the mean speed of a filling whose trough moves with its second harmonic too.
+        """Return the mean speed with the second harmonic of the trough's motion.
 
         Parameters
         ----------
         threads : int, optional
-            As of ``vibro.solve``.
+            As for ``vibro.solve``.
 
         Returns
         -------
         array
-            NaN where the amplitude or the speed is unknown; the speed of the sine where the second harmonic
-            is [m/s].
+            Mean speed [m/s]; NaN where the amplitude or the speed is unknown. Where the second harmonic is
+            unknown, it is the speed without it.
 
         Notes
         -----
-        The second harmonic follows from the filling's force under the sine, Eq. (92). On ten machines with
-        10 to 50 % of filling, and the worked feeder of docs/theory, the error of the speed falls from up to
-        16 % to 4 % (tests/machines/test_second_harmonic.py).
+        The second harmonic follows from the force of the filling on a sinusoidal trough, Eq. (92). On ten
+        machines with fillings of 10 to 50 % of the trough's mass, and the worked feeder of docs/theory, it
+        reduces the error of the speed from up to 16 % to 4 % (tests/machines/test_second_harmonic.py).
         """
         speed = solve(self.scene_with_second_harmonic, threads=threads).mean_velocity
         return np.where(np.isnan(self.amplitude), np.nan, speed)[()]
 
     @shielded
     def remarks(self) -> list[str]:
-        """Return what a reader of the numbers must know, one sentence each; counted in arrays."""
+        """Return warnings and remarks on the numbers.
+
+        Returns
+        -------
+        list of str
+            One sentence each; for arrays it begins with the number of cells concerned.
+        """
         zeta = self.machine.damping_ratio
         second = np.nan_to_num(self.second_harmonic)
         several = np.asarray(self.number) > 1
@@ -161,27 +170,28 @@ class OperatingPoints:
         told = (
             (
                 self.near_resonance & (zeta > 0.0),
-                f"the drive is within 2 zeta = {100.0 * 2.0 * zeta:.3g} % of resonance: damping decides much"
-                " of the amplitude, and damping is the least known",
+                f"the drive is within 2 zeta = {100.0 * 2.0 * zeta:.3g} % of resonance: the amplitude depends"
+                " much on damping, which is known least",
             ),
             (
                 several,
-                f"{np.max(self.number, initial=0)} operating points exist: the one with the least amplitude"
-                " is given",
+                f"{np.max(self.number, initial=0)} operating points exist: this is the one with the least"
+                " amplitude",
             ),
             (
                 self.at_jump,
-                "the amplitude hovers where the filling's motion changes: no steady operating point exists",
+                "the filling's motion changes at this amplitude, and its force jumps: there is no steady"
+                " operating point",
             ),
             (
                 averaged,
-                "the filling moves irregularly: its force is bounded, and so is the amplitude",
+                "the filling's motion is irregular: its force and the amplitude are known within bounds",
             ),
             (
                 second > WARNED_HARMONIC,
-                "the filling bends the trough's motion: a second harmonic of"
-                f" {100.0 * np.max(second, initial=0.0):.2g} % of the amplitude; at 0.3 to 3 % bodies were"
-                " 8 % slower to 24 % faster than computed for a sine",
+                f"the filling adds a second harmonic of {100.0 * np.max(second, initial=0.0):.2g} % of the"
+                " amplitude to the trough's motion; at 0.3 to 3 % bodies were 8 % slower to 24 % faster than"
+                " with a sinusoidal motion",
             ),
             (self.strikes, "the relative amplitude exceeds the gap: the machine strikes"),
         )
@@ -251,38 +261,39 @@ def operate(
     allow_strikes: bool = False,
     threads: int | None = None,
 ) -> OperatingPoints:
-    """Return the amplitude at which a machine drives its trough with a filling in it.
+    """Return the operating point of a machine with a filling in its trough.
 
-    The trough moves as a sine along the line of the drive; the filling acts by the first harmonic of its
-    force. All arrays broadcast against each other.
+    The amplitude is found at which the force of the filling on the trough and the motion of the machine
+    agree. The trough moves sinusoidally along the line of the drive; of the filling's force the first
+    harmonic acts. All arrays broadcast against each other.
 
     Parameters
     ----------
     machine : Machine
         What drives the trough.
     frequency : array_like
-        Of the drive, > 0 [Hz].
+        Drive frequency, > 0 [Hz].
     drive_angle, static_friction, kinetic_friction, trough_angle, gravity, restitution : array_like
-        As of ``Scene``.
+        As for ``Scene``.
     setting, voltage : array_like, optional
-        Over those at 100 %, > 0 [1].
+        Setting and voltage over those at 100 %, > 0 [1].
     filling : array_like, optional
-        Mass of what lies in the trough, >= 0 [kg].
+        Mass of the filling, >= 0 [kg].
     natural_frequency : array_like, optional
-        Of other spring packs; without, the machine's own [Hz].
+        Natural frequencies of other spring packs; by default that of the machine [Hz].
     added_mass_share, added_damping_share : array_like, optional
-        Of the filling where it was measured; without, they are computed. The damping share without a mass
-        share is not allowed; the other way round it is 0 [1].
+        Measured shares of the filling's mass; by default they are computed. If only the mass share is given,
+        the damping share is 0; the damping share alone is an error [1].
     allow_strikes : bool, optional
-        Whether cells whose relative amplitude exceeds the machine's gap, or is infinite, are marked in
-        ``strikes``, without an amplitude, rather than an error.
+        If True, cells whose relative amplitude exceeds the machine's gap, or is infinite, have no amplitude
+        and are marked in ``OperatingPoints.strikes``; by default they are an error.
     threads : int, optional
-        As of ``vibro.solve``.
+        As for ``vibro.solve``.
 
     Returns
     -------
     OperatingPoints
-        Arrays of the broadcast shape. A cell does not depend on the others.
+        Arrays of the broadcast shape. The result of a cell does not depend on the other cells.
 
     Raises
     ------
@@ -290,16 +301,15 @@ def operate(
         If an argument of the machine is out of its range, the masses strike each other, or the amplitude is
         infinite.
     SceneError
-        If an angle, a friction or a restitution is out of its range; kinetic above static friction gives the
-        status ``INFEASIBLE``.
+        If an angle, a friction or a restitution is out of its range. Kinetic above static friction is no
+        error but gives the status ``INFEASIBLE``.
 
-    Notes
-    -----
-    Eqs. (89) to (92). Every operating point lies between two amplitudes that are proved; between these some
-    30 amplitudes are looked at, more of them where slides begin. Two points closer to each other than 3 % may
-    be missed, both at once. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py). The
-    force's first harmonic alone is fed back: with fillings of up to half of the trough's mass, trough and
-    body followed together in time have amplitudes up to 1 % less to 5 % more (benchmarks/filling.py).
+    Notes ----- Eqs. (89) to (92). All operating points lie between two proved bounds. Between these about 30
+    amplitudes are searched, with more of them where slides begin: a pair of operating points that differ by
+    less than 3 % may be missed. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py).
+    Because only the first harmonic of the force is fed back, a simulation of trough and body together has
+    amplitudes from 1 % less to 5 % more, for fillings of up to half of the trough's mass
+    (benchmarks/filling.py).
 
     Examples
     --------
@@ -344,7 +354,7 @@ def operate(
 @shielded
 @_QUIET
 def operating_points(machine: Machine, **case: Any) -> tuple[float, ...]:
-    """List the amplitudes of all operating points of one case, by size.
+    """Return the amplitudes of all operating points of one case.
 
     Parameters
     ----------
@@ -356,18 +366,18 @@ def operating_points(machine: Machine, **case: Any) -> tuple[float, ...]:
     Returns
     -------
     tuple of float
-        Amplitudes, those at jumps among them, and one of irregular motion in each range of such motion that
-        has an operating point; empty where the filling has no steady motion at all [m]. The machine leaves
-        the second, and every other one from there, as soon as it is disturbed.
+        Ascending amplitudes [m], including those at jumps, and one for each range of irregular motion that
+        contains an operating point. It is empty if the filling has no steady motion. The second, fourth, ...
+        amplitudes are unstable.
 
     Raises
     ------
     InputError, SceneError
-        As of ``operate``, and if an argument is more than one number.
+        As for ``operate``, and if an argument is more than one number.
 
     Notes
     -----
-    As of ``operate``, on up to 2048 amplitudes 0.2 % apart.
+    As for ``operate``, with up to 2048 amplitudes 0.2 % apart.
 
     Examples
     --------
@@ -519,7 +529,7 @@ class _Found(NamedTuple):
 
 
 class _Nodes(NamedTuple):
-    """Amplitudes that were looked at, by cells and by size.
+    """Amplitudes that were computed, by cells and by size.
 
     Attributes
     ----------
@@ -546,7 +556,7 @@ class _Turns(NamedTuple):
     low, high, at_low, at_high : array
         Amplitudes below and above, with known shares where there are such, and the residual there [m].
     last : array
-        Index of the last node that was looked at up to there.
+        Index of the last node computed so far.
     inside : array
         Amplitude between the two where shares are unknown, if there is such a node [m].
     settled : bool array
@@ -620,11 +630,11 @@ class _Together(NamedTuple):
         unit = body["gravity"] / (2.0 * np.pi * fields["frequency"]) ** 2  # [m] amplitude at a load of 1
         critical = np.stack([load * unit for load in loads], axis=-1)
         same = loads.back_slip <= loads.back_onset * (1.0 + _ROUNDING)  # never earlier
-        critical[same, loads._fields.index("back_slip")] = np.nan  # it is looked at once
+        critical[same, loads._fields.index("back_slip")] = np.nan  # one of two equal loads is enough
         first = np.fmin(loads.forward_onset, loads.back_onset)
         onset = unit * np.where(mu_s > 0.0, np.nan_to_num(first, nan=0.0, posinf=math.inf), 0.0)
         linear, reach = empty / np.abs(1.0 + pull), _reach(case)[cells]
-        low = np.maximum(empty * (1.0 - _ROUNDING) - reach, onset * (1.0 + _BESIDE[0]))
+        low = np.maximum(empty * (1.0 - _ROUNDING) - reach, onset * (1.0 + _NEAR_JUMPS[0]))
         low = np.where(low > 0.0, low, _LEAST * linear)
         high = (empty + reach) * (1.0 + _ROUNDING)
         return cls(empty, pull, fields, linear, linear <= onset, low, high, critical, threads)
@@ -648,7 +658,7 @@ class _Together(NamedTuple):
         cell = np.repeat(np.arange(counts.size), counts)
         place = np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)
         regular = self.low[cell] * np.exp(span[cell] * (place / (counts[cell] - 1)))
-        beside = self.critical[:, :, None] * (1.0 + np.array(_BESIDE))
+        beside = self.critical[:, :, None] * (1.0 + np.array(_NEAR_JUMPS))
         low, high = self.low[:, None, None], self.high[:, None, None]
         inside = (beside > low) & (beside < high)
         cell = np.concatenate([cell, np.nonzero(inside)[0]])
@@ -797,7 +807,7 @@ def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
 
 
 def _reach(case: _Case) -> Floats:
-    """Return m abs(H) A abs(lambda - i delta) at most, whatever the amplitude, Eq. (91) [m]."""
+    """Return an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (91) [m]."""
     body = case.body
     alpha, beta = body["drive_angle"], body["trough_angle"]
     unit = body["gravity"] / (2.0 * np.pi * case.frequency) ** 2

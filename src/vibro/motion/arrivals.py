@@ -38,7 +38,7 @@ def arrival_time(
     start_height: float = 0.0,
     start_normal_velocity: float = 0.0,
 ) -> Any:
-    """First time at which a body has moved by a length, from rest at trough phase 0 unless told otherwise.
+    """Return the first time at which a body has moved by a length.
 
     Parameters
     ----------
@@ -47,15 +47,15 @@ def arrival_time(
     length : array_like
         Displacement relative to the trough, > 0; broadcasts against the scene [m].
     start_phase, start_velocity, start_height, start_normal_velocity : float, optional
-        How bodies start, as for ``simulate`` [rad, m/s, m, m/s].
+        How bodies start, as for ``simulate``; by default from rest at trough phase 0 [rad, m/s, m, m/s].
 
     Returns
     -------
     array
-        Of the common shape; inf where the body never gets there: it rests for ever, or its steady cycle has
-        no net advance and the transient stays short of the length. NaN where it is unknown: infeasible
-        scenes, bodies whose flights amplify rounding until it has grown past 1e-9 rad, loads and frictions
-        beyond 1e50, and arrivals later than 1e15 drive cycles [s].
+        Times, of the common shape [s]. inf if the body never arrives: it rests for ever, or its steady cycle
+        has no net advance and the transient is shorter than the length. NaN if the time is unknown: for
+        infeasible scenes, for flights that amplify rounding errors beyond 1e-9 rad, for loads and frictions
+        above 1e50, and for arrivals later than 1e15 drive cycles.
 
     Raises
     ------
@@ -64,11 +64,12 @@ def arrival_time(
 
     Notes
     -----
-    Exact: within 1e-10 of the reference table, relative (tests/motion/test_arrivals.py). The transient is
-    followed leg by leg. A cycle with a rest in it repeats exactly and is jumped at once, in closed form.
-    A cycle without rest, in contact or hopping, is approached geometrically; within 1e-7 of it the rest of
-    the transient is summed in closed form from the known contraction per cycle and the steady displacement.
-    At low friction some 20 / (1 - contraction) cycles have to be followed until then.
+    Exact to rounding: the relative error against the reference table is below 1e-10
+    (tests/motion/test_arrivals.py). The transient is computed leg by leg. A cycle that contains a rest
+    repeats exactly, so that all its repetitions are skipped in one step. A cycle without rest is approached
+    geometrically: within 1e-7 of it the remaining transient is summed in closed form, from the contraction
+    per cycle and the steady displacement. At low friction about 20 / (1 - contraction) cycles are computed
+    before.
 
     Examples
     --------

@@ -12,7 +12,7 @@ from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.long_patterns import turned
 from vibro.motion.arrivals import Start
-from vibro.motion.histories import follow, grid_of
+from vibro.motion.histories import follow_body, grid_of
 from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors
 from vibro.solver import Scratch
@@ -31,7 +31,7 @@ _NUMBERS: Final = 9  # of a cycle, see ``vibro.core.attractors.Attractors``
 
 @shielded
 def attractors(scene: Scene) -> Attractors:
-    """Find the steady cycles that coexist: where bodies settle, depending on how they start.
+    """Find the steady cycles that coexist, in which bodies settle depending on how they start.
 
     Parameters
     ----------
@@ -41,21 +41,20 @@ def attractors(scene: Scene) -> Attractors:
     Returns
     -------
     Attractors
-        The cycles, that of a body from rest first; a sequence of ``Attractor``. Empty where there is none:
-        bodies run away, or all motion is irregular.
+        Sequence of ``Attractor``, that of a body from rest first. It is empty if bodies run away or all
+        motion is irregular.
 
     Raises
     ------
     SceneError, VibroError
-        If the scene is no single one, or its motion cannot be followed.
+        If the scene is more than one operating point, or its motion cannot be simulated.
 
-    Notes
-    -----
-    The search is that of ``solve(scene, coexistence=True)``. In contact all cycles under a drive of one
-    harmonic are known (theory, section 5). Of bodies that hop all velocities are found that repeat
-    along the flights from rest, and along those to which 64 other starts lead, of which 16 lie on the cycles
-    of one bounce, Eq. (37), within 64 flights each; under other motions also bodies at rest until each of the
-    lift-offs. ``Attractors.unsettled`` counts the starts that led to no cycle.
+    Notes ----- The search is that of ``solve(scene, coexistence=True)``. In contact, under a drive of one
+    harmonic, all cycles are known (theory, section 5). Of hopping bodies the start from rest and 64
+    other starts are simulated for up to 64 flights each; 16 of them lie on the cycles of one bounce, Eq.
+    (37). For every cycle of flights that is reached, all velocities along the trough at which the motion
+    repeats are found. With more than one harmonic, bodies that rest until each of the lift-offs are simulated
+    too. ``Attractors.unsettled`` counts the starts that led to no cycle.
 
     Examples
     --------
@@ -115,5 +114,5 @@ def _as_named(text: str, *, one_harmonic: bool) -> str:
 
 def _spelt(grid: Grid, phase: float, velocity: float, period: float) -> str:
     """Follow a cycle for its legs, where they are more than a code has room for."""
-    motion = follow(grid, Start(phase, velocity, 0.0, 0.0), 3.0 * period)
+    motion = follow_body(grid, Start(phase, velocity, 0.0, 0.0), 3.0 * period)
     return "".join(LETTERS[mode] for mode in motion.legs.mode[motion.first :])

@@ -28,20 +28,24 @@ _PICTURES: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class BranchEvent:
-    """What happens to a cycle at a value of the quantity.
+    """A bifurcation on a branch, or an end of the branch.
 
     Attributes
     ----------
     kind : str
-        ``fold``: the branch turns back; two cycles meet and vanish. ``doubling``: a cycle of twice the period
-        meets the cycle; the branch of the former ends there. ``contact``: the branch ends where a landing
-        leads to a contact. ``grazing``: it ends where a flight meets the trough earlier. ``hop_limit``: it
-        was followed to throw number 1, below which the trough throws no body. ``end``: it leaves the range.
-        ``cut``: it was followed no further, which says nothing about the cycle.
+        What happens:
+
+        * ``fold``: the branch turns back; two cycles meet and vanish.
+        * ``doubling``: a cycle of twice the period branches off; a branch of the doubled cycle ends here.
+        * ``contact``: the branch ends, because a landing leads to a phase in contact.
+        * ``grazing``: the branch ends, because a flight touches the trough earlier.
+        * ``hop_limit``: the branch reached throw number 1, below which the trough throws no body.
+        * ``end``: the branch leaves the range of values.
+        * ``cut``: the search stopped, at its limit of steps or because a step failed; the cycle may go on.
     value : float
-        Of the quantity, in SI units.
+        Value of the quantity, in SI units.
     row : int
-        Of the branch.
+        Row of the branch, from 0.
     """
 
     kind: Literal["fold", "doubling", "contact", "grazing", "hop_limit", "end", "cut"]
@@ -51,28 +55,30 @@ class BranchEvent:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Branch:
-    """A cycle of flights along a quantity, in the order of the branch; made by ``vibro.follow``.
+    """A cycle of flights as one quantity varies, in the order of the branch; returned by ``vibro.follow``.
 
     Attributes
     ----------
     name : str
-        The quantity.
+        Name of the quantity that varies.
     values : array, shape (n,)
-        Its values, in SI units; they turn back at folds.
+        Its values, in SI units; their direction reverses at folds.
     start_phase, start_velocity, start_normal_velocity : array, shape (n,)
-        A start from which ``vibro.simulate`` follows the cycle, as ``Attractor`` has it [rad, m/s].
+        Initial values with which ``vibro.simulate`` reproduces the cycle, as in ``Attractor`` [rad, m/s].
     landing_speeds : array, shape (n, flights)
         Normal speed of each landing [m/s].
     displacement_per_cycle, mean_velocity : array, shape (n,)
-        Along the trough [m, m/s]; NaN where the body does not settle along it.
+        Displacement along the trough in a drive cycle [m] and mean conveying speed [m/s]; NaN where the
+        motion along the trough does not become periodic.
     normal_multipliers : complex array, shape (n, 2)
         Floquet multipliers of the normal motion over a period [1].
     largest_multiplier : array, shape (n,)
-        Largest modulus, of the motion along the trough too; NaN where the body does not settle along it [1].
+        Largest modulus of all Floquet multipliers, those of the motion along the trough included; NaN where
+        that motion does not become periodic [1].
     period_cycles : int
         Drive cycles until the motion repeats.
     events : tuple of BranchEvent
-        In the order of the branch.
+        Bifurcations and ends, in the order of the branch.
     """
 
     name: str
@@ -90,7 +96,7 @@ class Branch:
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether small disturbances die out, as ``Attractor.stable``; not at a fold or a doubling; (n,)."""
+        """Whether small disturbances die out, shape (n,); False at a fold or a doubling."""
         found = self.largest_multiplier < 1.0
         found[[one.row for one in self.events if one.kind in ("fold", "doubling")]] = False
         return found
@@ -111,7 +117,13 @@ class Branch:
         return f"{flights} flight{'s' * (flights > 1)} in {turns} turn{'s' * (turns > 1)}"
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the branch as a data frame in SI units, one row a cycle, with the event that is there."""
+        """Return the branch as a data frame in SI units.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row per cycle; the column ``event`` holds the kind of an event there, or an empty text.
+        """
         import pandas as pd
 
         events = [""] * len(self)
@@ -137,8 +149,9 @@ class Branch:
         Parameters
         ----------
         picture : {"landing", "phase", "speed"}
-            Over the quantity, the normal speed of every landing, the phase of the first take-off, or the mean
-            conveying speed. The cycle of one bounce keeps its speeds: its phase shows the fold.
+            What to plot over the quantity: the normal speed of every landing, the phase of the first
+            take-off, or the mean conveying speed. For a cycle of one bounce choose the phase, which shows
+            the fold: the landing speed is the same on both sides of it.
 
         Returns
         -------
@@ -148,7 +161,7 @@ class Branch:
         Raises
         ------
         InputError
-            If there is no such picture.
+            If ``picture`` is none of these.
         """
         from vibro.plots.branch import branch_figure
 

@@ -16,6 +16,7 @@ import numpy as np
 from vibro.core.bounces import LONGEST_CYCLE
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
+from vibro.core.elementary import TURN
 from vibro.errors import Problem, SceneError
 from vibro.motion.attractors import attractors
 from vibro.motion.branches import Branch, BranchEvent
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
 
 __all__ = ["follow"]
 
-_TURN: Final = 2.0 * math.pi
 _NEWTONS: Final = 10
 _CLOSED: Final = 1e-10  # [rad, 1] Newton step after which rounding alone is left
 _DIFFERENCE: Final = 1e-6  # [1] of the range: step of the difference by the quantity
@@ -132,7 +132,7 @@ class _Rounds:
         if flies != 1:
             raise _LostError("contact" if flies == 0 else "hop_limit")
         elapsed, after, a, b, c, d, _ = self._numbers[:, 0].tolist()
-        left = np.array([elapsed - _TURN * self.cycles, (after - speed) / self.unit])
+        left = np.array([elapsed - TURN * self.cycles, (after - speed) / self.unit])
         if not np.isfinite(left).all():
             raise _LostError
         slopes = np.array([[a - 1.0, b * self.unit], [c / self.unit, d - 1.0]])
@@ -187,7 +187,7 @@ class _Rounds:
         self.fly(state)
         phase, speed = self._flown[0], self._flown[1] / self.unit
         half = self.count // 2
-        return np.array([math.remainder(phase[half] - phase[0], _TURN), speed[half] - speed[0]])
+        return np.array([math.remainder(phase[half] - phase[0], TURN), speed[half] - speed[0]])
 
     def along(self, state: Floats, velocity: float) -> tuple[list[float], bool, float]:
         """Follow a body along the trough from a velocity [A w].
@@ -210,40 +210,41 @@ class _Rounds:
 
 @shielded
 def follow(scene: Scene, name: str, values: ArrayLike, *, start: Attractor | None = None) -> Branch:
-    """Follow one cycle along a quantity, past folds and period doublings, also where it is unstable.
+    """Follow one cycle of flights as a quantity varies, past folds and period doublings, stable or not.
 
     Parameters
     ----------
     scene : Scene
         One operating point, of shape ().
     name : str
-        The quantity that is varied: a field of the scene, such as ``amplitude`` or ``restitution``.
+        Name of the quantity that varies: a field of the scene, such as ``amplitude`` or ``restitution``.
     values : array_like
-        Its values in SI units, rising or falling: the branch is followed from the first towards the last, no
-        step is longer than the distance of the values there, and it ends where it leaves their range.
+        Values of the quantity in SI units, rising or falling. The branch is followed from the first towards
+        the last value, with steps no longer than the distance between neighbours, until it leaves their
+        range.
     start : Attractor, optional
         The cycle at the first value, one of ``vibro.attractors``; by default that of a body from rest.
 
     Returns
     -------
     Branch
-        The cycles in the order of the branch, and the folds and doublings on it.
+        The cycles in the order of the branch, with its folds and period doublings.
 
     Raises
     ------
     SceneError
-        If the scene is no single one, it has no such quantity, or the cycle has a contact. Such a cycle is
-        always stable in its normal motion: ``vibro.solve`` over the quantity shows it.
+        If the scene is more than one operating point, it has no such quantity, or the cycle has a phase in
+        contact. The normal motion of such a cycle is always stable: use ``vibro.solve`` over the quantity.
 
     Notes
     -----
-    Folds and doublings are located to 1e-9 of the closed forms, Eq. (72) (tests/motion/test_continuation.py).
-    The branch is that of the normal motion; of the cycles along the trough the one is taken to which a body
-    leads that has the velocity of the cycle before.
+    Folds and doublings agree with the closed forms, Eq. (72), to 1e-9 (tests/motion/test_continuation.py).
+    The branch is that of the normal motion. Where several motions along the trough belong to it, that one is
+    taken in which a body settles that starts with the velocity of the previous cycle of the branch.
 
     Examples
     --------
-    A part without restitution is thrown once a turn from K = 3.5 on; the cycle doubles at K = hypot(pi, 2).
+    A part without restitution that is thrown once per drive cycle; its period doubles at K = hypot(pi, 2):
 
     >>> import numpy as np, vibro
     >>> scene = vibro.Scene(amplitude=9e-3, frequency=15, drive_angle=0.5, static_friction=0.6,
@@ -266,7 +267,7 @@ def follow(scene: Scene, name: str, values: ArrayLike, *, start: Attractor | Non
         )
         raise SceneError((Problem("start", given, allowed),))
     rounds, first = _begin(scene, name, points, begin, start)
-    velocity = start.start_velocity / (float(begin.scale) * _TURN * float(begin.frequency))
+    velocity = start.start_velocity / (float(begin.scale) * TURN * float(begin.frequency))
     branch, events = _continued(rounds, first, points)
     return _measured(rounds, branch, events, velocity)
 
@@ -296,7 +297,7 @@ def _at(scene: Scene, name: str, value: float) -> Scene:
 
 def _begin(scene: Scene, name: str, points: Floats, begin: Scene, start: Attractor) -> tuple[_Rounds, _Point]:
     """Close the cycle at the first value."""
-    speed = start.start_normal_velocity / (float(begin.scale) * _TURN * float(begin.frequency))
+    speed = start.start_normal_velocity / (float(begin.scale) * TURN * float(begin.frequency))
     ends = float(points[0]), float(points[-1])
     rounds = _Rounds(scene, name, ends, len(start.pattern), start.period_cycles, 1.0)
     inwards = np.array([0.0, 0.0, 1.0])
@@ -342,7 +343,7 @@ def _continued(rounds: _Rounds, first: _Point, points: Floats) -> tuple[list[_Po
 
 
 def _longest(last: _Point, marks: Floats) -> float:
-    """Return the longest step: of the distance of the values there, and within what a line tells."""
+    """Return the longest step: the distance of neighbouring values, or less where the branch bends."""
     ahead = last.tangent[2] > 0.0
     row = int(np.searchsorted(marks, last.state[2], side="right" if ahead else "left"))
     row = min(max(row, 1), marks.size - 1)
@@ -362,7 +363,7 @@ def _step(rounds: _Rounds, last: _Point, length: float) -> _Point:
         if last.tangent[2] == 0.0 or last.state[2] == end:
             raise _LostError
         guess = last.state + (end - last.state[2]) / last.tangent[2] * last.tangent
-        guess[2] = end  # but for rounding it is
+        guess[2] = end  # exactly, without rounding
         found = rounds.close(guess, np.array([0.0, 0.0, 1.0]), last.tangent)
     way = found.state - last.state
     size = float(np.linalg.norm(way))
@@ -395,12 +396,12 @@ def _events(rounds: _Rounds, last: _Point, found: _Point) -> list[tuple[str, _Po
 
 
 def _turning(at: _Point) -> float:
-    """Return what is 0 at a fold."""
+    """Return a function that is 0 at a fold."""
     return float(at.tangent[2])
 
 
 def _flipping(at: _Point) -> float:
-    """Return what is 0 at a period doubling."""
+    """Return a function that is 0 at a period doubling."""
     return 1.0 + at.round.trace + at.round.determinant
 
 
@@ -459,13 +460,13 @@ def _measured(
         (along, displacement, slope), repeats, weight = rounds.along(point.state, velocity)
         velocity = along if repeats else velocity
         length, frequency = float(scene.scale), float(scene.frequency)
-        speed = length * _TURN * frequency
+        speed = length * TURN * frequency
         half, determinant = 0.5 * point.round.trace, point.round.determinant
         root = np.sqrt(complex(half * half - determinant))
         normal = np.array([half + root, half - root])
         row = {
             "values": value,
-            "start_phase": float(point.state[0]) % _TURN,
+            "start_phase": float(point.state[0]) % TURN,
             "start_velocity": speed * along if repeats else math.nan,
             "start_normal_velocity": speed * weight * rounds.unit * float(point.state[1]),
             "landing_speeds": speed * weight * rounds.impacts(),

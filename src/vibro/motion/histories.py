@@ -11,19 +11,19 @@ from vibro.core.arrival import MOST_CYCLES
 from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
+from vibro.core.elementary import TURN
 from vibro.errors import InputError, Problem, SceneError, VibroError
 from vibro.motion.arrivals import Start, arrivals, number_of, start_of
 from vibro.reals import shielded
-from vibro.results.history import MOST_PHASES, History, Legs, Motion
+from vibro.results.history import MOST_PHASES, History, Legs, SolvedMotion
 from vibro.solver import Grid, Scratch
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from vibro.scene import Scene
 
-__all__ = ["follow", "grid_of", "is_followed", "simulate"]
+__all__ = ["follow_body", "grid_of", "is_followed", "simulate"]
 
-_TURN: Final = 2.0 * np.pi
 _FEW: Final = 1024  # legs allocated at first; nearly every motion repeats sooner
 _MORE: Final = 4  # factor by which that grows
 _STARTS: Final = MOST_BOUNCES + LONGEST_CYCLE  # flights of a cycle, at most
@@ -41,15 +41,15 @@ def simulate(
     start_height: float = 0.0,
     start_normal_velocity: float = 0.0,
 ) -> History:
-    """Follow a body on the trough from its first moment on.
+    """Simulate the motion of one body on the trough from time 0 on.
 
     Parameters
     ----------
     scene : Scene
         One operating point, of shape ().
     cycles, duration, length : float
-        Exactly one of them: drive cycles [1], time [s], or the displacement relative to the trough at
-        which the history ends [m]; > 0.
+        End of the history; give exactly one of them, > 0: a number of drive cycles [1], a time [s], or a
+        displacement relative to the trough [m].
     start_phase : float, optional
         Phase of the trough at time 0 [rad].
     start_velocity : float, optional
@@ -57,27 +57,28 @@ def simulate(
     start_height : float, optional
         Height of the body above the trough at time 0, >= 0 [m].
     start_normal_velocity : float, optional
-        Normal velocity of the body relative to the trough at time 0, positive away from it [m/s]. On the
-        trough a positive one throws the body, and a negative one is an impact at time 0.
+        Normal velocity of the body relative to the trough at time 0, positive away from it [m/s]. If the
+        height is 0, a positive one throws the body, and a negative one is an impact at time 0.
 
     Returns
     -------
     History
-        Its phases, and its motion and forces at any time.
+        The phases of the motion; ``History.sample`` gives motion and forces at any time.
 
     Raises
     ------
     SceneError, VibroError
-        If an argument is out of its range, or the motion of the scene cannot be followed, or the body
-        never covers ``length``, or its motion has not begun to repeat within 2 million phases.
+        If an argument is out of its range, the motion of the scene cannot be simulated, the body never covers
+        ``length``, or the motion has not begun to repeat within 2 million phases.
 
     Notes
     -----
-    A body begins on the trough unless it is thrown or dropped; where the trough falls away under it, it
-    leaves at once. The motion is followed until it repeats. A cycle that rests repeats exactly; one that
-    never rests has converged to rounding, and in contact it is replaced by the closed form, Eqs. (18)-(20)
-    and (59)-(63). Its displacement is that of ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion
-    without a short period is followed to the end; rounding grows in it as in any chaotic motion.
+    By default the body starts at rest on the trough at phase 0; it leaves the trough at once if the trough
+    accelerates away from it there. The motion is simulated until it repeats. A cycle that contains a rest
+    repeats exactly. A cycle without rest has then converged to rounding, and in contact it is replaced by the
+    closed form, Eqs. (18)-(20) and (59)-(63). Its displacement agrees with ``solve`` to 1e-12
+    (tests/motion/test_histories.py). Irregular motion is simulated to the end; rounding errors grow in it as
+    in any chaotic motion.
 
     Examples
     --------
@@ -116,14 +117,14 @@ def simulate(
     if not 0.0 < cycles <= MOST_CYCLES:
         (name, value), limit = *given.items(), f"above 0 and at most {MOST_CYCLES:g} drive cycles"
         raise VibroError(f"{name} = {value:.15g}: comes to {cycles:g} drive cycles: must be {limit}")
-    length_unit, speed_unit = float(scene.scale), float(scene.scale) * _TURN * frequency
+    length_unit, speed_unit = float(scene.scale), float(scene.scale) * TURN * frequency
     started = Start(
         start.phase,
         start.velocity / speed_unit,
         start.height / length_unit,
         start.normal_velocity / speed_unit,
     )
-    return History(scene, end, start.phase, start.height, follow(grid, started, cycles), grid)
+    return History(scene, end, start.phase, start.height, follow_body(grid, started, cycles), grid)
 
 
 def grid_of(scene: Scene) -> Grid:
@@ -149,7 +150,7 @@ def is_followed(grid: Grid) -> bool:
     return bool(doors().followed(grid.scenes, grid.place(), 0))
 
 
-def follow(grid: Grid, start: Start, cycles: float) -> Motion:
+def follow_body(grid: Grid, start: Start, cycles: float) -> SolvedMotion:
     """Follow the body of one scene until its motion repeats, or for so many drive cycles.
 
     The start has velocities in A w and a height in A.
@@ -179,6 +180,6 @@ def follow(grid: Grid, start: Start, cycles: float) -> Motion:
                 hint=f"ask for at most {known} cycles",
             )
         rows *= _MORE
-    return Motion(
+    return SolvedMotion(
         Legs._make(x[:number].copy() for x in legs), int(first[0]), int(period[0]), float(advance[0])
     )

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode, Regime, Status
+from vibro.core.elementary import TURN
 from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.arrivals import Start
-from vibro.motion.histories import follow, is_followed, simulate
+from vibro.motion.histories import follow_body, is_followed, simulate
 from vibro.reals import shielded
 from vibro.results.history import Legs
 from vibro.slopes import slides_of
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CyclePhase", "SettledMotion", "cycle_phases", "settled_motion"]
 
-_TURN: Final = 2.0 * math.pi
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
 _PERIODIC: Final = 1e-6  # relative change between cycles that count as the same
 _LONGEST_RUN: Final = 1000.0  # [drive cycles] from rest in which phases with flights must begin to repeat
@@ -81,7 +81,7 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
     cycle = solve(scene, flight=False)
     hops = cycle.regime == Regime.HOPPING
     legs = _followed_legs(scene, grid, _LONGEST_RUN) if hops else _contact_legs(scene, grid, cycle)
-    w, scale = _TURN * float(scene.frequency), float(scene.scale)
+    w, scale = TURN * float(scene.frequency), float(scene.scale)
     return tuple(CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
 
 
@@ -101,7 +101,7 @@ def _contact_legs(scene: Scene, grid: Grid, cycle: SteadyCycle) -> list[_Leg]:
     """Legs of a steady contact cycle, in the order of its pattern; none if there is none."""
     pattern = str(cycle.pattern)
     if pattern in ("", "_"):
-        return [_Leg("_", 0.0, _TURN, 0.0)] if pattern else []
+        return [_Leg("_", 0.0, TURN, 0.0)] if pattern else []
     if not scene.arrays().can(Ability.ONE_HARMONIC):
         return _followed_legs(scene, grid, _SETTLING)
     slides = slides_of(scene, cycle.pattern_code)
@@ -109,18 +109,18 @@ def _contact_legs(scene: Scene, grid: Grid, cycle: SteadyCycle) -> list[_Leg]:
     legs = [_Leg(kind, *leg) for kind, *leg in zip(pattern.replace("_", ""), *columns, strict=False)]
     for i, kind in enumerate(pattern):
         if kind == "_":
-            until = legs[i].start if i < len(legs) else legs[0].start + _TURN
+            until = legs[i].start if i < len(legs) else legs[0].start + TURN
             legs.insert(i, _Leg("_", legs[i - 1].end, until, 0.0))
     return legs
 
 
 def _followed_legs(scene: Scene, grid: Grid, most: float) -> list[_Leg]:
     """Legs of the steady cycle, by following a body from rest; none if they do not repeat within ``most``."""
-    motion, drive = follow(grid, Start(0.0, 0.0, 0.0, 0.0), most), scene.arrays()
+    motion, drive = follow_body(grid, Start(0.0, 0.0, 0.0, 0.0), most), scene.arrays()
     steady = Legs._make(x[motion.first :] for x in motion.legs)
-    turns = _TURN * motion.period
+    turns = TURN * motion.period
     # a drive of one harmonic counts phases from the middle of its motion along the trough
-    starts = _TURN * steady.cycle + steady.phase - math.remainder(drive.phase.item(), _TURN)
+    starts = TURN * steady.cycle + steady.phase - math.remainder(drive.phase.item(), TURN)
     columns = (steady.mode, starts, starts + steady.length, steady.displacement)
     legs: list[_Leg] = []
     for mode, start, end, displacement in zip(*(column.tolist() for column in columns), strict=True):
@@ -134,7 +134,7 @@ def _followed_legs(scene: Scene, grid: Grid, most: float) -> list[_Leg]:
         first = min(range(len(legs)), key=lambda i: order[i:] + order[:i])
         later = [leg._replace(start=leg.start + turns, end=leg.end + turns) for leg in legs[:first]]
         legs = legs[first:] + later
-    since = _TURN * math.floor(legs[0].start / _TURN) if legs else 0.0
+    since = TURN * math.floor(legs[0].start / TURN) if legs else 0.0
     return [leg._replace(start=leg.start - since, end=leg.end - since) for leg in legs]
 
 
@@ -219,7 +219,7 @@ def settled_motion(scene: Scene) -> SettledMotion:
     if contact:
         # The cycle has a slide that begins at a known phase: start there instead of following the transient.
         history = simulate(scene, cycles=1.0, start_phase=contact[0].start)
-        since, lag = 0.0, contact[0].start / (_TURN * frequency)
+        since, lag = 0.0, contact[0].start / (TURN * frequency)
     else:
         history, since = _settled_flight(scene)
         lag = since % (1.0 / frequency)

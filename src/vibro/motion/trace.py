@@ -15,7 +15,7 @@ from vibro.results.phase_tables import in_mm, trough_phase
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.files.tables import TableColumns
+    from vibro.files.csv_tables import TableColumns
     from vibro.results.history import History
 
     Floats = NDArray[np.float64]

@@ -18,7 +18,7 @@ __all__ = ["Flags", "Gathered", "Numbers", "Texts", "gathering"]
 
 
 class Numbers:
-    """A column of numbers, NaN where there is none."""
+    """A column of numbers; missing ones are NaN."""
 
     bytes_per_cell: Final = 8
 
@@ -35,7 +35,7 @@ class Numbers:
 
 
 class Flags:
-    """A column of flags: 1, 0, or -1 where it is unknown."""
+    """A column of flags: 1, 0, or -1 if unknown."""
 
     bytes_per_cell: Final = 2
 

@@ -77,7 +77,7 @@ class Hidden:
         self._what = what
         self.path = folder / os.urandom(8).hex()
         self._lock_path = folder / f"{_LOCK}{_system()}"
-        # Without a fallback: locks of files alone tell by process numbers whether their holder is alive.
+        # Without a fallback: only file locks show whether the process that holds them is alive.
         self._lock = FileLock(self._lock_path, timeout=0, thread_local=False, fallback_to_soft=False)
         self._lock_status: os.stat_result | None = None
         self._made: list[Path] = []
@@ -114,7 +114,7 @@ class Hidden:
         self._lock_status = self._lock_path.stat()
         if any(path.name.startswith(_LOCK) for path in self._others()):
             raise FileError(
-                f"another machine is writing {self._what}, or was when it or this one stopped",
+                f"another machine is writing {self._what}, or was when one of the two stopped",
                 hint=f"wait until it has ended; if it has, remove the folder {self._folder}",
             )
         for path in self._others():
@@ -122,7 +122,7 @@ class Hidden:
         self.path.mkdir()
 
     def _make_folders(self) -> bool:
-        """Make the folders that are missing, and tell whether the hidden one is among them."""
+        """Make the missing folders, and return whether the hidden one was among them."""
         missing = [path for path in (self._folder, *self._folder.parents) if not path.exists()]
         for path in (self._folder, *missing):
             if path.is_symlink():
@@ -154,14 +154,14 @@ class Hidden:
         return True
 
     def _others(self) -> list[Path]:
-        """Return what is in the folder beside this run's lock."""
+        """Return the content of the folder, except this run's lock."""
         return [path for path in self._folder.iterdir() if path != self._lock_path]
 
     def _leave(self) -> None:
         self.remove_files()
         emptied = list(self._made)
         if self._lock.is_locked or self._lock_status:
-            # Before it is released, as whoever gets it next finds that it is gone; Windows removes it then.
+            # Before the lock is released, so that the next run does not find it; Windows removes it then.
             # Where somebody has removed the folder, another run may have its lock by this name.
             with contextlib.suppress(OSError):
                 if not self._lock_status or os.path.samestat(self._lock_status, self._lock_path.stat()):

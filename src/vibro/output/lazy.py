@@ -63,7 +63,7 @@ def values_in_blocks(shards: ShardFiles, cells: Selection, sizes: Sequence[int])
     except ImportError:
         raise FileError("to_xarray(chunks=...) needs dask", hint="pip install 'vibro[xarray]'") from None
     chunks = da.core.normalize_chunks(tuple(sizes), cells.shape)
-    there = replace(shards, folder=shards.folder.absolute())  # whatever folder is the current one by then
+    there = replace(shards, folder=shards.folder.absolute())  # the current folder may have changed by then
 
     def values(column: Column) -> Any:
         kind = gathering(column)

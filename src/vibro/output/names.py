@@ -1,4 +1,4 @@
-"""Names of output files: suffixes that are appended to a stem, whatever dots that has."""
+"""Names of output files: suffixes are appended to a stem, even if it contains dots."""
 
 from __future__ import annotations
 

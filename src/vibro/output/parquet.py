@@ -1,4 +1,4 @@
-"""Tables as Parquet, a row group a block: exact numbers, nulls where there is none, texts by dictionaries."""
+"""Tables as Parquet, a row group per block: exact numbers, nulls for missing ones, encoded texts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import numpy as np
 
-from vibro.files.tables import rounded_cells
+from vibro.files.csv_tables import rounded_cells
 from vibro.output.plan import ROW_GROUP
 from vibro.quantities import BY_COLUMN, DRIVES, QUANTITIES, SWEPT
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HashedFile", "Parquet", "read_footer"]
 
-# Of zstd: higher levels take longer and save next to nothing (benchmarks/sweeps.py --encodings).
+# Of zstd: higher levels take longer and save almost no space (benchmarks/sweeps.py --encodings).
 _LEVEL: Final = -1
 # [cells] of a page: compression starts anew with each, and larger pages do not fit into the core's cache.
 _PAGE: Final = ROW_GROUP // 2
@@ -69,7 +69,7 @@ class HashedFile:
         return True
 
     def flush(self) -> None:
-        """Hand on what is buffered."""
+        """Write the buffered rows."""
         self._file.flush()
 
     def close(self) -> None:
@@ -128,7 +128,7 @@ def _open_writer(sink: Any, schema: Any) -> Any:
         compression="zstd",
         compression_level=_LEVEL,
         use_dictionary=[field.name for field in schema if field.name not in numbers] or False,
-        # Values of inputs repeat: splitting their bytes takes longer and saves nothing.
+        # Values of inputs repeat: splitting their bytes takes longer and saves no space.
         use_byte_stream_split=[name for name in numbers if name not in _GIVEN] or False,
         # Statistics of the axes alone select row groups: results follow no order.
         write_statistics=[name for name in schema.names if name in BY_COLUMN] or False,

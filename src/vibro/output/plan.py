@@ -14,7 +14,7 @@ import numpy as np
 
 from vibro import __version__
 from vibro.axes import Axis
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, VibroError
 from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
@@ -34,7 +34,7 @@ __all__ = ["ROW_GROUP", "Plan", "check_arrow", "check_manifest", "read_plan", "u
 #: [cells] Solved and encoded at once: the bytes of a shard depend on it.
 ROW_GROUP: Final = BLOCK
 
-# [cells] of a shard, unless asked for: seconds of work, some tens of megabytes. Means of bodies that bounce,
+# [cells] of a shard by default: seconds of work, some tens of megabytes. Means of bodies that bounce,
 # and searches for other motions, take up to some ms a cell: there a shard takes about a minute.
 _SHARD_CELLS: Final = 1_000_000
 _DEAR_SHARD_CELLS: Final = 20_000
@@ -43,7 +43,7 @@ _FORMATS: Final = "vibro sweep "
 _FORMAT: Final = f"{_FORMATS}2"
 _OLD_FORMAT: Final = f"{_FORMATS}1"
 # Keys left out of the fingerprint: command line, settings of pictures, values that follow from others.
-_BESIDE: Final = ("argv", "name", "own", "parts", "fingerprint", GIVEN_IN)
+_NOT_COMPARED: Final = ("argv", "name", "own", "parts", "fingerprint", GIVEN_IN)
 
 
 def check_arrow() -> None:
@@ -208,7 +208,9 @@ def read_plan(text: str, path: object) -> Plan:
     """
     content = check_manifest(text, path)
     if content["format"] not in (_FORMAT, _OLD_FORMAT):
-        raise FileError(f"{path}: {content['format']} is not known here", hint="use the vibro that wrote it")
+        raise FileError(
+            f"{path}: {content['format']} is an unknown format", hint="use the vibro that wrote it"
+        )
     try:
         if _fingerprint(content) != content["fingerprint"]:  # first: changed numbers may ask for endless work
             raise ValueError("fingerprint")
@@ -216,7 +218,7 @@ def read_plan(text: str, path: object) -> Plan:
     except (LookupError, TypeError, ValueError, AttributeError, VibroError):
         raise FileError(
             f"{path} is damaged, or was changed after it was written",
-            hint="put back what was there, or start anew with force=True",
+            hint="restore the file, or start anew with force=True",
         ) from None
 
 
@@ -230,7 +232,7 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     length = scene.pop("trough_length", None)
     motion = motion_of(content["motion"]) if "motion" in content else None
     machine = machine_of(content["machine"]) if "machine" in content else None
-    solved = Level(content["accuracy"]), content["flight"], content["coexistence"]
+    solved = Output(content["accuracy"]), content["flight"], content["coexistence"]
     in_stroke = content.get(GIVEN_IN) == QUANTITIES["stroke"].column
     grid = Grid(axes, scene, length, *solved, motion=motion, in_stroke=in_stroke, machine=machine)
     part = content.get("part", {})
@@ -260,7 +262,7 @@ def _text(value: Any) -> str:
 
 def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the fingerprint covers of a manifest, with the order of columns."""
-    counted = {key: value for key, value in content.items() if key not in _BESIDE}
+    counted = {key: value for key, value in content.items() if key not in _NOT_COMPARED}
     return {**counted, "columns": list(content["columns"].items())}
 
 

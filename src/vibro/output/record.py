@@ -1,4 +1,4 @@
-"""The description of a run: what was asked for, how, and how many cells of each kind came out.
+"""The record of a run: the request, the method, and the number of cells of each kind.
 
 The JSON beside a table, the manifest of a folder of Parquet files and the metadata of pictures all have it.
 """
@@ -31,14 +31,14 @@ def sweep_record(
     table : Table
         What is written.
     counts : mapping, optional
-        What ``Tally.told`` says of the cells.
+        Counts of the cells, from ``Tally.told``.
     every_value : bool
         Whether every value of an axis is listed, not only those that do not follow from its ends.
     """
     return {
         **grid.describe(every_value=every_value),
         **({"part": dict(table.part)} if table.part else {}),
-        "accuracy": grid.level.value,
+        "accuracy": grid.output.value,
         "flight": grid.flight,
         "coexistence": grid.coexistence,
         "cells": grid.size,

@@ -171,7 +171,7 @@ def _text(path: Path) -> str | None:
     except OSError as exc:
         raise FileError(f"cannot read {path}: {exc.strerror or exc}") from exc
     except UnicodeDecodeError as exc:
-        raise _damaged(path, "it is no text in UTF-8") from exc
+        raise _damaged(path, "it is not a text in UTF-8") from exc
 
 
 def _check_success(success: str, files: ShardFiles, path: Path) -> None:
@@ -180,11 +180,11 @@ def _check_success(success: str, files: ShardFiles, path: Path) -> None:
         content: Mapping[str, Any] = json.loads(success)
         said = Tally.read(content)
         if content["cells"] != files.plan.grid.size:
-            raise _damaged(path, f"it does not speak of {files.plan.grid.size} cells")
+            raise _damaged(path, f"its number of cells is not {files.plan.grid.size}")
     except (LookupError, TypeError, ValueError, AttributeError) as exc:
         raise _damaged(path, cut(str(exc), _REASON)) from exc
     if said != files.tally:
-        raise _damaged(path, "it counts cells that its shards do not have")
+        raise _damaged(path, "its counts of cells are not those of its shards")
 
 
 def _damaged(path: Path, why: str) -> FileError:

@@ -76,7 +76,7 @@ class ShardFolder:
     folder : Path
         Where the shards go.
     how_to_go_on : str
-        What to tell users whose run is cut short.
+        Hint for users whose run is interrupted.
     shards : str, optional
         The range of shards that this run makes, where others make other ranges at the same time.
 
@@ -125,17 +125,17 @@ class ShardFolder:
 
     @property
     def hidden(self) -> Path:
-        """Where workers of this run write; it is gone once the run has ended."""
+        """Folder to which the workers of this run write; it is removed when the run ends."""
         return self._hidden.path
 
     def read(self, name: str) -> str | None:
-        """Return the text of a file, None where there is none."""
+        """Return the text of a file, None if it does not exist."""
         try:
             return (self.folder / name).read_text(encoding="utf-8")
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as exc:
-            why = reason(exc) if isinstance(exc, OSError) else "it is no text in UTF-8"
+            why = reason(exc) if isinstance(exc, OSError) else "it is not a text in UTF-8"
             raise FileError(f"cannot read {self.shown / name}: {why}", hint=OTHER_NAME) from exc
 
     def check_free(self) -> None:
@@ -219,7 +219,7 @@ class ShardFolder:
         self._sync_folder()
 
     def stop(self) -> None:
-        """Have workers stop: what they write to is gone."""
+        """Stop the workers, by removing the folder to which they write."""
         self._hidden.remove_files()
 
     def _check_unchanged(
@@ -280,7 +280,7 @@ class ShardFolder:
 
 
 def sync_file(number: int) -> None:
-    """Have the system put a file on its disk; some file systems cannot be told."""
+    """Flush a file to disk; some file systems do not support it."""
     try:
         os.fsync(number)
     except OSError as exc:

@@ -39,7 +39,7 @@ _KILLED: Final = (
     'a script that asks for workers needs the line if __name__ == "__main__": before that; else they are'
     " killed, or short of memory"
 )
-_SAME_FILES: Final = "workers and whoever starts them need the same files under the same path"
+_SAME_FILES: Final = "workers and the process that starts them need the same files under the same path"
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Job:
     threads: int
 
     def look(self, *_: int) -> None:
-        """End the work, by FileNotFoundError, if the run has ended: then its hidden folder is gone."""
+        """Raise FileNotFoundError if the run has ended, and its hidden folder with it."""
         self.hidden.stat()
 
 
@@ -183,9 +183,9 @@ class Progress:
     solved : int
         Cells that this run has solved.
     cells, all_cells : int
-        Cells of finished shards, and of all that are asked for.
+        Cells of finished shards, and of all requested ones.
     shards, all_shards : int
-        Finished shards, and all that are asked for.
+        Number of finished shards, and of all requested ones.
     size : int
         Size of the finished shards [B].
     seconds : float

@@ -59,7 +59,7 @@ class Csv:
 
     def open(self, file: BinaryIO, grid: Grid, table: Table) -> None:
         """Write the header."""
-        from vibro.files.tables import CsvFormat  # NumPy is not loaded to tell which forms there are
+        from vibro.files.csv_tables import CsvFormat  # late: listing the forms must not load NumPy
 
         self._file, self._columns = file, table.columns
         self._format = CsvFormat(*self._style, table.digits)
@@ -70,4 +70,4 @@ class Csv:
         self._file.write(self._format.rows(self._columns, block).encode())
 
     def close(self, record: Mapping[str, Any]) -> None:
-        """Do nothing: the record has its own file."""
+        """Ignore the record, which has its own file."""

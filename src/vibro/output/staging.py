@@ -56,7 +56,7 @@ class Staging:
     force : bool
         Whether existing files are replaced. Pictures of the stem that are not made anew are removed then.
     tables : mapping of str to str
-        Forms of the tables by their names; the empty name stands for the stem itself.
+        Forms of the tables by their names; the empty name is the stem itself.
     pictures, formats : sequence of str
         Names of the pictures, and the formats of each.
     reads : sequence of Path or None
@@ -167,7 +167,7 @@ class Staging:
         return self._hidden.path / target.name
 
     def _remove_old(self, written: Sequence[Path]) -> None:
-        """Remove the JSON, as what it describes changes now, and pictures that are of what was there."""
+        """Remove the JSON and the pictures of the files that are about to be replaced."""
         old = [path for path in (*self._others, *self._targets) if path not in written]
         for path in filter(is_regular, (*self._json, *old)):
             _persistently(path, path.unlink)
@@ -186,12 +186,12 @@ class Staging:
         there += [path for path in self._others if is_regular(path)]
         for path in there:
             if any(path.samefile(read) for read in self._reads):
-                raise FileError(f"cannot write {path}: it is what this run reads", hint=OTHER_NAME)
+                raise FileError(f"cannot write {path}: this run reads it", hint=OTHER_NAME)
         if there and not self._force:
             problem = f"{', '.join(map(str, there))} {'exists' if len(there) == 1 else 'exist'} already"
             for path in self._json:
                 if path not in there:
-                    problem += f", but no {path.name}: that is left of an interrupted run"
+                    problem += f", but no {path.name}: it is left from an interrupted run"
             raise FileError(problem, hint=_REPLACE)
 
 
@@ -240,7 +240,7 @@ def _put_new(path: Path, target: Path) -> None:
 
 
 def status_of_target(target: Path) -> os.stat_result | None:
-    """Return what the system says of a file, None where there is none.
+    """Return the status of a file, None if it does not exist.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Sweeps that ``vibro map`` has stored as Parquet files: their cells as data frames and as pictures."""
+"""Sweeps stored as Parquet files: their cells as data frames and as pictures."""
 
 from __future__ import annotations
 
@@ -47,25 +47,25 @@ __all__ = ["StoredSweep", "open_sweep", "stored_picture"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StoredSweep(SolvedGrid):
-    """A sweep in files; opened by ``vibro.open_sweep``.
+    """A sweep stored in a folder of Parquet files; returned by ``vibro.open_sweep``.
 
     Attributes
     ----------
     shape : tuple of int
         Number of values of each axis.
     axes : dict of str to array
-        Values of what varies, by its key in a scene file, in the unit that the key names.
+        Values of the quantities that vary, by their keys in a scene file, in the unit that the key names.
     fixed : dict of str to float
-        Every other quantity, likewise.
+        Values of all other quantities, by their keys.
     columns : tuple of str
-        Names of the columns of its cells.
+        Names of the stored columns.
     """
 
     _shards: ShardFiles
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns of its cells."""
+        """Names of the stored columns."""
         return tuple(self._shards.columns)
 
     @shielded
@@ -77,19 +77,18 @@ class StoredSweep(SolvedGrid):
         Parameters
         ----------
         filters : mapping, optional
-            By axis, which is called by key, name or letter (``"amplitude_mm"``, ``"A"``): one of its values,
-            a list of them, or a pair ``(low, high)``, a tuple, for all from ``low`` to ``high``, both
-            included; None stands for an end that is open. Numbers may carry units as texts, ``"800um"``. Of
-            other axes it has all values.
+            Values to select, by key, name or letter of the axis (``"amplitude_mm"``, ``"A"``): one value, a
+            list of values, or a tuple ``(low, high)`` for all values from ``low`` to ``high``, ends included;
+            None is an open end. A text may contain a unit, ``"800um"``. All values of other axes are
+            selected.
         columns : sequence of str, optional
-            Some of ``columns``, in the order wanted; without, all.
+            Names of the columns to read, in order; by default all.
 
         Returns
         -------
         pandas.DataFrame
-            One row a cell, in their order, the last axis fastest. Texts are categorical, flags such as
-            ``coexists`` nullable integers, and missing numbers NaN, as those of
-            ``vibro.sweep(...).to_frame()`` are.
+            One row per cell, the last axis fastest. Texts are categorical, flags such as ``coexists`` are
+            nullable integers, and missing numbers are NaN, as in ``vibro.sweep(...).to_frame()``.
 
         Raises
         ------
@@ -117,23 +116,23 @@ class StoredSweep(SolvedGrid):
         *,
         chunks: Literal["auto"] | int | Mapping[str, int] | None = None,
     ) -> xr.Dataset:
-        """Read cells into labelled arrays, or, with ``chunks``, have them read when they are computed with.
+        """Read cells into labelled arrays, at once or lazily.
 
         Parameters
         ----------
         filters, columns : optional
             As for ``to_frame``.
         chunks : "auto", int or mapping of str to int, optional
-            Without, all cells are read now. Else variables are arrays of dask, in blocks of so many values of
-            every axis (``10``), or of an axis, which is called by key, name or letter
-            (``{"amplitude_mm": 10}``). Of other axes a block
-            has as many values, of the last ones all, as make at most 1e6 cells: they stand in few files.
+            By default all cells are read now. With ``chunks``, variables are dask arrays that are read when
+            they are computed. A block has that number of values of every axis (``10``), or of the axes given
+            by key, name or letter (``{"amplitude_mm": 10}``). Along other axes, and with ``"auto"``, blocks
+            are as large as fits 1e6 cells, with the last axes whole, so that a block is stored in few files.
 
         Returns
         -------
         xarray.Dataset
-            As that of ``vibro.sweep(...).to_xarray()``. Reading a block opens only the files, row groups and
-            columns that hold it; it raises FileError if a file is missing, or its checksums show damage.
+            As from ``vibro.sweep(...).to_xarray()``. Computing a block opens only the files, row groups and
+            columns that contain it; it raises FileError if a file is missing or damaged.
 
         Raises
         ------
@@ -205,18 +204,18 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
     Parameters
     ----------
     path : path
-        The folder, finished.
+        The folder, of a finished sweep.
 
     Returns
     -------
     StoredSweep
-        Its axes; cells are read when they are asked for, and pictures solve nothing.
+        The sweep. Its methods read only the cells that they need; pictures are drawn from stored cells.
 
     Raises
     ------
     FileError
-        If there is no such folder, it is not finished, or a part of it is missing or damaged, or pyarrow
-        is not installed.
+        If the folder does not exist, is not finished, lacks a file or is damaged, or pyarrow is not
+        installed.
 
     Examples
     --------

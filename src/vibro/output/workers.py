@@ -78,7 +78,7 @@ class Workers(ABC):
 
 
 class Threads(Workers):
-    """Threads of this process, no more than cores, which share those.
+    """Threads of this process, at most one per core.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ class Cluster(Workers):
         self._stop: Callable[[], object] = lambda: None
         self._absent, self._fault, self._told = 0.0, "", False
         opened: Future[None] = Future()
-        # A client in an event loop of our own ends with it, whatever state it is in. One that Dask runs in a
+        # A client in an event loop of our own ends with it, in any state. One that Dask runs in a
         # thread leaves that thread behind, and a traceback at the end of the program, if it cannot connect.
         self._thread = threading.Thread(target=self._run, args=(opened,), daemon=True)
         self._thread.start()
@@ -192,7 +192,7 @@ class Cluster(Workers):
         return asyncio.run_coroutine_threadsafe(self._do(pickle.dumps(_Call(work, args))), self._loop)
 
     def check(self) -> None:
-        """Check that there are workers; tell once that there are none.
+        """Check that there are workers; report once if there are none.
 
         Raises
         ------
@@ -255,7 +255,7 @@ class Cluster(Workers):
             raise ValueError(f"it is a {kind}'s address")
 
     def _unreachable(self, exc: Exception) -> FileError:
-        reason, cause = "it says nothing", cast("BaseException | None", exc)
+        reason, cause = "no reason is given", cast("BaseException | None", exc)
         while cause is not None:
             reason, cause = str(cause) or reason, cause.__cause__
         return FileError(
@@ -277,13 +277,15 @@ class Cluster(Workers):
             self._fault, self._absent = fault, self._absent + _LOOK
 
     async def _do(self, call: bytes) -> Any:
-        """Have a worker do a task, and return what it returns."""
+        """Let a worker do a task, and return the result."""
         task = None
         try:
             task = self._client.submit(pickle.loads, call, pure=False)
             return await task
         except (ImportError, AttributeError) as exc:  # it could not unpickle the task
-            raise VibroError(f"a worker of {self._address} has another vibro, or none: {exc}") from exc
+            raise VibroError(
+                f"a worker of {self._address} has another version of vibro, or none: {exc}"
+            ) from exc
         except BaseException as exc:  # that a task is cancelled because its scheduler is lost is no Exception
             if task and task.status == "error" and not isinstance(exc, self._library.KilledWorker):
                 raise
@@ -296,7 +298,7 @@ def workers_of(
     scheduler: str | None,
     tell: Callable[[str], object] | None = None,
 ) -> Workers:
-    """Return workers for so many shards: threads unless processes or a scheduler are asked for."""
+    """Return workers for so many shards: threads unless processes or a scheduler are requested."""
     if scheduler is not None:
         return Cluster(scheduler, tell)
     return Threads(shards) if processes is None else Processes(processes)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, cut, shown
 from vibro.output.plan import Plan, check_arrow, check_manifest, read_plan
 from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, manifest_of, shard_name
@@ -17,7 +17,7 @@ from vibro.output.shards import Job, Progress, check_workers, make_shards
 from vibro.output.stored import open_sweep
 from vibro.output.workers import workers_of
 from vibro.reals import shielded
-from vibro.steady import check_switch, level_of
+from vibro.steady import check_switch, output_of, takes_old_name
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.whole import request_of_call
 
@@ -76,13 +76,13 @@ class Sharding:
         check_switch("force", self.force)
         if self.workers is not None and self.scheduler is not None:
             raise InputError(
-                "workers= and scheduler= are both given: either makes all shards",
+                "workers= and scheduler= are both given",
                 hint="leave one of them out",
             )
         if self.force and (self.resume or self.shards is not None):
             other = "resume" if self.resume else "shards"
             raise InputError(
-                f"{other}= and force=True are both given: the one goes on, the other starts anew",
+                f"{other}= and force=True are both given: one continues the sweep, the other starts anew",
                 hint="leave one of them out",
             )
         if self.scheduler is not None and not _ADDRESS.fullmatch(str(self.scheduler)):
@@ -106,19 +106,19 @@ class Sharding:
         return ShardFolder(folder, how_to_go_on, self.shards or "")
 
     def agree(self, folder: ShardFolder, plan: Plan) -> tuple[Plan, Sequence[int]]:
-        """Decide what is to be made in a folder; nothing is changed.
+        """Plan the files of a folder, without changing it.
 
         Parameters
         ----------
         folder : ShardFolder
             Entered.
         plan : Plan
-            The plan that is asked for.
+            The requested plan.
 
         Returns
         -------
         Plan
-            With the size of shards that are there, unless another is asked for.
+            The plan, with the size of existing shards unless another one is requested.
         sequence of int
             The shards to be made or checked.
 
@@ -188,7 +188,7 @@ class Sharding:
             raise FileError(f"{folder.shown} holds another sweep: {'; '.join(differences)}", hint=_ANEW)
         others = folder.shards() - {shard_name(shard) for shard in range(plan.shards)}
         if others:
-            raise FileError(f"{folder.shown} holds shards that are none of this sweep: {min(others)}")
+            raise FileError(f"{folder.shown} holds shards of another sweep: {min(others)}")
         return plan
 
     def _wanted(self, plan: Plan) -> Sequence[int]:
@@ -247,6 +247,7 @@ def write_sweep(
 def write_sweep(
     folder: str | PathLike[str], scene_file: str | PathLike[str] | None = None, *, shards: str, **more: Any
 ) -> None: ...
+@takes_old_name
 @shielded
 def write_sweep(
     folder: str | PathLike[str],
@@ -259,56 +260,56 @@ def write_sweep(
     scheduler: str | None = None,
     resume: bool = False,
     force: bool = False,
-    accuracy: Literal["exact", "regimes"] = "exact",
+    output: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
     coexistence: bool = False,
     **quantities: Any,
 ) -> StoredSweep | None:
-    """Solve all combinations of the axes, however many, into a folder of Parquet files.
+    """Solve all combinations of several axes into a folder of Parquet files, which may exceed memory.
 
     Parameters
     ----------
     folder : path
         The folder; it is created.
-    scene_file, accuracy, flight, coexistence, **quantities
+    scene_file, output, flight, coexistence, **quantities
         As for ``vibro.sweep``.
     columns : sequence of str, optional
-        Names as for ``--columns`` of ``vibro map``, in the order wanted; without, its usual ones.
+        Names of columns, as for ``--columns`` of ``vibro map``; by default its standard columns.
     shard_cells : int, optional
-        Cells of each file, a shard; 1e6, or 20 000 where bodies bounce or other motions are searched for, or
-        as many as existing files have.
+        Number of cells per file, a shard. By default 1e6, or 20 000 with bouncing bodies or
+        ``coexistence=True``, or that of the existing files.
     shards : str, optional
-        The shards to make, such as ``"0:40"`` for the first 40: jobs of a batch system make other ranges at
-        the same time. The same call with ``resume=True`` in place of it finishes the folder.
+        Range of shards to make, such as ``"0:40"`` for the first 40, so that the jobs of a batch system can
+        make different ranges at the same time. A last call with ``resume=True`` and without ``shards``
+        finishes the folder.
     workers : int, optional
-        Processes that make the files; without, threads of this one. A script that asks for them needs the
+        Number of processes; by default threads of this process. A script that uses processes needs the
         line ``if __name__ == "__main__":``.
     scheduler : str, optional
-        Address of a Dask cluster that makes the files, such as ``"tcp://host:8786"``. Its workers need the
-        same versions of vibro, NumPy, SciPy and pyarrow, and the same folder under the same path.
+        Address of a Dask cluster, such as ``"tcp://host:8786"``. Its workers need the same versions of vibro,
+        NumPy, SciPy and pyarrow, and access to the folder under the same path.
     resume : bool, optional
-        Whether to continue the same sweep in a folder where it was cut short.
+        Whether to continue an interrupted sweep with the same arguments.
     force : bool, optional
-        Whether to start anew in a folder that holds a sweep.
+        Whether to replace a sweep that the folder contains.
 
     Returns
     -------
     StoredSweep or None
-        As ``vibro.open_sweep`` returns it; None if only some shards were asked for.
+        The sweep, as from ``vibro.open_sweep``; None with ``shards``.
 
     Raises
     ------
     InputError
-        It names everything that is wrong or missing.
+        If an input is wrong or missing; the message lists all problems.
     FileError
-        If the folder cannot be written, holds something else, or is being written by another run; if pyarrow,
-        or for a scheduler distributed, is not installed.
+        If the folder cannot be written, contains something else, or is in use by another run; if pyarrow is
+        not installed, or distributed with ``scheduler``.
 
     Notes
     -----
-    The bytes of the files follow from the arguments and the versions of the libraries alone, on one kind
-    of processor: not from the number or kind of workers, or from how often the sweep is resumed
-    (tests/output/test_shards.py).
+    The files are the same to the byte for any number or kind of workers and any number of interruptions, on
+    one kind of processor and with the same versions of the libraries (tests/output/test_shards.py).
 
     Examples
     --------
@@ -332,10 +333,10 @@ def write_sweep(
     )
     path = shard_folder(os.fspath(folder))
     request = request_of_call(scene_file, quantities, write_sweep, repr(os.fspath(folder)))
-    level = level_of(accuracy)
+    kept = output_of(output)
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
-    grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
+    grid = request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
     usual = columns_of(
         grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
     )

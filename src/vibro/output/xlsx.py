@@ -16,8 +16,8 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError, InputError
+from vibro.files.csv_tables import rounded_cells
 from vibro.files.rounding import rounded
-from vibro.files.tables import rounded_cells
 from vibro.plots.style import INK, NO_ANSWER_FACE, REGIME_COLOURS, visible
 from vibro.plots.view import choose_view, is_discrete, value_of
 from vibro.quantities import QUANTITIES
@@ -43,7 +43,7 @@ __all__ = ["MOST_COLUMNS", "MOST_ROWS", "Xlsx"]
 MOST_ROWS: Final = 1_048_576
 MOST_COLUMNS: Final = 16_384
 _TABLE_HEAD: Final = 2  # [rows] units and names
-_MAP_HEAD: Final = 3  # [rows] title, what is held, and the axis across
+_MAP_HEAD: Final = 3  # [rows] title, fixed quantities, and the horizontal axis
 _MOST_POINTS: Final = 32_000  # of a line: charts of more take a spreadsheet minutes
 _SMALLER: Final = 0.8  # width of a letter of maps, over that of the usual type
 _MOST_CHARACTERS: Final = 32_767  # of a cell

@@ -24,7 +24,7 @@ _AT_ONCE: Final = 100_000  # [cells] Few enough that their text stays small besi
 
 
 class Cells(NamedTuple):
-    """A column of some rows: attributes of its cells in XML, and their values, empty where there is none."""
+    """A column of some rows: attributes of its cells in XML, and their values, empty without a value."""
 
     attributes: str
     values: Sequence[str]
@@ -40,7 +40,7 @@ class Sheet(Worksheet):  # type: ignore[misc]
         self._places: dict[str, str] = {}  # of texts among those of the workbook
 
     def put_rows(self, first: int, number: int, rows: Iterable[Sequence[Cells]]) -> None:
-        """Set the rows below the head, to be asked for when the file is written.
+        """Set the source of the rows below the head, which are made when the file is written.
 
         Parameters
         ----------
@@ -59,12 +59,12 @@ class Sheet(Worksheet):  # type: ignore[misc]
         columns = [{"header": name, "header_format": style} for name in names]
         last = len(names) - 1
         self.add_table(first, 0, first + 1, last, {**options, "columns": columns})
-        # It notes every cell of a table, at hundreds of bytes each: tell the true size afterwards.
+        # It keeps every cell of a table, at hundreds of bytes each: set the true size afterwards.
         whole = xl_range(first, 0, first + number, last)
         self.tables[-1] |= dict.fromkeys(("range", "a_range", "autofilter"), whole)
 
     def note_texts(self, texts: Iterable[str]) -> None:
-        """Register all texts that rows will have: when rows are asked for, it is too late."""
+        """Register all texts of the rows, before rows are written."""
         for text in dict.fromkeys(texts):
             if text and text not in self._places:
                 self._places[text] = str(self.str_table._get_shared_string_index(text))
@@ -85,7 +85,7 @@ class Sheet(Worksheet):  # type: ignore[misc]
 
     @property
     def is_complete(self) -> bool:
-        """Whether the rows, if any, were asked for."""
+        """Whether the rows, if any, were written."""
         return self._rows is None
 
     def _cells(self, style: Any, kind: str, texts: NDArray[np.object_], shape: tuple[int, ...]) -> Cells:

@@ -1,4 +1,4 @@
-"""Pictures of solved sweeps: matplotlib figures without a window; nothing is solved here.
+"""Pictures of solved sweeps: matplotlib figures without a window, from cells that are solved.
 
 ``map_figures`` draws; ``save`` writes a figure to a file.
 """
@@ -66,7 +66,7 @@ def map_figures(
     x: str | None = None,
     y: str | None = None,
     at: Mapping[str, float] | None = None,
-    level: float | None = None,
+    target_speed: float | None = None,
     progress: Callable[[int, int], None] = lambda done, size: None,
 ) -> dict[str, Figure]:
     """Draw a solved sweep.
@@ -81,7 +81,7 @@ def map_figures(
         any.
     x, y, at : optional
         Part of the sweep to be drawn, see ``choose_view``.
-    level : float, optional
+    target_speed : float, optional
         A speed that stands out where speeds are drawn [mm/s].
     progress : callable, optional
         Called with the number of pictures that are drawn, and of all.
@@ -95,7 +95,7 @@ def map_figures(
     Raises
     ------
     InputError
-        If what is asked for cannot be drawn.
+        If a picture cannot be drawn.
     """
     view = choose_view(result.axes, x, y, at, result.fixed)
     groups = [[Fields(panel) for panel in curves] for curves in panels(result, view)]
@@ -104,21 +104,21 @@ def map_figures(
     figures = {}
     with house_style():
         for name in names:
-            figures[name] = _figure(name, result, view, groups, level)
+            figures[name] = _figure(name, result, view, groups, target_speed)
             progress(len(figures), len(names))
     return figures
 
 
 def _figure(
-    name: str, result: SweepResult, view: View, groups: list[list[Fields]], level: float | None
+    name: str, result: SweepResult, view: View, groups: list[list[Fields]], target_speed: float | None
 ) -> Figure:
     if view.y is None and (view.curves is not None or is_discrete(view.x)):
-        return curve_figure(name, result, view, groups, level)
+        return curve_figure(name, result, view, groups, target_speed)
     fields = [curves[0] for curves in groups]
     if view.y is None:
-        return line_figure(name, result, fields[0], level)
+        return line_figure(name, result, fields[0], target_speed)
     if name == "speed":
-        return speed_map(result, fields, level)
+        return speed_map(result, fields, target_speed)
     draw = {"regime": regime_map, "traverse": traverse_map, "impact": impact_map, "flight": flight_map}
     return draw[name](result, fields)
 

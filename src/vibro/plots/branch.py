@@ -67,7 +67,7 @@ def branch_figure(
     Returns
     -------
     Figure
-        Of m lines; each piece is solid if it is stable at its ends but for events, and else dashed.
+        Of m lines; a piece is solid if its ends, except events, are stable, else dashed.
     """
     with house_style():
         from vibro.plots.picture import Picture

@@ -98,7 +98,7 @@ def curve_figure(
     result: SweepResult,
     view: View,
     groups: Sequence[Sequence[Fields]],
-    level: float | None = None,
+    target_speed: float | None = None,
 ) -> Figure:
     """Draw numbers, or regimes, for each value of short lists.
 
@@ -112,7 +112,7 @@ def curve_figure(
         Part of the sweep, not a map.
     groups : sequence of sequence of Fields
         For every facet its curves.
-    level : float, optional
+    target_speed : float, optional
         A speed that stands out where speeds are drawn [mm/s].
 
     Returns
@@ -152,7 +152,7 @@ def curve_figure(
                 height = float(np.interp(x, curve.fields.x, values))
                 mark_operating_point(a, np.array([[x, height]]), legend)
         shown = np.concatenate([rows[label](f) for fields in groups for f in fields])
-        finish_numbers(a, picture, shown, level if label == first else None)
+        finish_numbers(a, picture, shown, target_speed if label == first else None)
         if not any(np.isfinite(rows[label](curve.fields)).any() for curve in curves):
             _say_why_empty(a, curves)
         if a in named:

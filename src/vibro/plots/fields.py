@@ -46,7 +46,7 @@ __all__ = [
 HIDDEN_BY: Final = {
     "forward_onset": ("back_slip", "hop"),
     "back_slip": ("hop",),
-    "rest_vanishes": ("hop",),
+    "continuous_sliding": ("hop",),
     "hop": (),
 }
 # Where several have begun, the last of them holds.
@@ -130,7 +130,12 @@ class Fields:
         in_contact = regime != Regime.HOPPING
         back = np.where(regime == Regime.BACK_SLIP, 0.5, -0.5)
         back = fill_unknown(back, in_contact) if in_contact.any() else back
-        return {"forward_onset": onset, "back_slip": back, "rest_vanishes": self._zeros - 0.5, "hop": hop}
+        return {
+            "forward_onset": onset,
+            "back_slip": back,
+            "continuous_sliding": self._zeros - 0.5,
+            "hop": hop,
+        }
 
     @cached_property
     def infeasible(self) -> Floats:
@@ -200,7 +205,7 @@ class Fields:
 
     @cached_property
     def reversal(self) -> Floats:
-        """Positive where the mean speed is negative, over the largest; zero where it is lost in rounding."""
+        """Positive where the mean speed is negative, relative to the largest; zero where it is rounding."""
         known = np.nan_to_num(self.velocity)
         largest = float(np.abs(known).max()) or 1.0
         return np.where(np.abs(known) <= _ROUNDING * largest, 0.0, -known / largest)
@@ -303,7 +308,7 @@ class Fields:
         values: dict[str, Any] = {**self.panel.values, self.panel.x.name: self.x[np.newaxis, :]}
         if self.panel.y is not None:
             values[self.panel.y.name] = self.y[:, np.newaxis]
-        if (amplitude := self.panel.amplitude) is not None:  # hatches hide where there is none
+        if (amplitude := self.panel.amplitude) is not None:  # hatches cover cells without one
             known = np.isfinite(amplitude)
             values["amplitude"] = fill_unknown(amplitude, known) if known.any() else np.ones(amplitude.shape)
         return Scene.allowing_infeasible(**scene_fields(values))

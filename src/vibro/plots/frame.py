@@ -147,7 +147,7 @@ def set_heading(figure: Figure, headline: str, below: str = "") -> None:
     figure : Figure
         Its label becomes the headline, for the files' metadata.
     headline : str
-        May contain names from users: nothing in it is markup, and it is cut to fit.
+        May contain names from users: markup is escaped, and the text is cut to fit.
     below : str, optional
         Further lines, for matplotlib, which are broken after commas to fit.
     """

@@ -97,7 +97,7 @@ _ELLIPSE: Final = Panel(
 _ROW: Final = 1.35  # [in] of a panel of height 1
 _LETTER: Final = 0.0095  # generous width of a letter, as a share of a panel's
 _PATH: Final = 2.0  # height of the path below the panels
-_BESIDE: Final = 1.5  # width of the legend beside it, over that of the path
+_LEGEND_WIDTH: Final = 1.5  # width of the legend beside it, over that of the path
 _COLUMNS: Final = 3  # of the legend, one for each curve in the panel of forces
 _MARGIN: Final = 0.12  # margin above and below the curves, as a share of their span
 _HEADROOM: Final = 0.25  # for the names of phases, as a share of the panel's height
@@ -194,7 +194,7 @@ def history_figure(
 
         rows = [*heights, *[_PATH] * elliptical]
         figure = Picture(figsize=(9.0, 1.5 + _ROW * sum(rows)), layout="constrained")
-        cells = figure.add_gridspec(len(rows), 2, height_ratios=rows, width_ratios=(1.0, _BESIDE))
+        cells = figure.add_gridspec(len(rows), 2, height_ratios=rows, width_ratios=(1.0, _LEGEND_WIDTH))
         grid = [figure.add_subplot(cells[0, :])]
         grid += [figure.add_subplot(cells[i, :], sharex=grid[0]) for i in range(1, len(shown))]
         for axes in grid[:-1]:

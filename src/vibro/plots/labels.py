@@ -96,7 +96,7 @@ class Labeller:
         Returns
         -------
         bool
-            False if it fits nowhere; nothing is written then.
+            False if it fits nowhere and is not written.
         """
         nearest = [
             np.round(np.linspace(0, n - 1, count)).astype(int)
@@ -130,7 +130,7 @@ class Labeller:
         Returns
         -------
         bool
-            False if it fits nowhere; nothing is written then.
+            False if it fits nowhere and is not written.
         """
         if plate is not None:
             style["bbox"] = {"boxstyle": "square,pad=0.12", "facecolor": plate, "edgecolor": "none"}

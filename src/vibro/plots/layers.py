@@ -49,7 +49,7 @@ _COVERS: Final = 2.0  # zorder of the uppermost cover
 _SPECK: Final = 0.04  # of the side of the map
 _HATCHED: Final = 0.01  # of the side of the map: least width of an area in which a hatch is seen
 _STRIPE: Final = 24.0  # [px] from one stripe over irregular motion to the next
-_STRIPE_INK: Final = 0.4  # opacity of these stripes: the colours below are what is read
+_STRIPE_INK: Final = 0.4  # opacity of these stripes: the colours below must stay readable
 _NUMBERED: Final = 0.25  # of the side of the map: longer pieces of a contour have its number each
 _CUT_OFF: Final = 0.25  # of a field that is 0 where a contour is cut off, and 0.5 elsewhere
 _NO_LINE: Final = {"color": INK, "linestyle": "none"}  # in the legend, of a remark
@@ -153,7 +153,7 @@ class MapLayers:
         return zero_lines(self.fields, begin + end, [-begin, *self._covers])
 
     def hatch_unanswered(self, *, regimes_show: bool) -> None:
-        """Hatch where there is no answer.
+        """Hatch the area without an answer.
 
         Where flight is not modelled the regime is still known: a picture of regimes shows it.
         """
@@ -311,7 +311,7 @@ class MapLayers:
                 self.legend[CONTOURS_STOP_LABEL] = _NO_LINE
 
     def _is_long(self, piece: Floats, least: float = _SPECK) -> bool:
-        """Whether a piece of a contour is more than a speck, or as long as asked for."""
+        """Whether a piece of a contour is long enough to draw."""
         width, height = np.ptp(
             self.axes.transAxes.inverted().transform(self.axes.transData.transform(piece)), 0
         )

@@ -74,7 +74,7 @@ UNCERTAIN: Final = ("speed", "traverse")
 _TINT: Final = 0.35  # opacity of bands behind lines
 _MARKED: Final = 60  # most values on the axis that are marked each
 _WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
-_HEADROOM: Final = 0.15  # above a level, for its name
+_HEADROOM: Final = 0.15  # above a target speed, for its name
 _MILLIMETRE: Final = 1e3  # [1/m]
 _DOTS: Final[Mapping[str, Any]] = {"linestyle": "none", "marker": ".", "markersize": 3.0}
 
@@ -119,8 +119,10 @@ def numbers_of(picture: str, length: float | None) -> tuple[str, Mapping[str, Ca
     return f"Traverse time over {travelled:.6g} mm", {"traverse time [s]": time}
 
 
-def line_figure(picture: str, result: SweepResult, fields: Fields, level: float | None = None) -> Figure:
-    """Draw numbers over a range, as ``numbers_of`` names them; a level of speed is marked [mm/s]."""
+def line_figure(
+    picture: str, result: SweepResult, fields: Fields, target_speed: float | None = None
+) -> Figure:
+    """Draw numbers over a range, as ``numbers_of`` names them; a target speed is marked [mm/s]."""
     from vibro.plots.picture import Picture
 
     heading, rows = numbers_of(picture, result.length)
@@ -143,7 +145,7 @@ def line_figure(picture: str, result: SweepResult, fields: Fields, level: float 
             mark_operating_point(a, np.array([[point[0], height]]), legend)
         if picture == "speed" and a is axes[0]:
             draw_peaks([a], [fields.panel], [fields.panel.x], legend)
-        finish_numbers(a, picture, values, level if a is axes[0] else None)
+        finish_numbers(a, picture, values, target_speed if a is axes[0] else None)
     scale_axis(strip.xaxis, fields.panel.x)
     axes[-1].set_xlabel(axis_label(fields.panel.x))
     figure.align_ylabels(axes)
@@ -297,8 +299,8 @@ def draw_numbers(
     )
 
 
-def finish_numbers(axes: Axes, picture: str, values: Floats, level: float | None = None) -> None:
-    """Draw what helps to read a scale, and mark a level on it; long times are logarithmic.
+def finish_numbers(axes: Axes, picture: str, values: Floats, target_speed: float | None = None) -> None:
+    """Draw what helps to read a scale, and mark a target speed on it; long times are logarithmic.
 
     Parameters
     ----------
@@ -308,7 +310,7 @@ def finish_numbers(axes: Axes, picture: str, values: Floats, level: float | None
         As for ``numbers_of``.
     values : float array
         The numbers drawn.
-    level : float, optional
+    target_speed : float, optional
         In the unit of the values, mm/s.
     """
     finite = values[np.isfinite(values)]
@@ -317,12 +319,12 @@ def finish_numbers(axes: Axes, picture: str, values: Floats, level: float | None
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.8)
     if picture == "traverse" and finite.size and finite.max() > _WIDE * finite.min():
         make_logarithmic(axes.yaxis, finite.min(), finite.max())
-    if picture == "speed" and level is not None:
+    if picture == "speed" and target_speed is not None:
         low, high = axes.get_ylim()
-        axes.axhline(level, color=INK, linewidth=2.2, linestyle=(0, (1, 1)), zorder=2.5, gid="level")
-        axes.set_ylim(low, max(high, level + _HEADROOM * (level - low)))
-        place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
-        outline(axes.annotate(f"{number_text(level)} mm/s", *place), "#FFFFFF")
+        axes.axhline(target_speed, color=INK, linewidth=2.2, linestyle=(0, (1, 1)), zorder=2.5, gid="level")
+        axes.set_ylim(low, max(high, target_speed + _HEADROOM * (target_speed - low)))
+        place = (0.005, target_speed), (0, 3), ("axes fraction", "data"), "offset points"
+        outline(axes.annotate(f"{number_text(target_speed)} mm/s", *place), "#FFFFFF")
 
 
 def name_bands(figure: Figure, strip: Axes, bands: Sequence[Band]) -> dict[str, dict[str, Any]]:

@@ -50,10 +50,10 @@ def regime_map(result: SweepResult, fields: list[Fields]) -> Figure:
     return _finish(figure, result, maps)
 
 
-def speed_map(result: SweepResult, fields: list[Fields], level: float | None = None) -> Figure:
+def speed_map(result: SweepResult, fields: list[Fields], target_speed: float | None = None) -> Figure:
     """Map of the mean conveying speed, diverging about zero where transport reverses.
 
-    A level is a speed whose contour stands out [mm/s].
+    The contour of a target speed stands out [mm/s].
     """
     figure, maps = _start(result, fields, "Mean conveying speed")
     for layers in maps:
@@ -63,9 +63,9 @@ def speed_map(result: SweepResult, fields: list[Fields], level: float | None = N
     _draw_numbers(figure, maps, speeds, "mean conveying speed [mm/s]")
     for layers in maps:
         layers.draw_reversal()
-    if level is not None:
+    if target_speed is not None:
         for layers, numbers in zip(maps, speeds, strict=True):
-            layers.draw_level(numbers, level, f"{number_text(level)} mm/s")
+            layers.draw_level(numbers, target_speed, f"{number_text(target_speed)} mm/s")
     return _finish(figure, result, maps, peaks=True)
 
 

@@ -69,7 +69,7 @@ def dilate(mask: Mask, width: int) -> Mask:
 
 
 def erode(mask: Mask, width: int, *, beyond: bool) -> Mask:
-    """Find the points with nothing but true points in the square window around them.
+    """Find the points whose square window contains only true points.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ def draw_peaks(
     panels : sequence of Panel
         With their speeds.
     varying : iterable of Axis or None
-        The axes by which the legend tells where it is.
+        The axes whose values the legend shows.
     legend : dict of str to dict
         Receives the speed and its place, with the style of the mark.
 

@@ -149,7 +149,7 @@ class Settings:
             raise ValueError(f"loads {self.data.load[[0, -1]]} do not cover the settings' {shown}")
 
     def load(self, amplitude: Any, frequency: Any) -> Floats:
-        """G = A w^2 / g of an amplitude or a stroke as the drive's are told [mm], or of a scale [1]."""
+        """G = A w^2 / g of an amplitude or a stroke in the drive's units [mm], or of a scale [1]."""
         size = QUANTITIES[self.data.amplitude].to_si(amplitude) / self.chosen.drive.told_per_amplitude
         return self.chosen.drive.space.load_at(size, frequency, self.spec.gravity)
 

@@ -71,7 +71,7 @@ NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
     Status.INDETERMINATE: "---",
     Status.UNRESOLVED: "+++",
 }
-BACKWARDS_FACE: Final = "#F4A582"  # where there is no number: one of the colours of speeds below 0
+BACKWARDS_FACE: Final = "#F4A582"  # for bodies without a number: a colour of speeds below 0
 BACKWARDS_HATCH: Final = "|"
 BACKWARDS_LABEL: Final = "moves backwards"
 COEXISTS_HATCH: Final = "..."
@@ -94,7 +94,7 @@ class CurveStyle(NamedTuple):
 CURVES: Final[Mapping[str, CurveStyle]] = {
     "forward_onset": CurveStyle("forward-slip onset", (0, (7, 2, 1.5, 2)), 1.4),
     "back_slip": CurveStyle("back-slip onset", (0, (5, 2)), 1.4),
-    "rest_vanishes": CurveStyle("rest vanishes", (0, (1, 1.6)), 1.4),
+    "continuous_sliding": CurveStyle("continuous sliding", (0, (1, 1.6)), 1.4),
     "hop": CurveStyle("hop limit", "-", 1.8),
 }
 
@@ -113,7 +113,7 @@ _RC: Final[Any] = {
     "xtick.direction": "out",
     "ytick.direction": "out",
     "hatch.linewidth": 0.6,
-    # Numbers along axes are written in full, however short they are: nothing to add, or to multiply by.
+    # Numbers along axes are written in full, without an offset or a common factor.
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-99, 99),
     "legend.fontsize": 8.5,
@@ -261,7 +261,7 @@ def value_text(name: str, value: float) -> str:
 def values_text(values: Mapping[str, float], *, all_of_them: bool = False, hops: bool = False) -> str:
     """Write quantities in the user's units, in the order of tables: ``α = 20°, f = 15 Hz``.
 
-    Quantities with their usual value are left out unless all are asked for, and so are harmonics from the
+    Quantities with their usual value are left out unless ``all_of_them``, and so are harmonics from the
     third on, which are counted. Restitution is never left out where bodies hop.
     """
     parts = [

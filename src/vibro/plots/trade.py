@@ -133,7 +133,15 @@ def _draw_front(axes: Axes, rows: Sequence[Row]) -> None:
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     corners = [(front[0][0], top), *front, (right, front[-1][1])]
     x, y = zip(*corners, strict=True)
-    axes.step(x, y, where="post", color="#BBBBBB", linewidth=3.0, zorder=1, label="none is faster and closer")
+    axes.step(
+        x,
+        y,
+        where="post",
+        color="#BBBBBB",
+        linewidth=3.0,
+        zorder=1,
+        label="no other is faster and more accurate",
+    )
     axes.set(xlim=(left, right), ylim=(bottom, top))
 
 

@@ -34,7 +34,7 @@ MAX_FACETS: Final = 12
 _LEAST, _MOST = 1e-100, 1e100  # of drawn values, in their unit
 # A value that is typed with another unit, or copied from a picture, differs in its last digits.
 _SAME: Final = 5e-5  # relative difference
-_CURVES: Final = ("hop", "forward_onset", "back_slip", "rest_vanishes")
+_CURVES: Final = ("hop", "forward_onset", "back_slip", "continuous_sliding")
 _Span = tuple[float, float]
 
 
@@ -78,7 +78,7 @@ class View:
 
 
 def is_discrete(axis: Axis) -> bool:
-    """Whether an axis is a short list, whose values are drawn one by one, with nothing between them."""
+    """Whether an axis is a short list, whose values are drawn one by one."""
     return axis.spacing == "list" and len(axis) <= MAX_FACETS
 
 
@@ -165,7 +165,7 @@ def choose_view(
     _check_names(axes, x, y, at)
     free = [name for name in axes if name not in at]
     if not free:
-        raise InputError("every axis of the sweep is held: nothing is left to draw", hint="hold one less")
+        raise InputError("every axis of the sweep is fixed: nothing is left to draw", hint="hold one less")
     lists = [name for name in free if is_discrete(axes[name])]
     ranges = [name for name in free if name not in lists]
     _check_map(axes, x, y, lists, ranges)

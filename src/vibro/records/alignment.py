@@ -113,7 +113,7 @@ class Observation:
         if "friction" in record.signals and mass is not None:
             signals["friction"] = sign * record.signals["friction"] / mass
         if not signals:
-            unknown = "the data hold a force alone, and the mass is unknown"
+            unknown = "the data contain only a force, and the mass is unknown"
             raise InputError(unknown, hint="give mass=0.02")
         if "acceleration" in signals:
             # The velocity of a steady motion repeats, so that its acceleration has no mean. A mean in the

@@ -319,7 +319,9 @@ def _of_another_frequency(observation: Observation) -> list[str]:
     said, remedy = f"{found:.5g} Hz", f"frequency={plain}"
     if observation.clock is not None:
         trough = f"the trough at {observation.frequency:.5g} Hz"
-        return [f"the body's signals repeat at {said}, {trough}: are both of one run, and of one clock?"]
+        return [
+            f"the body's signals repeat at {said}, {trough}: are both from the same run, with the same clock?"
+        ]
     if foreign.cycles:
         why = "the body hops so, or the drive runs at that frequency"
         return [f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: {why}: {remedy}"]

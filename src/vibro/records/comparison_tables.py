@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from vibro.files.tables import TableColumns
+from vibro.files.csv_tables import TableColumns
 from vibro.quantities import QUANTITIES
 from vibro.records.comparison import Comparison
 from vibro.records.fitting import Fit, Parameter

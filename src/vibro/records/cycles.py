@@ -39,11 +39,11 @@ class SceneCycles:
     Attributes
     ----------
     labels : object array of str, shape (M,)
-        Pattern of each, or ``HOPS``; empty where there is no steady cycle.
+        Pattern of each, or ``HOPS``; empty without a steady cycle.
     fields : Drive
         Fields of the scenes, each of shape (M,).
     slides : array, shape (7, 2, M)
-        Both slides of each cycle, with the rows of ``Slides``; 0 where there is no slide.
+        Both slides of each cycle, with the rows of ``Slides``; 0 without a slide.
     followed : mapping of int to SettledMotion
         Motions of scenes that hop, and of all beyond one harmonic, by their place among all.
     """

@@ -92,13 +92,13 @@ class Fit:
 
 
 class _Work:
-    """Counts the searches of a fit, whose number grows as patterns are found, and tells them."""
+    """Counts and reports the searches of a fit; their number grows as patterns are found."""
 
     def __init__(self, tell: Callable[[int, int, str], None] | None) -> None:
         self._tell, self._done, self._all = tell, 0, 0
 
     def each(self, things: Iterable[_T], what: str) -> Iterator[_T]:
-        """Yield things one by one: each is a search, done when the next one is asked for."""
+        """Yield items one by one: each is a search, which is done when the next one is requested."""
         waiting = list(things)
         self._all += len(waiting)
         for thing in waiting:
@@ -217,7 +217,7 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]
 
 
 def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
-    """Return no interval if one reaches the bounds of what is tried: its end is unknown."""
+    """Return no interval if it reaches the bounds of the search: its end is unknown."""
     low, high = (bound + way * TOL.at_bound * abs(bound) for bound, way in ((least, 1.0), (most, -1.0)))
     return intervals if intervals and intervals[0][0] > low and intervals[-1][1] < high else ()
 

@@ -57,7 +57,7 @@ class Repetition:
         self._power = np.einsum("ij,ij->j", self._signals, self._signals)
 
     def fundamental(self) -> Estimate | None:
-        """Find the frequency of which the largest wave is a harmonic, mostly the first; None without one."""
+        """Find the drive frequency, of which the largest wave is a harmonic, mostly the first; or None."""
         if math.isnan(self._peak):
             return None
         found = self._near(self._peak)

@@ -75,7 +75,7 @@ Columns = dict[str, Column]
 
 
 class TroughAloneError(InputError):
-    """A record that is to be compared, of which motions of the trough are named alone."""
+    """Raised for a record to compare of which only motions of the trough are named."""
 
 
 def _headers(above: list[list[str]]) -> list[Header]:
@@ -182,7 +182,7 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
 
 
 def _trough_alone(path: Path, headers: list[Header], found: Columns) -> TroughAloneError:
-    """Say that there is nothing to compare with the trough's motion, and how to name what may be."""
+    """Report that no signal of a part is named, and how to name one."""
     named = _list([found[role].header for role in TROUGH if role in found])
     hint = 'to compare a part, name its signal: displacement="X [mm]"'
     read = {column.header.place for column in found.values()}

@@ -157,10 +157,10 @@ def hop_onset(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
 
 
 def _miscalibrated(motion: Motions, sensors: int) -> dict[str, list[Motions]]:
-    """Return motions that a measured one may be if the sensors are not what they are said to be."""
+    """Return the motions that wrong calibrations of the sensors would make of a measured one."""
     gains = (1.0 + TOL.gain, 1.0 - TOL.gain)
     tilted = [motion.turned(TOL.tilt), motion.turned(-TOL.tilt)]
-    if sensors == 1:  # it tells both motions: its gain is that of both, and nothing lags
+    if sensors == 1:  # it gives both motions: one gain for both, and no lag
         return {"gain": [motion.scaled(gain, gain) for gain in gains], "tilt": tilted}
     one_gain = [motion.scaled(along=gain) for gain in gains] + [motion.scaled(normal=gain) for gain in gains]
     delayed = [motion.delayed(TOL.delay), motion.delayed(-TOL.delay)]

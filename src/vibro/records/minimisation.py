@@ -64,7 +64,7 @@ def minimise(
     enough : float
         Decrease of the sum of squares below which the search ends.
     aim : float
-        Sum of squares to reach: a search that would need many more steps to reach it ends.
+        Sum of squares to reach: a search ends if it would need many more steps.
     fixed : sequence of int
         Coordinates that keep their values.
     """

@@ -52,7 +52,7 @@ _GRID: Final[Mapping[str, Sequence[float]]] = {
 _POWERS: Final = {"displacement": 1, "velocity": 2, "acceleration": 2, "friction": 2}
 # Powers of 2 pi f that turn the trough's amplitude into the size of a signal.
 _POWERS_OF_RATE: Final = {"displacement": 0, "velocity": 1, "acceleration": 2, "friction": 2}
-_NOT_NEGATIVE: Final = (*AMPLITUDES, "drive_angle")  # quantities of a drive, whatever its errors
+_NOT_NEGATIVE: Final = (*AMPLITUDES, "drive_angle")  # quantities of a drive that errors cannot make negative
 _JUMPING: Final = ("acceleration", "friction")  # signals that jump where a slide starts or ends
 
 

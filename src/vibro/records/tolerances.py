@@ -31,7 +31,7 @@ class Tolerances(NamedTuple):
     printed: float = 1e-6
     least_cycles: float = 2.0  # cycles of any wave in the record
     least_samples: int = 8  # samples a drive cycle
-    # The velocity of a slide has kinks, whose harmonics fall off quadratically: more of them add nothing.
+    # The velocity of a slide has kinks, whose harmonics fall off quadratically: more of them do not help.
     most_harmonics: int = 24
     of_nyquist: float = 0.9  # of half the sampling rate, at which a harmonic cannot be resolved
     # Power of a harmonic over the mean power of noise in it; noise exceeds this in 3 of 10 000 harmonics.
@@ -83,7 +83,7 @@ class Tolerances(NamedTuple):
     least_component: float = 1e-3
 
     # --- harmonics of the trough's motion -------------------------------------------------------------
-    motion_harmonics: int = 16  # that are looked for
+    motion_harmonics: int = 16  # that are tested
     of_sampling: float = 0.45  # of the sampling rate: the highest of them, with the band beside it
     band: float = 0.35  # of the drive's frequency, to each side of a harmonic: noise there is that in it
     # Two bins to each side of a harmonic, of which two channels need more than one for their covariance.
@@ -171,7 +171,7 @@ class Tolerances(NamedTuple):
     across: tuple[float, float, int] = (1e-5, 0.3, 40)  # relative distances beyond an edge, for the same
     kept: int = 24  # points of each of both that are kept for a pattern
     wide: float = 0.6  # half an interval over its estimate, at most: 30 % of standard error
-    at_bound: float = 1e-3  # relative distance from a bound of what is tried at which an interval has no end
+    at_bound: float = 1e-3  # relative distance from a bound of the search at which an interval has no end
     close: float = 0.03  # of the threshold: error of the misfit at an end of an interval
     narrow: float = 0.02  # of the distance to the estimate: error of an end at an edge of a pattern
     first_step: float = 0.02  # relative, to the end of an interval, if the derivatives give none,

@@ -319,7 +319,7 @@ def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
     frequency = repetition.fundamental()
     if frequency is None:
         columns = " and ".join(shown(record.headers[name]) for name in signals)
-        hint = "is it the motion of a trough that runs?"
+        hint = "was the trough running?"
         raise InputError(f"no wave stands out in column {columns}", hint=hint)
     return frequency
 

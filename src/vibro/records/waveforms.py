@@ -101,38 +101,38 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredMotion:
-    """A trough's periodic motion, as one or two sensors on it measured it.
+    """Periodic motion of a trough, measured by one or two sensors on it; returned by ``measured_motion``.
 
-    Times count from where the first harmonic along the trough passes its middle forwards, or, where nothing
-    moves along it, the first one normal to it passes its middle upwards.
+    The phase is 0 where the first harmonic along the trough passes its mean position forwards or, without
+    motion along the trough, where that normal to it passes its mean position upwards.
 
     Attributes
     ----------
     frequency, frequency_error : float
         Drive frequency and its standard error [Hz].
     channels : tuple of str
-        What was measured: ``"trough_along"``, ``"trough_normal"`` or both.
+        Measured directions: ``"trough_along"``, ``"trough_normal"`` or both.
     accelerations : complex array, shape (H, channels)
-        Harmonics of the accelerations: the sum of ``abs(a) * sin(k w t + angle(a))`` [m/s^2].
+        Harmonics a_k of the accelerations, the sum of ``abs(a_k) * sin(k w t + angle(a_k))`` [m/s^2].
     covariance : complex array, shape (H, channels, channels)
-        Covariance of each harmonic over the channels, E[da conj(db)] of the noise; that of its real parts,
-        and of its imaginary ones, is half the real part [m^2/s^4].
+        Error covariance of each harmonic over the channels, E[da conj(db)]. The covariance of the real parts,
+        and that of the imaginary parts, is half of its real part [m^2/s^4].
     freedom : float
-        Degrees of freedom of the covariance of each harmonic, with which draws follow Student's t.
+        Degrees of freedom of this covariance; random draws follow Student's t [1].
     p_values : array
-        For every harmonic that was looked for, the probability that noise alone is so large.
+        For every harmonic that was tested, the probability that noise alone is as large [1].
     significant : int
-        The last harmonic that stands out of the noise. H is at most the number that a drive can have.
+        Order of the last significant harmonic. H is smaller if a drive cannot have so many harmonics.
     drive_angle : float or None
-        Angle of the drive's line, with which one sensor tells both motions; None with two sensors [rad].
+        Angle of the drive's line, which gives the other direction with one sensor; None with two [rad].
     clock : float
-        Time of the record at which times count from 0 [s].
+        Time in the record at which the phase is 0 [s].
     span : float
         Length of the record [s].
     rows : int
-        Rows of the record.
+        Number of rows of the record.
     trough : Trough
-        The fundamental alone: line or ellipse, with standard errors.
+        The first harmonic alone: line or ellipse, with standard errors.
     warnings : tuple of str
         Reasons to doubt the measurement.
     """
@@ -159,30 +159,31 @@ class MeasuredMotion:
 
     @property
     def motion(self) -> Motions:
-        """The motion that was measured."""
+        """The measured motion: frequency [Hz] and displacement harmonics [m]."""
         return self._motions(np.array(self.frequency), self.accelerations[..., None])
 
     @property
     def along(self) -> Complexes:
-        """Displacement harmonics along the trough [m], shape (H,): amplitudes with phases as their angles."""
+        """Displacement harmonics along the trough, shape (H,): complex, modulus [m] and phase."""
         return self.motion.along
 
     @property
     def normal(self) -> Complexes:
-        """The same normal to the trough [m]."""
+        """Displacement harmonics normal to the trough, shape (H,): complex, modulus [m] and phase."""
         return self.motion.normal
 
     @property
     def standard_errors(self) -> Floats:
-        """Standard error of each displacement harmonic's amplitude by channel, (H, channels) [m]."""
+        """Standard errors of the displacement amplitudes, shape (H, channels) [m]."""
         variances = 0.5 * np.diagonal(self.covariance, axis1=1, axis2=2).real
         return np.asarray(np.sqrt(variances) / self._rates[:, None] ** 2)
 
     @property
     def phase_errors(self) -> Floats:
-        """Standard error of each phase, (H, channels), at most that of an unknown one, pi / sqrt(3) [rad].
+        """Standard errors of the phases, shape (H, channels) [rad].
 
-        Phases count from that of the first harmonic, whose own error is therefore 0.
+        Phases are relative to that of the first harmonic, whose own error is therefore 0. An error is at most
+        pi / sqrt(3), that of an unknown phase.
         """
         first = _reference(self.accelerations, self.covariance)
         relative = self.covariance / (self.accelerations[:, :, None] * self.accelerations[:, None, :].conj())
@@ -194,32 +195,50 @@ class MeasuredMotion:
 
     @property
     def shares(self) -> Floats:
-        """Acceleration of each harmonic over that of the first, both directions together, shape (H,)."""
+        """Acceleration of each harmonic over that of the first, both directions together; shape (H,) [1]."""
         sizes = np.linalg.norm(self.accelerations, axis=1)
         shares: Floats = sizes / sizes[0]
         return shares
 
     def drive(self) -> dict[str, Any]:
-        """Return the fields of a ``Scene`` that are measured: frequency, amplitudes and phases.
+        """Return the measured motion as fields of a ``Scene``.
 
-        Those of an ellipse if one harmonic stands out; else those of a drive with harmonics.
+        Returns
+        -------
+        dict
+            ``frequency``, with ``along_amplitude``, ``normal_amplitude`` and ``normal_phase`` if one harmonic
+            is significant, else ``along_harmonics`` and ``normal_harmonics``; in SI units and radians.
         """
         return self.motion.drive()
 
     def draws(self, count: int, seed: int = _SEED) -> dict[str, Any]:
-        """Draw motions that the record might as well have come from, as fields of a ``Scene``.
+        """Draw random motions from the measurement's error distribution, as fields of a ``Scene``.
 
         Parameters
         ----------
         count : int
-            Number of draws, the shape of each field.
+            Number of draws n.
         seed : int
-            The same draws for the same seed.
+            Seed of the random numbers; the same seed gives the same draws.
+
+        Returns
+        -------
+        dict
+            Fields as from ``drive``, arrays of shape (n,).
+
+        Examples
+        --------
+        >>> import vibro
+        >>> feeder = vibro.measured_motion("examples/data/nut_trough_mv.csv", trough_along="Trog längs",
+        ...                                trough_normal="Trog normal", sensitivity="100mV/g")
+        >>> nuts = vibro.Scene(**feeder.draws(100), static_friction=0.74, kinetic_friction=0.57)
+        >>> vibro.solve(nuts).mean_velocity.shape
+        (100,)
         """
         return self.drawn(count, seed).drive()
 
     def drawn(self, count: int, seed: int = _SEED) -> Motions:
-        """Draw motions that the record might as well have come from."""
+        """Draw random motions as ``draws`` does, and return them as harmonics."""
         random = np.random.default_rng(seed)
         size, channels = self.accelerations.shape
         normal = random.standard_normal((2, size, channels, count))
@@ -234,7 +253,7 @@ class MeasuredMotion:
         return self._motions(frequency, self.accelerations[..., None] + off)
 
     def measured_drive(self) -> HarmonicDrive:
-        """Return the harmonics as quantities of a scene, with their errors, for a comparison."""
+        """Return the harmonics as quantities with standard errors, for ``vibro compare``."""
         motion, both = self.motion, len(self.channels) == 2
         own = motion.along if _ALONG in self.channels else motion.normal
         frequency = Estimate(self.frequency, self.frequency_error)
@@ -242,7 +261,7 @@ class MeasuredMotion:
         for i, (way, values) in enumerate((("along", motion.along), ("normal", motion.normal))):
             for k, z in enumerate(values):
                 end = f"_{k + 1}" if k else ""
-                # One sensor tells both motions, with the same relative errors.
+                # One sensor gives both motions, with the same relative errors.
                 channel, share = (i, 1.0) if both else (0, abs(z) / abs(own[k]))
                 size = Estimate(float(abs(z)), float(share * self.standard_errors[k, channel]))
                 phase = Estimate(float(np.angle(z)), float(self.phase_errors[k, channel]))
@@ -310,46 +329,46 @@ def measured_motion(
     reverse: bool = False,
     drive_angle: float | None = None,
 ) -> MeasuredMotion:
-    """Measure a trough's motion with its harmonics from a record of one or two sensors on it.
+    """Determine a trough's periodic motion from a record of one or two sensors on it.
 
     Parameters
     ----------
     path : str or path
-        A text file of columns, as for ``vibro compare``: any separator, decimal points or commas.
+        Text file of columns, as for ``vibro compare``, with any separator and decimal points or commas.
     trough_along, trough_normal : str, optional
-        Headers of the columns of the motions along the trough's surface, positive in the conveying
-        direction, and normal to it, positive up and away from it: accelerations [m/s^2, g], velocities
-        [mm/s], displacements [mm], or voltages. One may be missing.
+        Headers of the columns of the motion along the trough (positive in the conveying direction) and normal
+        to it (positive upwards): accelerations [m/s^2, g], velocities [mm/s], displacements [mm] or voltages.
+        One of them may be left out.
     time : str, optional
-        Header of the column of the time; without it the only column in a unit of time.
+        Header of the time column; by default the only column with a unit of time.
     sensitivity : str or sequence of str
-        Sensitivities of voltages: ``"100mV/g"``, or ``"trough-along=101mV/g"`` of one column.
+        Sensitivities of voltages: ``"100mV/g"`` for all columns, or ``"trough-along=101mV/g"`` for one.
     reverse : bool
-        Whether the axis along the trough points against the conveying direction.
+        Whether the axis of the sensor along the trough points against the conveying direction.
     drive_angle : float, optional
-        With one sensor, which cannot tell the other motion: the angle of the line along which the trough
-        moves, 0 where it moves along itself alone [rad].
+        With one sensor, the angle of the line along which the trough moves; 0 if it moves along itself [rad].
 
     Returns
     -------
     MeasuredMotion
-        Its ``drive()`` are fields of a ``Scene``, its ``draws(n)`` those of n scenes that the noise allows.
+        The motion with its errors: ``drive()`` returns fields of a ``Scene``, ``draws(n)`` those of n random
+        scenes from the error distribution.
 
     Raises
     ------
     FileError
         If the file cannot be read.
     InputError
-        If columns are missing or wrong; if no wave stands out, or the record is too short or too coarse; if
-        one sensor comes without a drive angle, or two with one; if one of two is inverted.
+        If columns are missing or wrong; if no oscillation is significant, or the record is too short or
+        sampled too coarsely; if one sensor comes without a drive angle, or two with one; if one of two
+        sensors is inverted.
 
-    Notes
-    -----
-    Both channels are regressed on one frequency, an offset and a trend each, and up to 16 harmonics. The
-    covariance of a harmonic is the spectral matrix of what is left within 0.35 of the frequency to both
-    sides. Harmonics are kept up to the last one that noise reaches once in 1000 records, by an F-test. Errors
-    are those of noise: on synthetic feeders 68 % lie within one standard error and 95 % within
-    two (tests/records/test_waveforms.py). Calibration is not part of them.
+    Notes ----- Both channels are fitted by least squares with one frequency, up to 16 harmonics, and an
+    offset and a trend each. The error covariance of a harmonic is the spectral matrix of the residuals within
+    0.35 of the drive frequency on both sides of it. Harmonics are kept up to the last one that is significant
+    in an F-test at the level of 1 in 1000. The errors are those of noise, without those of calibration: on
+    synthetic feeders 68 % of the results lie within one standard error and 95 % within two
+    (tests/records/test_waveforms.py).
 
     Examples
     --------
@@ -438,7 +457,7 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
     other = _NORMAL if name == _ALONG else _ALONG
     if drive_angle is None:
         missing = "normal to the trough" if other == _NORMAL else "along it"
-        unknown = f"one sensor alone does not tell the motion {missing}"
+        unknown = f"one sensor alone does not measure the motion {missing}"
         hint = f"name {other}= too, or give the angle of the line that the trough moves along:"
         hint += " drive_angle=math.radians(20)"
         raise InputError(unknown, hint=hint)
@@ -600,7 +619,7 @@ def _rest(time: Floats, values: Floats, frequency: float, order: int) -> Floats:
 def _fundamental(
     record: Record, frequency: Estimate, sizes: Complexes, covariance: Complexes, rest: Floats, span: float
 ) -> Trough:
-    """Return the fundamental as ``vibro compare`` knows it; what is left is ``rest``, by channel [m/s^2]."""
+    """Return the fundamental for ``vibro compare``; ``rest`` are the residuals by channel [m/s^2]."""
     middle = 0.5 * float(record.time[0] + record.time[-1])
     at_zero = np.exp(-1j * math.tau * frequency.value * middle)
     powers = 0.5 * abs(sizes) ** 2

@@ -1,4 +1,4 @@
-"""What a report says of small changes of each input: how fast the part is then, and what it does."""
+"""Texts of a report about small changes of each input: the speed and motion of the part."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["change_texts"]
 
 _TOLD: Final = 9  # decimals of a percentage, below which there is rounding alone
 _SIGMAS: Final = 3.0  # standard errors by which two means differ for sure
-_DRIVE: Final = "drive"  # what is no input alone
+_DRIVE: Final = "drive"  # not a single input
 
 
 class _Change(NamedTuple):
@@ -46,7 +46,7 @@ def change_texts(one: OneScene) -> tuple[list[str], list[tuple[str, ...]]]:
     Returns
     -------
     texts : list of str
-        Which counts most, or why there is nothing to tell.
+        The input with the largest effect, or why it is unknown.
     rows : list of tuple of str
         Of a table, its head first; empty where the texts say all.
     """
@@ -106,12 +106,12 @@ def _change(name: str, cycle: SteadyCycle, cell: int, in_percent: bool) -> _Chan
 
 
 def _other_motion(cycle: SteadyCycle, cell: int) -> str:
-    """Say what the part does if that is not what it does in the first cell; else an empty text."""
+    """Say what the part does if it differs from the first cell; else an empty text."""
     regime, status = Regime(int(cycle.regime[cell])), Status(int(cycle.status[cell]))
     if regime != cycle.regime[0]:
         return DOES[regime]
     if status is Status.AVERAGED:
-        return "" if cycle.status[0] == status else "hops irregularly"
+        return "" if cycle.status[0] == status else "hops in irregular motion"
     period = float(cycle.period_cycles[cell])
     if period != cycle.period_cycles[0]:
         return "repeats every drive cycle" if period == 1.0 else f"repeats every {period:.0f} drive cycles"
@@ -120,7 +120,7 @@ def _other_motion(cycle: SteadyCycle, cell: int) -> str:
 
 
 def _ranking(changes: Sequence[_Change]) -> str:
-    """Name the input of which 1 % more counts most, if it is sure that one does."""
+    """Name the input of which 1 % more has the largest effect, if that is certain."""
     if any(math.isnan(change.percent) for change in changes):
         return ""
     most = max(changes, key=lambda change: abs(change.percent))
@@ -130,7 +130,7 @@ def _ranking(changes: Sequence[_Change]) -> str:
         if other is not most
     ]
     if any(gap < noise for gap, noise in gaps):
-        return "The standard errors leave open which change counts most."
+        return "Within the standard errors it is not clear which change has the largest effect."
     if any(gap <= 0.0 for gap, _ in gaps):
         return ""
     word = "faster" if most.percent > 0.0 else "slower"

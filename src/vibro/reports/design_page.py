@@ -69,7 +69,7 @@ def design_page(
     return Page(
         title=spec.name or "Design",
         kind="Report on the design of a vibratory conveyor",
-        answer=f"{met} Asked for is {facts['goal']}.",
+        answer=f"{met} The goal is {facts['goal']}.",
         highlights=[*_highlights(chosen, met=result.met)],
         sections=[*_sections(spec, result, chosen, question, tables)],
         command=command,
@@ -104,8 +104,8 @@ def _sections(
         head, *rows = closest_rows(spec, result)
         yield Section(
             title="Why no drive meets the goal",
-            texts=["Set by tells what keeps each drive from more."],
-            tables=[Table("The most that every drive guarantees to all parts", ("drive", *head[1:]), rows)],
+            texts=['"Set by" names the constraint that limits each drive.'],
+            tables=[Table("Largest guaranteed speed of each drive", ("drive", *head[1:]), rows)],
         )
     shown = tuple(d for d in result.designs if d.highest_regime == spec.goal.highest_regime.label)
     yield Section(
@@ -167,5 +167,5 @@ def _assumed(spec: Spec, tables: Mapping[str, Any]) -> list[str]:
     given = frozenset(name for name in values if QUANTITIES[name].column in scene)
     said = assumptions(values, given)
     if "drift" not in tables:
-        said.append("Drive and trough keep what was set: no drift was given.")
+        said.append("Drive and trough stay as set: no drift was given.")
     return said or ["Nothing: trough angle, gravity, restitution and drift were given."]

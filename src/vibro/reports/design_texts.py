@@ -62,7 +62,7 @@ _HEADS: Final = {
     "set by": "",
     "proof": "",
 }
-_OF_BANDS: Final = ("proved above", "nominal", "largest", "margin")  # heads that say nothing of a single part
+_OF_BANDS: Final = ("proved above", "nominal", "largest", "margin")  # heads without meaning for a single part
 _MOST_MARGIN: Final = 10.0
 _UNSEEN: Final = 3.0  # -ln 5 %: what happens in none of n samples has a chance of this / n at most
 # What happens beyond the end of a window of amplitudes.
@@ -80,8 +80,8 @@ _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop wit
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
     "proved": 'boxes that cover all parts show that none falls short of the speed "proved above"',
-    "searched": "the slowest part that was found; less than that is proved of all, or nothing",
-    "sampled": "parts hop: the slowest of sampled parts, which another part may miss",
+    "searched": "the slowest part that was found; the proved speed is lower, or none is proved",
+    "sampled": "parts hop: the slowest of sampled parts; another part may be slower",
 }
 
 
@@ -189,7 +189,7 @@ def _of(result: DesignResult, kind: str, regime: Regime) -> list[Design]:
 def closest_rows(spec: Spec, result: DesignResult) -> list[tuple[str, ...]]:
     """Return the rows of a table of what each drive reaches, its head first.
 
-    It tells what the next regimes would give too, and which drive would meet the goal.
+    It contains the designs within the next regimes too, and the drive that would meet the goal.
     """
     highest = spec.goal.highest_regime
     answered = {design.highest_regime for design in result.designs}
@@ -231,7 +231,7 @@ def design_table(drive: Drive, spec: Spec, result: DesignResult, regimes: Sequen
         heads |= dict.fromkeys([*_OF_MACHINES][: 3 if drive.machine.has_bands else 1], "[mm]")
     heads |= _HEADS
     shown = [head for head in heads if spec.has_bands or head not in _OF_BANDS]
-    # where nothing is uncertain no design is safer than another
+    # without uncertainty no design is safer than another
     kinds = KINDS if spec.has_bands else KINDS[:2]
     groups = []
     for regime in regimes:
@@ -315,7 +315,7 @@ def _rounded(value: float | None, *, upper: bool) -> str:
 
 
 def chosen_facts(spec: Spec, chosen: Chosen, *, met: bool) -> list[tuple[str, str]]:
-    """Return what is to be known of the chosen design, as pairs of a name and a text."""
+    """Return the facts about the chosen design, as pairs of a name and a text."""
     design = chosen.design
     if design.setting_percent is not None:
         empty = number(design.amplitude_empty_mm or 0.0)
@@ -377,7 +377,7 @@ def cost_rows(costs: Mapping[str, float | str], size: str) -> list[tuple[str, st
 
 
 def size_of(design: Design) -> str:
-    """Name the quantity in which the amplitudes of a design are told."""
+    """Name the quantity of the printed amplitudes of a design."""
     if design.motion_scale is not None:
         return "scale"
     return "amplitude" if design.stroke_mm is None else "stroke"
@@ -400,7 +400,7 @@ def _cost(cost: float | str) -> str:
 def _window(design: Design, drive: Drive) -> str:
     """Say which amplitudes, or scales, keep the guarantee at the same frequency and drive angle."""
     if drive.machine is not None and drive.machine.is_filled:
-        return "no window: at another one the filling makes other amplitudes of it"
+        return "no window: the filling changes other amplitudes in another proportion"
     if design.window is None:
         return "none keeps the goal"
     low, high = design.window
@@ -427,17 +427,17 @@ def _margin(spec: Spec, design: Design) -> str:
             else "none: no band and no drift is given"
         )
     if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
-        edge = "; no drift of the drive is asked for, and it stands where parts begin to hop"
+        edge = "; no drift of the drive is given, and it is set where parts begin to hop"
         return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"
     if margin >= _MOST_MARGIN:
         return f"{number(_MOST_MARGIN)} or more: all bands and drifts may be that many times as wide"
     if margin >= 1.0:
         return f"{bound(margin, upper=False)}: all bands and drifts may be that many times as wide"
-    return f"{bound(margin, upper=False)}: all bands and drifts would have to be that share as wide"
+    return f"{bound(margin, upper=False)}: all bands and drifts would have to shrink to this share"
 
 
 def remarks(result: DesignResult) -> list[str]:
-    """Explain the proofs, and tell of coexisting motions and of parts that were left out, a line each."""
+    """Explain the proofs, coexisting motions and parts that were left out, a line each."""
     proofs = {d.proof for d in result.designs}
     lines = [f"{name}: {text}" for name, text in _PROOFS.items() if name in proofs]
     if samples := min((d.samples for d in result.designs if d.samples), default=0):

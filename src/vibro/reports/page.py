@@ -36,7 +36,7 @@ class Table(NamedTuple):
 class Section:
     """A section of a page: what there is of it, in this order; texts are plain.
 
-    One that ``is_half`` stands beside the next one where there is room.
+    One that ``is_half`` is placed beside the next one if there is room.
     """
 
     title: str
@@ -94,7 +94,7 @@ def _jinja() -> Any:
 
 
 def page_html(page: Page) -> str:
-    """Write a page as HTML that needs nothing else: no script, no font, no file.
+    """Write a page as self-contained HTML, without scripts, fonts or other files.
 
     Raises
     ------

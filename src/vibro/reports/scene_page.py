@@ -62,7 +62,7 @@ if TYPE_CHECKING:
 __all__ = ["SceneReport", "scene_page"]
 
 _CYCLES: Final = 3.0  # of the drive that are drawn
-_FOLLOWED: Final = 1000.0  # cycles within which a motion is looked for that repeats
+_FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
 _SAMPLES: Final = 200  # a cycle
 _PANELS: Final = "trough,velocity,position"
 _MOST_LETTERS: Final = 12  # of a pattern
@@ -215,7 +215,7 @@ def _inputs(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Ite
         yield key, told, "given"
     for name, value in shown.items():
         quantity = QUANTITIES[name]
-        if report.grid.machine is not None and name in MACHINE:  # told of the machine
+        if report.grid.machine is not None and name in MACHINE:  # shown with the machine
             continue
         if name == SCALE and value == 1.0:
             continue
@@ -239,7 +239,7 @@ def _inputs(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Ite
 
 
 def _results(report: SceneReport, one: OneScene, facts: Mapping[str, str]) -> Iterator[tuple[str, ...]]:
-    """List what is known of the motion, with its meaning."""
+    """List the results of the motion, with their meanings."""
     yield "regime", one.regime.label or "none", REGIMES[one.regime]
     if one.pattern:
         said = pattern_text(one.pattern)
@@ -327,7 +327,7 @@ def _motion(report: SceneReport, one: OneScene) -> Section:
     first = history.settles_at * frequency
     if first + _CYCLES > _FOLLOWED or not one.status.answered:
         first, told = 0.0, "The first three cycles from rest"
-        told += ", of a motion that does not repeat soon." if one.status is Status.AVERAGED else "."
+        told += ", of irregular motion." if one.status is Status.AVERAGED else "."
     else:
         since = f"{1e3 * history.settles_at:.4g} ms"
         told = f"Three cycles of the steady motion, which begins {since} after a start from rest."

@@ -63,7 +63,7 @@ MEANINGS: Final[Mapping[str, str]] = {
     "note": "Of parts that are pushed, or dropped onto the trough.",
     "mean speed": "Positive in the conveying direction.",
     "peak speed": "Largest, relative to the trough, either way: wear.",
-    "from rest": "One part that nothing disturbs, in place of the mean over many.",
+    "from rest": "Of one undisturbed part, not the mean over many.",
     "per cycle": "Travel in one drive cycle.",
     "in flight": "Off the trough.",
     "impact speed": "How hard the part lands: noise, wear, damage.",
@@ -73,7 +73,7 @@ MEANINGS: Final[Mapping[str, str]] = {
 _BEGINS: Final[Mapping[str, str]] = {
     "forward slip": "begins to slide forward",
     "back slip": "begins to slip back",
-    "never at rest": "no longer comes to rest: it slides all the time",
+    "continuous sliding": "no longer comes to rest: it slides all the time",
     "hopping": "begins to hop",
     "load for forward slip": "is pushed forward harder than static friction can hold it",
     "load for back slip": "is pushed back harder than static friction can hold it",
@@ -82,7 +82,7 @@ _BEGUN: Final[Mapping[str, str]] = {
     **_BEGINS,
     "forward slip": "slides forward",
     "back slip": "slips back",
-    "never at rest": "never comes to rest: it slides all the time",
+    "continuous sliding": "never comes to rest: it slides all the time",
     "hopping": "hops",
 }
 # What the part does below and above the loads at which its regime changes, by the names of transitions.
@@ -106,7 +106,7 @@ _ASSUMED: Final[Mapping[str, str]] = {
 }
 #: Of ``LIMITS`` what a machine does otherwise.
 AS_STATED: Final = (
-    "A rigid trough that moves exactly as stated, the same over its whole length, whatever lies on it."
+    "A rigid trough that moves exactly as stated, the same over its whole length and with any parts on it."
 )
 #: What the model leaves out.
 LIMITS: Final = (
@@ -130,7 +130,7 @@ def answer_text(one: OneScene) -> str:
     if one.regime is Regime.NO_SLIP:
         return "The part rests on the trough: nothing is conveyed."
     if one.relative_error > 1.0 / 3.0:
-        return "The standard error of the speed leaves open which way the part is conveyed."
+        return "Within the standard error of the speed the part may be conveyed either way."
     if not speed:
         return "The part slides to and fro and is not conveyed."
     way = "" if speed > 0.0 else " backwards, against the conveying direction,"
@@ -148,7 +148,7 @@ def speed_per_minute(one: OneScene) -> str:
 def pattern_text(pattern: str) -> str:
     """Spell the phases of a cycle: ``F_B_`` is forward slide, rest, back slide, rest."""
     if "." in pattern:
-        return "flights without a short period"
+        return "irregular flights"
     said = []
     for letter, run in groupby(pattern):
         count, name = len([*run]), PHASE_NAMES[letter]
@@ -157,7 +157,7 @@ def pattern_text(pattern: str) -> str:
 
 
 def next_text(one: OneScene) -> tuple[str, str]:
-    """Return what comes next as the drive grows, and when; empty texts where nothing does."""
+    """Return the next transition as the drive grows, and where it is; empty texts without one."""
     for t in one.transitions():
         if t.ratio <= 1.0:
             return f"at {_times(t.ratio)} × the {_today(one)}", f"the part {_BEGINS[t.name]}"
@@ -182,7 +182,7 @@ def _times(ratio: float) -> str:
 
 
 def _today(one: OneScene) -> str:
-    """Name what is scaled: the amplitude of a line, all amplitudes of others."""
+    """Name the scaled quantity: the amplitude of a line, all amplitudes of others."""
     if SCALE in one.driven:
         return "present motion scale"
     return "present amplitudes" if len(one.driven) > 1 else f"present {one.size}"

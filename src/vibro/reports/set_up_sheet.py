@@ -1,4 +1,4 @@
-"""The set-up sheet of a machine: what it does empty and full, over settings, bands, springs and packs."""
+"""The set-up sheet of a machine: its motion empty and full, over settings, bands and spring packs."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CHANGES", "Bounds", "Change", "Pack", "Row", "Sheet", "SheetRequest", "make_sheet"]
 
-_MAINS: Final = 0.01  # [1] change of the mains' frequency of which every sheet tells the effect
+_MAINS: Final = 0.01  # [1] change of the mains' frequency whose effect is on every sheet
 _STEP: Final = 1e-3  # [1] relative change from which sensitivities are taken
-_FILLINGS: Final = 17  # looked at over the band of the filling for the bounds of the amplitude
+_FILLINGS: Final = 17  # computed over the band of the filling for the bounds of the amplitude
 _ROOM: Final = 0.98  # [1] of the largest setting at which masses do not strike, as a filling may push it
 _GIVEN: Final = 0.01  # [1] change of speed within which "the motion is given" counts as right
 # Fillings over the trough's mass among which that change is sought, 12 % apart.
@@ -62,7 +62,7 @@ class SheetRequest(NamedTuple):
     values : mapping of str to float
         Nominal values of the scene and the machine by quantity, the empty trough's.
     settings : sequence of float
-        Settings that are told [%]; the last one is that of all that is told for one setting.
+        Settings of the sheet [%]; results for one setting are those of the last.
     bands : mapping of str to pair of float
         Ends of ``voltage``, ``filling``, ``static_friction`` and ``kinetic_friction``, where they vary.
     """
@@ -90,7 +90,7 @@ class SheetRequest(NamedTuple):
 
 
 class Row(NamedTuple):
-    """One operating point and the motion at it; NaN where there is none.
+    """One operating point and its motion; NaN without one.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class Bounds(NamedTuple):
     setting : float
         [%].
     low, high : float
-        Amplitudes between which all operating points lie that were looked at [mm]; NaN if one has none.
+        Amplitudes between which all computed operating points lie [mm]; NaN if one is unknown.
     looked_at : int
         How many these are.
     guarantee : Guarantee or None
@@ -199,11 +199,11 @@ class Sheet(NamedTuple):
     Attributes
     ----------
     request : SheetRequest
-        What was asked for.
+        The request.
     settings : tuple of pair of Row
         Empty and full, at each setting.
     bounds : tuple of Bounds
-        Guaranteed speeds at each setting; none where nothing varies.
+        Guaranteed speeds at each setting; empty without bands.
     changes : tuple of Change
         The ends of the bands of voltage, and of mains' frequency.
     part_filled : Row or None
@@ -247,12 +247,12 @@ class Sheet(NamedTuple):
 def make_sheet(
     request: SheetRequest, *, picture: bool, progress: Callable[[int], None] = lambda done: None
 ) -> Sheet:
-    """Solve all that a sheet tells.
+    """Compute a sheet.
 
     Parameters
     ----------
     request : SheetRequest
-        What is asked for.
+        The request.
     picture : bool
         Whether the curves of the picture are wanted; they take most of the time.
     progress : callable, optional
@@ -415,7 +415,7 @@ def _refuse_strikes(given: GivenMachine, pairs: Sequence[tuple[Row, Row]]) -> No
         across, gap = row.relative_amplitude, LENGTH.from_si(given.machine.gap)
         if math.isinf(across):
             raise InputError(
-                f"{_case(row)}: nothing bounds the amplitude: the drive is at resonance, without damping",
+                f"{_case(row)}: the amplitude is infinite: the drive is at resonance, without damping",
                 hint="give a damping_ratio > 0",
             )
         raise InputError(
@@ -443,7 +443,7 @@ def _fitted(request: SheetRequest) -> Any:
 
 
 def _steps(request: SheetRequest, full: float) -> dict[str, tuple[float, float]]:
-    """Return the factors of what is changed for sensitivities."""
+    """Return the factors of the quantities that are changed for sensitivities."""
     given = request.machine
     either = 1.0 - _STEP, 1.0 + _STEP
     steps = {name: either for name in ("setting", "voltage") if given.takes(name) or name == "setting"}
@@ -582,24 +582,25 @@ def _warnings(request: SheetRequest, pairs: Sequence[tuple[Row, Row]], bounds: S
         if row.number > 1:
             told = ", ".join(f"{a:.4g}" for a in row.amplitudes)
             said.append(
-                f"{_case(row)}: {row.number} operating points, with amplitudes of {told} mm; the sheet tells"
-                " the least, which is reached when the machine is switched on"
+                f"{_case(row)}: {row.number} operating points, with amplitudes of {told} mm; the sheet shows"
+                " the least, which the machine reaches when it starts"
             )
     if jumps := [row for row in rows if row.at_jump]:
         said.append(
-            f"{_cases(jumps, rows)}: the amplitude hovers where the filling's motion changes, and never"
-            " settles"
+            f"{_cases(jumps, rows)}: the filling's motion changes at this amplitude, and its force jumps:"
+            " there is no steady operating point"
         )
     if averaged := [row for row in rows if row.filling and row.status is Status.AVERAGED]:
         said.append(
-            f"{_cases(averaged, rows)}: the filling hops irregularly; its force is bounded, and the"
-            " amplitude lies in the interval that is told; the speed is that at the middle of it"
+            f"{_cases(averaged, rows)}: the filling's motion is irregular; its force and the amplitude are"
+            " known within the bounds shown; the speed is that at the middle"
         )
     second = max((row.second_harmonic for row in rows if row.filling), default=math.nan)
     if second > WARNED_HARMONIC:
         said.append(
-            f"the filling puts a second harmonic of up to {100.0 * second:.2g} % of the amplitude on the"
-            " trough; the speed with it is told for each setting, all other speeds are those of a sine"
+            f"the filling adds a second harmonic of up to {100.0 * second:.2g} % of the amplitude to the"
+            " trough's motion; the speed with it is listed for each setting, all other speeds are those of a"
+            " sinusoidal motion"
         )
     for row in rows:
         if math.isnan(row.amplitude) and not row.strikes:
@@ -672,6 +673,6 @@ def _one(request: SheetRequest, frequency: float, filling: float) -> Row:
 
 
 def _scene_of(request: SheetRequest) -> dict[str, Any]:
-    """Return the fields of the scene but for the amplitude, in SI units."""
+    """Return the fields of the scene except the amplitude, in SI units."""
     case = case_of(request.machine, {**request.values, "filling": 0.0})
     return {name: float(case[name]) for name in OF_SCENE if name in case}

@@ -18,14 +18,14 @@ __all__ = ["Attractor", "Attractors"]
 
 @dataclass(frozen=True, kw_only=True)
 class Attractor:
-    """A steady cycle in which bodies settle, and a start from which ``simulate`` follows it.
+    """A steady cycle in which bodies settle, and initial values with which ``simulate`` reproduces it.
 
     Attributes
     ----------
     start_phase : float
         Phase of the trough at the start [rad].
     start_velocity, start_normal_velocity : float
-        Velocity relative to the trough there, along it and off it [m/s].
+        Velocity of the body relative to the trough at the start, along it and normal to it [m/s].
     period_cycles : int
         Drive cycles until the motion repeats.
     displacement_per_cycle : float
@@ -35,10 +35,10 @@ class Attractor:
     pattern : str
         Phases of a cycle, as in ``SteadyCycle``: F forward slide, B back slide, _ rest, H flight.
     largest_multiplier : float
-        Modulus of the largest Floquet multiplier: a disturbance shrinks by it in a period [1]. NaN without
-        kinetic friction, where bodies that stop do so at an instant, unless it is 1.
+        Modulus of the largest Floquet multiplier, the factor by which a small disturbance changes in a period
+        [1]. Without kinetic friction it is 1, or NaN where the multiplier is not defined.
     from_rest : bool
-        Whether a body settles there that starts from rest at trough phase 0.
+        Whether a body that starts from rest at trough phase 0 settles in this cycle.
     """
 
     start_phase: float
@@ -53,28 +53,28 @@ class Attractor:
 
     @property
     def stable(self) -> bool:
-        """Whether small disturbances die out; where nothing acts on the body they stay, and it is not."""
+        """Whether small disturbances die out: the largest multiplier is below 1."""
         return self.largest_multiplier < 1.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Attractors(Sequence[Attractor]):
-    """Cycles that coexist on one trough, that of a body from rest first; made by ``vibro.attractors``.
+    """Cycles that coexist on one trough, that of a body from rest first; returned by ``vibro.attractors``.
 
     Attributes
     ----------
     cycles : tuple of Attractor
-        Those that were found.
+        The cycles that were found.
     starts : int
-        Starts of bodies that were followed, that from rest included.
+        Number of starts that were simulated, that from rest included.
     unsettled : int
-        Those of them that led to no cycle: their motion is irregular, or takes longer to repeat.
+        Number of these starts that led to no cycle: their motion is irregular, or has a long period.
     runs_away : bool
         Whether a body that is pushed hard enough down the trough never stops.
     complete : bool
-        Whether no other cycles exist: in contact under a drive of one harmonic, with kinetic friction, no
-        restitution. Else others may have been missed: those that attract few starts or take long to repeat,
-        and where K <= 1 those of bodies that bounce, which are not looked for.
+        Whether all cycles are known. This holds in contact, under a drive of one harmonic, with kinetic
+        friction and without restitution. In other cases cycles may be missing: those that attract few starts
+        or have long periods, and for throw numbers K <= 1 those of bouncing bodies, which are not searched.
     """
 
     cycles: tuple[Attractor, ...]
@@ -93,19 +93,19 @@ class Attractors(Sequence[Attractor]):
     def __getitem__(self, index: slice) -> Sequence[Attractor]: ...
 
     def __getitem__(self, index: int | slice) -> Attractor | Sequence[Attractor]:
-        """Return a cycle, or some of them."""
+        """Return one cycle, or a slice of them."""
         return self.cycles[index]
 
     @property
     def covered(self) -> str:
-        """What the search covered, in a sentence."""
+        """One sentence that says how complete the search was."""
         if self.complete:
             told = "all cycles are known"
         elif self.starts == 1:
-            told = "cycles in contact, not surely all; bodies that bounce on were not looked for"
+            told = "cycles in contact, perhaps not all; bouncing bodies were not searched"
         else:
             told = f"{self.starts} start{'s' * (self.starts > 1)} followed, {self.unsettled} led to no cycle"
-            told += "; cycles that attract none of them are missing"
+            told += "; cycles that attract none of these starts are missing"
         return told + ("; a body pushed down the trough may never stop" if self.runs_away else "")
 
     def __repr__(self) -> str:

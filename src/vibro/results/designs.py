@@ -32,15 +32,15 @@ __all__ = [
 
 
 class Interval(NamedTuple):
-    """Nominal amplitudes, or scales of a motion, that guarantee a speed, a closed interval.
+    """Closed interval of nominal amplitudes, or of scales of a motion, that guarantee a speed.
 
     Attributes
     ----------
     low, high : float
-        Its ends [m], of a motion [1].
+        Ends of the interval: amplitudes [m], or scales [1].
     low_set_by, high_set_by : str
-        What ends it: ``speed``, ``onset``, ``back slip``, ``hop``, ``limit`` or ``tip``; ``unconfirmed``
-        where the search for slower bodies did not come to its end there.
+        The constraint at each end: ``speed``, ``onset``, ``back slip``, ``hop``, ``limit`` or ``tip``;
+        ``unconfirmed`` where the search for slower bodies was not finished.
     """
 
     low: float
@@ -50,19 +50,20 @@ class Interval(NamedTuple):
 
 
 class Certificate(NamedTuple):
-    """Boxes that cover an uncertainty set, each with a bound of the mean speeds of its bodies.
+    """Boxes that cover an uncertainty set, each with a bound on the mean speeds in it.
 
-    Where kinetic friction would leave its band beside some static friction of a box, the box is cut.
+    Points of a box whose kinetic friction is outside its band do not belong to the set.
 
     Attributes
     ----------
     low, high : mapping of str to (n,) array
-        Ends of the boxes: ``load``, w^2 / g times the amplitude of a line [1], or times the common factor of
-        both amplitudes of an ellipse [1/m]; ``drive_angle`` [rad], or ``along_amplitude``,
-        ``normal_amplitude`` [m] and ``normal_phase`` [rad]; ``trough_angle`` [rad], ``static_friction`` and
-        ``kinetic_friction``.
+        Lower and upper ends of the boxes, by quantity: ``load``, which is w^2 / g times the amplitude of a
+        line [1] or times the common factor of both amplitudes of an ellipse [1/m]; ``drive_angle`` [rad], or
+        ``along_amplitude``, ``normal_amplitude`` [m] and ``normal_phase`` [rad]; ``trough_angle`` [rad],
+        ``static_friction`` and ``kinetic_friction`` [1].
     bound : (n,) array
-        Below which, or above which, no body of the box conveys [m/s].
+        Bound on the mean speeds in each box: a lower one for ``Guarantee.certificate_min``, an upper one for
+        ``certificate_max`` [m/s].
     """
 
     low: Mapping[str, Floats]
@@ -72,33 +73,35 @@ class Certificate(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Guarantee:
-    """What holds for every point of a box of bands, for bodies that start from rest.
+    """Bounds on speed and regime over a box of bands, for bodies that start from rest.
 
     Attributes
     ----------
     speed_min, speed_max : float
-        Infimum and supremum of the mean speed [m/s]; -inf and inf where a body runs away, or has no steady
-        motion, somewhere in the box.
+        Infimum and supremum of the mean speed [m/s]; -inf and inf if somewhere in the box a body runs away
+        or has no steady motion.
     min_at, max_at : mapping of str to float
-        Where they are, by the fields of ``Scene``, in SI units and radians.
+        Points of the box where they occur, by the fields of ``Scene``, in SI units and radians.
     min_limit, max_limit : str
-        Side of a jump of which they are the limit; empty where the speed takes the value itself.
+        Side of the jump if the speed is a one-sided limit at a jump; empty if the speed is attained.
     regimes : frozenset of Regime
-        What happens somewhere in the box.
+        Regimes that occur in the box.
     proof_min, proof_max : str
-        ``corners`` (the speed is monotone), ``proved`` (a bound of all bodies is within 1 % of it),
-        ``searched`` (the bound is further away) or ``sampled`` (bodies hop).
+        How each speed is known: ``corners`` (the speed is monotone, so a corner of the box is extreme),
+        ``proved`` (a proved bound is within 1 % of it), ``searched`` (the proved bound is further away) or
+        ``sampled`` (bodies hop).
     proved_min, proved_max : float
-        Speeds that no body falls short of, or exceeds, by proof [m/s]; NaN where bodies hop, infinite where
-        the proof has failed.
+        Proved lower and upper bounds on the speed of every body [m/s]; NaN if bodies hop, infinite if the
+        proof failed.
     certificate_min, certificate_max : Certificate or None
-        What proves them, where it is not that the speed is monotone.
+        Boxes that prove these bounds; None for ``corners`` and where nothing is proved.
     coexists : bool
-        Whether a disturbed body can settle elsewhere at some point of the search.
+        Whether a disturbed body can settle in another cycle at a point that was computed.
     samples : int
-        Bodies that hop, spread evenly over the box, whose speeds are known; none is beyond the bounds.
+        Number of hopping bodies, spread evenly over the box, whose speeds are known; all of them lie within
+        ``speed_min`` and ``speed_max``.
     excluded : int
-        Points that hop whose speed could not be found; they are left out.
+        Number of sampled hopping bodies whose speed could not be found; they are left out.
     """
 
     speed_min: float
@@ -161,9 +164,9 @@ def _optional(unit: str, meaning: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """One design: a setting of one drive and what it guarantees, in the units of its names.
+    """One design: settings of one drive and what they guarantee, in the units of the attributes' names.
 
-    None where there is no number; the attributes are the columns of tables and the keys of JSON.
+    The attributes are the columns of tables and the keys of JSON; those that do not apply are None.
     """
 
     drive: str = _column("", "name of the drive")
@@ -174,66 +177,66 @@ class Design:
     natural_hz: float | None = _optional("Hz", "natural frequency of the empty machine")
     amplitude_empty_mm: float | None = _optional("mm", "amplitude of its empty trough, at the middle voltage")
     amplitude_least_mm: float | None = _optional(
-        "mm", "smallest amplitude that its voltage and filling make of it"
+        "mm", "smallest amplitude within the bands of voltage and filling"
     )
-    amplitude_most_mm: float | None = _optional("mm", "largest amplitude that they make of it")
+    amplitude_most_mm: float | None = _optional("mm", "largest amplitude within these bands")
     second_harmonic_percent: float | None = _optional(
-        "%", "largest second harmonic of the trough that its filling makes, over the amplitude"
+        "%", "largest second harmonic that the filling causes in the trough's motion, over the amplitude"
     )
     speed_second_harmonic_mm_s: float | None = _optional(
         "mm/s", "least speed of sampled parts with that harmonic in the motion"
     )
-    operating_points: int | None = _optional("", "largest number of amplitudes that one filling may have")
+    operating_points: int | None = _optional("", "largest number of operating points for one filling")
     amplitude_mm: float | None = _optional("mm", "nominal amplitude; of a machine between the last two")
     stroke_mm: float | None = _optional("mm", "nominal stroke, where the question gives strokes")
     frequency_hz: float | None = _optional("Hz", "nominal frequency")
     drive_angle_deg: float | None = _optional("deg", "nominal drive angle")
     along_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse along the trough")
     normal_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse normal to it")
-    normal_phase_deg: float | None = _optional("deg", "nominal phase by which the latter leads")
+    normal_phase_deg: float | None = _optional("deg", "nominal phase lead of the normal motion")
     motion_scale: float | None = _optional("", "nominal scale of a given motion")
     acceleration_g: float | None = _optional("g", "nominal peak acceleration of the drive over gravity")
     speed_min_mm_s: float | None = _optional("mm/s", "guaranteed speed")
-    speed_proved_mm_s: float | None = _optional("mm/s", "speed that no part falls short of, by proof")
+    speed_proved_mm_s: float | None = _optional("mm/s", "proved lower bound on the speed of every part")
     speed_nominal_mm_s: float | None = _optional("mm/s", "speed in the middle of all bands")
-    speed_max_mm_s: float | None = _optional("mm/s", "speed that no part exceeds")
+    speed_max_mm_s: float | None = _optional("mm/s", "largest speed of a part")
     traverse_time_max_s: float | None = _optional("s", "trough length over the guaranteed speed")
     amplitude_low_mm: float | None = _optional(
-        "mm", "from this nominal amplitude, or that along the trough, on the guarantee holds"
+        "mm", "lower end of the window: nominal amplitude, of an ellipse along the trough"
     )
     amplitude_high_mm: float | None = _optional(
-        "mm", "up to this nominal amplitude, or that along the trough, the guarantee holds"
+        "mm", "upper end of the window, within which the guarantee holds"
     )
-    stroke_low_mm: float | None = _optional("mm", "from this nominal stroke on the guarantee holds")
-    stroke_high_mm: float | None = _optional("mm", "up to this nominal stroke the guarantee holds")
-    motion_scale_low: float | None = _optional("", "from this nominal scale on the guarantee holds")
-    motion_scale_high: float | None = _optional("", "up to this nominal scale the guarantee holds")
-    low_set_by: str | None = _optional("", "what ends it below")
-    high_set_by: str | None = _optional("", "what ends it above")
+    stroke_low_mm: float | None = _optional("mm", "lower end of the window of strokes")
+    stroke_high_mm: float | None = _optional("mm", "upper end of the window of strokes")
+    motion_scale_low: float | None = _optional("", "lower end of the window of scales")
+    motion_scale_high: float | None = _optional("", "upper end of the window of scales")
+    low_set_by: str | None = _optional("", "constraint at the lower end")
+    high_set_by: str | None = _optional("", "constraint at the upper end")
     margin: float | None = _optional("", "factor by which all bands and drifts may grow about their middles")
     throw_number_max: float | None = _optional("", "largest throw number in the box")
-    set_by: str | None = _optional("", "what keeps the design from being better")
+    set_by: str | None = _optional("", "active constraint of the design")
     frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
     amplitude_needed_mm: float | None = _optional("mm", "its amplitude, or that along the trough")
     stroke_needed_mm: float | None = _optional("mm", "its stroke")
     motion_scale_needed: float | None = _optional("", "its scale")
     proof: str | None = _optional("", "corners, proved, searched or sampled")
-    coexists: bool | None = _optional("", "whether some disturbed part of the box can settle elsewhere")
-    samples: int | None = _optional("", "evenly sampled parts that hop, none of which is slower")
-    excluded: int | None = _optional("", "sampled points without a speed, left out")
+    coexists: bool | None = _optional("", "whether a disturbed part can settle in another cycle")
+    samples: int | None = _optional("", "number of sampled parts that hop; none of them is slower")
+    excluded: int | None = _optional("", "number of sampled parts without a known speed, left out")
 
     @property
     def nominal(self) -> float | None:
-        """Amplitude or stroke [mm] that windows and pictures vary, or scale [1].
+        """Amplitude or stroke [mm], or scale [1], that windows and pictures vary.
 
-        Of an ellipse that along the trough, if any.
+        Of an ellipse the amplitude along the trough, or the normal one if that is 0.
         """
         given = (self.motion_scale, self.stroke_mm, self.amplitude_mm, self.along_amplitude_mm)
         return next(filter(None, given), self.normal_amplitude_mm)
 
     @property
     def window(self) -> tuple[float, float] | None:
-        """Amplitudes, strokes or scales that keep the guarantee; None if none does."""
+        """Ends of the window that keeps the guarantee: amplitudes or strokes [mm], or scales [1]; or None."""
         low, high = self.amplitude_low_mm, self.amplitude_high_mm
         if self.stroke_mm is not None:
             low, high = self.stroke_low_mm, self.stroke_high_mm
@@ -281,15 +284,15 @@ class DesignResult:
     met : bool
         Whether some drive guarantees the goal within its highest regime.
     designs : tuple of Design
-        For every drive and regime the gentlest, the fastest and the safest design; those of the goal's
-        regime first.
+        The gentlest, the fastest and the safest design of every drive and regime; those within the goal's
+        highest regime first.
     settings : tuple of tuple of float, or None
-        Of each design the motion of the trough, in full precision: its amplitudes along and normal to it [m],
-        the phase by which the latter leads [rad], and the frequency [Hz]; of a given motion its scale [1] and
-        the frequency.
+        For each design the motion of the trough in full precision: amplitudes along the trough and normal to
+        it [m], phase lead of the normal motion [rad] and frequency [Hz]; of a given motion its scale [1] and
+        the frequency [Hz].
     covered : tuple of pair of float, or None
-        Of each design of a machine the smallest and the largest amplitude over that of the empty trough that
-        it covers [1]; empty without machines.
+        For each design of a machine the smallest and the largest amplitude that it covers, over that of the
+        empty trough [1]; an empty tuple without machines.
     """
 
     met: bool
@@ -299,7 +302,7 @@ class DesignResult:
 
     @property
     def columns(self) -> tuple[DesignColumn, ...]:
-        """Columns of its table; those of a kind of drive only if some design uses them."""
+        """Columns of the table of designs; those of a kind of drive only if a design uses it."""
         kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES, _OF_MOTIONS, _OF_MACHINES)
         used = [kind for kind in kinds if any(getattr(d, kind[0]) is not None for d in self.designs)]
         shown = {name for kind in used or [_OF_LINES] for name in kind}  # without a design as for lines
@@ -324,7 +327,13 @@ class DesignResult:
         return html_table(caption, [[row[i] for i in used] for row in rows], head)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what ``vibro design --json`` prints."""
+        """Return the answer as ``vibro design --json`` prints it.
+
+        Returns
+        -------
+        dict
+            ``met``, and ``designs``: one mapping of columns to values per design.
+        """
         designs = [{c.name: getattr(d, c.name) for c in self.columns} for d in self.designs]
         return {"met": self.met, "designs": designs}
 
@@ -351,7 +360,7 @@ class SettingFields:
     load : (n,) array
         Nominal loads, ascending, that cover all shown settings; a load appears twice where numbers jump [1].
     speed_min : (n,) array
-        Guaranteed speed times nominal frequency; NaN or -inf where nothing is guaranteed [mm/s Hz].
+        Guaranteed speed times nominal frequency; NaN or -inf without a guarantee [mm/s Hz].
     begins : mapping of Regime to pair of float
         Of forward slip, back slip and hopping the nominal load from which the first, and from which the last
         part of the box is in that regime or in a higher one; inf where that never happens.

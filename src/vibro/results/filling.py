@@ -19,28 +19,29 @@ __all__ = ["DAMPING_SHARE", "MASS_SHARE", "WEIGHED", "Filling"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Filling:
-    """Settled force of the filling on its trough, per kg; one value a scene.
+    """Steady force of the filling on its trough, per kg of filling; returned by ``vibro.filling``.
 
-    A filling of the mass m acts on the trough at the drive's frequency as the complex mass
-    ``m * share`` would, ``share = added_mass_share - 1j * added_damping_share``. Arrays have the scene's
-    shape. NaN where there is no settled motion; means where that is irregular (status ``AVERAGED``).
+    At the drive frequency a filling of mass m acts on the trough like the complex mass ``m * share``, with
+    ``share = added_mass_share - 1j * added_damping_share``. Arrays have the scene's shape. They hold NaN
+    where the motion has no steady state, and means over many cycles where it is irregular (status
+    ``AVERAGED``).
 
     Attributes
     ----------
     added_mass_share, added_damping_share : float array
-        lambda and delta [1].
+        Shares lambda and delta of the filling's mass that act as added mass and as added damping [1].
     added_mass_share_error, added_damping_share_error : float array
         Their standard errors; 0 where the motion repeats [1].
     energy_per_cycle : float array
-        Energy that a filling takes from the drive in a drive cycle [J/kg].
+        Energy that the filling takes from the drive in a drive cycle [J/kg].
     second_harmonic : complex array
         Second harmonic of the force along the drive's line over m A w^2: the force is the imaginary part of
-        ``m A w^2 second_harmonic exp(2j w t)`` where the trough is at ``A sin(w t)``. Of ellipses its size
-        over that of the trough's motion [1].
+        ``m A w^2 second_harmonic exp(2j w t)``, with the trough at ``A sin(w t)``. For an ellipse, the size
+        of the second harmonic of the force over that of the trough's motion [1].
     bound : float array
-        Bound of ``abs(share)``, and of the size of each other harmonic [1].
+        Upper bound on ``abs(share)`` and on the size of every other harmonic [1].
     status : int8 array
-        ``Status`` of the motion.
+        Code of the ``Status`` of the motion.
     """
 
     added_mass_share: Floats

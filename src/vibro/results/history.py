@@ -7,9 +7,9 @@
     history.to_frame()                            # the phases as a data frame
     history.end, history.settles_at, history.pattern, history.cycle_displacement
 
-Nothing is integrated step by step: each phase has a closed form. Once the motion repeats, its cycle is
-stored once, with a count, so that 1e5 cycles cost no more than the transient; ``phases`` alone spells
-them all out.
+Each phase has a closed form; no differential equation is integrated numerically. Once the motion repeats,
+its cycle is stored once, with a count, so that 1e5 cycles take no more memory than the transient; ``phases``
+lists all of them.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 
 from vibro.core.codes import LETTERS, Mode
 from vibro.core.compiled import doors
+from vibro.core.elementary import TURN
 from vibro.core.motions import Moments
 from vibro.errors import InputError, VibroError, cut, shown
 from vibro.html_tables import amount, html_table
@@ -40,13 +41,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MOST_PHASES", "History", "Legs", "Motion", "Phase", "Sample"]
+__all__ = ["MOST_PHASES", "History", "Legs", "Phase", "Sample", "SolvedMotion"]
 
 #: Phases of a history that do not repeat, and phases that are spelt out: half a gigabyte of them.
 MOST_PHASES: Final = 2_000_000
 
-_TURN: Final = 2.0 * np.pi
-_BESIDE: Final = 1e-9  # [rad] from a jump to the moment that tells the forces on one side of it
+_OFF_JUMP: Final = 1e-9  # [rad] from a jump to the moment whose forces are those on one side of it
 _FORCES: Final = ("acceleration", "inertial", "normal")  # of ``Moments``
 _SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside, for rounding by the caller
 
@@ -71,7 +71,7 @@ class Legs(NamedTuple):
         return cls(np.empty(rows, np.int8), np.empty(rows, np.int64), *np.empty((8, rows)))
 
 
-class Motion(NamedTuple):
+class SolvedMotion(NamedTuple):
     """A whole motion.
 
     Attributes
@@ -101,12 +101,12 @@ class Phase:
     kind : str
         ``"F"`` forward slide, ``"B"`` back slide, ``"_"`` rest, ``"H"`` flight.
     start, end : float
-        Its first and last moment [s]; each end is the next start.
+        Times at which it begins and ends [s]; the next phase begins at ``end``.
     start_position, end_position : float
-        Displacement relative to the trough since the beginning, positive in the conveying direction [m].
+        Displacement relative to the trough since time 0, positive in the conveying direction [m].
     start_velocity, end_velocity : float
-        Velocity relative to the trough, after an impact at its start and before one at its end; exactly 0
-        where the body stops [m/s].
+        Velocity along the trough relative to it, just after the start and just before the end of the phase;
+        exactly 0 where the body stops [m/s].
     impact_velocity : float
         Normal speed at which a flight ends on the trough, 0 for other phases [m/s].
     """
@@ -130,23 +130,23 @@ class Sample:
     time : array
         The times [s].
     trough_displacement : array
-        Of the trough along the drive's line; NaN where the drive is elliptical [m].
+        Displacement of the trough along the drive's line; NaN for elliptical drives [m].
     trough_along, trough_normal : array
-        Of the trough along its surface, positive in the conveying direction, and normal to it, positive
-        upwards [m].
+        Displacement of the trough along its surface, positive in the conveying direction, and normal to it,
+        positive upwards [m].
     position, velocity, acceleration : array
-        Of the body relative to the trough, along it, positive in the conveying direction
-        [m, m/s, m/s^2].
+        Motion of the body along the trough relative to it, positive in the conveying direction [m, m/s,
+        m/s^2].
     inertial : array
-        Load along the trough: inertia of the drive and the weight's component [m/s^2].
+        Tangential load on the body: inertia of the drive and the component of the weight [m/s^2].
     friction : array
-        Friction on the body; ``acceleration = inertial + friction`` [m/s^2].
+        Friction force on the body; ``acceleration = inertial + friction`` [m/s^2].
     normal : array
-        Force of the trough on the body, >= 0, and 0 in flight [m/s^2].
+        Normal force of the trough on the body, 0 in flight [m/s^2].
     static_limit : array
-        Most that static friction can bear, either way: mu_s times ``normal`` [m/s^2].
+        Largest static friction force, in either direction: mu_s times ``normal`` [m/s^2].
     gap : array
-        Height above the trough, 0 in contact [m].
+        Height of the body above the trough, 0 in contact [m].
     """
 
     time: Floats
@@ -165,14 +165,14 @@ class Sample:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class History:
-    """The motion of one body on one trough, exact at any time; made by ``vibro.simulate``.
+    """The motion of one body on one trough, exact at any time; returned by ``vibro.simulate``.
 
     Attributes
     ----------
     scene : Scene
-        Where it moves.
+        The operating point.
     end : float
-        When the history ends; it begins at 0 [s].
+        Time at which the history ends; it begins at 0 [s].
     start_phase : float
         Phase of the trough at time 0 [rad].
     start_height : float
@@ -192,12 +192,12 @@ class History:
     end: float
     start_phase: float
     start_height: float
-    _motion: Motion
+    _motion: SolvedMotion
     _grid: Grid
 
     @shielded
     def __repr__(self) -> str:
-        """Say how long it is: ``<History of 0.667 s: 21 phases, of which F_ repeat>``."""
+        """Return a summary: ``<History of 0.667 s: 21 phases, of which F_ repeat>``."""
         repeats = f", of which {cut(self.pattern)} repeat" if self.pattern else ""
         return f"<History of {amount(self.end, 's')}: {self._count} phases{repeats}>"
 
@@ -225,26 +225,26 @@ class History:
 
     @property
     def pattern(self) -> str:
-        """Kinds of the phases that repeat."""
+        """Kinds of the phases that repeat, such as ``F_``; empty if none repeat before the end."""
         return "".join(LETTERS[mode] for mode in self._motion.legs.mode[self._motion.first :])
 
     @property
     @shielded
     def settles_at(self) -> float:
-        """Time of the first phase that repeats [s]."""
+        """Time at which the first phase begins that repeats; inf if none does before the end [s]."""
         if not self._motion.period:
             return math.inf
         return float(self._start(np.array([self._motion.first]))[0])
 
     @property
     def period_cycles(self) -> int:
-        """Drive cycles after which the phases repeat."""
+        """Drive cycles after which the phases repeat; 0 if they do not."""
         return self._motion.period
 
     @property
     @shielded
     def cycle_displacement(self) -> float:
-        """Displacement per drive cycle once the phases repeat [m]."""
+        """Displacement per drive cycle once the phases repeat; NaN if they do not [m]."""
         if not self._motion.period:
             return math.nan
         return float(self.scene.scale) * self._motion.advance / self._motion.period
@@ -252,7 +252,7 @@ class History:
     @cached_property
     @shielded
     def phases(self) -> tuple[Phase, ...]:
-        """Every phase until the end, the last one cut there; repeated cycles are spelt out.
+        """All phases until the end of the history; repeated cycles are listed in full.
 
         Raises
         ------
@@ -290,9 +290,9 @@ class History:
         Returns
         -------
         pandas.DataFrame
-            One row a phase, with the columns of ``vibro simulate -o``, their units in their names.
-            Positions count from the beginning; positions and velocities are relative to the trough, positive
-            in the conveying direction.
+            One row per phase, with the columns of ``vibro simulate -o``; their names contain the units.
+            Positions and velocities are relative to the trough, positive in the conveying direction;
+            positions are 0 at time 0.
 
         Examples
         --------
@@ -312,16 +312,16 @@ class History:
 
     @shielded
     def sample(self, times: ArrayLike, side: Literal["left", "right"] = "right") -> Sample:
-        """Motion and forces at any times.
+        """Return motion and forces at any times.
 
         Parameters
         ----------
         times : array_like
             Between 0 and ``end``, in any order [s].
         side : {"right", "left"}, optional
-            At a time that is exactly the start of a phase: whether to return the values of this phase or
-            those of the one before. Velocities differ at impacts, forces wherever a slide starts or stops,
-            and where the trough's acceleration jumps.
+            Which values to return at a time at which a phase ends and the next one begins: those of the next
+            phase (``"right"``) or those of the one before (``"left"``). Velocities jump at impacts; forces
+            jump where a slide starts or stops, and where the trough's acceleration jumps.
 
         Returns
         -------
@@ -331,7 +331,16 @@ class History:
         Raises
         ------
         VibroError
-            If a time lies outside, or ``side`` is neither.
+            If a time is outside the history, or ``side`` is neither.
+
+        Examples
+        --------
+        >>> import math, vibro
+        >>> scene = vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
+        ...                     static_friction=0.74, kinetic_friction=0.57)
+        >>> sample = vibro.simulate(scene, cycles=1).sample([0.0, 0.02, 0.04])
+        >>> print(*(f"{1e3 * x:.3f} mm" for x in sample.position))
+        0.000 mm 0.230 mm 1.084 mm
         """
         if side not in ("left", "right"):
             raise VibroError(f"side = {shown(side)}: must be 'left' or 'right'")
@@ -356,8 +365,19 @@ class History:
         return motion.jumps if isinstance(motion, PiecewiseMotion) else np.empty(0)
 
     def jumps(self, since: float, until: float) -> Floats:
-        """Return the times between two others at which the trough's acceleration jumps, ascending [s]."""
-        frequency, turns = float(self.scene.frequency), self.start_phase / _TURN
+        """Return the times at which the trough's acceleration jumps.
+
+        Parameters
+        ----------
+        since, until : float
+            Interval of times [s].
+
+        Returns
+        -------
+        array
+            Ascending times within the interval; empty for drives whose acceleration is continuous [s].
+        """
+        frequency, turns = float(self.scene.frequency), self.start_phase / TURN
         cycles = np.arange(math.floor(turns + since * frequency), math.ceil(turns + until * frequency))
         times = ((cycles[:, np.newaxis] + self._jumps).ravel() - turns) / frequency
         return np.asarray(times[(since < times) & (times < until)])
@@ -366,7 +386,7 @@ class History:
     def _units(self) -> tuple[float, float]:
         """A and A w."""
         scale = float(self.scene.scale)
-        return scale, scale * _TURN * float(self.scene.frequency)
+        return scale, scale * TURN * float(self.scene.frequency)
 
     def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Legs of the phases with these numbers, and the number of cycles completed before each."""
@@ -382,7 +402,7 @@ class History:
         known = row < legs.mode.size
         row = np.where(known, row, 0)
         cycles = legs.cycle[row] + self._motion.period * count
-        turns = (legs.phase[row] - legs.phase[0]) / _TURN
+        turns = (legs.phase[row] - legs.phase[0]) / TURN
         return np.where(known, (cycles + turns) / float(self.scene.frequency), np.inf)
 
     def _place(self, time: Floats, side: Literal["left", "right"]) -> NDArray[np.int64]:
@@ -418,17 +438,17 @@ class History:
     def _sample(self, time: Floats, place: NDArray[np.int64], side: str) -> tuple[Floats, ...]:
         row, count = self._row(place)
         legs, scene = self._motion.legs, self.scene
-        since = _TURN * float(scene.frequency) * (time - self._start(place))
+        since = TURN * float(scene.frequency) * (time - self._start(place))
         since = np.clip(since, 0.0, legs.length[row])
         since = np.where(time >= self._start(place + 1), legs.length[row], since)
         at = self._moments(row, since)
         # At a jump of the trough's acceleration, rounding decides on which side of it a time lies. Take
         # forces from a moment on the side that is wanted.
         if self._jumps.size:
-            beside = np.clip(since + (-_BESIDE if side == "left" else _BESIDE), 0.0, legs.length[row])
+            beside = np.clip(since + (-_OFF_JUMP if side == "left" else _OFF_JUMP), 0.0, legs.length[row])
             at |= {name: x for name, x in self._moments(row, beside).items() if name in _FORCES}
         length, speed = self._units
-        force = speed * _TURN * float(scene.frequency)
+        force = speed * TURN * float(scene.frequency)
         flies = legs.mode[row] == Mode.FLIGHT
         normal = force * at["normal"]
         with np.errstate(over="ignore"):  # no friction that could be measured: inf, which bears everything

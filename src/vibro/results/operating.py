@@ -17,7 +17,7 @@ __all__ = ["BENT_SPEED", "FIELDS", "MACHINE_RESULTS", "OPERATING", "WARNED_HARMO
 
 #: Key of a block's values under which these results are, as one array of ``FIELDS``, in SI units.
 OPERATING: Final = "operating"
-#: [1] Second harmonic of the trough over its amplitude above which a motion is no sine any more.
+#: [1] Second harmonic of the trough over its amplitude above which users are warned.
 WARNED_HARMONIC: Final = 1e-3
 
 #: Columns of tables with a machine, after its own quantities and before ``model``.
@@ -52,7 +52,7 @@ MACHINE_RESULTS: Final = (
         column="second_harmonic_percent",
     ),
 )
-#: Told where it is named alone: it takes far longer than the speed under the sine.
+#: A column only on request: it takes far longer than the speed under the sine.
 BENT_SPEED: Final = Result(
     name="speed_with_second_harmonic",
     meaning="mean conveying speed where the trough moves with the second harmonic of its filling too",

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["in_mm", "phase_table", "trough_phase", "with_chains"]
 
-_SHORT: Final = 0.1  # [drive cycles] a longer flight is told by itself
+_SHORT: Final = 0.1  # [drive cycles] a longer flight has a row of its own
 _FEWEST: Final = 3  # bounces of a chain
 
 

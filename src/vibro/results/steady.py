@@ -76,7 +76,7 @@ class Result:
     in_contact : float, optional
         Its value in every cell in contact that is answered, where that is always the same.
     on_request : bool
-        Whether tables have its column only where it is named.
+        Whether tables have its column only on request.
     """
 
     name: str
@@ -103,17 +103,17 @@ def _described(column: str, meaning: str, **more: Any) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SteadyCycle:
-    """The steady motion of bodies that start from rest; one value a scene.
+    """The steady motion of bodies that start from rest; returned by ``vibro.solve``.
 
-    Every attribute has the scene's shape. A cell without an answer holds NaN and a status that says why.
-    Codes of ``regime`` and ``status`` are those of the enums ``Regime`` and ``Status``; the properties
-    ``pattern`` and ``model`` have theirs as text. ``coexists`` is -1 where no other motion was looked for.
+    Every attribute is an array of the scene's shape. A cell without an answer holds NaN, and its status says
+    why. ``regime`` and ``status`` hold codes of the enums ``Regime`` and ``Status``; the properties
+    ``pattern`` and ``model`` give their codes as texts. ``coexists`` is -1 where no search was made.
     """
 
     regime: Codes = field(
         metadata=_described(
             "regime",
-            "what the body does, as maps class it",
+            "class of the body's motion: no-slip, forward-slip, back-slip or hopping",
             dtype=np.int8,
             texts=(*(regime.label for regime in Regime if regime >= 0), ""),
         )
@@ -147,7 +147,9 @@ class SteadyCycle:
     )
     throw_number: Floats = field(
         metadata=_described(
-            "throw_number", "most unloading over the weight on the trough; the body hops above 1", symbol="K"
+            "throw_number",
+            "largest downward acceleration of the trough over normal gravity; above 1 the body hops",
+            symbol="K",
         )
     )
     forward_ratio: Floats = field(
@@ -163,7 +165,7 @@ class SteadyCycle:
     flight_fraction: Floats = field(
         metadata=_described(
             "flight_fraction",
-            "share of the time off the trough; bounces that are summed count",
+            "share of the time that the body is off the trough",
             symbol=r"\sum\tau_i/2\pi m",
             in_contact=0.0,
         )
@@ -180,7 +182,7 @@ class SteadyCycle:
     period_cycles: Floats = field(
         metadata=_described(
             "period_cycles",
-            "drive cycles until the motion repeats; none where it does not",
+            "drive cycles until the motion repeats; no number where it does not",
             symbol="m",
             in_contact=1.0,
         )
@@ -196,7 +198,7 @@ class SteadyCycle:
     coexists: Codes = field(
         metadata=_described(
             "coexists",
-            "whether another motion exists (a cycle, running away): 1 yes, 0 none found, else not looked for",
+            "whether another motion (a cycle, running away) exists: 1 yes, 0 none found, else not searched",
             dtype=np.int8,
             texts=("0", "1", ""),
             is_flag=True,
@@ -205,7 +207,7 @@ class SteadyCycle:
     model_code: Codes = field(
         metadata=_described(
             "model",
-            "the cheapest exact model that gave the answer",
+            "simplest exact model that gave the answer",
             dtype=np.int8,
             texts=MODELS,
         )
@@ -213,7 +215,7 @@ class SteadyCycle:
     status: Codes = field(
         metadata=_described(
             "status",
-            "how far to trust the numbers, or why one is missing",
+            "kind of the numbers, or why there are none",
             dtype=np.int8,
             texts=tuple(status.label for status in Status),
         )
@@ -221,7 +223,7 @@ class SteadyCycle:
     largest_multiplier: Floats = field(
         metadata=_described(
             "largest_multiplier",
-            "modulus of the largest Floquet multiplier of the cycle: a disturbance shrinks by it in a period",
+            "modulus of the largest Floquet multiplier: factor of a small disturbance over a period",
             symbol=r"\max\lvert\lambda\rvert",
             on_request=True,
         )
@@ -233,14 +235,13 @@ class SteadyCycle:
     def pattern(self) -> Any:
         """Phases of the cycle as text: H flight, F forward slide, B back slide, _ rest; empty if none.
 
-        A body that hops without a period has ``H...``. Texts differ in length, and arrays hold them as
-        objects.
+        Irregular hopping is ``H...``. Arrays have the dtype ``object``, because texts differ in length.
         """
         return pattern_texts(np.asarray(self.pattern_code), self.long_patterns)[()]
 
     @property
     def model(self) -> Any:
-        """The cheapest exact model that gave the answer, as text."""
+        """Simplest exact model that gave the answer, as text."""
         return np.array(MODELS)[self.model_code]
 
     @shielded
@@ -253,12 +254,18 @@ class SteadyCycle:
         return html_table(caption, summary(self))
 
     def arrays(self) -> dict[str, Any]:
-        """Results by name, each of the scene's shape."""
+        """Return all results by name.
+
+        Returns
+        -------
+        dict of str to array
+            Attributes by their names, each of the scene's shape.
+        """
         return {result.name: getattr(self, result.name) for result in RESULTS}
 
     @shielded
     def traverse_time(self, length: Any) -> Any:
-        """Time to convey over a length at the mean speed.
+        """Return the time to convey over a length at the mean speed.
 
         Parameters
         ----------
@@ -275,6 +282,14 @@ class SteadyCycle:
         ------
         SceneError
             If a length is not finite and positive, or does not broadcast.
+
+        Examples
+        --------
+        >>> import math, vibro
+        >>> cycle = vibro.solve(vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
+        ...                                 static_friction=0.74, kinetic_friction=0.57))
+        >>> print(*(f"{time:.2f} s" for time in cycle.traverse_time([0.3, 0.6])))
+        18.45 s 36.89 s
         """
         lengths = lengths_of(length, np.shape(self.mean_velocity))
         velocity = np.where(self.mean_velocity > 0.0, self.mean_velocity, 0.0)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Block", "Column", "Peak", "SweepResult", "at_rest", "peaks", "spread", "where_motion_begins"]
+__all__ = ["Block", "Column", "Peak", "SweepResult", "at_rest", "cell_values", "peaks", "where_motion_begins"]
 
 # The load grows with the first three; critical loads depend on none of these.
 _LAST_MOVES_FIRST: Final = ("amplitude", "stroke", "frequency", "restitution")
@@ -52,7 +52,7 @@ class Column:
         From an array of codes and ``SteadyCycle.long_patterns`` to an array of texts, where there are too
         many to list.
     meaning : str, optional
-        What it is, for people, in plain text.
+        Description of the column, in plain text.
     """
 
     name: str
@@ -99,7 +99,7 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A solved part of a grid, as tables need it.
+    """Solved cells of a part of a grid, for tables.
 
     Attributes
     ----------
@@ -110,9 +110,10 @@ class Block:
     length : float or None
         Length of the trough [mm].
     arrival : array or None
-        Time from rest to the arrival, inf or NaN where there is none, if asked for [s].
+        Time from rest to the arrival; inf if the body never arrives, NaN if unknown; None if not requested
+        [s].
     in_stroke : bool
-        Whether people are told the stroke of a drive along a line, in place of its amplitude.
+        Whether tables contain the stroke of a drive along a line instead of its amplitude.
     """
 
     values: Mapping[str, Floats]
@@ -169,8 +170,8 @@ class SweepResult:
     title : str
         Description of the sweep, in one line.
     places : mapping of str to array, optional
-        Values of axes for which the cells were solved, where they are others than their own: cells of a
-        table stand for those around. Arrays of the grid's shape.
+        Values of axes for which cells were actually solved, if they differ from the grid's: pictures of a
+        stored table use its nearest cells. Arrays of the grid's shape.
     amplitude : array, optional
         Amplitudes that follow from a machine, broadcastable to the grid's shape; NaN where there is none
         [mm].
@@ -203,7 +204,7 @@ class SweepResult:
         return where_motion_begins(self.axes, self.fixed, self.limits) if rests else ""
 
 
-def spread(
+def cell_values(
     axes: Mapping[str, Axis], fixed: Mapping[str, float], box: Sequence[slice] | None = None
 ) -> dict[str, Floats]:
     """Return every quantity of a box of cells by name, one slice for each axis; of all without a box."""
@@ -268,7 +269,7 @@ def where_motion_begins(
         return "at rest everywhere"
     # A sweep may have more cells than fit in memory; the last ones along these axes are nearest to moving.
     box = [slice(-1, None) if name in _LAST_MOVES_FIRST else slice(None) for name in axes]
-    values = spread(axes, fixed, box)
+    values = cell_values(axes, fixed, box)
     load = Scene.allowing_infeasible(**scene_fields(values)).load
     with np.errstate(divide="ignore", invalid="ignore"):  # a threshold or a load of 0
         ratio = np.fmax.reduce(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError, did_you_mean, shown
-from vibro.files.tables import rounded_cells
+from vibro.files.csv_tables import rounded_cells
 from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, SWEPT
 from vibro.results.operating import MACHINE_RESULTS, OPERATING
 from vibro.results.steady import RESULTS, Result
@@ -104,9 +104,9 @@ def columns_of(
     drive : collection of str
         Names of the drive's quantities.
     made_with : collection of str
-        Of ``Grid.made_with``, told before the results of flights.
+        As ``Grid.made_with``; their columns stand before the results of flights.
     machine : bool
-        Whether the amplitude follows from a machine, whose quantities and results are told before ``model``.
+        Whether the amplitude follows from a machine, whose columns stand before ``model``.
     """
     left_out = {*DRIVES, *_WHERE_SWEPT}.difference(axes, drive)
     given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]

@@ -99,7 +99,7 @@ def dataset(
         "title": f"{name}: {what}" if name else what,
         "source": f"vibro {version}",
         "Conventions": _CONVENTIONS,
-        "accuracy": grid.level.value,
+        "accuracy": grid.output.value,
         "flight": int(grid.flight),
         "coexistence": int(grid.coexistence),
         **({} if grid.motion is None else {"motion": json.dumps(dict(grid.motion.table))}),

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.quantities import LINEAR, QUANTITIES, as_given, drive_of, kinetic_friction, scene_fields
 from vibro.results.operating import OPERATING
-from vibro.results.sweep import spread
+from vibro.results.sweep import cell_values
 from vibro.scene import Scene
 from vibro.steady import solve
 from vibro.sweeps.machines import operated, withheld
@@ -49,14 +49,14 @@ class Grid:
         Every other quantity of the scene by name, with gravity.
     length : float or None
         Length of the trough [mm].
-    level, flight, coexistence : optional
-        How every cell is solved, as ``vibro.solve`` takes them (``level`` as ``accuracy``).
+    output, flight, coexistence : optional
+        Arguments of ``vibro.solve`` for every cell.
     arrivals : bool, optional
         Whether bodies are followed from rest to their arrival.
     motion : GivenMotion, optional
         Of a drive by steps or samples, which has neither amplitudes nor angles.
     in_stroke : bool, optional
-        Whether people are told the stroke of a drive along a line, as they gave it, in place of its
+        Whether texts contain the stroke of a drive along a line, as it was given, in place of its
         amplitude; tables have the amplitude.
     machine : GivenMachine, optional
         From which the amplitude of every cell follows: it is neither an axis nor fixed.
@@ -65,7 +65,7 @@ class Grid:
     axes: Mapping[str, Axis]
     fixed: Mapping[str, float]
     length: float | None
-    level: Level = Level.EXACT
+    output: Output = Output.EXACT
     flight: bool = True
     coexistence: bool = False
     arrivals: bool = False
@@ -75,12 +75,12 @@ class Grid:
 
     @property
     def told_axes(self) -> dict[str, Axis]:
-        """The axes in the quantities that were given, by their names: what people are told."""
+        """The axes in the quantities that were given, by their names, for texts."""
         axes = [axis.in_stroke if self.in_stroke else axis for axis in self.axes.values()]
         return {axis.name: axis for axis in axes}
 
     def told(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return quantities as they were given, by their names: what people are told."""
+        """Return quantities as they were given, by their names, for texts."""
         return as_given(values, in_stroke=self.in_stroke)
 
     @property
@@ -100,7 +100,7 @@ class Grid:
 
     @property
     def made_with(self) -> tuple[str, ...]:
-        """Names of the quantities that tables tell in every row, as their results depend on them.
+        """Names of the quantities in every row of tables, because the results depend on them.
 
         Restitution where flights are followed, which a clamped part never begins, unless it is an axis, which
         has its column anyway; the trough's length where there is one.
@@ -127,7 +127,7 @@ class Grid:
             motion is under ``motion``, an array of one object. With a machine the amplitude found is among
             them, NaN where there is none, and under ``OPERATING`` its other results.
         """
-        result = spread(self.axes, self.fixed, box)
+        result = cell_values(self.axes, self.fixed, box)
         return self._completed(result)
 
     def cells(self, start: int, stop: int) -> dict[str, Floats]:
@@ -184,7 +184,7 @@ class Grid:
         """Solve the cells of a box, given by its ``values``, on so many threads, telling the progress."""
         cycle = solve(
             scene_of(values),
-            accuracy=self.level,
+            output=self.output,
             flight=self.flight,
             coexistence=self.coexistence,
             threads=threads,
@@ -225,7 +225,7 @@ class Grid:
         """Return every quantity of rows along so many inner axes: shaped like the rows, then these axes."""
         axes = list(self.axes.values())
         along = {axis.name: axis for axis in axes[-inner:]}
-        result = {name: values[np.newaxis] for name, values in spread(along, self.fixed).items()}
+        result = {name: values[np.newaxis] for name, values in cell_values(along, self.fixed).items()}
         where = np.unravel_index(np.arange(start, stop), self.shape[:-inner])
         for axis, i in zip(axes[:-inner], where, strict=True):
             result[axis.name] = axis.values[i].reshape(-1, *(1,) * inner)
@@ -317,7 +317,7 @@ def _repeated(look_up: Callable[[int, int], Floats], period: int, held: int, sta
 def scene_of(values: Mapping[str, Floats]) -> Scene:
     """Make the scenes of a box of cells, of which some combinations may be infeasible.
 
-    Cells whose machine has no operating point get any amplitude: what is solved of them is taken away.
+    Cells whose machine has no operating point get an arbitrary amplitude; their results are removed later.
     """
     if OPERATING in values:
         amplitude = values["amplitude"]

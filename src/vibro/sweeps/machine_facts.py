@@ -139,7 +139,7 @@ def _resonance(points: OperatingPoints, filling: float) -> str:
 
 
 def _share(value: float) -> str:
-    """Write a share in percent; of rounding alone nothing."""
+    """Write a share in percent; 0 if it is rounding alone."""
     return f"{100.0 * value:.3g}" if abs(value) > _ROUNDING else "0"
 
 

@@ -142,7 +142,7 @@ def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
     )
     if np.isinf(found["relative_amplitude"].item()):
         raise InputError(
-            "nothing bounds the amplitude: the drive is at resonance, without damping",
+            "the amplitude is infinite: the drive is at resonance, without damping",
             hint="give a damping_ratio > 0",
         )
     if found["relative_amplitude"].item() > given.machine.gap:

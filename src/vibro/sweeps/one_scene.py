@@ -65,7 +65,7 @@ _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
 _TOLD: Final = 9  # decimals of a percentage, below which there is rounding alone
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
-_FIRST: Final = 1000  # drive cycles of an undisturbed body that are told beside a mean
+_FIRST: Final = 1000  # drive cycles of an undisturbed body, printed beside a mean
 _SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 
 
@@ -139,7 +139,7 @@ class OneScene:
 
     @property
     def relative_error(self) -> float:
-        """Standard error of the mean speed over its size; 0 where it is no mean [1]."""
+        """Standard error of the mean speed over its size; 0 if the speed is not a mean [1]."""
         error = float(self._cycle.mean_velocity_error)
         return error / abs(float(self._cycle.mean_velocity)) if error > 0.0 else 0.0
 
@@ -150,7 +150,7 @@ class OneScene:
 
     @property
     def is_still(self) -> bool:
-        """Whether what the body is conveyed is nothing but rounding."""
+        """Whether the displacement of the body is rounding alone."""
         size = LENGTH.from_si(float(self.scene.scale))
         return bool(abs(self.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * size)
 
@@ -161,7 +161,7 @@ class OneScene:
 
     @property
     def arrival_time(self) -> float:
-        """Time from rest at trough phase 0 to the arrival; inf where there is none, NaN if unknown [s]."""
+        """Time from rest at trough phase 0 to the arrival; inf if it never arrives, NaN if unknown [s]."""
         arrival = self._block.arrival
         return math.nan if arrival is None else float(arrival.item())
 
@@ -265,7 +265,7 @@ class OneScene:
             numbers += [
                 ("in flight", f"{number(100.0 * float(self._cycle.flight_fraction))} % of the time"),
                 ("impact speed", f"{number(self.result('impact_velocity'), 'mm/s')} normal to the trough"),
-                ("repeats", "no short period" if math.isnan(period) else _cycles(period)),
+                ("repeats", "never: irregular motion" if math.isnan(period) else _cycles(period)),
             ]
         return numbers
 
@@ -277,7 +277,7 @@ class OneScene:
         if math.isnan(speed):
             return f"unknown: {self.status.message}"
         if not self.is_certain:
-            return "unknown: the standard error leaves open which way the mean speed goes"
+            return "unknown: within the standard error the mean speed may have either direction"
         if speed < 0:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
         if self.regime is not Regime.NO_SLIP:
@@ -420,7 +420,7 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
 def beginnings(one: OneScene) -> list[tuple[str, ...]]:
     """Return the rows of a table of where each kind of motion begins, its head first.
 
-    Under a given motion classes may end and begin again: there the table tells where each ends too.
+    Under a given motion classes may end and begin again: the table then has the end of each too.
     """
     which = one.all_amplitudes if one.is_two_axis else f"{one.size} [mm]"
     head = ["begins", "load now / then", which, "frequency [Hz]"]
@@ -483,7 +483,7 @@ def throughput_text(one: OneScene, part: Mapping[str, float]) -> str:
     values = [one.value(column) for column in columns]
     speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
     if math.isnan(speed) or speed <= 0.0 < speed + _SIGMAS * error:
-        return "unknown" if math.isnan(speed) else "unknown: which way parts go is not sure"
+        return "unknown" if math.isnan(speed) else "unknown: the direction of conveying is not certain"
     rates = [
         estimate(value, value * one.relative_error, column.unit.replace("1/min", "parts/min"))
         for value, column in zip(values, columns, strict=True)
@@ -492,7 +492,7 @@ def throughput_text(one: OneScene, part: Mapping[str, float]) -> str:
 
 
 def estimate(value: float, error: float, unit: str = "") -> str:
-    """Write a number for people, with its standard error where it is a mean."""
+    """Write a number, with its standard error if it is a mean."""
     spread = f" +- {error:.2g} {unit}".rstrip() + " (standard error)" if error > 0.0 else ""
     return number(value, unit) + spread
 

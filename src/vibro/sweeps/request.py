@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from vibro.axes import AxisSpec, axis_of, default_count
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import Problems, shown
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
@@ -123,7 +123,7 @@ class Request:
 
     @property
     def told(self) -> dict[str, float]:
-        """``fixed`` in the quantities that were given: what people are told."""
+        """``fixed`` in the quantities that were given, for texts."""
         return as_given(self.fixed, in_stroke=self.in_stroke)
 
     @property
@@ -142,7 +142,7 @@ class Request:
         }
 
     def doubts(self, found: Collection[str] = ()) -> list[str]:
-        """Return warnings about what is possible, but likely a slip of units; the remedy follows a colon.
+        """Return warnings about unusual values, probably in wrong units; a colon precedes the remedy.
 
         These are values beyond what is usual, of axes only where all of them are; else an acceleration that
         is, which they would explain; and a trough that is shorter than the largest stroke. Quantities that
@@ -194,7 +194,7 @@ class Request:
             If the machine has no operating point.
         """
         if self.machine is not None:
-            values = self.grid(Level.EXACT).values()
+            values = self.grid(Output.EXACT).values()
             check_operating(self.machine, values)
             return scene_of({name: x.reshape(()) for name, x in values.items()})
         moved = {} if self.motion is None else {MOTION: self.motion.motion}
@@ -206,14 +206,14 @@ class Request:
         return {name: self.specs[name].axis(count or usual) for name in self.varying}
 
     def grid(
-        self, level: Level, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
+        self, output: Output, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
     ) -> Grid:
         """Make the grid of all combinations."""
         return Grid(
             self.axes(),
             self.fixed,
             self.length,
-            level,
+            output,
             flight,
             coexistence,
             arrivals,
@@ -224,7 +224,7 @@ class Request:
 
 
 class _Problems(Problems):
-    """Everything that is wrong, to be told at once in the order of a table's columns; fields are slots."""
+    """All problems, reported together in the order of a table's columns; fields are slots."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -361,7 +361,7 @@ def gather(
 
 
 def _refuse_of_machine(given: Mapping[str, AxisSpec], pack: str | None, problems: _Problems) -> None:
-    """Refuse quantities of a machine where there is none."""
+    """Refuse quantities of a machine if the scene has no machine."""
     hint = "describe one in the table [machine] of a scene file"
     for slot in MACHINE:
         if slot in given:
@@ -374,14 +374,14 @@ def _refuse_of_machine(given: Mapping[str, AxisSpec], pack: str | None, problems
 def _check_machine(
     machine: GivenMachine, pack: str | None, layers: Sequence[Specs], problems: _Problems
 ) -> None:
-    """Check what is given of a machine, and add the natural frequency of its springs to the lowest layer."""
+    """Check the values given for a machine, and add the natural frequency of its springs as a default."""
     *higher, own = layers
     with problems.taken("[machine] "):
         _ = machine.machine
     for slot in MACHINE:
         if not machine.takes(slot) and (specs := [specs[slot] for specs in higher if slot in specs]):
             told = _text(specs[0], specs[0].values[0])
-            problems.add(f"{told}: means nothing to a machine of kind {machine.kind}", "leave it out", slot)
+            problems.add(f"{told}: does not apply to a machine of kind {machine.kind}", "leave it out", slot)
     springs = [specs for specs in higher if "natural" in specs]
     natural = QUANTITIES["natural"]
     if pack is not None:
@@ -472,7 +472,7 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
 
 
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems, *, is_clamped: bool) -> None:
-    """Check every value, and tell the first wrong one in the user's units."""
+    """Check every value, and report the first wrong one in the user's units."""
     quantity = of_part(QUANTITIES[spec.quantity.name], is_clamped=is_clamped)
     values = np.array(spec.values, np.float64)
     allowed = quantity.swept if spec.varies else quantity

@@ -177,7 +177,7 @@ def _solved_around(
     cells: DrawnCells,
     progress: Callable[[int, int], None] | None,
 ) -> tuple[SteadyCycle, dict[str, Floats]]:
-    """Solve the cells of a picture, but for flights amid irregular ones of the table; return also where."""
+    """Solve the cells of a picture, except flights next to irregular ones of the table; return where too."""
     searched, part = part.coexistence, replace(part, coexistence=False)
     contact = replace(part, flight=False).solve(values)
     found = {name: x.copy() for name, x in contact.arrays().items()}

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from vibro.axes import axis_of
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.quantities import BY_COLUMN, QUANTITIES, as_given, find_quantity
 from vibro.reals import shielded
@@ -62,12 +62,12 @@ class SolvedGrid(ABC):
 
     @property
     def axes(self) -> dict[str, NDArray[np.float64]]:
-        """Values of what varies, by key."""
+        """Values of the quantities that vary, by their keys in a scene file."""
         return {axis.column: axis.values.copy() for axis in self._grid.axes.values()}
 
     @property
     def fixed(self) -> dict[str, float]:
-        """Every other quantity, by key."""
+        """Values of all other quantities, by their keys in a scene file."""
         fixed = {QUANTITIES[name].column: value for name, value in self._grid.fixed.items()}
         return fixed if self._grid.length is None else {**fixed, "trough_length_mm": self._grid.length}
 
@@ -80,31 +80,33 @@ class SolvedGrid(ABC):
         y: str | None = None,
         at: Mapping[str, float] | None = None,
     ) -> Figure:
-        """Draw a picture of these cells, without solving any; ``vibro map`` draws finer ones.
+        """Draw a picture of the cells; ``vibro map`` solves more cells for finer pictures.
+
+        Two ranges give a map, and one range gives a curve over bands of its regimes. A list of at most 12
+        values is not a range: beside one range it gives several curves, beside two several maps, and alone
+        points. A third range gives up to 12 maps. All further axes are fixed at the middle of their feasible
+        values.
 
         Parameters
         ----------
         name : {"regime", "speed", "traverse", "impact", "flight"}
-            The picture: a map of two ranges, a line of one over bands of its regimes. An axis of at most
-            12 values that were given one by one is no range: it makes curves beside one range, maps beside
-            two, and points where there is none. A third range makes up to 12 maps. Any more axes are held
-            in the middle of their feasible values.
+            The quantity to show.
         x, y : str, optional
-            The ranges drawn across and up, by key, name or letter (``"amplitude_mm"``, ``"A"``).
+            Horizontal and vertical axis, by key, name or letter (``"amplitude_mm"``, ``"A"``).
         at : mapping of str to float or str, optional
-            Where other axes are held, by the same names; each at one of its values.
+            Values of the axes that are fixed, by the same names; each must be one of the axis's values.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Without a window; ``figure.savefig(path)`` writes it. Of a range with at least twice as many
-            values as a picture resolves (301 beside another range, 161 where there are several maps, 4001
-            on its own) it shows every second, third ... value.
+            ``figure.savefig(path)`` writes it; no window opens. Of a range with at least twice as many values
+            as a picture resolves (301 in a map, 161 in several maps, 4001 in a curve), every second, third
+            ... value is shown.
 
         Raises
         ------
         InputError
-            If there is no such picture of this sweep, or an axis or a value is not one of its own.
+            If this sweep has no such picture, axis or value.
         """
         from vibro.plots import choose_view, map_figures, picture_names
 
@@ -114,7 +116,7 @@ class SolvedGrid(ABC):
         held = _held({} if at is None else at)
         view = choose_view(grid.told_axes, _axis_name(x), _axis_name(y), held, grid.told(grid.fixed))
         known = picture_names(view, has_length=grid.length is not None)
-        if grid.level is Level.REGIMES:
+        if grid.output is Output.REGIMES:
             known = [picture for picture in known if picture == "regime"]
         if name not in known:
             hint = f"there are {', '.join(known) or 'none'}"
@@ -156,7 +158,7 @@ def _held(at: Mapping[str, Any]) -> dict[str, float]:
 
 
 def axis_called(called: object, argument: str, *, strokes: bool = False) -> Quantity:
-    """Find the quantity that an argument names by key, name or letter; its axis may be told in strokes."""
+    """Find the quantity that an argument names by key, name or letter; its axis may be in strokes."""
     quantity = find_quantity(str(called))
     if quantity is None or (quantity.name == "stroke" and not strokes):
         raise InputError(

@@ -38,7 +38,7 @@ class Tally:
 
     @classmethod
     def read(cls, told: Mapping[str, Any]) -> Self:
-        """Make one of what ``told`` returns."""
+        """Make a tally from the mapping that ``told`` returns."""
         return cls(
             Counter({code: told["status"].get(code.label, 0) for code in Status}),
             Counter({code: told["regime"].get(code.label or _NO_REGIME, 0) for code in Regime}),
@@ -59,7 +59,7 @@ class Tally:
             self._include(other.peaks)
 
     def _include(self, others: Mapping[str, Peak]) -> None:
-        """Keep the faster peaks; of equally fast ones the first, in whatever order they come."""
+        """Keep the faster peaks; of equally fast ones the first, in any order of blocks."""
         for name, peak in others.items():
             self.peaks[name] = max(self.peaks.get(name, peak), peak, key=_order)
 
@@ -82,7 +82,7 @@ def _order(peak: Peak) -> tuple[float, list[float]]:
 
 
 def _told_peak(peak: Peak) -> dict[str, float]:
-    # a crank has springs of no frequency
+    # a crank has no natural frequency
     here = {QUANTITIES[name].column: value for name, value in peak.values.items() if math.isfinite(value)}
     return {_SPEED: peak.speed, _ERROR: peak.error, **here}
 

@@ -128,7 +128,7 @@ def weighed_facts(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, s
     if one.regime is Regime.NO_SLIP:
         return [
             *facts,
-            ("given motion", "the part rests, and is a mass of the trough"),
+            ("given motion", "the part rests: it moves with the trough"),
         ]
     exceeded = False
     for i, (name, machine) in enumerate(zip(_LIMITS, TYPICAL_MACHINES, strict=True)):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Level
+from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import BY_COLUMN, QUANTITIES
@@ -19,7 +19,7 @@ from vibro.reals import shielded
 from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
-from vibro.steady import check_switch, level_of
+from vibro.steady import check_switch, output_of, takes_old_name
 from vibro.sweeps.columns import chosen, columns_of, to_frame
 from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of_block
 from vibro.sweeps.request import RANGES, gather
@@ -71,18 +71,18 @@ class _File(_Call):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep(SolvedGrid):
-    """A solved sweep; made by ``vibro.sweep``.
+    """A solved sweep in memory; returned by ``vibro.sweep``.
 
     Attributes
     ----------
     cycle : SteadyCycle
-        Results: arrays with one dimension for each axis, in the order of ``axes``.
+        Results: arrays with one dimension per axis, in the order of ``axes``.
     shape : tuple of int
         Number of values of each axis.
     axes : dict of str to array
-        Values of what varies, by its key in a scene file, in the unit that the key names.
+        Values of the quantities that vary, by their keys in a scene file, in the unit that the key names.
     fixed : dict of str to float
-        Every other quantity, likewise.
+        Values of all other quantities, by their keys.
     """
 
     cycle: SteadyCycle
@@ -94,20 +94,20 @@ class Sweep(SolvedGrid):
         Parameters
         ----------
         columns : sequence of str, optional
-            Names as for ``--columns`` of ``vibro map``, in the order wanted; without, its usual ones.
+            Names of columns, as for ``--columns`` of ``vibro map``; by default its standard columns.
 
         Returns
         -------
         pandas.DataFrame
-            One row a cell, the last axis fastest; the columns of the CSV of ``vibro map``, their units in
-            their names. Texts are categorical, ``coexists`` is a nullable integer, and missing
-            numbers are NaN. Categories of regimes, models and statuses are all that there are, in the
-            order of their codes: from no-slip to hopping.
+            One row per cell, the last axis fastest, with the columns of the CSV of ``vibro map``; their names
+            contain the units. Texts are categorical, ``coexists`` is a nullable integer, and missing numbers
+            are NaN. The categories of regimes, models and statuses are complete and in the order of their
+            codes, from no-slip to hopping.
 
         Raises
         ------
         InputError
-            If there is no such column, or one is named twice.
+            If a column does not exist or is named twice.
         """
         return to_frame(self._columns(columns), self._block)
 
@@ -123,16 +123,16 @@ class Sweep(SolvedGrid):
         Returns
         -------
         xarray.Dataset
-            The axes are its dimensions, in their order. Every other input is a coordinate, without dimensions
-            where it is fixed. Results are variables, by the names of ``to_frame``: missing numbers are NaN,
-            ``pattern`` is text, and ``regime``, ``model``, ``status`` and ``coexists`` are codes (int8) that
-            the attributes ``flag_values`` and ``flag_meanings`` explain. Attributes follow CF conventions;
-            ``to_netcdf(path, engine="h5netcdf")`` writes all of it.
+            The axes are the dimensions; all other inputs are coordinates, which are scalars if they are
+            fixed. Results are variables, with the names of ``to_frame``: missing numbers are NaN, ``pattern``
+            is text, and ``regime``, ``model``, ``status`` and ``coexists`` are integer codes (int8), which
+            the attributes ``flag_values`` and ``flag_meanings`` explain. Attributes follow the CF
+            conventions; ``to_netcdf(path, engine="h5netcdf")`` writes a file.
 
         Raises
         ------
         InputError
-            If there is no such column, or one is named twice.
+            If a column does not exist or is named twice.
         FileError
             If xarray is not installed.
 
@@ -175,45 +175,49 @@ class Sweep(SolvedGrid):
         return {name: getattr(self.cycle, name)[box] for name in results}
 
 
+@takes_old_name
 @shielded
 def sweep(
     scene_file: str | PathLike[str] | None = None,
     *,
-    accuracy: Literal["exact", "regimes"] = "exact",
+    output: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
     coexistence: bool = False,
     progress: Callable[[int, int], None] | None = None,
     **quantities: Any,
 ) -> Sweep:
-    """Solve all combinations of the axes, as ``vibro map`` does, in memory.
+    """Solve all combinations of several axes in memory, like ``vibro map``.
 
     Parameters
     ----------
     scene_file : path, optional
-        A scene file; its table ``[map]`` counts.
-    accuracy, flight, coexistence, progress : optional
+        A scene file; its tables ``[scene]``, ``[machine]`` and ``[map]`` are read.
+    output, flight, coexistence, progress : optional
         As for ``vibro.solve``.
     **quantities
-        Keys and values as in a scene file, which they override: ``amplitude_mm`` or ``stroke_mm``, and
-        ``drive_angle_deg``, or for an ellipse ``along_amplitude_mm``, ``normal_amplitude_mm`` and
-        ``normal_phase_deg``, with ``_2`` before the unit for its second harmonic (``along_phase_2_deg``);
-        ``frequency_hz``, ``static_friction``, ``kinetic_friction`` or
-        ``friction_ratio``, ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``;
-        beside a machine, which the scene file describes, ``setting_percent``, ``voltage_percent``,
-        ``filling_kg`` and ``natural_hz``, or ``pack``, the name of its spring pack, and no amplitude. A
-        value is a number, an ascending sequence of numbers, or an axis such as ``"0.1:3:100"`` or
-        ``"10,20"``; numbers may carry units as texts, ``"800um"``. Without amplitude and frequency they
-        sweep 0.1:3 mm and 5:60 Hz.
+        Values by the keys of a scene file, whose values they override:
+
+        * a line: ``amplitude_mm`` or ``stroke_mm``, and ``drive_angle_deg``;
+        * an ellipse: ``along_amplitude_mm``, ``normal_amplitude_mm`` and ``normal_phase_deg``, with ``_2``
+          before the unit for the second harmonic (``along_phase_2_deg``);
+        * a machine, which the scene file describes, instead of an amplitude: ``setting_percent``,
+          ``voltage_percent``, ``filling_kg``, and ``natural_hz`` or the name of a spring ``pack``;
+        * and ``frequency_hz``, ``static_friction``, ``kinetic_friction`` or ``friction_ratio``,
+          ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``.
+
+        A value is a number, an ascending sequence of numbers, or an axis such as ``"0.1:3:100"`` or
+        ``"10,20"``; a text may contain a unit, ``"800um"``. Without amplitude and frequency the sweep covers
+        0.1 to 3 mm and 5 to 60 Hz.
 
     Returns
     -------
     Sweep
-        With about 110 bytes a cell.
+        The solved cells, about 110 bytes each.
 
     Raises
     ------
     InputError
-        It names everything that is wrong or missing.
+        If an input is wrong or missing, or memory is too small; the message lists all problems.
     FileError
         If the scene file cannot be read.
 
@@ -228,10 +232,10 @@ def sweep(
     ['_' 'F_' 'FB_'] [0.       0.016263 0.040591]
     """
     request = request_of_call(scene_file, quantities)
-    level = level_of(accuracy)
+    kept = output_of(output)
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
-    grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
+    grid = request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
     check_memory(
         grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
     )
@@ -287,25 +291,25 @@ def _read(path: str | PathLike[str]) -> SceneFile:
 
 @shielded
 def read_scene(path: str | PathLike[str]) -> Scene:
-    """Read the operating point of a scene file: its table ``[scene]``, and ``[machine]`` if it has one.
+    """Read the operating point of a scene file, from its tables ``[scene]``, ``[motion]`` and ``[machine]``.
 
     Parameters
     ----------
     path : path
-        TOML, as the commands read it.
+        A scene file in TOML, as for the commands.
 
     Returns
     -------
     Scene
-        Of shape (); the trough's length is no part of it. With a machine the amplitude is that of its
-        operating point.
+        One operating point, of shape (), without the trough's length. With a machine the amplitude is that of
+        its operating point.
 
     Raises
     ------
     InputError
-        If it does not give a whole scene; it names everything that is wrong or missing.
+        If the file does not describe a complete scene; the message lists all problems.
     FileError
-        If it cannot be read.
+        If the file cannot be read.
 
     Examples
     --------

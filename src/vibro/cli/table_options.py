@@ -33,7 +33,7 @@ ColumnsOption = Annotated[
     typer.Option(
         "--columns",
         metavar="NAMES",
-        help="Columns of the table, in this order, such as amplitude_mm,regime; there are also stroke_mm,"
+        help="Columns of the table, in this order, such as amplitude_mm,regime; further ones are stroke_mm,"
         " restitution, acceleration_g, speed_amplitude_exponent and strokes.",
         show_default=False,
         autocompletion=complete_columns,
@@ -44,7 +44,7 @@ DigitsOption = Annotated[
     typer.Option(
         "--digits",
         metavar="1...17",
-        help="Significant digits of the table's numbers; without, they are exact.",
+        help="Significant digits of the table's numbers; by default they are exact.",
         show_default=False,
     ),
 ]
@@ -53,15 +53,15 @@ PitchOption = Annotated[
     typer.Option(
         "--pitch",
         metavar="LENGTH",
-        help="Distance from each part to the next [mm]: how many parts a minute? At most, as parts in a"
-        " row do not push each other here.",
+        help="Distance from one part to the next [mm], to print parts per minute: an upper bound, as parts"
+        " in a row do not push each other in this model.",
         show_default=False,
     ),
 ]
 MassOption = Annotated[
     str | None,
     typer.Option(
-        "--mass", metavar="MASS", help="Mass of a part [kg]; with --pitch: how many kg an hour?",
+        "--mass", metavar="MASS", help="Mass of a part [kg]; with --pitch, to print kg per hour.",
         show_default=False,
     ),
 ]  # fmt: skip
@@ -72,7 +72,7 @@ _NEEDS_LENGTH: Final = dict.fromkeys(("trough_length_mm", "traverse_time_s", "st
 
 
 def part_of(pitch: str | None, mass: str | None) -> dict[str, float]:
-    """Read the pitch of parts in a row and the mass of one, by their names with units; what is given."""
+    """Read the pitch of parts in a row and the mass of one, if given, by their names with units."""
     from vibro.quantities import MASS, PITCH, checked_number
 
     if mass is not None and pitch is None:
@@ -107,9 +107,9 @@ def table_of(
     Parameters
     ----------
     usual : sequence of Column
-        What it holds where nothing is asked for.
+        Its columns by default.
     columns : str or None
-        The names asked for, as typed.
+        The names of columns, as typed.
     digits : str or None
         Significant digits, as typed; None for exact numbers.
     needed : mapping of str to str

@@ -115,7 +115,7 @@ def _ends(curves: list[NDArray[np.float32]], most: float | None) -> tuple[float,
 
 
 def _single(name: str, values: NDArray[np.float64], unit: str) -> NDArray[np.float32]:
-    """Round to single precision, in which the page draws; nothing is drawn at another place than its own."""
+    """Round to single precision, in which the page draws; no point moves visibly."""
     beyond = np.abs(values) > _LARGEST
     if beyond.any():
         told = f"{name} = {values[beyond][0]:.3g} {unit}".rstrip()
