@@ -113,7 +113,7 @@ def test_what_is_unknown_is_said(run: Run, args: str, told: str) -> None:
         (("--filling", "2m"), "error: filling = '2m': 'm' is no unit of filling"),
         (("--filling", "-1kg"), "error: filling = -1kg: must be finite and >= 0 kg"),
         (("--filling", "2kg", "--trough-mass", "0"), "error: trough mass = 0: must be finite and > 0 kg"),
-        (("--filling", "2kg", "--speed", "10"), "error: --speed lists amplitudes: --filling means nothing"),
+        (("--filling", "2kg", "--speed", "10"), "error: --speed lists amplitudes: --filling cannot be used"),
     ],
 )
 def test_what_makes_no_sense_is_refused(run: Run, args: tuple[str, ...], message: str) -> None:

@@ -104,7 +104,7 @@ class MotionReport:
             return "never: the trough moves along itself alone"
         sizes = ", ".join(described(*pair) for pair in amplitudes.items())
         at = f"{_told(*growth)} times today's amplitude ({sizes})"
-        return f"already; below {at} they do not" if throw.value > 1.0 else f"from {at} on"
+        return f"already; not below {at}" if throw.value > 1.0 else f"from {at} on"
 
     def _options(self) -> str:
         """Return the options with which ``vibro solve`` takes the motion, or where else it takes it from."""
