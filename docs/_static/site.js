@@ -1,6 +1,6 @@
 // What axe finds on the theme's pages: parts without a name, and what scrolls and cannot be reached by keys.
 "use strict";
-const SCROLLED = { pre: "code", ".table-wrapper": "table", "div.math": "formula" };
+const SCROLLED = { pre: "code", ".table-wrapper": "table", ".output_html": "table", "div.math": "formula" };
 
 function reach() {
   for (const [part, name] of Object.entries(SCROLLED)) {
