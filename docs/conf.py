@@ -27,7 +27,6 @@ extensions = [
     "reference",
 ]
 exclude_patterns = ["ext", "images", "_made", "_static", "_templates"]
-suppress_warnings = ["toc.empty_glob"]
 nitpicky = True
 nitpick_ignore = [("py:obj", "axes"), ("py:obj", "fixed")]  # of sweeps, described where they are listed
 
@@ -38,7 +37,6 @@ myst_dmath_double_inline = True
 
 autosummary_generate = False  # a page has several names
 autodoc_typehints = "none"  # the sections of a docstring have types, in the reader's words
-autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 toc_object_entries_show_parents = "hide"

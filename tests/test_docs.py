@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from helpers.key_tables import PAGES as KEY_PAGES
 from helpers.key_tables import page_with as page_with_keys
-from helpers.nomenclature import HEADER, PLAIN_HEADER, REFERENCE, page_with, tables
 from helpers.nomenclature import PAGES as REFERENCE_PAGES
+from helpers.nomenclature import REFERENCE, page_with
 from PIL import Image
 
 import vibro
@@ -38,7 +38,7 @@ from vibro.sweeps.whole import Sweep
 ROOT = Path(__file__).parent.parent
 CHAPTERS = sorted((ROOT / "docs" / "theory").glob("[0-9]*.md"))
 THEORY = "\n".join(path.read_text(encoding="utf-8") for path in CHAPTERS)
-NAMED = [(REFERENCE / name).read_text(encoding="utf-8") for name in ("columns.md", "symbols.md")]
+COLUMNS, SYMBOLS = ((REFERENCE / name).read_text(encoding="utf-8") for name in ("columns.md", "symbols.md"))
 MODULES = sorted((ROOT / "src" / "vibro").rglob("*.py"))
 
 # "Eq. (7)", "Eqs. (4) and (5)", "Eqs. (3)-(6)"; a citation may continue on the next line of a comment
@@ -56,14 +56,17 @@ def cited(text: str) -> set[int]:
     return numbers
 
 
-def rows() -> list[tuple[str, ...]]:
-    """Cells of every table of columns and symbols that names code: not of designs and fillings."""
-    found = []
-    page = re.sub(r"## (Designs|A filling)\n.*?(?=\n##? )", "", "\n".join(NAMED), flags=re.DOTALL)
-    for line in page.splitlines():
-        if line.startswith("|") and line not in (HEADER, PLAIN_HEADER) and not line.startswith("|---"):
-            found.append(tuple(cell.strip() for cell in line.strip("|").split("|")))
-    return found
+def rows(page: str) -> list[list[str]]:
+    """Cells of every table of a page that names code: not of designs and fillings, nor of others' words."""
+    text = re.sub(r"## (Designs|A filling|What others).*?(?=\n## |\Z)", "", page, flags=re.DOTALL)
+    lines = [line for line in text.splitlines() if line.startswith(("| `", "| $", "| -"))]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def listed() -> list[str]:
+    """Names of columns and of code that the reference lists; those of code have a dot."""
+    cells = [row[0] for row in rows(COLUMNS)] + [row[1] for row in rows(SYMBOLS)]
+    return [name for cell in cells for name in re.findall(r"`([^`]+)`", cell)]
 
 
 def resolve(name: str) -> None:
@@ -118,11 +121,11 @@ def test_the_examples_of_public_names_run(example: Any, monkeypatch: pytest.Monk
 
 
 def test_every_code_name_exists_and_is_listed_once() -> None:
-    names = [row[1] for row in rows() if row[1] != "-"]
+    names = [name for name in listed() if "." in name]
     assert len(names) > 40
     assert len(set(names)) == len(names)
     for name in names:
-        resolve(name.strip("`"))
+        resolve(name)
 
 
 def test_a_code_name_that_does_not_exist_is_noticed() -> None:
@@ -132,11 +135,11 @@ def test_a_code_name_that_does_not_exist_is_noticed() -> None:
 
 
 def test_columns_are_those_of_the_tables() -> None:
-    listed = [row[3].strip("`") for row in rows() if row[3] != "-"]
-    assert len(set(listed)) == len(listed)
+    names = [name for name in listed() if "." not in name]
+    assert len(set(names)) == len(names)
     extra = (WITH_LENGTH, WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_ARRIVAL, WITH_STROKES)
     every = columns_of(QUANTITIES, *extra, *throughput(25.0, 0.1), *standing(1.0), machine=True)
-    assert {column.name for column in every} <= set(listed)
+    assert {column.name for column in every} <= set(names)
 
 
 @pytest.mark.parametrize("name", REFERENCE_PAGES)
@@ -146,8 +149,7 @@ def test_tables_of_the_reference_are_what_the_code_says(name: str) -> None:
 
 
 def test_all_fields_of_scenes_and_results_are_listed() -> None:
-    listed = tables("columns.md")
-    assert {f"| `Scene.{name}` |" in listed for name in vibro.Scene.__dataclass_fields__} == {True}
+    assert {f"Scene.{name}" in listed() for name in vibro.Scene.__dataclass_fields__} == {True}
     described = {result.name for result in RESULTS}
     assert described | {"long_patterns"} == {field.name for field in fields(vibro.SteadyCycle)}
 
@@ -158,9 +160,10 @@ def test_tables_of_keys_are_those_that_files_may_hold(name: str) -> None:
     assert page_with_keys(name) == page, "python tests/helpers/key_tables.py writes them"
 
 
-def test_every_quantity_of_the_nomenclature_is_explained() -> None:
-    for symbol, name, unit, column, meaning, *_ in rows():
-        assert all((symbol, name, unit, column, meaning)), name
+def test_every_quantity_of_the_reference_is_explained() -> None:
+    for row in (*rows(COLUMNS), *rows(SYMBOLS)):
+        assert len(row) == 4
+        assert all(row), row
 
 
 def test_the_rule_of_thumb_stands_beside_what_is_computed() -> None:

@@ -36,6 +36,7 @@ Every cell has one. [Chapter 7 of the theory](../theory/07-special-cases.md) say
 EXIT_CODES = """\
 How a run ended. 1 is a file that is missing, or exists already, or a full disk. `vibro explore` ends with 0:
 Ctrl-C is its end."""
+OTHERS = "Bold symbols stand for something else here: German practice (VDI 2333) swaps letters."
 FILLING = """\
 What `vibro solve --filling` adds, where the trough moves as the scene says (theory, section 18). Three
 columns `given_motion_..._percent` say up to what filling, over the trough's mass, that holds within 1 % of
@@ -56,10 +57,9 @@ ELSEWHERE = (
     UPRIGHT,
     TIPPING_LOAD_RATIO,
 )
-"""Results that are no attributes of ``SteadyCycle``, each described by its name in capitals."""
-PLAIN_HEADER = "| symbol | code name | unit | CSV column | meaning |"
-HEADER = f"{PLAIN_HEADER} elsewhere |"
-MOTION = "| - | `Scene.motion` | - | - | any periodic motion: harmonics, steps or samples, a `Motion` |  |"
+"""Results that are no attributes of ``SteadyCycle``."""
+HEADER = "| column, name in Python | symbol | SI unit | meaning |"
+MOTION = "| `Scene.motion` | - | - | any periodic motion: harmonics, steps or samples, a `Motion` |"
 """The field of a scene that is no quantity."""
 SYNONYMS = {
     "amplitude_mm": "$r$, $X_0$, $e$ (eccentricity); half of *Schwingweite* or *Hub*",
@@ -90,8 +90,8 @@ SYNONYMS = {
 
 def _row(symbol: str, name: str, unit: str, column: str, meaning: str) -> str:
     shown = f"${symbol}$" if symbol else "-"
-    other = SYNONYMS.get(column, "")
-    return f"| {shown} | {f'`{name}`' if name else '-'} | {unit or '1'} | `{column}` | {meaning} | {other} |"
+    names = f"`{column}`<br>`{name}`" if name else f"`{column}`"
+    return f"| {names} | {shown} | {unit or '1'} | {meaning} |"
 
 
 def _units() -> list[str]:
@@ -110,7 +110,7 @@ def _units() -> list[str]:
 def _result(result: Result) -> str:
     name = f"SteadyCycle.{result.name}"
     if result in ELSEWHERE:
-        name = f"results.steady.{result.name.upper()}"
+        name = ""
     elif result in (*MACHINE_RESULTS, BENT_SPEED):
         name = f"OperatingPoints.{result.name}"
     unit = result.kind.si_unit if result.dtype is float or result.is_number else "code"
@@ -138,13 +138,15 @@ def _columns() -> list[list[str]]:
     results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS, BENT_SPEED)]
     designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
     weighed = [f"| `{r.column}` | {r.kind.unit or '1'} | {r.meaning} |" for r in WEIGHED]
-    head = [HEADER, "|---|---|---|---|---|---|"]
+    head = [HEADER, "|---|---|---|---|"]
+    others = [f"| `{column}` | {words} |" for column, words in SYNONYMS.items()]
     plain = ["| CSV column | unit | meaning |", "|---|---|---|"]
     return [
         ["## Inputs", "", *head, *inputs],
         ["## Results", "", *head, *results],
         ["## Designs", "", *plain, *designs],
         ["## A filling", "", FILLING, "", *plain, *weighed],
+        ["## What others call it", "", OTHERS, "", "| column | elsewhere |", "|---|---|", *others],
     ]
 
 
@@ -177,5 +179,5 @@ PAGES = ("columns.md", "statuses.md", "units.md")
 
 
 if __name__ == "__main__":
-    for name in PAGES:
-        (REFERENCE / name).write_text(page_with(name), encoding="utf-8")
+    for page in PAGES:
+        (REFERENCE / page).write_text(page_with(page), encoding="utf-8")

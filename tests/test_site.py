@@ -1,0 +1,183 @@
+"""The site of docs: its links, what it loads, what it lists, and how it is seen.
+
+VIBRO_SITE is the path of a site that is built already; without it the site is built here, where Sphinx is
+installed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote, urlsplit
+
+import pytest
+from filelock import FileLock
+from helpers.browsers import axe, browser
+
+import vibro
+from vibro.cli.app import app
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+__all__ = ["axe", "browser"]
+pytestmark = pytest.mark.timeout(900)  # the build runs all commands of the pages
+
+DOCS = Path(__file__).parents[1] / "docs"
+LOADED = {"img": "src", "script": "src", "link": "href", "source": "src", "iframe": "src", "object": "data"}
+WIDTHS = (1200, 390)  # px: a desktop, a phone
+SEEN = (
+    "index.html", "tasks/*.html", "guide/files.html", "reference/columns.html", "reference/api/solve.html",
+    "reference/commands/map.html", "theory/05-steady-cycle.html", "gallery/plot_*.html", "search.html",
+)  # fmt: skip
+
+
+class Page(HTMLParser):
+    """Links, loaded files and anchors of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.loaded: list[str] = []
+        self.anchors: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        told = dict(attributes)
+        self.anchors += [told["id"] or ""] if "id" in told else []
+        if tag == "a" and told.get("href"):
+            self.links.append(told["href"] or "")
+        if told.get(LOADED.get(tag, "")):
+            self.loaded.append(told[LOADED[tag]] or "")
+
+
+def lost_links(folder: Path, pages: dict[Path, Page]) -> list[str]:
+    """List links within the site, and files that it loads, that are not there."""
+    lost = []
+    for path, page in pages.items():
+        for link in (*page.links, *page.loaded):
+            at = urlsplit(link)
+            if at.scheme in ("http", "https", "data"):
+                continue
+            target = (path.parent / unquote(at.path)).resolve() if at.path else path
+            if not target.is_file() or (at.fragment and unquote(at.fragment) not in pages[target].anchors):
+                lost.append(f"{path.relative_to(folder)}: {link}")
+    return lost
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of the built site."""
+    if folder := os.environ.get("VIBRO_SITE"):
+        return Path(folder).resolve()
+    for module in ("sphinx", "furo", "myst_parser", "numpydoc", "sphinx_gallery"):
+        pytest.importorskip(module, reason="the extra docs is not installed")
+    base = tmp_path_factory.getbasetemp()
+    built = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "site"
+    with FileLock(f"{built}.lock"):
+        if not (built / "index.html").exists():
+            subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", DOCS, built], check=True)
+    return built
+
+
+@pytest.fixture(scope="module")
+def pages(site: Path) -> dict[Path, Page]:
+    """Read all pages."""
+    return {path: Page(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
+
+
+def test_links_and_anchors_lead_somewhere(site: Path, pages: dict[Path, Page]) -> None:
+    assert len(pages) > 50
+    assert lost_links(site, pages) == []
+
+
+def test_a_lost_link_is_noticed(tmp_path: Path) -> None:
+    home, other = tmp_path / "index.html", tmp_path / "other.html"
+    links = '<a href="other.html#there"><a href="other.html#gone"><img src="none.png">'
+    home.write_text(links, encoding="utf-8")
+    other.write_text('<p id="there">', encoding="utf-8")
+    pages = {path: Page(path.read_text(encoding="utf-8")) for path in (home, other)}
+    assert lost_links(tmp_path, pages) == ["index.html: other.html#gone", "index.html: none.png"]
+
+
+def test_pages_load_nothing_from_other_hosts(site: Path, pages: dict[Path, Page]) -> None:
+    assert {link for page in pages.values() for link in page.loaded if urlsplit(link).netloc} == set()
+    styles = "".join(path.read_text(encoding="utf-8") for path in site.rglob("*.css"))
+    assert re.findall(r"(?:url\(|@import)\s*['\"]?(?:https?:)?//", styles) == []
+    theory = pages[site / "theory" / "04-slide.html"]
+    assert [link for link in theory.loaded if "tex-svg.js" in link]
+
+
+def test_every_public_name_is_described_once(site: Path, pages: dict[Path, Page]) -> None:
+    api = [page for path, page in pages.items() if path.parent.name == "api"]
+    described = [anchor for page in api for anchor in page.anchors]
+    assert {name: described.count(f"vibro.{name}") for name in vibro.__all__} == dict.fromkeys(
+        vibro.__all__, 1
+    )
+    private = [anchor for anchor in described if re.search(r"vibro\..*\b_", anchor)]
+    assert private == []
+
+
+def test_every_command_is_described_with_all_its_options(site: Path) -> None:
+    from typer.main import get_command
+
+    main: Any = get_command(app)
+    for name, command in main.commands.items():
+        page = (site / "reference" / "commands" / f"{name}.html").read_text(encoding="utf-8")
+        described = set(re.findall(r'class="pre">(--?[\w-]+)<', page))
+        options = {option for parameter in command.params for option in parameter.opts if option[0] == "-"}
+        assert options <= described, name
+
+
+def test_every_equation_has_an_anchor_and_docstrings_lead_to_it(site: Path, pages: dict[Path, Page]) -> None:
+    for source in (DOCS / "theory").glob("[0-9]*.md"):
+        numbers = re.findall(r"\\tag\{(\d+)\}", source.read_text(encoding="utf-8"))
+        anchors = pages[site / "theory" / f"{source.stem}.html"].anchors
+        assert {f"eq-{number}" for number in numbers} <= set(anchors), source.name
+    links = pages[site / "reference" / "api" / "machines.html"].links
+    assert "../../theory/19-machines.html#eq-85" in links
+
+
+def test_schemas_can_be_taken_along(site: Path, pages: dict[Path, Page]) -> None:
+    for kind in ("scene", "design"):
+        links = pages[site / "reference" / f"{kind}-files.html"].links
+        assert [link for link in links if link.endswith(f"vibro-{kind}.schema.json")]
+
+
+@pytest.mark.parametrize("name", SEEN)
+def test_pages_are_accessible_and_as_wide_as_the_window(
+    name: str, site: Path, browser: Browser, axe: str
+) -> None:
+    path = next(path for path in sorted(site.glob(name)) if "*" not in name or path.stem != "index")
+    asked: list[str] = []
+    for width in WIDTHS:
+        for scheme in ("light", "dark"):
+            context = browser.new_context(
+                viewport={"width": width, "height": 844},
+                color_scheme="dark" if scheme == "dark" else "light",
+            )
+            page = context.new_page()
+            page.on("request", lambda request: asked.append(request.url))
+            page.goto(path.as_uri())
+            page.wait_for_load_state("load")
+            page.evaluate("window.MathJax?.startup?.promise")
+            page.evaluate(axe)
+            found = page.evaluate("axe.run()")["violations"]
+            assert [(one["id"], one["nodes"][0]["html"]) for one in found] == [], (width, scheme)
+            root = "document.documentElement"
+            assert page.evaluate(f"{root}.scrollWidth <= {root}.clientWidth"), (width, scheme)
+            context.close()
+    assert {urlsplit(url).scheme for url in asked} <= {"file", "data"}
+
+
+def test_the_search_finds_a_word(site: Path, browser: Browser) -> None:
+    page = browser.new_page()
+    page.goto(f"{(site / 'search.html').as_uri()}?q=traverse")
+    page.wait_for_selector("#search-results li a")
+    assert page.get_by_role("link", name="vibro traverse-time").count() >= 1
+    page.close()
