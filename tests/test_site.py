@@ -12,7 +12,7 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 from urllib.parse import unquote, urlsplit
 
 import pytest
@@ -31,6 +31,7 @@ pytestmark = pytest.mark.timeout(900)  # the build runs all commands of the page
 DOCS = Path(__file__).parents[1] / "docs"
 LOADED = {"img": "src", "script": "src", "link": "href", "source": "src", "iframe": "src", "object": "data"}
 WIDTHS = (1200, 390)  # px: a desktop, a phone
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 SEEN = (
     "index.html", "tasks/*.html", "guide/files.html", "reference/columns.html", "reference/api/solve.html",
     "reference/commands/map.html", "theory/05-steady-cycle.html", "gallery/plot_*.html", "search.html",
@@ -155,23 +156,20 @@ def test_pages_are_accessible_and_as_wide_as_the_window(
 ) -> None:
     path = next(path for path in sorted(site.glob(name)) if "*" not in name or path.stem != "index")
     asked: list[str] = []
+    page = browser.new_page()
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(path.as_uri())
+    page.evaluate("window.MathJax?.startup?.promise")
+    page.evaluate(axe)
+    root = "document.documentElement"
     for width in WIDTHS:
-        for scheme in ("light", "dark"):
-            context = browser.new_context(
-                viewport={"width": width, "height": 844},
-                color_scheme="dark" if scheme == "dark" else "light",
-            )
-            page = context.new_page()
-            page.on("request", lambda request: asked.append(request.url))
-            page.goto(path.as_uri())
-            page.wait_for_load_state("load")
-            page.evaluate("window.MathJax?.startup?.promise")
-            page.evaluate(axe)
+        page.set_viewport_size({"width": width, "height": 844})
+        assert page.evaluate(f"{root}.scrollWidth <= {root}.clientWidth"), width
+        for scheme in SCHEMES:
+            page.emulate_media(color_scheme=scheme)
             found = page.evaluate("axe.run()")["violations"]
             assert [(one["id"], one["nodes"][0]["html"]) for one in found] == [], (width, scheme)
-            root = "document.documentElement"
-            assert page.evaluate(f"{root}.scrollWidth <= {root}.clientWidth"), (width, scheme)
-            context.close()
+    page.close()
     assert {urlsplit(url).scheme for url in asked} <= {"file", "data"}
 
 
