@@ -3,9 +3,9 @@ Regimes
 =======
 
 What a part does over amplitude and frequency: it rests, slides forward only, slides forward and back, or
-hops. Every line is a critical load of the drive. In continuous sliding the part never rests. The
-circle is the operating point of the scene file, so its distance from the next line is the margin: here
-the part stays in forward slip up to 1.19 mm. The command writes ``out/nut-regime.png``.
+hops. Every line is a critical load of the drive. Beyond continuous sliding it never rests. The circle is
+the operating point of the scene file, so its distance from the next line is the margin: here the part
+stays in forward slip up to 1.19 mm. The command writes ``out/nut-regime.png``.
 
 .. code-block:: bash
 
