@@ -162,7 +162,7 @@ _FAULTS: Final = {
     ("inverse/extremes.py", "inverse/test_extremes.py"): [("+ side * _ERRORS * error", "+ _ERRORS * error")],
     ("explore/levels.py", "explore/test_levels.py"): [("math.expm1(0.5 * np.diff", "math.expm1(np.diff")],
     ("explore/bands.py", "explore/test_maps.py"): [("max(static[0], second[0])", "static[0]")],
-    ("explore/histories.py", "explore/test_answers.py"): [
+    ("explore/packed_histories.py", "explore/test_answers.py"): [
         ("max(low, -most), min(high, most)", "max(low, -most), high"),
     ],
     ("explore/packing.py", "explore/test_answers.py"): [
