@@ -272,7 +272,7 @@ BAD: list[tuple[dict[str, Any], str, str]] = [
     # the catalogue
     ({"scene__static_friction": "steel on steel, dry"}, "static_friction = 'steel on steel, dry': 4", "Lust"),
     ({"scene__static_friction": "steel on nylon"}, "= 'steel on nylon': no such pair", "'steel on steel'"),
-    ({"scene__static_friction": "polyamide on steel"}, "has no static friction of it", ""),
+    ({"scene__static_friction": "polyamide on steel"}, "has no static friction for it", ""),
     (
         {"scene__static_friction": "brass on steel", "scene__friction_ratio": None},
         "[scene] static_friction = 'brass on steel': the catalogue has no kinetic friction of it",
