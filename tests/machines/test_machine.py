@@ -314,7 +314,12 @@ _ON_MOUNT = {"counter_mass": math.inf, "base_stiffness": 1e4}
         ("magnet", {"natural_frequency": None}, "natural_frequency: missing", "ring down"),
         ("exciter", {"damping_ratio": None}, "damping_ratio: missing", "0.11 / n"),
         ("magnet", {"force": None}, "force = None and calibration = None", "vibro.Calibration("),
-        ("magnet", {"calibration": Calibration(1e-3, 50.0)}, "must be one or the other", "vibro.Calibration("),
+        (
+            "magnet",
+            {"calibration": Calibration(1e-3, 50.0)},
+            "must be one or the other",
+            "vibro.Calibration(",
+        ),
         ("magnet", {"force": None, "calibration": 1e-3}, "calibration = 0.001: must be a vibro.Cal", ""),
         ("magnet", {"counter_mass": 0.0}, "counter_mass = 0 kg: must be > 0 kg", ""),
         ("magnet", {"damping_ratio": 1.5}, "damping_ratio = 1.5: must be in [0, 1)", "0.015"),
