@@ -52,7 +52,7 @@ def test_a_sweep_that_is_there_is_kept(run: Run) -> None:
     hint = "--resume goes on with it, --force starts anew"
     check_refused(run, asked, "out holds a sweep that is not finished", hint)
     MANIFEST.write_text(MANIFEST.read_text(encoding="utf-8").replace("9.81", "9.82"), encoding="utf-8")
-    hint = "put back what was there, or start anew with --force"
+    hint = "restore the file, or start anew with --force"
     problem = f"{MANIFEST} is damaged, or was changed after it was written"
     check_refused(run, (*asked, "--resume"), problem, hint)
     assert run(*asked, "--force").exit_code == 0

@@ -105,7 +105,7 @@ def test_json_is_what_there_is(run: Run) -> None:
         (["--decimal-comma"], "--decimal-comma is about CSV",
          "leave out --decimal-comma, or --table parquet"),
         (["--workers", "2", "--scheduler", "tcp://a:1"],
-         "--workers and --scheduler are both given: either makes all shards",
+         "--workers and --scheduler are both given",
          "leave one of them out"),
         (["--resume", "--force"],
          "--resume and --force are both given: one continues the sweep, the other starts anew",

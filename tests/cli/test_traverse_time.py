@@ -268,7 +268,7 @@ def test_which_way_an_uncertain_mean_goes_is_left_open(run: Run, monkeypatch: py
         )
 
     for error, answer in (
-        (0.5, "unknown: the standard error"),
+        (0.5, "unknown: within the standard error"),
         (0.1, "never: the body is conveyed backwards"),
     ):
         monkeypatch.setattr("vibro.sweeps.grid.solve", partial(backwards, error=error))

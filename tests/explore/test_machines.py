@@ -107,7 +107,7 @@ def test_texts_say_all_of_a_state(feeder: State) -> None:
         ({"natural_hz": "stiff"}, "natural_hz", "not a number"),
         ({"x": "setting_percent", "x_range": "0:100"}, "x_range", "must be finite and > 0 %"),
         ({"x": "amplitude_mm"}, "x", "no axis of this drive"),
-        ({"static_friction_band": "0.3:0.4"}, "static_friction_band", "beside a filling"),
+        ({"static_friction_band": "0.3:0.4"}, "static_friction_band", "with a filling"),
         ({"drive": "ellipse", "static_friction_band": "0.3:0.4"}, "static_friction_band", "a line alone"),
     ],
 )

@@ -263,7 +263,7 @@ def test_where_no_speed_is_proved_the_operating_point_is_searched(open_page: Ope
     expect(told).to_have_text(bounds)
     expect(page.locator("#stage")).to_contain_text("not proved here")
     expect(page.locator("#notes")).to_contain_text("Largest that is proved here: ")
-    expect(page.locator("#notes")).to_contain_text("move the operating point there, and its speeds")
+    expect(page.locator("#notes")).to_contain_text("move the operating point there to search")
     expect(page.locator("body")).not_to_contain_text(re.compile(r"vibro\.[a-z]"))  # no name of Python
     searches = asked(page, "guarantee")
     enter(page, FREQUENCY, "13")

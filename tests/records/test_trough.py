@@ -264,7 +264,8 @@ def test_the_bodys_own_frequency_is_told_beside_the_troughs() -> None:
     off = Observation(observed.time, observed.signals, 20.0, observed.clock)
     warnings = compare(nut(frequency=20.0), off).warnings
     assert any(
-        "signals repeat at 15 Hz, the trough at 20 Hz: are both of one run" in text for text in warnings
+        "signals repeat at 15 Hz, the trough at 20 Hz: are both from the same run" in text
+        for text in warnings
     )
 
 

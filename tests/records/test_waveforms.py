@@ -300,7 +300,7 @@ def test_sensors_and_drive_angle_must_fit() -> None:
     with pytest.raises(InputError, match="two sensors measure the drive angle, which is given too"):
         motion_of(record, drive_angle=0.3)
     one = trough_record(noise=0.1, columns=("trough_along",))
-    with pytest.raises(InputError, match="alone does not tell the motion normal to the trough") as caught:
+    with pytest.raises(InputError, match="alone does not measure the motion normal to the trough") as caught:
         motion_of(one)
     assert "name trough_normal= too" in caught.value.hint
     assert "drive_angle=math.radians(20)" in caught.value.hint
@@ -308,7 +308,7 @@ def test_sensors_and_drive_angle_must_fit() -> None:
         with pytest.raises(InputError, match=r"drive_angle = .* deg: must be in \[0, 90\) deg"):
             motion_of(one, drive_angle=angle)
     upright = trough_record(noise=0.1, columns=("trough_normal",))
-    with pytest.raises(InputError, match="alone does not tell the motion along it") as caught:
+    with pytest.raises(InputError, match="alone does not measure the motion along it") as caught:
         motion_of(upright)
     with pytest.raises(
         InputError, match="cannot measure a motion along the trough, at a drive angle of 0 deg"
