@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.cases import each
-from helpers.questions import FEEDER, GOOD, PLACES, changed
+from helpers.questions import FEEDER, GOOD, changed
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -152,8 +152,8 @@ def test_a_ratio_of_ones_own_replaces_the_kinetic_friction_of_the_catalogue() ->
 BAND = 'must be a finite number or a band "lo:hi"'
 BAD: list[tuple[dict[str, Any], str, str]] = [
     # what is no band
-    ({"scene__static_friction": "0.3,0.5"}, f"[scene] static_friction = '0.3,0.5': {BAND}", "no such list"),
-    ({"scene__static_friction": [0.3, 0.5]}, f"[scene] static_friction = [0.3, 0.5]: {BAND}", "no such list"),
+    ({"scene__static_friction": "0.3,0.5"}, f"[scene] static_friction = '0.3,0.5': {BAND}", "no list"),
+    ({"scene__static_friction": [0.3, 0.5]}, f"[scene] static_friction = [0.3, 0.5]: {BAND}", "no list"),
     ({"scene__friction_ratio": "0.3:0.5:7"}, f"friction_ratio = '0.3:0.5:7': {BAND}", "or count"),
     ({"scene__friction_ratio": "0.3:0.5:step=0.1"}, BAND, "count"),
     ({"scene__friction_ratio": "0.3:0.5:log"}, BAND, "count"),
@@ -183,7 +183,7 @@ BAD: list[tuple[dict[str, Any], str, str]] = [
     ({"drive__amplitude_mm": 0}, "[[drive]] amplitude_mm = 0: must be finite and > 0 mm", ""),
     ({"drive__amplitude_mm": "-1:1"}, "amplitude_mm = '-1:1': must be finite and > 0 mm", ""),
     ({"drive__amplitude_mm": "0:0"}, "amplitude_mm = '0:0': must be finite and > 0 mm", ""),
-    ({"drive__amplitude_mm": [0.1, 0.8]}, 'the largest, or a range "lo:hi"', "no such list"),
+    ({"drive__amplitude_mm": [0.1, 0.8]}, 'the largest, or a range "lo:hi"', "no list"),
     ({"drive__amplitude_mm": "100:800um"}, "amplitude_mm = '100:800um': must be lo:hi", "an end is in mm"),
     ({"drive__frequency_hz": "15:25:5"}, "frequency_hz = '15:25:5': must be a finite number, a", "count"),
     ({"drive__frequency_hz": []}, "frequency_hz = []: must be a finite number, a list, or a range", ""),
@@ -272,7 +272,7 @@ BAD: list[tuple[dict[str, Any], str, str]] = [
     # the catalogue
     ({"scene__static_friction": "steel on steel, dry"}, "static_friction = 'steel on steel, dry': 4", "Lust"),
     ({"scene__static_friction": "steel on nylon"}, "= 'steel on nylon': no such pair", "'steel on steel'"),
-    ({"scene__static_friction": "polyamide on steel"}, "has no static friction of it", ""),
+    ({"scene__static_friction": "polyamide on steel"}, "has no static friction for it", ""),
     (
         {"scene__static_friction": "brass on steel", "scene__friction_ratio": None},
         "[scene] static_friction = 'brass on steel': the catalogue has no kinetic friction of it",
@@ -379,14 +379,11 @@ def test_numbers_are_read_to_the_last_digit(
     assert [low for low, _ in spec.drives[0].frequency] == frequencies
 
 
-def test_the_docs_show_a_question_and_list_every_key(tmp_path: Path) -> None:
+def test_the_docs_show_a_question(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "guide" / "design.md").read_text(encoding="utf-8")
     path = tmp_path / "feeder.toml"
     path.write_text(page.split("```toml\n")[1].split("```")[0], encoding="utf-8")
     assert [drive.name for drive in read_spec(path).drives] == ["magnet", "motor"]
-    table = page[page.index("| table | key |") :]
-    for _, key in PLACES:
-        assert f"`{key}`" in table
 
 
 @each(
