@@ -164,6 +164,7 @@ def test_pages_are_accessible_and_as_wide_as_the_window(
     root = "document.documentElement"
     for width in WIDTHS:
         page.set_viewport_size({"width": width, "height": 844})
+        page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
         assert page.evaluate(f"{root}.scrollWidth <= {root}.clientWidth"), width
         for scheme in SCHEMES:
             page.emulate_media(color_scheme=scheme)
