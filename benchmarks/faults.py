@@ -4,7 +4,7 @@ Usage: python benchmarks/faults.py [CLASS ...] [--tries N] [--seed 1] [--cells 1
 
 Prints how many tries of each class fail, and how; exits with 1 if one does. Without a class all run but
 ``resume`` and ``memory``, which take minutes, and GB of disk with --cells 1e8. Needs Linux; what a system
-lacks is skipped by name. What is promised is in docs/guide/files.md; ``check`` of fault_runs.py expects it.
+lacks is skipped by name. docs/reference/written-files.md has what ``check`` of fault_runs.py expects.
 
 steps       a fault at each call that changes files; then the next run
 kills       SIGKILL at random moments; then the next run

@@ -17,7 +17,8 @@ from vibro.cli.app import app
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SCENES = sorted(path.name for path in EXAMPLES.glob("*.toml") if not path.name.startswith("design"))
-README = (EXAMPLES.parent / "README.md").read_text(encoding="utf-8")
+PAGES = ("README.md", "docs/guide/tour.md")
+TOUR = "".join((EXAMPLES.parent / page).read_text(encoding="utf-8") for page in PAGES)
 
 
 def run(*args: object) -> Result:
@@ -39,8 +40,8 @@ def test_what_people_copy_uses_public_names_alone(name: str) -> None:
     assert read <= set(vibro.__all__)
 
 
-# What the README maps is run with its tour (.ci/run).
-@pytest.mark.parametrize("name", [name for name in SCENES if f"map examples/{name}" not in README])
+# What README and the tour map is run by .ci/run.
+@pytest.mark.parametrize("name", [name for name in SCENES if f"map examples/{name}" not in TOUR])
 def test_a_map_of_every_scene(name: str, tmp_path: Path) -> None:
     result = run("map", EXAMPLES / name, "-o", f"{tmp_path}/")
     assert result.exit_code == 0, result.stderr
@@ -113,9 +114,9 @@ def closest(*options: object) -> str:
     return result.stdout.split("\n\n")[1]
 
 
-def test_the_feeder_cannot_and_the_readme_says_how_far_it_gets() -> None:
+def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets() -> None:
     said = closest()
-    (shown,) = re.findall(r"```text\n(largest guaranteed.*?)```", README, flags=re.DOTALL)
+    (shown,) = re.findall(r"```text\n(largest guaranteed.*?)```", TOUR, flags=re.DOTALL)
     number = r"\d+\.\d+"
     assert re.sub(number, "#", " ".join(said.split())) == re.sub(number, "#", " ".join(shown.split()))
     given, printed, found = (
