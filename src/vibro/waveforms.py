@@ -144,9 +144,11 @@ class Motion:
         SceneError
             If they are not such samples.
 
-        Notes ----- Accelerations are interpolated by a periodic cubic spline. Displacements are fitted by up
-        to 16 harmonics: those that are significant against the noise, which is estimated from the harmonics
-        above 16 (available from 49 samples on). For an acceleration that jumps use ``Motion.steps``, which is
+        Notes
+        -----
+        Accelerations are interpolated by a periodic cubic spline. Displacements are fitted by up to 16
+        harmonics: those that are significant against the noise, which is estimated from the harmonics above
+        16 (available from 49 samples on). For an acceleration that jumps use ``Motion.steps``, which is
         exact.
 
         Errors of the acceleration, root mean square over the largest one, with 128 samples a period
