@@ -120,6 +120,8 @@ def test_every_public_name_is_described_once(site: Path, pages: dict[Path, Page]
     assert {name: described.count(f"vibro.{name}") for name in vibro.__all__} == dict.fromkeys(
         vibro.__all__, 1
     )
+    texts = [path.read_text(encoding="utf-8") for path in pages if path.parent.name == "api"]
+    assert not [text for text in texts if re.search(r"\w -{4,}", text)]  # a title of a section that is none
     private = [anchor for anchor in described if re.search(r"vibro\..*\b_", anchor)]
     assert private == []
 

@@ -304,12 +304,13 @@ def operate(
         If an angle, a friction or a restitution is out of its range. Kinetic above static friction is no
         error but gives the status ``INFEASIBLE``.
 
-    Notes ----- Eqs. (89) to (92). All operating points lie between two proved bounds. Between these about 30
-    amplitudes are searched, with more of them where slides begin: a pair of operating points that differ by
-    less than 3 % may be missed. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py).
-    Because only the first harmonic of the force is fed back, a simulation of trough and body together has
-    amplitudes from 1 % less to 5 % more, for fillings of up to half of the trough's mass
-    (benchmarks/filling.py).
+    Notes
+    -----
+    Eqs. (89) to (92). All operating points lie between two proved bounds. Between these about 30 amplitudes
+    are searched, with more of them where slides begin: a pair of operating points that differ by less than
+    3 % may be missed. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py). Because
+    only the first harmonic of the force is fed back, a simulation of trough and body together has amplitudes
+    from 1 % less to 5 % more, for fillings of up to half of the trough's mass (benchmarks/filling.py).
 
     Examples
     --------

@@ -49,12 +49,14 @@ def attractors(scene: Scene) -> Attractors:
     SceneError, VibroError
         If the scene is more than one operating point, or its motion cannot be simulated.
 
-    Notes ----- The search is that of ``solve(scene, coexistence=True)``. In contact, under a drive of one
-    harmonic, all cycles are known (theory, section 5). Of hopping bodies the start from rest and 64
-    other starts are simulated for up to 64 flights each; 16 of them lie on the cycles of one bounce, Eq.
-    (37). For every cycle of flights that is reached, all velocities along the trough at which the motion
-    repeats are found. With more than one harmonic, bodies that rest until each of the lift-offs are simulated
-    too. ``Attractors.unsettled`` counts the starts that led to no cycle.
+    Notes
+    -----
+    The search is that of ``solve(scene, coexistence=True)``. In contact, under a drive of one harmonic, all
+    cycles are known (theory, section 5). Of hopping bodies the start from rest and 64 other starts are
+    simulated for up to 64 flights each; 16 of them lie on the cycles of one bounce, Eq. (37). For every cycle
+    of flights that is reached, all velocities along the trough at which the motion repeats are found. With
+    more than one harmonic, bodies that rest until each of the lift-offs are simulated too.
+    ``Attractors.unsettled`` counts the starts that led to no cycle.
 
     Examples
     --------

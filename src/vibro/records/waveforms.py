@@ -363,10 +363,12 @@ def measured_motion(
         sampled too coarsely; if one sensor comes without a drive angle, or two with one; if one of two
         sensors is inverted.
 
-    Notes ----- Both channels are fitted by least squares with one frequency, up to 16 harmonics, and an
-    offset and a trend each. The error covariance of a harmonic is the spectral matrix of the residuals within
-    0.35 of the drive frequency on both sides of it. Harmonics are kept up to the last one that is significant
-    in an F-test at the level of 1 in 1000. The errors are those of noise, without those of calibration: on
+    Notes
+    -----
+    Both channels are fitted by least squares with one frequency, up to 16 harmonics, and an offset and a
+    trend each. The error covariance of a harmonic is the spectral matrix of the residuals within 0.35 of the
+    drive frequency on both sides of it. Harmonics are kept up to the last one that is significant in an
+    F-test at the level of 1 in 1000. The errors are those of noise, without those of calibration: on
     synthetic feeders 68 % of the results lie within one standard error and 95 % within two
     (tests/records/test_waveforms.py).
 
