@@ -53,7 +53,7 @@ def test_the_report_says_what_is_known(run: Run, tmp_path: Path) -> None:
     assert "second along amplitude 0.3 mm, second along phase 90 deg" in result.stdout
     assert "pattern F_F_B" in result.stdout
     assert "+10 % all amplitudes" in result.stdout
-    assert "begins         load now / then  all amplitudes" in result.stdout
+    assert "begins              load now / then  all amplitudes" in result.stdout
 
 
 def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None:

@@ -108,7 +108,7 @@ def test_texts_say_all_of_a_state(feeder: State) -> None:
         ({"x": "setting_percent", "x_range": "0:100"}, "x_range", "must be finite and > 0 %"),
         ({"x": "amplitude_mm"}, "x", "no axis of this drive"),
         ({"static_friction_band": "0.3:0.4"}, "static_friction_band", "with a filling"),
-        ({"drive": "ellipse", "static_friction_band": "0.3:0.4"}, "static_friction_band", "a line alone"),
+        ({"drive": "ellipse", "static_friction_band": "0.3:0.4"}, "static_friction_band", "along a line"),
     ],
 )
 def test_what_is_wrong_is_told_beside_its_field(

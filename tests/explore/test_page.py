@@ -290,7 +290,7 @@ def test_bands_are_typed_and_that_of_the_ratio_becomes_one_of_kinetic_friction(o
     with page.expect_response(lambda r: "/point" in r.url and "0.7:0.9" in r.url):
         enter(page, "#friction_ratio_band-most", "0.9")
     expect(page).to_have_url(re.compile("friction_ratio_band=0.7:0.9"))
-    expect(page.locator("#apart")).to_contain_text("know no bands")
+    expect(page.locator("#apart")).to_contain_text("have no bands")
     expect(ratio.get_by_role("slider", name="most")).to_have_attribute("aria-valuetext", "0.9")
     page.locator("#follow").uncheck()
     expect(ratio).to_be_hidden()

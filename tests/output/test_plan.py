@@ -51,7 +51,7 @@ def check_same(again: Plan, plan: Plan) -> None:
         assert again.grid.axes[name].spacing == axis.spacing
     assert list(again.grid.fixed) == list(plan.grid.fixed)
     assert bits(list(again.grid.fixed.values())) == bits(list(plan.grid.fixed.values()))
-    for name in ("length", "level", "flight", "coexistence"):
+    for name in ("length", "output", "flight", "coexistence"):
         assert getattr(again.grid, name) == getattr(plan.grid, name)
     assert [c.name for c in again.table.columns] == [c.name for c in plan.table.columns]
     assert (again.table.digits, dict(again.table.part)) == (plan.table.digits, dict(plan.table.part))
