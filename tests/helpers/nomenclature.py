@@ -29,18 +29,19 @@ from vibro.results.steady import (
 from vibro.scene import Scene
 
 UNITS = """\
-In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
-sign. Frictions and the restitution are pure numbers."""
+Options, axes of scene files and arguments of `vibro.sweep` take numbers with these units. Capital and small
+letters are the same; `um` may be written with either micro sign. Frictions and the restitution are pure
+numbers."""
 STATUSES = """\
-Every cell has one. [Chapter 7 of the theory](../theory/07-special-cases.md) says when each occurs."""
+Every cell has one status. [Chapter 7 of the theory](../theory/07-special-cases.md) says when each occurs."""
 EXIT_CODES = """\
-How a run ended. 1 is a file that is missing, or exists already, or a full disk. `vibro explore` ends with 0:
-Ctrl-C is its end."""
-OTHERS = "Bold symbols stand for something else here: German practice (VDI 2333) swaps letters."
+The exit code says how a run ended. Code 1 means a file that is missing or exists already, or a full disk. You
+end `vibro explore` with Ctrl-C; its exit code is then 0."""
+OTHERS = "Bold symbols have another meaning on these pages: German practice (VDI 2333) swaps letters."
 FILLING = """\
 What `vibro solve --filling` adds, where the trough moves as the scene says (theory, section 18). Three
-columns `given_motion_..._percent` say up to what filling, over the trough's mass, that holds within 1 % of
-speed."""
+columns `given_motion_..._percent` say up to which filling, as a share of the trough's mass, this holds within
+1 % of the speed."""
 REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""

@@ -99,7 +99,7 @@ class Status(IntEnum):
 
 _STATUS_MESSAGES: Final = {
     Status.OK: "solved to rounding",
-    Status.BOUNDARY: "within rounding of a threshold: the value is that of the side which includes equality",
+    Status.BOUNDARY: "within rounding of a threshold: solved as at the threshold itself (rest, contact)",
     Status.RUNAWAY: "the body never comes to rest and gains speed every cycle: no steady cycle exists",
     Status.INDETERMINATE: "without static friction the steady motion depends on the start of the body",
     Status.FLIGHT_NOT_MODELLED: "the body leaves the trough; its flight is not modelled",

@@ -154,12 +154,14 @@ class SteadyCycle:
     )
     forward_ratio: Floats = field(
         metadata=_described(
-            "forward_ratio", "load over the load at the forward onset; 0 if there is none", symbol="1/s_f"
+            "forward_ratio",
+            "load divided by the load at the forward onset; 0 if there is none",
+            symbol="1/s_f",
         )
     )
     back_ratio: Floats = field(
         metadata=_described(
-            "back_ratio", "load over the load at the back onset; 0 if there is none", symbol="1/s_b"
+            "back_ratio", "load divided by the load at the back onset; 0 if there is none", symbol="1/s_b"
         )
     )
     flight_fraction: Floats = field(
@@ -399,7 +401,7 @@ UPRIGHT: Final = Result(
 TIPPING_LOAD_RATIO: Final = Result(
     name="tipping_load_ratio",
     column="tipping_load_ratio",
-    meaning="load over the load above which an edge of the part lifts; 0 if there is none",
+    meaning="load divided by the load above which an edge of the part lifts; 0 if there is none",
     symbol=r"G/G_{\text{tip}}",
 )
 #: Results that are no fields of ``SteadyCycle``, and columns of tables.
