@@ -39,23 +39,71 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 2)
 
 
-# Tests of all rooms that together take less than a minute on two cores: ``pytest -m fast``.
-_FAST: Final = (
-    "cli/test_friction.py", "core/test_contact.py", "core/test_cycle_slides.py", "core/test_drives.py",
-    "core/test_elementary.py", "core/test_flight.py", "core/test_legs.py", "core/test_loop.py",
-    "core/test_motions.py", "core/test_samples.py", "core/test_scenes.py", "core/test_steps.py",
-    "core/test_windows.py", "files/test_descriptions.py", "files/test_scene_files.py",
-    "output/test_hidden.py", "output/test_plan.py", "output/test_selection.py", "output/test_shard_folder.py",
-    "plots/test_labels.py", "records/test_minimisation.py",
-    "records/test_missing_values.py", "test_axes.py", "test_errors.py",
-    "test_quantities.py", "test_reals.py", "test_reference.py", "test_scene.py", "test_translate.py",
-    "test_walks.py",
-)  # fmt: skip
+# What the markers pick (CONTRIBUTING.md), by the beginnings of paths. Files of ``slow`` take ten seconds or more on
+# a core, those of ``process`` start programs, workers or clusters.
+_MARKED: Final = {
+    "fast": (
+        "cli/test_filling.py", "cli/test_friction.py", "cli/test_help.py", "cli/test_map_hopping.py",
+        "cli/test_restitution.py", "cli/test_stems.py", "cli/test_traverse_time.py", "core/test_contact.py",
+        "core/test_cycle_slides.py", "core/test_drives.py", "core/test_elementary.py",
+        "core/test_flight.py", "core/test_legs.py", "core/test_loop.py", "core/test_motions.py",
+        "core/test_samples.py", "core/test_scenes.py", "core/test_steps.py", "core/test_windows.py",
+        "explore/test_form.py", "explore/test_state.py", "files/test_descriptions.py",
+        "files/test_machines.py", "files/test_motions.py", "files/test_points.py",
+        "files/test_scene_files.py", "inverse/test_bands.py", "inverse/test_bounds.py",
+        "inverse/test_costs.py", "inverse/test_ellipse_limits.py", "inverse/test_exchange.py",
+        "inverse/test_extremes.py", "inverse/test_families.py", "inverse/test_friction_windows.py",
+        "inverse/test_line_loads.py", "inverse/test_pictured.py", "inverse/test_reading.py",
+        "inverse/test_reading_wild.py", "inverse/test_rounding.py", "inverse/test_rows.py",
+        "inverse/test_scenarios.py", "inverse/test_search.py", "inverse/test_spaces.py",
+        "inverse/test_specs.py", "inverse/test_yields.py", "motion/test_arrivals.py",
+        "motion/test_histories_starts.py", "motion/test_trace.py", "output/test_selection.py",
+        "plots/test_fields.py", "plots/test_labels.py", "plots/test_lines.py", "plots/test_neighbours.py",
+        "plots/test_peaks.py", "plots/test_regimes.py", "plots/test_responses.py", "plots/test_two_axis.py",
+        "plots/test_view.py", "records/test_alignment.py", "records/test_cycles.py",
+        "records/test_folding.py", "records/test_headers.py", "records/test_minimisation.py",
+        "records/test_problem.py", "records/test_reading.py", "records/test_signals.py",
+        "reports/test_change_texts.py", "reports/test_pictures.py", "reports/test_scene_texts.py",
+        "results/test_history.py", "results/test_sweep.py", "sweeps/test_derived.py", "sweeps/test_grid.py",
+        "sweeps/test_made_with.py", "sweeps/test_run.py", "sweeps/test_tally.py", "sweeps/test_whole.py",
+        "test_axes.py", "test_callers_errstate.py", "test_coincident_events.py", "test_docs.py",
+        "test_errors.py", "test_friction_catalogue.py", "test_harmonic_scenes.py", "test_html_tables.py",
+        "test_indexes.py", "test_makers.py", "test_motion_scenes.py", "test_mutants.py", "test_periodic.py",
+        "test_quantities.py", "test_reals.py", "test_reference.py", "test_roots.py", "test_scales.py",
+        "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",
+    ),
+    "slow": (
+        "cli/test_amplitudes.py", "cli/test_app.py", "cli/test_capabilities.py", "cli/test_compare",
+        "cli/test_design.py", "cli/test_machines.py", "cli/test_report.py", "cli/test_streams.py",
+        "core/test_compiled.py", "explore/test_page", "inverse/test_designs.py",
+        "inverse/test_machine_designs.py", "inverse/test_motions.py", "inverse/test_windows.py",
+        "machines/test_fitting.py", "output/test_cluster.py", "output/test_faults.py",
+        "output/test_plan.py", "output/test_stored.py", "output/test_workers.py",
+        "records/test_comparison.py", "records/test_fitting.py", "records/test_frames.py",
+        "records/test_frequencies.py", "records/test_waveforms.py", "reports/test_printed.py",
+        "reports/test_set_up_sheet.py", "test_examples.py", "test_gallery.py", "test_pages.py",
+        "test_site.py",
+    ),
+    "process": (
+        "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
+        "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "explore/test_guards.py",
+        "output/test_cluster.py", "output/test_faults.py", "output/test_hidden.py", "output/test_plan.py",
+        "output/test_readers.py", "output/test_staging.py", "output/test_stored.py",
+        "output/test_workers.py", "output/test_xlsx.py", "plots/test_save.py", "plots/test_style.py",
+        "sweeps/test_datasets.py", "test_gallery.py", "test_imports.py", "test_memory.py", "test_pages.py",
+        "test_site.py", "test_threads.py", "test_translate.py",
+    ),
+    "browser": (
+        "explore/test_page", "output/test_libreoffice.py", "reports/test_printed.py", "test_site.py",
+    ),
+}  # fmt: skip
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the fast tests."""
+    """Mark the tests of each list."""
     tests = Path(__file__).parent
     for item in items:
-        if item.path.relative_to(tests).as_posix().startswith(_FAST):
-            item.add_marker(pytest.mark.fast)
+        path = item.path.relative_to(tests).as_posix()
+        for marker, beginnings in _MARKED.items():
+            if path.startswith(beginnings):
+                item.add_marker(marker)
