@@ -39,8 +39,8 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 2)
 
 
-# What the markers pick (CONTRIBUTING.md), by the beginnings of paths. Files of ``slow`` take ten seconds or more
-# on a core, those of ``process`` start programs, workers or clusters.
+# What the markers pick (CONTRIBUTING.md), by the beginnings of paths. Files of ``slow`` take ten seconds
+# or more on a core, those of ``process`` start programs, workers or clusters.
 _MARKED: Final = {
     "fast": (
         "cli/test_filling.py", "cli/test_friction.py", "cli/test_help.py", "cli/test_map_hopping.py",
