@@ -14,6 +14,7 @@ from helpers.commands import NUT, Run, rows_of
 from helpers.made_records import EXAMPLES, STUDY, STUDY_FILE, Walked, nut
 
 SCENE = EXAMPLES / "safety_nut.toml"
+EXACT_ANGLE = "the drive angle of {} deg is taken as exact: no interval covers its error"
 NAMED = ("--time", "Time [s]", "--displacement", "X [mm]", "--velocity", "V [mm/s]")
 
 
@@ -59,6 +60,18 @@ def test_the_fit_is_reported_with_its_statement(run: Run, tmp_path: Path) -> Non
     assert lines["mu_d"].endswith("0.57")
     assert "..." in lines["mu_d"]
     assert "pattern F_: mu_s sets the start of a slide and mu_d its end" in result.stdout
+    assert EXACT_ANGLE.format(20) in result.stdout
+
+
+def test_a_drive_angle_is_exact_unless_it_is_fitted_or_measured(run: Run, tmp_path: Path) -> None:
+    path = short_study(tmp_path)
+    assert EXACT_ANGLE.format(18) in run("compare", SCENE, path, "-a", "18", "--fit", "mu_d").stdout
+    both = ("--trough-along", "Trog längs", "--trough-normal", "Trog normal", "--sensitivity", "100mV/g")
+    measured = EXAMPLES / "data" / "nut_trough_mv.csv"
+    for given in ((path, "--fit", "mu_d,alpha"), (measured, *both, "--fit", "mu_d"), (path,)):
+        result = run("compare", SCENE, *given)
+        assert result.exit_code == 0, result.stderr
+        assert "taken as exact" not in result.stdout
 
 
 def test_intervals_have_the_digits_that_their_width_needs(run: Run, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from vibro.records.comparison import Comparison, Row
     from vibro.records.comparison_tables import ComparisonTables
-    from vibro.records.fitting import Parameter
+    from vibro.records.fitting import Fit, Parameter
     from vibro.records.folding import Estimate
     from vibro.records.trough import MeasuredDrive
     from vibro.records.waveforms import HarmonicDrive
@@ -61,8 +61,19 @@ class _Report:
                 label = f"{QUANTITIES[p.name].letter} {f'[{unit}]' if unit else ''}".strip()
                 rows.append((label, *_estimated(p, size), f"{own:.6g}"))
             parts.append(aligned([("fitted", "estimate", "95 % interval", "given"), *rows]))
-            parts += ["\n".join(self.fit.statements)] if self.fit.statements else []
+            statements = [*self.fit.statements, *self._taken_as_exact(self.fit)]
+            parts += ["\n".join(statements)] if statements else []
         return "\n\n".join(parts)
+
+    def _taken_as_exact(self, fit: Fit) -> list[str]:
+        """Say that a drive angle that is neither fitted nor measured has an error that no interval holds."""
+        angle = self.request.fixed.get("drive_angle")
+        measured_names = self.tables.drive.quantities if self.tables.drive is not None else ()
+        known = {*measured_names, *(p.name for p in fit.parameters)}
+        if angle is None or "drive_angle" in known:
+            return []
+        value = number(angle, QUANTITIES["drive_angle"].unit)
+        return [f"the drive angle of {value} is taken as exact: no interval covers its error"]
 
     def _facts(self) -> list[tuple[str, str]]:
         observation, alignment = self.comparison.observation, self.comparison.alignment
