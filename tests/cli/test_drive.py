@@ -135,6 +135,16 @@ def test_files(run: Run, tmp_path: Path) -> None:
     assert rows_of(table.stdout) == rows
 
 
+def test_rates_that_are_all_unknown_are_one_line(run: Run, tmp_path: Path) -> None:
+    path = written(tmp_path, feeder(1.05, BANDS))
+    hopping = run("drive", path, "--setting", "200", "--voltage", "100", "--filling", "0.1").stdout
+    assert "no rates for 1 % more: bodies hop, rest or never settle; see the table above" in hopping
+    assert "1 % more of  " not in hopping
+    sliding = lines_of(run("drive", path, "--setting", "70").stdout)
+    assert not sliding["setting"].endswith("-")
+    assert "1 % more of" in sliding
+
+
 def test_a_pack_that_is_fitted(run: Run, tmp_path: Path) -> None:
     path = written(tmp_path, feeder(1.05, PACKS))
     said = folded(run("drive", path, "--pack", "6 leaves").stdout)

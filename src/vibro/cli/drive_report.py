@@ -312,6 +312,8 @@ def _sensitivities(sheet: Sheet) -> str:
         told = ["" if name == "filling" and i == 0 else _signed(x) for i, x in enumerate(pair)][: len(states)]
         missing += told.count("-")
         rows.append((CHANGES[name], *told))
+    if missing == sum(bool(cell) for _, *cells in rows[1:] for cell in cells):
+        return "no rates for 1 % more: bodies hop, rest or never settle; see the table above"
     note = "-: bodies hop, rest or never settle: a rate would mislead; see the table above"
     return aligned(rows) + (f"\n{note}" if missing else "")
 
