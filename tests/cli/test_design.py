@@ -369,6 +369,16 @@ def test_the_margin_in_words(
     assert f"margin {text}" in squeezed(run("design", "nut.toml").stdout)
 
 
+def test_a_margin_below_1_without_drift_is_a_share_to_shrink_to(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("nut.toml").write_text(QUESTION.replace("t = 5", "t = 0"), encoding="utf-8")
+    design = replace(SAFEST, margin=0.758095, throw_number_max=0.9999)
+    found(monkeypatch, answered(True, *rows("motor", "forward-slip", safest=design, gentlest=design)))
+    said = squeezed(run("design", "nut.toml").stdout)
+    assert "margin 0.758095: all bands and drifts would have to shrink to this share" in said
+
+
 def known(**changes: str) -> None:
     """Write the question with a single part and no drift to ``known.toml``, with other changes."""
     text = QUESTION.replace('"0.7:0.78"', "0.74").replace('"0.5:0.6"', "0.55").replace("t = 5", "t = 0")

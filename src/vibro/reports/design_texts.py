@@ -426,14 +426,14 @@ def _margin(spec: Spec, design: Design) -> str:
             if spec.has_bands
             else "none: no band and no drift is given"
         )
+    if margin < 1.0:
+        return f"{bound(margin, upper=False)}: all bands and drifts would have to shrink to this share"
     if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
         edge = "; no drift of the drive is given, and it is set where parts begin to hop"
         return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"
     if margin >= _MOST_MARGIN:
         return f"{number(_MOST_MARGIN)} or more: all bands and drifts may be that many times as wide"
-    if margin >= 1.0:
-        return f"{bound(margin, upper=False)}: all bands and drifts may be that many times as wide"
-    return f"{bound(margin, upper=False)}: all bands and drifts would have to shrink to this share"
+    return f"{bound(margin, upper=False)}: all bands and drifts may be that many times as wide"
 
 
 def remarks(result: DesignResult) -> list[str]:
