@@ -148,7 +148,8 @@ class SteadyCycle:
     throw_number: Floats = field(
         metadata=_described(
             "throw_number",
-            "largest downward acceleration of the trough over normal gravity; above 1 the body hops",
+            "largest downward acceleration of the trough, normal to its surface, divided by that of gravity;"
+            " above 1 the trough falls away and the part hops",
             symbol="K",
         )
     )
