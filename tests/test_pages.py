@@ -24,20 +24,21 @@ def test_outputs_of_the_tour_are_those_shown_and_its_scripts_run(page: Path, tmp
 
 def test_a_wrong_output_and_a_command_that_fails_are_noticed(tmp_path: Path) -> None:
     for name, block in {
-        "wrong": "console\n$ echo one\ntwo\n",
-        "fails": "bash\nfalse\n",
-        "raises": "python\n1 / 0\n",
-        "another-code": "console\n$ exit 3  # exit code 4\n",
+        "wrong": "```console\n$ echo one\ntwo\n",
+        "fails": "```bash\nfalse\n",
+        "raises": "```python\n1 / 0\n",
+        "another-code": "<!-- exit code 4 -->\n```console\n$ exit 3\n",
     }.items():
         page = tmp_path / f"{name}.md"
-        page.write_text(f"```{block}```\n", encoding="utf-8")
+        page.write_text(f"{block}```\n", encoding="utf-8")
         with pytest.raises(RuntimeError, match=name):
             run_page(page, tmp_path / name)
 
 
 def test_a_page_may_show_messages_and_a_named_exit_code(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
-    page.write_text("```console\n$ echo said >&2; exit 4  # exit code 4\nsaid\n```\n", encoding="utf-8")
+    block = "<!-- exit code 4 -->\n```console\n$ echo said >&2; exit 4\nsaid\n```\n"
+    page.write_text(block, encoding="utf-8")
     run_page(page, tmp_path / "page")
 
 

@@ -2,9 +2,9 @@
 
 A ``console`` block holds one command after ``$`` and the output that it must have, where a line ``...``
 stands for any lines: its answer, or of a command that has none (``vibro map``) its messages. It must end with
-0, or with the code that a comment in it names: ``# exit code 4``. A ``bash`` block holds commands, a
-``python`` block a script. They run in a folder that has the examples, one folder a page, so that the page can
-show their pictures: ``../_made/feeder/out/nut-speed.png`` is the picture that ``-o out/nut`` of
+0, or with the code that a comment above it names: ``<!-- exit code 4 -->``. A ``bash`` block holds commands,
+a ``python`` block a script. They run in a folder that has the examples, one folder a page, so that the page
+can show their pictures: ``../_made/feeder/out/nut-speed.png`` is the picture that ``-o out/nut`` of
 ``tasks/feeder.md`` writes. The tests run the same pages again.
 """
 
@@ -25,9 +25,10 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 DOCS: Final = Path(__file__).parents[1]
-BLOCK: Final = re.compile(r"^```(console|bash|python)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+BLOCK: Final = re.compile(
+    r"(?:^<!-- exit code (\d+) -->\n)?^```(console|bash|python)\n(.*?)^```$", re.DOTALL | re.MULTILINE
+)
 COMMAND: Final = re.compile(r"\$ ((?:[^\n]*\\\n)*[^\n]*\n)(.*)", re.DOTALL)
-EXIT_CODE: Final = re.compile(r"# exit code (\d+)$", re.MULTILINE)
 
 
 def tasks() -> list[Path]:
@@ -44,7 +45,7 @@ def run_page(page: Path, folder: Path, kinds: Collection[str] = ("console", "bas
         If a command fails or prints something else than the page shows.
     """
     shutil.copytree(DOCS.parent / "examples", folder / "examples", ignore=shutil.ignore_patterns("gallery"))
-    for kind, block in BLOCK.findall(page.read_text(encoding="utf-8")):
+    for code, kind, block in BLOCK.findall(page.read_text(encoding="utf-8")):
         if kind not in kinds:
             continue
         if kind == "python":
@@ -53,12 +54,12 @@ def run_page(page: Path, folder: Path, kinds: Collection[str] = ("console", "bas
             _output(["bash", "-euo", "pipefail", "-c", block], page, folder)
         else:
             command, shown = COMMAND.findall(block)[0]
-            printed = _output(["bash", "-euo", "pipefail", "-c", command], page, folder)
+            printed = _output(["bash", "-euo", "pipefail", "-c", command], page, folder, code or "0")
             if not doctest.OutputChecker().check_output(shown, printed, doctest.ELLIPSIS):
                 raise RuntimeError(f"{page.name}: {command}prints\n{printed}in place of\n{shown}")
 
 
-def _output(command: list[str], page: Path, folder: Path) -> str:
+def _output(command: list[str], page: Path, folder: Path, code: str = "0") -> str:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         command,
@@ -69,7 +70,7 @@ def _output(command: list[str], page: Path, folder: Path) -> str:
         encoding="utf-8",
         check=False,
     )
-    if [str(done.returncode)] != (EXIT_CODE.findall(command[-1]) or ["0"]):
+    if str(done.returncode) != code:
         raise RuntimeError(f"{page.name}: {command[-1]}ends with {done.returncode}:\n{done.stderr}")
     return done.stdout or done.stderr
 
