@@ -145,8 +145,14 @@ def _sign(app: Sphinx, kind: str, name: str, found: Any, options: Any, arguments
     return None
 
 
+def _skip(app: Sphinx, kind: str, name: str, found: Any, skip: bool, options: Any) -> bool | None:
+    """Leave out the fields of named tuples, which the section Attributes describes."""
+    return True if str(getattr(found, "__doc__", "")).startswith("Alias for field number") else None
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Make the files before Sphinx looks for pages, after the commands of the pages have run."""
     app.connect("builder-inited", _make, priority=600)
     app.connect("autodoc-process-signature", _sign)
+    app.connect("autodoc-skip-member", _skip)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -14,5 +14,7 @@ helps. The command writes ``out/slip-speed.png``.
 
 import vibro
 
-sweep = vibro.sweep("../slip_stick.toml", motion_scale="0.2:3:301", frequency_hz="1:5:301")
+sweep = vibro.sweep(
+    "../slip_stick.toml", motion_scale="0.2:3:301", frequency_hz="1:5:301"
+)
 figure = sweep.draw("speed")

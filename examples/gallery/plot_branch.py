@@ -15,7 +15,11 @@ import numpy as np
 import vibro
 
 scene = vibro.Scene(
-    amplitude=8.5e-3, frequency=15, drive_angle=math.radians(30), static_friction=0.6, kinetic_friction=0.5
+    amplitude=8.5e-3,
+    frequency=15,
+    drive_angle=math.radians(30),
+    static_friction=0.6,
+    kinetic_friction=0.5,
 )
 branch = vibro.follow(scene, "amplitude", np.linspace(8.5e-3, 8e-3, 60))
 figure = branch.draw("landing")

@@ -14,5 +14,7 @@ command writes ``out/climb-speed.png``.
 
 import vibro
 
-sweep = vibro.sweep("../climbing_track.toml", amplitude_mm="0.02:0.22:301", trough_angle_deg="-5:20:301")
+sweep = vibro.sweep(
+    "../climbing_track.toml", amplitude_mm="0.02:0.22:301", trough_angle_deg="-5:20:301"
+)
 figure = sweep.draw("speed")

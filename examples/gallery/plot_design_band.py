@@ -5,7 +5,7 @@ Speed of all parts
 At the frequency and the angle of the chosen design: the slowest and the fastest part over the amplitude,
 with the nominal part between them. The grey window has the amplitudes at which the goal is guaranteed;
 its width is the margin for setting the feeder. The command writes ``out/design-band.png``; Python finds
-the window of any scene.
+the window of any scene; ``limit`` is the largest amplitude of the design's drive.
 
 .. code-block:: bash
 
@@ -24,7 +24,13 @@ import math
 import vibro
 
 scene = vibro.Scene(
-    amplitude=1e-3, frequency=10, drive_angle=math.radians(45), static_friction=0.74, kinetic_friction=0.55
+    amplitude=1e-3,
+    frequency=10,
+    drive_angle=math.radians(45),
+    static_friction=0.74,
+    kinetic_friction=0.55,
 )
 bands = {"static_friction": (0.7, 0.78), "kinetic_friction": (0.5, 0.6)}
-vibro.feasible_amplitudes(scene, 0.03, highest_regime="forward-slip", **bands)  # m
+goal = {"highest_regime": "forward-slip", "limit": 3e-3}
+for window in vibro.feasible_amplitudes(scene, 0.03, **goal, **bands):
+    print(f"{1e3 * window.low:.3f} to {1e3 * window.high:.3f} mm")

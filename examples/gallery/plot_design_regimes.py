@@ -22,6 +22,10 @@ import math
 import vibro
 
 scene = vibro.Scene(
-    amplitude=1.5e-3, frequency=15, drive_angle=math.radians(20), static_friction=0.74, kinetic_friction=0.57
+    amplitude=1.5e-3,
+    frequency=15,
+    drive_angle=math.radians(20),
+    static_friction=0.74,
+    kinetic_friction=0.57,
 )
 vibro.guarantee(scene, static_friction=(0.7, 0.78), kinetic_friction=(0.5, 0.6))

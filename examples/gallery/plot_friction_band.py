@@ -14,5 +14,7 @@ cell. The command writes ``out/bowl-speed.png``.
 
 import vibro
 
-sweep = vibro.sweep("../bowl_feeder.toml", normal_phase_deg="-180:180:301", static_friction="0.2:0.8:301")
+sweep = vibro.sweep(
+    "../bowl_feeder.toml", normal_phase_deg="-180:180:301", static_friction="0.2:0.8:301"
+)
 figure = sweep.draw("speed")

@@ -14,5 +14,7 @@ matters. The command writes ``out/frictions-speed.png``.
 
 import vibro
 
-sweep = vibro.sweep("../friction_grid.toml", static_friction="0.2:1:301", kinetic_friction="0.2:1:301")
+sweep = vibro.sweep(
+    "../friction_grid.toml", static_friction="0.2:1:301", kinetic_friction="0.2:1:301"
+)
 figure = sweep.draw("speed")

@@ -21,8 +21,16 @@ same cells without the finer borders.
 
 import vibro
 
-sweep = vibro.sweep("../safety_nut.toml", amplitude_mm="1:6:30", frequency_hz="15:30:30", restitution=0.5)
+sweep = vibro.sweep(
+    "../safety_nut.toml", amplitude_mm="1:6:30", frequency_hz="15:30:30", restitution=0.5
+)
 cells = sweep.to_frame(
-    ["amplitude_mm", "frequency_hz", "status", "mean_velocity_mm_s", "mean_velocity_error_mm_s"]
+    [
+        "amplitude_mm",
+        "frequency_hz",
+        "status",
+        "mean_velocity_mm_s",
+        "mean_velocity_error_mm_s",
+    ]
 )
 cells[cells["status"] == "averaged"].tail(3)

@@ -14,5 +14,7 @@ stays in forward slip up to 1.19 mm. The command writes ``out/nut-regime.png``.
 
 import vibro
 
-sweep = vibro.sweep("../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301")
+sweep = vibro.sweep(
+    "../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301"
+)
 figure = sweep.draw("regime")

@@ -30,6 +30,10 @@ feeder = vibro.Machine.magnet(
     damping_ratio=0.015,
     calibration=vibro.Calibration(amplitude=0.35e-3, frequency=50, setting=0.8),
 )
-parts = {"drive_angle": math.radians(20), "static_friction": 0.35, "kinetic_friction": 0.28}
+parts = {
+    "drive_angle": math.radians(20),
+    "static_friction": 0.35,
+    "kinetic_friction": 0.28,
+}
 points = vibro.operate(feeder, frequency=50, setting=0.8, filling=[0, 2, 4], **parts)
 print(1e3 * points.amplitude, 1e3 * vibro.solve(points.scene).mean_velocity)  # mm, mm/s

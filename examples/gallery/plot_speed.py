@@ -14,5 +14,7 @@ marks the fastest setting of the picture. The command writes ``out/nut-speed.png
 
 import vibro
 
-sweep = vibro.sweep("../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301")
+sweep = vibro.sweep(
+    "../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301"
+)
 figure = sweep.draw("speed")

@@ -21,6 +21,9 @@ the line.
 
 import vibro
 
-parts = vibro.sweep("../friction_grid.toml").to_frame(["static_friction", "status", "mean_velocity_mm_s"])
+parts = vibro.sweep("../friction_grid.toml").to_frame(
+    ["static_friction", "status", "mean_velocity_mm_s"]
+)
 possible = parts[parts["status"] != "infeasible"]
-print(f"{(possible['mean_velocity_mm_s'] >= 20).mean():.1%} of the possible pairs reach 20 mm/s")
+share = (possible["mean_velocity_mm_s"] >= 20).mean()
+print(f"{share:.1%} of the possible pairs reach 20 mm/s")

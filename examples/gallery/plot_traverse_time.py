@@ -13,5 +13,7 @@ no such picture; ``-L 400`` gives one. The command writes ``out/nut-traverse.png
 
 import vibro
 
-sweep = vibro.sweep("../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301")
+sweep = vibro.sweep(
+    "../safety_nut.toml", amplitude_mm="0.1:3:301", frequency_hz="5:60:301"
+)
 figure = sweep.draw("traverse")

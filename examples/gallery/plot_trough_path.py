@@ -1,4 +1,4 @@
-"""
+r"""
 Path of the trough
 ==================
 
@@ -9,7 +9,8 @@ slides back. The command writes ``out/ellipse.png``.
 
 .. code-block:: bash
 
-    vibro simulate --along 1 --normal .3 --phase=-60 -f 25 --mu-s .4 --mu-d .3 --cycles 4 -o out/ellipse
+    vibro simulate --along 1 --normal .3 --phase=-60 -f 25 --mu-s .4 --mu-d .3 --cycles 4 \
+      -o out/ellipse
 
 .. image:: /gallery/images/sphx_glr_plot_trough_path_001.png
    :alt: Path of the trough. Where the trough moves along an ellipse, its path is drawn below the motion,

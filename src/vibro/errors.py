@@ -88,6 +88,11 @@ def printable(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
+def how_to_install(extra: str) -> str:
+    """Return the command that installs an extra, for the hint of an error; no registry has vibro."""
+    return f"pip install '.[{extra}]' in the project's folder"
+
+
 def _told(lines: Sequence[str], what: str) -> tuple[str, ...]:
     """Keep the first lines, none too long, and count the others."""
     told = [cut(line, _LONGEST_LINE) for line in lines[:MOST_TOLD]]

@@ -333,7 +333,8 @@ def test_without_the_extra(run: Run, monkeypatch: pytest.MonkeyPatch, missing: s
     result = run("explore")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == (
-        "error: vibro explore needs starlette and uvicorn\nhint: pip install 'vibro[explore]'\n"
+        "error: vibro explore needs starlette and uvicorn\n"
+        "hint: pip install '.[explore]' in the project's folder\n"
     )
 
 

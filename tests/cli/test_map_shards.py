@@ -210,7 +210,10 @@ def test_what_is_not_installed_is_told_before_anything_is_made(
     monkeypatch.setitem(sys.modules, module, None)
     result = run(*SHARDED, "-o", "out")
     assert result.exit_code == 1
-    assert error(result) == ["error: Parquet needs pyarrow", "hint: pip install 'vibro[parquet]'"]
+    assert error(result) == [
+        "error: Parquet needs pyarrow",
+        "hint: pip install '.[parquet]' in the project's folder",
+    ]
     assert list(Path().iterdir()) == []
     assert run(*QUICK, "-o", "nut").exit_code == 0
 
@@ -220,7 +223,7 @@ def test_a_cluster_needs_distributed(run: Run, monkeypatch: pytest.MonkeyPatch) 
     result = run(*SHARDED, "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
     assert result.exit_code == 1
     problem = "error: --scheduler tcp://127.0.0.1:1 needs the library distributed"
-    assert error(result) == [problem, "hint: pip install 'vibro[distributed]'"]
+    assert error(result) == [problem, "hint: pip install '.[distributed]' in the project's folder"]
 
 
 def test_the_wide_example_in_small(run: Run) -> None:

@@ -229,7 +229,7 @@ def test_without_jinja_it_says_what_to_install(run: Run, monkeypatch: pytest.Mon
     monkeypatch.setitem(sys.modules, "jinja2", None)
     result = run("report", *NUT)
     assert result.exit_code == 1
-    assert "pip install 'vibro[report]'" in result.stderr
+    assert "pip install '.[report]' in the project's folder" in result.stderr
 
 
 @pytest.mark.parametrize(("speed", "code"), [(2, 0), (900, 4)], ids=["met", "not met"])

@@ -59,8 +59,8 @@ ELSEWHERE = (
     TIPPING_LOAD_RATIO,
 )
 """Results that are no attributes of ``SteadyCycle``."""
-HEADER = "| column, name in Python | symbol | SI unit | meaning |"
-MOTION = "| `Scene.motion` | - | - | any periodic motion: harmonics, steps or samples, a `Motion` |"
+HEADER = "| column, name in Python | meaning | symbol | unit in Python |"
+MOTION = "| `Scene.motion` | any periodic motion: harmonics, steps or samples, a `Motion` | - | - |"
 """The field of a scene that is no quantity."""
 SYNONYMS = {
     "amplitude_mm": "$r$, $X_0$, $e$ (eccentricity); half of *Schwingweite* or *Hub*",
@@ -92,7 +92,7 @@ SYNONYMS = {
 def _row(symbol: str, name: str, unit: str, column: str, meaning: str) -> str:
     shown = f"${symbol}$" if symbol else "-"
     names = f"`{column}`<br>`{name}`" if name else f"`{column}`"
-    return f"| {names} | {shown} | {unit or '1'} | {meaning} |"
+    return f"| {names} | {meaning} | {shown} | {unit or '1'} |"
 
 
 def _units() -> list[str]:
@@ -137,11 +137,11 @@ def _columns() -> list[list[str]]:
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
     results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS, BENT_SPEED)]
-    designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
-    weighed = [f"| `{r.column}` | {r.kind.unit or '1'} | {r.meaning} |" for r in WEIGHED]
+    designs = [f"| `{c.name}` | {c.meaning} | {c.unit or '1'} |" for c in DESIGN_COLUMNS]
+    weighed = [f"| `{r.column}` | {r.meaning} | {r.kind.unit or '1'} |" for r in WEIGHED]
     head = [HEADER, "|---|---|---|---|"]
     others = [f"| `{column}` | {words} |" for column, words in SYNONYMS.items()]
-    plain = ["| CSV column | unit | meaning |", "|---|---|---|"]
+    plain = ["| CSV column | meaning | unit |", "|---|---|---|"]
     return [
         ["## Inputs", "", *head, *inputs],
         ["## Results", "", *head, *results],

@@ -367,7 +367,7 @@ def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
         f"try: vibro.open_sweep({str(folder)!r})\nexcept vibro.FileError as exc: print(exc, exc.hint)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "Parquet needs pyarrow pip install 'vibro[parquet]'\n"
+    assert done.stdout == "Parquet needs pyarrow pip install '.[parquet]' in the project's folder\n"
     with pytest.raises(VibroError, match="path = 3: must be a path"):
         vibro.open_sweep(3)  # type: ignore[arg-type]
 

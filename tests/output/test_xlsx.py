@@ -409,7 +409,7 @@ def test_without_xlsxwriter_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) 
     grid = grid_of(amplitude_mm=1, frequency_hz=15)
     with pytest.raises(FileError, match="a workbook needs XlsxWriter") as refusal:
         Xlsx().open(io.BytesIO(), grid, Table(columns_of()))
-    assert refusal.value.hint == "pip install 'vibro[xlsx]'"
+    assert refusal.value.hint == "pip install '.[xlsx]' in the project's folder"
 
 
 def test_a_release_that_does_not_ask_for_the_rows_is_no_empty_table(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -285,6 +285,8 @@ def test_the_band_holds_the_speeds_of_all_parts(
         (2.3237, 3.0)
     )
     assert "keeps the guarantee" in legend(pictures["band"])
+    starts = [line for line in axes.lines if str(line.get_label()).partition(" part starts")[1]]
+    assert len({str(vars(line)["_dash_pattern"]) for line in starts}) == len(starts) == 2
     assert {text.get_text() for text in strip.texts} >= {"no-slip", "forward-slip"}
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude $A$ [mm]", "mean conveying speed [mm/s]")
 

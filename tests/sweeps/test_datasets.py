@@ -290,4 +290,4 @@ def test_what_to_install_is_said(stored: StoredSweep, library: str, said: str) -
         "except vibro.FileError as exc: print(exc, exc.hint)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == f"{said} pip install 'vibro[xarray]'\n"
+    assert done.stdout == f"{said} pip install '.[xarray]' in the project's folder\n"

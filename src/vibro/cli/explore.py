@@ -13,7 +13,7 @@ import typer
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options  # typer reads the annotations
-from vibro.errors import FileError, InputError
+from vibro.errors import FileError, InputError, how_to_install
 from vibro.interrupts import tidy_up
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def explore_command(
 
     Axes and [map] are those that the map shows first; without a scene file the page begins with the paper's
     safety nut. Only one browser on this computer can open the page; Ctrl-C ends it. Install with
-    pip install 'vibro[explore]'.
+    pip install '.[explore]' in the project's folder.
     """
     from vibro.cli.console import Console, print_unexpected, tell_traceback
     from vibro.cli.request import question, whole_number
@@ -112,9 +112,7 @@ def _check_extra() -> None:
         import starlette  # noqa: F401 - whether they are there
         import uvicorn  # noqa: F401
     except ImportError:
-        raise FileError(
-            "vibro explore needs starlette and uvicorn", hint="pip install 'vibro[explore]'"
-        ) from None
+        raise FileError("vibro explore needs starlette and uvicorn", hint=how_to_install("explore")) from None
 
 
 def _request(options: Options, argv: Sequence[str]) -> Request | None:

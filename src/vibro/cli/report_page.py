@@ -34,7 +34,7 @@ def report_command(
     the speed, the limits of the regime, three cycles of the motion and the assumptions; that about a design
     file has the designs and their guarantees. With -o the page goes to STEM.html, beside STEM.json; without
     -o to stdout. It needs no other file and no network, and prints on A4. Install with
-    pip install 'vibro[report]'.
+    pip install '.[report]' in the project's folder.
     """
     from vibro.files.descriptions import DESIGN_FILE
     from vibro.files.toml_files import kind_of, read_toml

@@ -46,7 +46,7 @@ def design(
     Parameters
     ----------
     spec : path or mapping
-        A design file in TOML, or a mapping with the same keys; docs/guide/design.md lists them.
+        A design file in TOML, or a mapping with the same keys, those of :doc:`/reference/design-files`.
     digits : int, optional
         Significant digits of settings, from 1 to 15. A setting that would lose its guarantee by rounding has
         more.

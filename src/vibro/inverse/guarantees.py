@@ -92,7 +92,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     * ``proved``: bodies in contact are searched by differential evolution, and a proved bound, from boxes
       that cover the set, is within 1 % of the result.
     * ``searched``: the same, but 8000 boxes do not bring the proved bound within 1 %; and all motions that
-      are neither lines nor ellipses, for which nothing is proved (docs/guide/design.md has measurements).
+      are neither lines nor ellipses, for which nothing is proved (measurements: :doc:`/guide/design`).
     * ``sampled``: bodies hop; their speeds are those of a sample.
 
     The regimes are those of all bodies that were computed. The mean speed of irregular motion is widened by

@@ -48,7 +48,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     ----------
     source : path or mapping
         TOML with the tables ``[scene]``, ``[[drive]]``, ``[goal]`` and, optionally, ``[drift]`` and
-        ``[part]``, or a mapping with the same keys; docs/guide/design.md lists them.
+        ``[part]``, or a mapping with the same keys; docs/reference/design-files.md lists them.
 
     Returns
     -------

@@ -132,8 +132,8 @@ def feasible_amplitudes(
     Parameters
     ----------
     scene : Scene
-        One operating point. Its amplitude is ignored; of an ellipse the proportion of both amplitudes is
-        kept.
+        One operating point. Its amplitude is ignored, so any number will do; of an ellipse the proportion of
+        both amplitudes is kept.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"back-slip", "forward-slip", "hopping"}, optional
@@ -151,7 +151,9 @@ def feasible_amplitudes(
     list of Interval
         Closed intervals of the amplitude [m], ascending, with the constraint at each end: of the amplitude of
         a line; of an ellipse ``along_amplitude``, or ``normal_amplitude`` if that is 0; of another motion
-        ``motion_scale`` [1]. Empty if no amplitude guarantees the speed.
+        ``motion_scale`` [1]. Empty if no amplitude guarantees the speed, whatever the reason. To see what a
+        part reaches without hopping, solve the scene at amplitudes up to hop g / w^2, where
+        ``hop = vibro.critical_loads(scene).hop``.
 
     Raises
     ------
@@ -169,10 +171,9 @@ def feasible_amplitudes(
 
     The speed of hopping bodies jumps as the amplitude changes, and for irregular motion it does so
     everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, and ends are found to
-    1e-5; intervals or gaps between two of these amplitudes may be missed (tests/inverse/test_windows.py
-    compares with other amplitudes). Three standard errors are subtracted from a mean of irregular motion.
-    With ``highest_regime="forward-slip"`` an interval ends where back slip first begins, even if back slip
-    ends again at larger amplitudes.
+    1e-5; intervals or gaps between two of these amplitudes may be missed. Three standard errors are
+    subtracted from a mean of irregular motion. With ``highest_regime="forward-slip"`` an interval ends where
+    back slip first begins, even if back slip ends again at larger amplitudes.
 
     Examples
     --------

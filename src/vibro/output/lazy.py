@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.errors import FileError
+from vibro.errors import FileError, how_to_install
 from vibro.output.gathered import Flags, Numbers, gathering
 from vibro.output.selection import Selection
 
@@ -61,7 +61,7 @@ def values_in_blocks(shards: ShardFiles, cells: Selection, sizes: Sequence[int])
     try:
         import dask.array as da
     except ImportError:
-        raise FileError("to_xarray(chunks=...) needs dask", hint="pip install 'vibro[xarray]'") from None
+        raise FileError("to_xarray(chunks=...) needs dask", hint=how_to_install("xarray")) from None
     chunks = da.core.normalize_chunks(tuple(sizes), cells.shape)
     there = replace(shards, folder=shards.folder.absolute())  # the current folder may have changed by then
 

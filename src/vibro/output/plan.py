@@ -15,7 +15,7 @@ import numpy as np
 from vibro import __version__
 from vibro.axes import Axis
 from vibro.core.codes import Output
-from vibro.errors import FileError, InputError, VibroError
+from vibro.errors import FileError, InputError, VibroError, how_to_install
 from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
 from vibro.output.record import sweep_record
@@ -57,7 +57,7 @@ def check_arrow() -> None:
     try:
         import pyarrow.parquet  # noqa: F401 - whether it is installed
     except ImportError:
-        raise FileError("Parquet needs pyarrow", hint="pip install 'vibro[parquet]'") from None
+        raise FileError("Parquet needs pyarrow", hint=how_to_install("parquet")) from None
 
 
 @cache

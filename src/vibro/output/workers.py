@@ -16,7 +16,7 @@ from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, Thre
 from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any, Final, Self, cast
 
-from vibro.errors import FileError, VibroError
+from vibro.errors import FileError, VibroError, how_to_install
 from vibro.memory import retain_freed_memory
 from vibro.parallel import cores
 
@@ -151,8 +151,8 @@ class Cluster(Workers):
         try:
             import distributed
         except ImportError:
-            hint = "pip install 'vibro[distributed]'"
-            raise FileError(f'scheduler="{address}" needs the library distributed', hint=hint) from None
+            problem = f'scheduler="{address}" needs the library distributed'
+            raise FileError(problem, hint=how_to_install("distributed")) from None
         self._library = distributed
         self._address = address
         self._tell = tell or (lambda sentence: None)

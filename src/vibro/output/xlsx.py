@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.errors import FileError, InputError
+from vibro.errors import FileError, InputError, how_to_install
 from vibro.files.csv_tables import rounded_cells
 from vibro.files.rounding import rounded
 from vibro.plots.style import INK, NO_ANSWER_FACE, REGIME_COLOURS, visible
@@ -128,7 +128,7 @@ class Xlsx:
         try:
             import xlsxwriter  # noqa: F401
         except ImportError:
-            raise FileError("a workbook needs XlsxWriter", hint="pip install 'vibro[xlsx]'") from None
+            raise FileError("a workbook needs XlsxWriter", hint=how_to_install("xlsx")) from None
         most = MOST_ROWS - _TABLE_HEAD
         if grid.size > most:
             raise InputError(

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Drive, Spec
+    from vibro.inverse.specs import Spec
     from vibro.results.designs import Design, SettingFields, SpeedBand
 
     Floats = NDArray[np.float64]
@@ -52,6 +52,7 @@ _BEGINS_TO: Final[Mapping[Regime, str]] = {
     Regime.BACK_SLIP: "slips back",
     Regime.HOPPING: "hops",
 }
+_LAST_BEGINS: Final = (0, (1.5, 3.0))  # dashes where the last part does what a curve says
 _TIPS: Final = CurveStyle("first part lifts an edge", (0, (3, 1, 1, 1, 1, 1)), 1.6)
 _FORBIDDEN_HATCH: Final = "\\\\"
 _VEIL: Final = "#FFFFFF", 0.55  # over settings beyond the drive's limits: colour, opacity
@@ -134,8 +135,7 @@ class _Layers(MapLayers):
         for regime, curve in BEGINS.items():
             for name in (curve, LAST + curve):
                 if pieces := zero_lines(self.fields, self.fields.log_ratio[name]):
-                    style = CURVES[curve]
-                    look = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
+                    look = {"color": INK, "linestyle": _dashes(name), "linewidth": CURVES[curve].width}
                     self._line(pieces, label=_begin_text(regime, name), gid=name, zorder=3, **look)
                     self._clear += pieces
         self._draw_tips()
@@ -190,6 +190,11 @@ def _begin_text(regime: Regime, name: str) -> str:
     return f"{'last' if name.startswith(LAST) else 'first'} part {_BEGINS_TO[regime]}"
 
 
+def _dashes(name: str) -> Any:
+    """Return the dashes of a curve, other ones for the last part than for the first."""
+    return _LAST_BEGINS if name.startswith(LAST) else CURVES[name].dashes
+
+
 def _name(chosen: Chosen) -> str:
     return figure_text(chosen.drive.name, _NAME_SIZE, _NAME_ROOM)
 
@@ -229,7 +234,7 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
             spans_text(spans) + _ratio(design),
             goal,
             *_drift(spec, elliptical=shape == "normal_phase"),
-            *_machine(settings.chosen.drive),
+            *_machine(settings.chosen),
         ]
     )
 
@@ -255,15 +260,13 @@ def _drift(spec: Spec, *, elliptical: bool) -> list[str]:
     return [f"drift: {said}"] if said else []
 
 
-def _machine(drive: Drive) -> list[str]:
+def _machine(chosen: Chosen) -> list[str]:
     """Describe the amplitudes that voltage and filling make; empty where they make none."""
-    if drive.machine is None or not drive.machine.has_bands:
+    design, machine = chosen.design, chosen.drive.machine
+    if machine is None or not machine.has_bands:
         return []
-    low, high = (number_text(end) for end in drive.machine.covered)
-    return [
-        f"voltage and filling make {low} to {high} of the empty trough's amplitude at the design,\n"
-        "$A$ is in their middle"
-    ]
+    low, high = (f"{end or 0.0:.3g}" for end in (design.amplitude_least_mm, design.amplitude_most_mm))
+    return [f"over all voltages and fillings the design's amplitude is {low} to {high} mm; $A$ is the middle"]
 
 
 def _regime_map(settings: Settings) -> Figure:
@@ -394,6 +397,6 @@ def _draw_beginnings(axes: Axes, settings: Settings, legend: dict[str, dict[str,
         if low < amplitude < high:
             unit = QUANTITIES[settings.data.amplitude].unit
             text = f"{_begin_text(regime, name)}: {number_text(amplitude)} {unit}".rstrip()
-            look = {"color": INK, "linestyle": CURVES[BEGINS[regime]].dashes, "linewidth": 1.0}
+            look = {"color": INK, "linestyle": _dashes(name), "linewidth": 1.0}
             axes.axvline(amplitude, zorder=2, gid=name, label=text, **look)
             legend[text] = look

@@ -196,9 +196,13 @@ def closest_rows(spec: Spec, result: DesignResult) -> list[tuple[str, ...]]:
     higher = [regime for regime in _REGIMES if regime > highest and regime.label in answered]
     nearest = "nearest drive that meets the goal"
     rows = [("largest guaranteed", at_most(highest), "set by", *(r.label for r in higher), nearest)]
+    # another frequency changes the amplitude of these
+    tuned = {d.name for d in spec.drives if d.machine is not None and not d.machine.is_plain}
     others = [{d.drive: d for d in _of(result, "fastest", regime)} for regime in higher]
     for design in _of(result, "fastest", highest):
         needed = _NONE
+        if design.drive in tuned:
+            needed = "not computed for machines"
         if design.frequency_needed_hz is not None:
             size = _exact(design.amplitude_needed_mm or design.stroke_needed_mm)
             stroke = " stroke" if design.stroke_needed_mm is not None else ""

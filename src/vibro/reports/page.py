@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro import __version__
-from vibro.errors import FileError
+from vibro.errors import FileError, how_to_install
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,7 +89,7 @@ def _jinja() -> Any:
     try:
         import jinja2
     except ImportError:
-        raise FileError("a report needs Jinja2", hint="pip install 'vibro[report]'") from None
+        raise FileError("a report needs Jinja2", hint=how_to_install("report")) from None
     return jinja2
 
 

@@ -166,7 +166,8 @@ def _optional(unit: str, meaning: str) -> Any:
 class Design:
     """One design: settings of one drive and what they guarantee, in the units of the attributes' names.
 
-    The attributes are the columns of tables and the keys of JSON; those that do not apply are None.
+    The attributes are the columns of tables and the keys of JSON, which :doc:`/reference/columns` lists under
+    "Designs"; those that do not apply are None.
     """
 
     drive: str = _column("", "name of the drive")

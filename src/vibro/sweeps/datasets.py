@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro import __version__
-from vibro.errors import FileError, InputError, shown
+from vibro.errors import FileError, InputError, how_to_install, shown
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.solved import axis_called
 from vibro.units import CF_UNITS
@@ -54,7 +54,7 @@ def check_xarray() -> None:
     try:
         import xarray  # noqa: F401 - whether it is installed
     except ImportError:
-        raise FileError("to_xarray() needs xarray", hint="pip install 'vibro[xarray]'") from None
+        raise FileError("to_xarray() needs xarray", hint=how_to_install("xarray")) from None
 
 
 def dataset(
