@@ -289,6 +289,8 @@ def test_the_old_name_of_the_output_is_understood() -> None:
     cycle = solve(scene_with(), accuracy="regimes")  # type: ignore[call-arg]
     assert np.isnan(cycle.mean_velocity)
     assert cycle.regime == solve(scene_with()).regime
+    with pytest.raises(InputError, match="are both given"):
+        solve(scene_with(), output="exact", accuracy="regimes")  # type: ignore[call-arg]
 
 
 @pytest.mark.parametrize("name", ["flight", "coexistence"])
