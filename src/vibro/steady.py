@@ -48,7 +48,9 @@ def takes_old_name(function: Callable[_P, _R]) -> Callable[_P, _R]:
     def called(*args: _P.args, **values: _P.kwargs) -> _R:
         if "accuracy" in values:
             if "output" in values:
-                raise InputError("output and accuracy, its old name, are both given", hint="leave accuracy out")
+                raise InputError(
+                    "output and accuracy, its old name, are both given", hint="leave accuracy out"
+                )
             values["output"] = values.pop("accuracy")
         return function(*args, **values)
 
