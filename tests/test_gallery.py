@@ -5,11 +5,11 @@ from __future__ import annotations
 import io
 import runpy
 import shlex
-import shutil
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from commands import copy_examples
 from figures import EXAMPLES, ORDER, commands_of, pictures_of
 from PIL import Image
 from typer.testing import CliRunner
@@ -38,7 +38,7 @@ def test_the_command_writes_what_the_script_draws(
 ) -> None:
     monkeypatch.chdir(script.parent)
     figure = runpy.run_path(str(script)).get("figure")
-    shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("gallery"))
+    copy_examples(tmp_path)
     monkeypatch.chdir(tmp_path)
     for line in commands_of(script).replace("\\\n", " ").splitlines():
         program, *args = shlex.split(line)

@@ -28,6 +28,7 @@ DOCS: Final = Path(__file__).parents[1]
 BLOCK: Final = re.compile(
     r"(?:^<!-- exit code (\d+) -->\n)?^```(console|bash|python)\n(.*?)^```$", re.DOTALL | re.MULTILINE
 )
+SHELL: Final = ("bash", "-euo", "pipefail", "-c")
 COMMAND: Final = re.compile(r"\$ ((?:[^\n]*\\\n)*[^\n]*\n)(.*)", re.DOTALL)
 
 
@@ -44,22 +45,34 @@ def run_page(page: Path, folder: Path, kinds: Collection[str] = ("console", "bas
     RuntimeError
         If a command fails or prints something else than the page shows.
     """
-    shutil.copytree(DOCS.parent / "examples", folder / "examples", ignore=shutil.ignore_patterns("gallery"))
+    copy_examples(folder)
     for code, kind, block in BLOCK.findall(page.read_text(encoding="utf-8")):
         if kind not in kinds:
             continue
         if kind == "python":
-            _output([sys.executable, "-c", block], page, folder)
+            output_of([sys.executable, "-c", block], page, folder)
         elif kind == "bash":
-            _output(["bash", "-euo", "pipefail", "-c", block], page, folder)
+            output_of([*SHELL, block], page, folder)
         else:
             command, shown = COMMAND.findall(block)[0]
-            printed = _output(["bash", "-euo", "pipefail", "-c", command], page, folder, code or "0")
+            printed = output_of([*SHELL, command], page, folder, code or "0")
             if not doctest.OutputChecker().check_output(shown, printed, doctest.ELLIPSIS):
                 raise RuntimeError(f"{page.name}: {command}prints\n{printed}in place of\n{shown}")
 
 
-def _output(command: list[str], page: Path, folder: Path, code: str = "0") -> str:
+def copy_examples(folder: Path) -> None:
+    """Put the examples where the commands of a page look for them."""
+    shutil.copytree(DOCS.parent / "examples", folder / "examples", ignore=shutil.ignore_patterns("gallery"))
+
+
+def output_of(command: list[str], page: Path, folder: Path, code: str = "0") -> str:
+    """Run a command of a page; return what it prints, its messages if it prints nothing else.
+
+    Raises
+    ------
+    RuntimeError
+        If it ends with another exit code.
+    """
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         command,

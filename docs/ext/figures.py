@@ -9,19 +9,18 @@ below the command: ``/gallery/images/sphx_glr_plot_history_001.png``.
 from __future__ import annotations
 
 import ast
-import os
 import re
 import shutil
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from commands import DOCS, SHELL, copy_examples, output_of
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-EXAMPLES: Final = Path(__file__).parents[2] / "examples"
+EXAMPLES: Final = DOCS.parent / "examples"
 BLOCK: Final = re.compile(r"^\.\. code-block:: bash\n\n((?:    .*\n)+)", re.MULTILINE)
 # Of the pages, by the names of their scripts.
 ORDER: Final = (
@@ -59,21 +58,6 @@ def _seen(script: Path) -> str:
     return f"{title}. {paragraph.partition('. ')[0]}."
 
 
-def run_commands(script: Path, folder: Path) -> None:
-    """Run the commands of a page in a folder."""
-    shutil.copytree(EXAMPLES, folder / "examples", ignore=shutil.ignore_patterns("gallery"))
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", commands_of(script)],
-        cwd=folder,
-        env={**os.environ, "PATH": path},
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        check=True,
-    )
-
-
 def _scrape(block: Any, block_vars: Mapping[str, Any], gallery_conf: Mapping[str, Any]) -> str:
     """Save the pictures of a page, for its thumbnail too; return what shows the figure of a script."""
     places, script = block_vars["image_path_iterator"], Path(block_vars["src_file"])
@@ -85,7 +69,8 @@ def _scrape(block: Any, block_vars: Mapping[str, Any], gallery_conf: Mapping[str
         shown = path.relative_to(gallery_conf["src_dir"]).as_posix()
         return f".. image:: /{shown}\n   :alt: {_seen(script)}\n\n"
     with tempfile.TemporaryDirectory() as folder:
-        run_commands(script, Path(folder))
+        copy_examples(Path(folder))
+        output_of([*SHELL, commands_of(script)], script, Path(folder))
         for name in pictures_of(script):
             shutil.copyfile(Path(folder, name), Path(next(places)))
     return ""
