@@ -35,7 +35,6 @@ from typing import TYPE_CHECKING, Any, Final
 from unittest.mock import patch
 
 from vibro.axes import parse_axis
-from vibro.memory import retain_freed_memory
 from vibro.output.plan import ROW_GROUP, Plan
 from vibro.output.workers import Cluster, Processes, Threads, Workers
 from vibro.parallel import cores
@@ -163,7 +162,6 @@ def run_way(way: str, cells: float, repeats: int, flight: bool, place: Path) -> 
     grid = grid_of(cells, flight)
     plan = plan_of(grid)
     folder = place / "sweep"
-    retain_freed_memory()  # as the command does
     with workers_of(way) as workers:
         wait([workers.submit(time.sleep, 1.0) for _ in range(workers.number)])
         make(plan_of(grid_of(AN_AMPLITUDE), 10_000), place / "warm", workers)
@@ -293,7 +291,6 @@ def encodings(repeats: int) -> None:
     from vibro.output import parquet as room
     from vibro.results.sweep import Block
 
-    retain_freed_memory()
     grid = grid_of(1e7)
     table = plan_of(grid).table
     starts = range(0, grid.size - ROW_GROUP, grid.size // 6)

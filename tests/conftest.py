@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -15,6 +16,11 @@ if TYPE_CHECKING:
 # Several processes of tests fill the cores: threads of BLAS would only wait for each other. It is asked for
 # before anything imports NumPy; programs that tests start inherit it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Many shells and containers forbid byte code. Without it every process of tests compiles all tests anew, which
+# takes three times as long, and so does every program that they start: write it all the same.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 # A busy machine exceeds any time limit for an example, and a failure that comes from new random examples
 # cannot be repeated: no limit, and the same examples in every run. For many more of them, run pytest
@@ -90,7 +96,7 @@ _MARKED: Final = {
         "output/test_cluster.py", "output/test_faults.py", "output/test_hidden.py", "output/test_plan.py",
         "output/test_readers.py", "output/test_staging.py", "output/test_stored.py",
         "output/test_workers.py", "output/test_xlsx.py", "plots/test_save.py", "plots/test_style.py",
-        "sweeps/test_datasets.py", "test_gallery.py", "test_imports.py", "test_memory.py", "test_pages.py",
+        "sweeps/test_datasets.py", "test_gallery.py", "test_imports.py", "test_pages.py",
         "test_site.py", "test_threads.py", "test_translate.py",
     ),
     "browser": (

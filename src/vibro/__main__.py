@@ -12,9 +12,7 @@ def main() -> None:
     # Before anything else is imported, which takes most of a short run's time.
     end_on_signals()
     from vibro.cli.app import main as run
-    from vibro.memory import retain_freed_memory
 
-    retain_freed_memory()
     run()
 
 

