@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 # before anything imports NumPy; programs that tests start inherit it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-# Many shells and containers forbid byte code. Without it every process of tests compiles all tests anew, which
-# takes three times as long, and so does every program that they start: write it all the same.
+# Many shells and containers forbid byte code. Without it every process compiles all tests anew, which takes
+# three times as long, and so does every program that they start: write it all the same.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
