@@ -24,7 +24,7 @@ from vibro.core.derivatives import Change, displacement_rate, load_slope
 from vibro.core.hopping import hopping
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.return_map import Hops
-from vibro.core.scenes import Place, Scenes, no_directions, seek, unit_point_at
+from vibro.core.scenes import Place, Scenes, seek, unit_point_at
 from vibro.core.windows import thresholds
 from vibro.drives import Line
 from vibro.results.steady import RESULTS
@@ -253,7 +253,7 @@ def test_critical_loads_go_to_their_fields() -> None:
         scenes, place = Scenes(*grid.scenes), Place(*map(doors().row, grid.place()))
         for i in range(grid.size):
             seek(scenes, place, i)
-            unit = unit_point_at(scenes, place, no_directions()).loads
+            unit = unit_point_at(scenes, place).loads
             expected = critical_loads(unit)
             assert [np.broadcast_to(x, (grid.size,))[i] for x in found] == list(expected)
 

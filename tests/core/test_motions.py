@@ -16,7 +16,7 @@ from vibro.core.history import Legs, sections_of
 from vibro.core.motions import EXTREME, Cycle, Moments, arrivals, followed, history, moments
 from vibro.core.scenes import ELLIPSE as ELLIPSES
 from vibro.core.scenes import LINE as LINES
-from vibro.core.scenes import Place, Scenes, no_directions, point_at, seek
+from vibro.core.scenes import Place, Scenes, point_at, seek
 from vibro.core.steps import Launch, State, course_of
 
 PLACE = Place(view(np.zeros(10, np.int64)), view(np.zeros(1)), view(np.zeros(1, np.int64)))
@@ -36,7 +36,7 @@ def _scenes(*cells: dict[str, float], ellipse: bool = False) -> Scenes:
 
 def _loads(scenes: Scenes) -> Loads:
     seek(scenes, PLACE, 0)
-    return point_at(scenes, PLACE, no_directions()).loads
+    return point_at(scenes, PLACE).loads
 
 
 def _followed(scenes: Scenes) -> int:

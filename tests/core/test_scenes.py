@@ -1,4 +1,4 @@
-"""Scenes read cell by cell: broadcast fields, places, and shared angles."""
+"""Scenes read cell by cell: broadcast fields and places."""
 
 from __future__ import annotations
 
@@ -12,13 +12,11 @@ from helpers.solver_doors import plain
 
 from vibro import Scene
 from vibro.core.compiled import Doors, doors
-from vibro.core.drives import directions, ellipse_scale
+from vibro.core.drives import ellipse_scale
 from vibro.core.scenes import (
-    ELLIPSE,
     Place,
     Scenes,
     advance,
-    no_directions,
     point_at,
     seek,
     unit_point_at,
@@ -78,7 +76,7 @@ def test_each_cell_is_the_scene_that_broadcasting_gives(scene: Scene) -> None:
     for i, loads in enumerate(loads_of(scene)):
         seek(scenes, place, i)
         assert tuple(place.index[: scenes.axes]) == np.unravel_index(i, scene.shape)
-        point = point_at(scenes, place, no_directions())
+        point = point_at(scenes, place)
         assert point.loads == loads
         assert point.scale == scale[i]
         assert point.frequency == fields.frequency[i]
@@ -110,7 +108,7 @@ def test_one_axis_and_no_axis() -> None:
         for i, loads in enumerate(loads_of(scene)):
             if i:
                 advance(scenes, place)
-            assert point_at(scenes, place, no_directions()).loads == loads
+            assert point_at(scenes, place).loads == loads
 
 
 def test_a_grid_without_cells() -> None:
@@ -136,7 +134,7 @@ def test_cells_of_harmonics_have_the_waves_of_their_scenes() -> None:
         visit(scenes, place, i, 0)
         seek(scenes, sought, i)
         assert place.index.tolist() == sought.index.tolist()
-        point = point_at(scenes, place, no_directions())
+        point = point_at(scenes, place)
         scale, xi = float(sizes[row, 0]), float(phases[column])
         assert (point.scale, point.loads.kinetic_friction) == (scale, (0.4, 0.3)[column])
         parts = [
@@ -147,33 +145,13 @@ def test_cells_of_harmonics_have_the_waves_of_their_scenes() -> None:
         assert point.loads.drive_normal == pytest.approx(12e-4 / scale, rel=1e-14)
 
 
-@SCENES
-def test_angles_are_taken_from_the_cell_before_where_they_are_the_same(scene: Scene) -> None:
-    scenes, place = scenes_of(Grid(scene.arrays()))
-    ellipse = scenes.kind == ELLIPSE
-    first, trough = (-1.0, 0.1) if ellipse else (0.4, 0.1)
-    marked = directions(first, trough)._replace(trough_cosine=0.25)  # a false value tells where it was used
-    used = 0
-    for i, loads in enumerate(loads_of(scene)):
-        seek(scenes, place, i)
-        point = point_at(scenes, place, marked)
-        if point.angles == marked:
-            used += 1
-            assert point.loads.weight_normal != loads.weight_normal
-            assert (point.angles.first, point.angles.trough) == (first, trough)
-        else:
-            assert point.loads == loads
-    expected = 2 if ellipse else 8
-    assert used == expected
-
-
 def test_ellipses_at_unit_load_have_a_largest_acceleration_of_gravity() -> None:
     grid = Grid(ELLIPSES.arrays())
     scenes, place = scenes_of(grid)
     phase = np.linspace(0.0, 2.0 * np.pi, 20_001)
     for i, loads in enumerate(loads_of(ELLIPSES)):
         seek(scenes, place, i)
-        unit = unit_point_at(scenes, place, no_directions())
+        unit = unit_point_at(scenes, place)
         lead = math.atan2(loads.phase_sine, loads.phase_cosine)
         x = unit.loads.drive_tangential * np.sin(phase)
         y = unit.loads.drive_normal * np.sin(phase + lead)
@@ -189,7 +167,7 @@ def test_ellipses_at_unit_load_have_a_largest_acceleration_of_gravity() -> None:
                   kinetic_friction=0.4)  # fmt: skip
     scenes, place = scenes_of(Grid(still.arrays()))
     seek(scenes, place, 0)
-    unit = unit_point_at(scenes, place, no_directions())
+    unit = unit_point_at(scenes, place)
     assert (unit.loads.drive_tangential, unit.loads.drive_normal, unit.loads.weight_normal) == (0.0, 0.0, 1.0)
 
 
@@ -197,7 +175,7 @@ def test_lines_at_unit_load() -> None:
     scenes, place = scenes_of(Grid(LINES.arrays()))
     for i, loads in enumerate(loads_of(LINES)):
         seek(scenes, place, i)
-        unit = unit_point_at(scenes, place, no_directions())
+        unit = unit_point_at(scenes, place)
         weight = math.hypot(loads.weight_normal, loads.weight_tangential)
         assert unit.loads[:2] == loads[:2]
         assert unit.loads[2:5] == pytest.approx([x / weight for x in loads[2:5]], rel=1e-14)

@@ -75,14 +75,12 @@ class Loads(NamedTuple):
 
 
 class Directions(NamedTuple):
-    """What the angles of a scene contribute to its loads: the same for many cells of a map.
+    """What the angles of a scene contribute to its loads.
 
-    ``first`` is the drive angle of a line, and the phase difference phi of an ellipse; ``sum_cosine`` is
-    cos(alpha + beta) of a line.
+    ``cosine`` and ``sine`` are of the drive angle of a line, and of the phase difference phi of an ellipse;
+    ``sum_cosine`` is cos(alpha + beta) of a line.
     """
 
-    first: float
-    trough: float
     cosine: float
     sine: float
     trough_cosine: float
@@ -94,11 +92,11 @@ def directions(first: float, trough: float) -> Directions:
     """Evaluate the trigonometric functions of both angles [rad]."""
     cosine, sine = math.cos(first), math.sin(first)
     if trough == 0.0:
-        return Directions(first, trough, cosine, sine, 1.0, 0.0, cosine)
+        return Directions(cosine, sine, 1.0, 0.0, cosine)
     # the double next to a right angle still has a positive cosine
     total = first + trough
     sum_cosine = math.cos(total) if total < QUARTER else -abs(math.cos(total))
-    return Directions(first, trough, cosine, sine, math.cos(trough), math.sin(trough), sum_cosine)
+    return Directions(cosine, sine, math.cos(trough), math.sin(trough), sum_cosine)
 
 
 def weight_over_load(amplitude: float, frequency: float, gravity: float) -> float:

@@ -33,7 +33,7 @@ from vibro.core.motions import (
 )
 from vibro.core.return_map import Hops
 from vibro.core.scales import wave_limits, write_spans
-from vibro.core.scenes import Place, Scenes, no_directions, point_at, prepare, seek, unit_point_at, visit
+from vibro.core.scenes import Place, Scenes, point_at, prepare, seek, unit_point_at, visit
 from vibro.core.wave_cycle import wave_cycle, write_contact_letters
 from vibro.core.waves import SINE
 from vibro.core.windows import thresholds
@@ -75,11 +75,9 @@ def solve_contact(
     Buffers that are 0 in contact are expected to be zero.
     """
     hopping = 0
-    angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)
-        point = point_at(scenes, place, angles)
-        angles = point.angles
+        point = point_at(scenes, place)
         loads = point.loads
         at = thresholds(loads)
         if loads.waves.kind != SINE:
@@ -118,7 +116,7 @@ def solve_hops(
     for k in range(begin, end):
         i = cells[k]
         seek(scenes, place, i)
-        point = point_at(scenes, place, no_directions())
+        point = point_at(scenes, place)
         found = hopping(point.loads, point.restitution, flights, hops)
         displacement = point.scale * found.displacement
         speed = TURN * point.frequency * point.scale
@@ -143,7 +141,7 @@ def find_others(
     for k in range(begin, end):
         i = cells[k]
         seek(scenes, place, i)
-        point = point_at(scenes, place, no_directions())
+        point = point_at(scenes, place)
         impact = out.impact_velocity[i] / (TURN * point.frequency * point.scale)
         others = coexisting(point.loads, point.restitution, out.period_cycles[i], impact, flights, hops)
         out.coexists[i] = 1 if others else 0
@@ -157,7 +155,7 @@ def write_letters(
     ``flights`` and ``hops`` are scratch memory.
     """
     seek(scenes, place, cell)
-    point = point_at(scenes, place, no_directions())
+    point = point_at(scenes, place)
     at = thresholds(point.loads)
     if at.hops:
         return write_hopping_letters(point.loads, point.restitution, flights, hops, out, room)
@@ -166,11 +164,9 @@ def write_letters(
 
 def slips_back(scenes: Scenes, place: Place, out: Bytes, begin: int, end: int) -> None:
     """Tell by Eqs. (5) and (17) alone whether bodies slip back, also where mu_d > mu_s."""
-    angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)
-        point = point_at(scenes, place, angles)
-        angles = point.angles
+        point = point_at(scenes, place)
         at = thresholds(point.loads)
         back = at.back
         if at.back and at.forward:
@@ -190,11 +186,9 @@ class Limits(NamedTuple):
 
 def transition_loads(scenes: Scenes, place: Place, out: Limits, begin: int, end: int) -> None:
     """Find the load G at which each kind of motion begins, over that of the scene beyond one harmonic."""
-    angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)
-        point = unit_point_at(scenes, place, angles)
-        angles = point.angles
+        point = unit_point_at(scenes, place)
         waves = point.loads.waves.kind != SINE
         found = wave_limits(point.loads) if waves else critical_loads(point.loads)
         out.hop[i], out.forward_onset[i], out.back_onset[i] = found.hop, found.forward_onset, found.back_onset
@@ -204,18 +198,16 @@ def transition_loads(scenes: Scenes, place: Place, out: Limits, begin: int, end:
 def class_scales(scenes: Scenes, place: Place, out: Doubles, counts: Integers, room: int) -> None:
     """List the scales at which the first cell has each class, as ``write_spans``."""
     seek(scenes, place, 0)
-    write_spans(point_at(scenes, place, no_directions()).loads, out, counts, room)
+    write_spans(point_at(scenes, place).loads, out, counts, room)
 
 
 def tipping_loads(
     scenes: Scenes, place: Place, stand_ratio: Doubles, out: Doubles, begin: int, end: int
 ) -> None:
     """Find the load G up to which no edge of parts lifts; one stand ratio a cell."""
-    angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)
-        point = unit_point_at(scenes, place, angles)
-        angles = point.angles
+        point = unit_point_at(scenes, place)
         out[i] = tipping_load(point.loads, stand_ratio[i])
 
 
@@ -223,7 +215,7 @@ def load_slopes(scenes: Scenes, place: Place, pattern: Integers, out: Doubles, b
     """Differentiate the displacement over A of contact cycles, of known patterns, with respect to ln G."""
     for i in range(begin, end):
         seek(scenes, place, i)
-        out[i] = load_slope(point_at(scenes, place, no_directions()).loads, pattern[i])
+        out[i] = load_slope(point_at(scenes, place).loads, pattern[i])
 
 
 class Gradients(NamedTuple):
@@ -242,7 +234,7 @@ def displacement_gradients(
     """Differentiate the displacement over A of lines' contact cycles with respect to each input."""
     for i in range(begin, end):
         seek(scenes, place, i)
-        loads = point_at(scenes, place, no_directions()).loads
+        loads = point_at(scenes, place).loads
         a, b = loads.drive_tangential, loads.drive_normal
         n, t = loads.weight_normal, loads.weight_tangential
         out.log_load[i] = load_slope(loads, pattern[i])
@@ -277,7 +269,7 @@ def cycle_legs(
     """Solve the slides of contact cycles of known patterns; the second ones go to ``half`` and on."""
     for i in range(begin, end):
         seek(scenes, place, i)
-        found = cycle_slides(point_at(scenes, place, no_directions()).loads, pattern[i])
+        found = cycle_slides(point_at(scenes, place).loads, pattern[i])
         _write_leg(found.first, out, i)
         _write_leg(found.second, out, half + i)
 
@@ -308,13 +300,11 @@ def weigh(
 
     ``flights`` and ``hops`` are scratch memory. Means over irregular motion are left NaN unless ``averages``.
     """
-    angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)
         found, bound = Reaction(NAN, NAN, NAN, NAN, NAN, NAN), NAN
         if status[i] <= Status.BOUNDARY or status[i] == Status.AVERAGED:
-            point = point_at(scenes, place, angles)
-            angles = point.angles
+            point = point_at(scenes, place)
             bound = force_bound(point.loads)
             if 0 <= pattern[i] < SPELT_PATTERNS:
                 found = reaction_in_contact(point.loads, pattern[i])

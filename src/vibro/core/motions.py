@@ -25,7 +25,7 @@ from vibro.core.history import LastStarts, Legs, follow_legs, sections_from
 from vibro.core.hopping import MOST_THROW, cycle_of, entered
 from vibro.core.orbits import orbit_from
 from vibro.core.return_map import Hops
-from vibro.core.scenes import Place, Point, Scenes, no_directions, point_at, seek
+from vibro.core.scenes import Place, Point, Scenes, point_at, seek
 from vibro.core.steps import Launch, course_of
 from vibro.core.windows import thresholds
 
@@ -92,7 +92,7 @@ def _is_followed(loads: Loads) -> bool:
 def _point(scenes: Scenes, place: Place, cell: int) -> Point:
     """Read the scene of a cell."""
     seek(scenes, place, cell)
-    return point_at(scenes, place, no_directions())
+    return point_at(scenes, place)
 
 
 def followed(scenes: Scenes, place: Place, cell: int) -> int:

@@ -21,7 +21,7 @@ from vibro.core.drives import (
     wave_loads,
     weight_over_load,
 )
-from vibro.core.elementary import NAN, TURN
+from vibro.core.elementary import TURN
 from vibro.core.waves import (
     HARMONICS,
     PIECES,
@@ -35,7 +35,7 @@ from vibro.core.waves import (
 )
 
 __all__ = [
-    "ELLIPSE", "FIELDS", "LINE", "Place", "Point", "Scenes", "advance", "no_directions", "point_at",
+    "ELLIPSE", "FIELDS", "LINE", "Place", "Point", "Scenes", "advance", "point_at",
     "prepare", "seek", "unit_point_at", "visit",
 ]  # fmt: skip
 
@@ -112,7 +112,7 @@ class Place(NamedTuple):
 
 
 class Point(NamedTuple):
-    """One scene: its groups, its scales, and its angles, which the next cell may share.
+    """One scene: its groups and its scales.
 
     ``scale`` is the length A that the solver counts in [m], ``frequency`` that of the drive [Hz].
     """
@@ -121,7 +121,6 @@ class Point(NamedTuple):
     scale: float
     frequency: float
     restitution: float
-    angles: Directions
 
 
 def prepare(scenes: Scenes, place: Place, breaks: Doubles, pieces: Doubles) -> None:
@@ -177,13 +176,8 @@ def visit(scenes: Scenes, place: Place, cell: int, begin: int) -> None:
         advance(scenes, place)
 
 
-def no_directions() -> Directions:
-    """Stand in for the angles of a cell before the first."""
-    return Directions(NAN, NAN, NAN, NAN, NAN, NAN, NAN)
-
-
-def _angles_at(scenes: Scenes, place: Place, known: Directions) -> Directions:
-    """Evaluate the angles of a cell, but where they are those of the cell before."""
+def _directions_at(scenes: Scenes, place: Place) -> Directions:
+    """Evaluate the angles of a cell."""
     axes = scenes.axes
     trough = scenes.trough_angle[place.index[axes + 6]]
     first = 0.0
@@ -191,13 +185,13 @@ def _angles_at(scenes: Scenes, place: Place, known: Directions) -> Directions:
         first = scenes.second[place.index[axes + 1]]
     elif scenes.kind == ELLIPSE:
         first = scenes.third[place.index[axes + 2]]
-    return known if known.first == first and known.trough == trough else directions(first, trough)
+    return directions(first, trough)
 
 
-def point_at(scenes: Scenes, place: Place, known: Directions) -> Point:
-    """Read the scene of a cell; ``known`` are the angles of the cell before."""
+def point_at(scenes: Scenes, place: Place) -> Point:
+    """Read the scene of a cell."""
     axes, index = scenes.axes, place.index
-    angles = _angles_at(scenes, place, known)
+    angles = _directions_at(scenes, place)
     frequency, gravity = scenes.frequency[index[axes + 3]], scenes.gravity[index[axes + 7]]
     mu_s, mu_d = scenes.static_friction[index[axes + 4]], scenes.kinetic_friction[index[axes + 5]]
     restitution = scenes.restitution[index[axes + 8]]
@@ -221,7 +215,7 @@ def point_at(scenes: Scenes, place: Place, known: Directions) -> Point:
         waves = _waves_at(scenes, place, scale)
         most = largest(waves, Mix(0.0, 0.0, 1.0))
         loads = wave_loads(waves, most, normal_weight, weight * angles.trough_sine, mu_s, mu_d)
-    return Point(loads, scale, frequency, restitution, angles)
+    return Point(loads, scale, frequency, restitution)
 
 
 def _largest_amplitude(scenes: Scenes, place: Place) -> float:
@@ -249,18 +243,18 @@ def _waves_at(scenes: Scenes, place: Place, scale: float) -> Waves:
     return with_bounds(waves)
 
 
-def unit_point_at(scenes: Scenes, place: Place, known: Directions) -> Point:
+def unit_point_at(scenes: Scenes, place: Place) -> Point:
     """Read the scene of a cell at G = 1, where the trough's largest acceleration is that of gravity.
 
     Drives beyond one harmonic are read as they are.
     """
     if scenes.kind != LINE and scenes.kind != ELLIPSE:
-        return point_at(scenes, place, known)
+        return point_at(scenes, place)
     axes, index = scenes.axes, place.index
-    angles = _angles_at(scenes, place, known)
+    angles = _directions_at(scenes, place)
     mu_s, mu_d = scenes.static_friction[index[axes + 4]], scenes.kinetic_friction[index[axes + 5]]
     if scenes.kind == LINE:
-        return Point(line_loads(1.0, angles, mu_s, mu_d), 1.0, 1.0, 0.0, angles)
+        return Point(line_loads(1.0, angles, mu_s, mu_d), 1.0, 1.0, 0.0)
     along, normal = scenes.first[index[axes]], scenes.second[index[axes + 1]]
     scale = ellipse_scale(along, normal)
     x, y = along / scale, normal / scale
@@ -269,4 +263,4 @@ def unit_point_at(scenes: Scenes, place: Place, known: Directions) -> Point:
     ahead, behind = x + sine, x - sine
     reach = math.sqrt(ahead * ahead + cosine * cosine) + math.sqrt(behind * behind + cosine * cosine)
     share = 2.0 / reach if reach > 0.0 else 1.0
-    return Point(ellipse_loads(share * x, share * y, 1.0, angles, mu_s, mu_d), scale, 1.0, 0.0, angles)
+    return Point(ellipse_loads(share * x, share * y, 1.0, angles, mu_s, mu_d), scale, 1.0, 0.0)
