@@ -139,7 +139,9 @@ _FAULTS: Final = {
     ("output/plan.py", "output/test_plan.py"): [
         ("min((shard + 1) * self.shard_cells, self.grid.size)", "(shard + 1) * self.shard_cells"),
     ],
-    ("output/shard_folder.py", "output/test_shard_folder.py"): [("(name != SUCCESS,", "(name == SUCCESS,")],
+    ("output/shard_folder.py", "output/test_shard_folder.py"): [
+        ("(path.name != SUCCESS,", "(path.name == SUCCESS,")
+    ],
     ("inverse/search.py", "inverse/test_search.py"): [
         ("np.clip(first - 1, 0, last)", "np.clip(first, 0, last)"),
     ],

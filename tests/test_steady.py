@@ -285,14 +285,6 @@ def test_an_output_that_does_not_exist_is_refused() -> None:
         solve(scene_with(), output="rough")  # type: ignore[arg-type]
 
 
-def test_the_old_name_of_the_output_is_understood() -> None:
-    cycle = solve(scene_with(), accuracy="regimes")  # type: ignore[call-arg]
-    assert np.isnan(cycle.mean_velocity)
-    assert cycle.regime == solve(scene_with()).regime
-    with pytest.raises(InputError, match="are both given"):
-        solve(scene_with(), output="exact", accuracy="regimes")  # type: ignore[call-arg]
-
-
 @pytest.mark.parametrize("name", ["flight", "coexistence"])
 @pytest.mark.parametrize("value", ["off", 1, None])
 def test_what_only_looks_like_a_switch_is_refused(name: str, value: object) -> None:

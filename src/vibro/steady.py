@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import logging
-from functools import cache, wraps
-from typing import TYPE_CHECKING, Any, Final, Literal, ParamSpec, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
@@ -24,10 +24,7 @@ if TYPE_CHECKING:
 
     from vibro.scene import Scene
 
-__all__ = ["check_switch", "output_of", "solve", "takes_old_name"]
-
-_P = ParamSpec("_P")
-_R = TypeVar("_R")
+__all__ = ["check_switch", "output_of", "solve"]
 
 # Cells of a range: many enough that Python takes no time between them, few enough that an interrupt is
 # noticed within a fraction of a second.
@@ -41,23 +38,6 @@ _MANY_FLIGHTS: Final = 10_000  # [cells] above which plain Python takes minutes
 _MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.dtype) for r in RESULTS)
 
 
-def takes_old_name(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Let a function take its argument ``output`` by the old name ``accuracy`` too."""
-
-    @wraps(function)
-    def called(*args: _P.args, **values: _P.kwargs) -> _R:
-        if "accuracy" in values:
-            if "output" in values:
-                raise InputError(
-                    "output and accuracy, its old name, are both given", hint="leave accuracy out"
-                )
-            values["output"] = values.pop("accuracy")
-        return function(*args, **values)
-
-    return called
-
-
-@takes_old_name
 @shielded
 def solve(
     scene: Scene,

@@ -130,10 +130,18 @@ def test_pictures_go_into_the_folder_of_a_table_in_shards(run: Run) -> None:
         assert said["scene"]["trough_length_mm"] == 600
     # They are drawn again, and go with the sweep that they are of.
     Path("out", "_regime.png").unlink()
-    assert run(*asked, "--resume", "--accuracy", "exact").exit_code == 0
+    assert run(*asked, "--resume").exit_code == 0
     assert "_regime.png" in sharded_maps.names()
-    assert (
-        run(*sharded_maps.QUICK, "--table", "parquet", "-o", "out", "--force", "--format", "svg").exit_code
-        == 0
-    )
-    assert sharded_maps.names() == ["_SUCCESS", "_manifest.json", "_regime.svg", "part-000000.parquet"]
+    asked = (*sharded_maps.QUICK, "--table", "parquet", "-o", "out", "--format")
+    there = ["_SUCCESS", "_manifest.json", "_regime.svg", "part-000000.parquet"]
+    assert run(*asked, "svg", "--force").exit_code == 0
+    assert sharded_maps.names() == there
+    assert run(*asked, "pdf", "--resume").exit_code == 0
+    assert sharded_maps.names() == sorted([*there, "_regime.pdf"])
+    assert run(*asked, "svg", "--force").exit_code == 0
+    assert sharded_maps.names() == there
+    # What the manifest does not list is somebody's own.
+    Path("out", "_regime.png").write_text("mine", encoding="utf-8")
+    result = run(*asked, "png", "--resume")
+    assert sharded_maps.error(result)[0] == "error: out holds something else: _regime.png"
+    assert Path("out", "_regime.png").read_text(encoding="utf-8") == "mine"

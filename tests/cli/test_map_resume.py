@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from pathlib import Path
 
 import pytest
-from helpers.commands import NUT_ANGLE_AND_FRICTION, Run
-from helpers.sharded_maps import QUICK, SHARD_NAMES, SHARDED, WHOLE, contents, error, frame, names, told
+from helpers.commands import Run
+from helpers.sharded_maps import QUICK, SHARD_NAMES, SHARDED, WHOLE, contents, error, names, told
 
-OLD = Path(__file__).parents[1] / "data" / "sweep_folder"
 MANIFEST = Path("out", "_manifest.json")
 ANEW = "ask for the same, choose another name, or start anew with --force"
 pytestmark = pytest.mark.usefixtures("no_pictures")
@@ -52,10 +50,10 @@ def test_a_sweep_that_is_there_is_kept(run: Run) -> None:
     hint = "--resume goes on with it, --force starts anew"
     check_refused(run, asked, "out holds a sweep that is not finished", hint)
     MANIFEST.write_text(MANIFEST.read_text(encoding="utf-8").replace("9.81", "9.82"), encoding="utf-8")
-    hint = "restore the file, or start anew with --force"
+    hint = "restore the file, or choose another folder"
     problem = f"{MANIFEST} is damaged, or was changed after it was written"
-    check_refused(run, (*asked, "--resume"), problem, hint)
-    assert run(*asked, "--force").exit_code == 0
+    for more in ("--resume", "--force"):  # of what it lists nothing is certain any more
+        check_refused(run, (*asked, more), problem, hint)
 
 
 def test_resuming_makes_what_is_missing_alone_in_shards_of_the_size_that_is_there(run: Run) -> None:
@@ -71,7 +69,7 @@ def test_resuming_makes_what_is_missing_alone_in_shards_of_the_size_that_is_ther
     there = Path("out", SHARD_NAMES[0]).stat()
     assert (there.st_ino, there.st_mtime_ns) == (kept.st_ino, kept.st_mtime_ns)
     problem = "out holds another sweep: shard cells: 4 there, 5 here"
-    check_refused(run, (*asked, "--part-cells", "5"), problem, ANEW)
+    check_refused(run, (*asked, "--shard-cells", "5"), problem, ANEW)
 
 
 def test_what_changes_while_a_run_goes_on_is_an_error(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,16 +118,24 @@ def test_a_range_at_rest_says_nothing_of_the_others(run: Run) -> None:
     assert "at rest everywhere" not in result.stderr
 
 
-def test_a_folder_of_an_older_version_is_kept_or_replaced_as_a_whole(run: Run) -> None:
-    shutil.copytree(OLD, "out")
-    same = ("map", "-A", "1,4", "-f", "15,20", *NUT_ANGLE_AND_FRICTION, "--restitution", ".3", "-L", "600",
-            "--table", "parquet", "-o", "out")  # fmt: skip
-    hint = "choose another name, or start anew with --force; vibro map reads what is there"
-    check_refused(run, same, "out holds a sweep already", hint)
-    for more in (("--resume",), ("--shards", "0:1")):
-        check_refused(run, (*same, *more), "an older version of vibro began the sweep in out", ANEW)
-    Path("out", "regime.png").touch()  # as it named its pictures
-    Path("out", "notes.txt").touch()
-    assert run(*same, "--force", "--shard-cells", "2").exit_code == 0
-    assert names() == [*WHOLE[:2], "notes.txt", *SHARD_NAMES[:2]]
-    assert frame()["restitution"].tolist() == [0.3] * 4
+def test_starting_anew_leaves_what_is_not_of_the_sweep(run: Run) -> None:
+    asked = (*SHARDED, "-o", "out")
+    assert run(*asked).exit_code == 0
+    mine = ["regime.png", "speed.svg", "manifest.json", "notes.txt", "_flight.png"]
+    for name in mine:
+        Path("out", name).write_text("mine", encoding="utf-8")
+    folder = Path("out", "measured")
+    folder.mkdir()
+    (folder / SHARD_NAMES[0]).touch()
+    assert run(*asked, "--force", "--shard-cells", "9").exit_code == 0
+    assert names() == sorted([*WHOLE[:3], *mine, "measured"])
+    assert {Path("out", name).read_text(encoding="utf-8") for name in mine} == {"mine"}
+    assert (folder / SHARD_NAMES[0]).exists()
+    for shard in SHARD_NAMES[:2]:  # one of this sweep, and one that a reader would take for a shard of it
+        Path("out", shard).unlink(missing_ok=True)
+        Path("out", shard).symlink_to(Path("out", "notes.txt").absolute())
+        before = names()
+        result = run(*asked, "--force")
+        assert error(result) == [f"error: out holds something else: {shard}", "hint: choose another name"]
+        assert names() == before
+        Path("out", shard).unlink()

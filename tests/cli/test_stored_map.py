@@ -108,7 +108,7 @@ def test_shared_options_work(run: Run, wide: Path) -> None:
     "args",
     [
         ("-A", "1"), ("--mu-s", "0.3"), ("-L", "600"), ("--columns", "regime"), ("--digits", "3"),
-        ("--pitch", "25mm"), ("--mass", "1"), ("--accuracy", "exact"), ("--flight", "off"), ("--coexist",),
+        ("--pitch", "25mm"), ("--mass", "1"), ("--flight", "off"), ("--coexist",),
         ("--excel",), ("--decimal-comma",), ("-o", "-"),
     ],
 )  # fmt: skip
@@ -142,16 +142,11 @@ def test_wrong_choices_are_refused(
     assert names() == []
 
 
-def test_a_folder_of_an_older_version_is_drawn_and_an_unfinished_one_is_not(run: Run) -> None:
-    shutil.copytree(Path(__file__).parents[1] / "data" / "sweep_folder", "old")
-    assert run("map", "old").exit_code == 0
-    assert names() == ["old-regime.png", "old-speed.png", "old-traverse.png", "old.json"]
-    content = json.loads(Path("old.json").read_text(encoding="utf-8"))
-    assert (content["cells"], content["regime"]) == (4, {"forward-slip": 1, "back-slip": 1, "hopping": 2})
-    Path("old", "_SUCCESS").unlink()
-    result = run("map", "old", "-o", "x")
+def test_an_unfinished_folder_is_not_drawn(run: Run, wide: Path) -> None:
+    (wide / "_SUCCESS").unlink()
+    result = run("map", "wide", "-o", "x")
     assert result.exit_code == 1
-    assert "error: old is not finished: 2 of 2 shards are there\n" in result.stderr
+    assert "error: wide is not finished: 8 of 8 shards are there\n" in result.stderr
 
 
 def test_pictures_without_their_columns_leave_nothing(

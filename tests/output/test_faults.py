@@ -290,13 +290,10 @@ def test_what_is_not_of_the_sweep_is_refused(folder: Path) -> None:
         with pytest.raises(FileError, match="another sweep: shard cells: 200 there, 300 here"):
             made(folder, plan=small_plan(10), shard_cells=300, **how)
     shutil.copy(folder / shard_name(3), folder / shard_name(15))
-    with pytest.raises(FileError, match=r"shards of another sweep: part-000015\.parquet"):
-        made(folder, resume=True)
-    (folder / shard_name(15)).rename(folder / "more.parquet")
     for how in ({"resume": True}, {"force": True}, {"shards": "0:4"}, {}):
-        with pytest.raises(FileError, match=r"holds something else: more\.parquet"):
+        with pytest.raises(FileError, match=r"holds something else: part-000015\.parquet"):
             made(folder, **how)
-    (folder / "more.parquet").unlink()
+    (folder / shard_name(15)).unlink()
     with pytest.raises(FileError, match="holds a sweep already"):
         made(folder)
     assert states(folder) == before

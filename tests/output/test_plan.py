@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from vibro.axes import Axis
 from vibro.errors import FileError, InputError
 from vibro.output.plan import ROW_GROUP, Plan, read_plan, usual_shard_cells, versions
-from vibro.output.shard_folder import MOST_SHARDS
+from vibro.output.shard_folder import MANIFEST, MOST_SHARDS, SUCCESS
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.grid import Grid
 
@@ -154,7 +154,7 @@ def test_every_change_of_a_manifest_is_noticed() -> None:
     content = json.loads(plan.manifest(ARGV))
     tried = 0
     for path in paths(content):
-        if path[0] in ("argv", "name", "own"):  # what does not count
+        if path[0] in ("argv", "name", "own", "pictures"):  # what does not count
             continue
         *before, last = path
         for other in others(_at(content, path)):
@@ -242,8 +242,8 @@ def test_what_a_part_is_and_its_pitch_are_named() -> None:
     ]  # fmt: skip
 
 
-def test_names_arguments_and_own_values_do_not_count() -> None:
-    other = Plan.of(THERE.grid, THERE.table, None, "bolt", {"amplitude": 2.0})
+def test_names_arguments_own_values_and_pictures_do_not_count() -> None:
+    other = Plan.of(THERE.grid, THERE.table, None, "bolt", {"amplitude": 2.0}, ["_regime.png"])
     assert other.fingerprint == THERE.fingerprint
     assert other.differences(THERE) == []
     texts = [plan.manifest(argv) for plan, argv in ((THERE, ARGV), (other, ["vibro"]))]
@@ -281,6 +281,18 @@ def test_shards_have_fewer_cells_where_cells_are_dear(given: dict[str, Any], cel
     assert plan_of(solved, 7).shard_cells == 7
 
 
+def test_its_files_are_those_that_it_lists_under_names_that_vibro_gives() -> None:
+    pictures = ["_speed.svg", "_regime.png", "speed.svg", "_hill.png", "../_flight.png"]
+    plan = read_plan(plan_of(nut(), 7).manifest(ARGV, pictures), "m")
+    shards = {"part-000000.parquet", "part-000001.parquet"}
+    assert plan.files == {MANIFEST, SUCCESS, "_speed.svg", "_regime.png", *shards}
+    assert list(read_plan(plan.manifest(ARGV, ["_flight.pdf", "_speed.svg"]), "m").pictures) == [
+        *pictures, "_flight.pdf",
+    ]  # fmt: skip
+    with pytest.raises(FileError, match="damaged"):
+        read_plan(json.dumps({**plan.content, "pictures": 3}), "m")
+
+
 def test_more_shards_than_names_can_number_are_refused() -> None:
     grid = grid_of({"amplitude": list(np.arange(1.0, MOST_SHARDS + 2.0))}, drive_angle=20.0)
     with pytest.raises(
@@ -301,8 +313,8 @@ def test_what_is_no_manifest_is_told(text: str) -> None:
 
 
 def test_a_later_format_is_told() -> None:
-    content = json.loads(THERE.manifest(ARGV)) | {"format": "vibro sweep 3"}
-    with pytest.raises(FileError, match="vibro sweep 3 is an unknown format") as caught:
+    content = json.loads(THERE.manifest(ARGV)) | {"format": "vibro sweep 4"}
+    with pytest.raises(FileError, match="vibro sweep 4 is an unknown format") as caught:
         read_plan(json.dumps(content), "m")
     assert caught.value.hint == "use the vibro that wrote it"
 

@@ -17,7 +17,7 @@ from helpers.commands import POSIX
 import vibro.interrupts
 from vibro.errors import FileError, InputError
 from vibro.output.hidden import hidden_folder
-from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, Stamp, manifest_of, shard_name
+from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, Stamp, shard_name
 from vibro.output.writing import shard_folder
 
 GO_ON = "go on with resume=True"
@@ -229,13 +229,15 @@ def test_a_signal_keeps_what_is_whole_and_says_how_to_go_on(tmp_path: Path) -> N
         (["part-000000.parquet"], "part-000000.parquet"),
         ([SUCCESS], SUCCESS),
         ([MANIFEST, "more.parquet"], "more.parquet"),
-        (["manifest.json", "more.parquet"], "more.parquet"),
+        ([MANIFEST, "part-000002.parquet"], "part-000002.parquet"),
+        ([MANIFEST, "_speed.svg"], "_speed.svg"),  # would be written over
+        ([MANIFEST, "part-000001.parquet/"], "part-000001.parquet"),
         ([MANIFEST, "part-0.parquet", "part-0000000.parquet"], "part-0.parquet, part-0000000.parquet"),
-        ([MANIFEST, "_flight.png/"], "_flight.png"),
+        ([MANIFEST, "_regime.png/"], "_regime.png"),
         (["a", "b", "c", "d"], "a, b, c, ..."),
         ([], ""),
         ([".hidden"], ""),
-        (["manifest.json"], ""),
+        (["manifest.json"], "manifest.json"),
         ([MANIFEST, "notes.txt", "speed.svg", "notes/"], ""),
         ([*SWEEP, ".hidden"], ""),
     ],
@@ -245,26 +247,29 @@ def test_a_folder_that_holds_something_else_is_refused(tmp_path: Path, there: li
     folder.mkdir()
     for name in there:
         (folder / name).mkdir() if name.endswith("/") else (folder / name).touch()
+    ours = SWEEP if MANIFEST in there else []
     with held(folder) as files:
         if others:
             with pytest.raises(FileError, match=f"holds something else: {re.escape(others)}\n") as caught:
-                files.check_free()
+                files.check_free(ours, ["_speed.svg"])
             assert caught.value.hint == "choose another name"
         else:
-            files.check_free()
+            files.check_free(ours, ["_speed.svg"])
     assert names(folder) == sorted(name.rstrip("/") for name in there)
 
 
 def test_clearing_removes_the_files_of_a_sweep_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_sweep(tmp_path, 3)
-    for name in ("manifest.json", "regime.svg"):  # of an older version
-        (tmp_path / name).touch()
-    others = [
-        "notes.txt", "part-1.parquet", "part-000000.parquet.bak", "xpart-000000.parquet", "manifest.json.old",
-        "_SUCCESS2", "hill.png", "regime.png.txt", ".hidden", "part-000009.parquet~", "__regime.png",
-    ]  # fmt: skip
+    ours = [*names(tmp_path), "_speed.svg", "_flight.png", "part-000003.parquet"]
+    others = ["regime.png", "speed.svg", "manifest.json", "notes.txt", "_regime.svg", "part-000009.parquet"]
     for name in others:
         (tmp_path / name).touch()
+    (tmp_path / "_speed.svg").mkdir()
+    (tmp_path / "_flight.png").symlink_to(tmp_path / "notes.txt")
+    (tmp_path / "part-000003.parquet").symlink_to(tmp_path / "part-000009.parquet")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "part-000000.parquet").touch()
+    others += ["_speed.svg", "_flight.png", "part-000003.parquet", "folder"]
     removed: list[str] = []
     unlink = Path.unlink
 
@@ -274,21 +279,14 @@ def test_clearing_removes_the_files_of_a_sweep_alone(tmp_path: Path, monkeypatch
 
     with held(tmp_path) as files:
         monkeypatch.setattr(Path, "unlink", noted)
-        files.clear()
+        files.clear(ours)
         monkeypatch.undo()
         # At no time does anything say that a set is whole which is not, or is it of no sweep.
         assert removed[0] == SUCCESS
-        assert {*removed[-2:]} == {MANIFEST, "manifest.json"}
-        assert len(removed) == 8
+        assert removed[-1] == MANIFEST
+        assert len(removed) == 6
         assert names(tmp_path) == sorted(others)
-
-
-def test_the_manifest_is_that_of_the_version_which_wrote_it(tmp_path: Path) -> None:
-    assert manifest_of(tmp_path).name == MANIFEST
-    (tmp_path / "manifest.json").touch()
-    assert manifest_of(tmp_path).name == "manifest.json"
-    (tmp_path / MANIFEST).touch()
-    assert manifest_of(tmp_path).name == MANIFEST
+        assert (tmp_path / "folder" / "part-000000.parquet").exists()
 
 
 @pytest.mark.parametrize(

@@ -314,7 +314,7 @@ def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
         ("cells", 9),
     ):
         path.write_text(json.dumps(content | {key: value}), encoding="utf-8")
-        refused(copy, "_manifest.json is damaged, or was changed", "force=True")
+        refused(copy, "_manifest.json is damaged, or was changed", "restore the file")
     path.write_text(json.dumps(content | {"format": "vibro sweep 99"}), encoding="utf-8")
     refused(copy, "vibro sweep 99 is an unknown format", "use the vibro that wrote it")
     for text in ("", "[]", "{"):

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from helpers.plans import NUT, plan_of
+from helpers.plans import NUT
 
 import vibro
-from vibro.output.plan import read_plan
 
 LINE: dict[str, Any] = {"amplitude_mm": [1, 4], "frequency_hz": 15, **NUT}
 FRICTION: dict[str, Any] = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -24,8 +23,6 @@ CLAMPED: dict[str, Any] = {
 }  # fmt: skip
 LENGTH: dict[str, Any] = {"trough_length_mm": 600.1}
 BOUNCING: dict[str, Any] = {"restitution": 0.5}
-OLD = Path(__file__).parents[1] / "data" / "sweep_folder"
-"""A folder that was written before tables told this."""
 
 
 @pytest.mark.parametrize(
@@ -75,16 +72,3 @@ def test_a_motion_has_its_restitution_unless_it_carries_a_clamped_part(tmp_path:
     assert vibro.sweep(scene).to_frame()["restitution"].unique().tolist() == [0.5]
     scene.write_text(f"{point}normal_acceleration_m_s2 = 5\n{moved}", encoding="utf-8")
     assert "restitution" not in vibro.sweep(scene).to_frame()
-
-
-def test_an_older_folder_without_them_is_read_as_it_was_written() -> None:
-    old = vibro.open_sweep(OLD)
-    assert not {"restitution", "trough_length_mm"} & set(old.columns)
-    assert (old.fixed["restitution"], old.fixed["trough_length_mm"]) == (0.3, 600.0)
-    now = vibro.sweep(
-        amplitude_mm=[1, 4], frequency_hz=[15, 20], restitution=0.3, trough_length_mm=600, **NUT
-    )
-    pd.testing.assert_frame_equal(old.to_frame(), now.to_frame(old.columns), rtol=1e-12)
-    there = read_plan((OLD / "manifest.json").read_text(encoding="utf-8"), OLD)
-    differences = plan_of(now, 3).differences(there)
-    assert "columns: none there, restitution,trough_length_mm here" in differences

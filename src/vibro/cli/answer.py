@@ -8,6 +8,7 @@ import sys
 from bisect import bisect_right
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.cli.console import Console
@@ -78,6 +79,13 @@ class Pictures:
     names: Sequence[str]
     formats: Sequence[str]
     draw: Callable[[Callable[..., None]], Mapping[str, Figure]]
+
+    @property
+    def files(self) -> dict[str, tuple[str, str]]:
+        """Name and format of each, by its file in a folder of shards."""
+        from vibro.output.names import picture_file
+
+        return {picture_file(*which): which for which in product(self.names, self.formats)}
 
 
 @contextmanager

@@ -13,7 +13,6 @@ from vibro.cli.options import (
     Flight,
     FlightOption,
     FormatOption,
-    OldOutputOption,
     Options,
     RegimesOnlyOption,
     picture_formats,
@@ -113,7 +112,6 @@ def map_command(
     formats: FormatOption = "png",
     flight: FlightOption = Flight.ON,
     regimes_only: RegimesOnlyOption = False,
-    accuracy: OldOutputOption = Output.EXACT,
     coexist: CoexistOption = False,
     columns: ColumnsOption = None,
     digits: DigitsOption = None,
@@ -161,7 +159,7 @@ def map_command(
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     shown = shown_pictures(show or [])
-    output = Output.REGIMES if regimes_only else accuracy
+    output = Output.REGIMES if regimes_only else Output.EXACT
     if shown:
         refuse_without_flight(f"--show {','.join(shown)}", flight, output)
     if coexist:
@@ -235,7 +233,8 @@ def map_command(
                 "--speed: which frictions reach it is not known for a folder",
                 hint="leave it out, or --table parquet",
             )
-        plan = sharding.plan(grid, written, request.name or "", request.own)
+        files = list(pictures.files) if pictures else []
+        plan = sharding.plan(grid, written, request.name or "", request.own, files)
         code, tally = write_sharded(plan, sharding, options, context.obj, console, name, pictures)
         if reached:
             console.echo(reached)

@@ -31,7 +31,6 @@ __all__ = [
     "ForceOption",
     "FormatOption",
     "JsonOption",
-    "OldOutputOption",
     "Options",
     "OutputOption",
     "QuietOption",
@@ -57,7 +56,6 @@ FlightOption = Annotated[
 RegimesOnlyOption = Annotated[
     bool, typer.Option("--regimes-only", help="Compute regimes, ratios and statuses only, no speeds.")
 ]
-OldOutputOption = Annotated[Output, typer.Option("--accuracy", hidden=True)]  # the old name of --regimes-only
 CoexistOption = Annotated[
     bool,
     typer.Option(

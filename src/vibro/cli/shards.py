@@ -6,7 +6,6 @@ import contextlib
 import math
 import shutil
 from enum import StrEnum
-from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
@@ -57,7 +56,6 @@ ShardCellsOption = Annotated[
     str | None,
     typer.Option(
         "--shard-cells",
-        "--part-cells",
         metavar="NUMBER",
         help="Cells of each Parquet file, a shard. [default: 1e6; 20000 where bodies bounce]",
         show_default=False,
@@ -213,13 +211,11 @@ def _draw(
     from vibro.output.record import picture_metadata
     from vibro.plots import save
 
-    written = []
     with drawn(pictures, console) as figures:
-        for name, form in product(pictures.names, pictures.formats):
-            written.append(f"_{name}.{form}")
-            with files.new(written[-1]) as path:
+        for file, (name, form) in pictures.files.items():
+            with files.new(file) as path:
                 save(figures[name], path, form, picture_metadata(content))
-    return written
+    return list(pictures.files)
 
 
 @contextlib.contextmanager

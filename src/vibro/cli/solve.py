@@ -13,7 +13,6 @@ from vibro.cli.options import (
     CoexistOption,
     Flight,
     FlightOption,
-    OldOutputOption,
     Options,
     RegimesOnlyOption,
     refuse_without_flight,
@@ -51,7 +50,6 @@ def solve_command(
     options: Options,
     flight: FlightOption = Flight.ON,
     regimes_only: RegimesOnlyOption = False,
-    accuracy: OldOutputOption = Output.EXACT,
     coexist: CoexistOption = False,
     stand_ratio: Annotated[
         str | None,
@@ -113,7 +111,7 @@ def solve_command(
     )
     from vibro.sweeps.weighed import weighed
 
-    output = Output.REGIMES if regimes_only else accuracy
+    output = Output.REGIMES if regimes_only else Output.EXACT
     if coexist:
         refuse_without_flight("--coexist", flight, output)
     if speed is not None:

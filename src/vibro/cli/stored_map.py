@@ -67,7 +67,7 @@ def map_stored(
     from vibro.cli.target_speed import target_in_pictures
     from vibro.output.record import json_text, sweep_record
     from vibro.output.shard_files import open_shards
-    from vibro.output.shard_folder import manifest_of
+    from vibro.output.shard_folder import MANIFEST
     from vibro.output.staging import Staging
     from vibro.output.stored import stored_picture
     from vibro.plots import map_figures, picture_names
@@ -118,7 +118,7 @@ def map_stored(
         tables={},
         pictures=names,
         formats=wanted,
-        reads=[manifest_of(folder)],
+        reads=[folder / MANIFEST],
     ) as files:
         origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
         content = {"sweep": origin, **sweep_record(grid, plan.table, shards.tally.told())}

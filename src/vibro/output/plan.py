@@ -18,8 +18,9 @@ from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, VibroError, how_to_install
 from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
+from vibro.output.names import PICTURE_FILES
 from vibro.output.record import sweep_record
-from vibro.output.shard_folder import MOST_SHARDS
+from vibro.output.shard_folder import MANIFEST, MOST_SHARDS, SUCCESS, shard_name
 from vibro.parallel import BLOCK
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, chosen, columns_of
@@ -29,7 +30,7 @@ from vibro.sweeps.grid import GIVEN_IN, Grid
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["ROW_GROUP", "Plan", "check_arrow", "check_manifest", "read_plan", "usual_shard_cells", "versions"]
+__all__ = ["ROW_GROUP", "Plan", "check_arrow", "read_plan", "usual_shard_cells", "versions"]
 
 #: [cells] Solved and encoded at once: the bytes of a shard depend on it.
 ROW_GROUP: Final = BLOCK
@@ -40,10 +41,9 @@ _SHARD_CELLS: Final = 1_000_000
 _DEAR_SHARD_CELLS: Final = 20_000
 
 _FORMATS: Final = "vibro sweep "
-_FORMAT: Final = f"{_FORMATS}2"
-_OLD_FORMAT: Final = f"{_FORMATS}1"
+_FORMAT: Final = f"{_FORMATS}3"
 # Keys left out of the fingerprint: command line, settings of pictures, values that follow from others.
-_NOT_COMPARED: Final = ("argv", "name", "own", "parts", "fingerprint", GIVEN_IN)
+_NOT_COMPARED: Final = ("argv", "name", "own", "pictures", "fingerprint", GIVEN_IN)
 
 
 def check_arrow() -> None:
@@ -89,6 +89,8 @@ class Plan:
         Name of the scene.
     own : mapping of str to float
         The scene's own values, in the user's units, for pictures.
+    pictures : tuple of str
+        File names of the pictures that are drawn into the folder.
     content : mapping
         What the manifest says, without the run that began it; with ``fingerprint``, which is equal for two
         plans whose shards are the same.
@@ -99,11 +101,18 @@ class Plan:
     shard_cells: int
     name: str
     own: Mapping[str, float]
+    pictures: tuple[str, ...]
     content: Mapping[str, Any] = field(repr=False)
 
     @classmethod
     def of(
-        cls, grid: Grid, table: Table, shard_cells: int | None, name: str, own: Mapping[str, float]
+        cls,
+        grid: Grid,
+        table: Table,
+        shard_cells: int | None,
+        name: str,
+        own: Mapping[str, float],
+        pictures: Sequence[str] = (),
     ) -> Self:
         """Make the plan of a sweep, in shards of the usual size unless that is given.
 
@@ -124,12 +133,13 @@ class Plan:
             "versions": dict(versions()),
             "name": name,
             "own": dict(own),
+            "pictures": list(pictures),
             **sweep_record(grid, table, every_value=True),
             "shard_cells": cells,
             "row_group_cells": ROW_GROUP,
         }
         content["fingerprint"] = _fingerprint(content)
-        return cls(grid, table, cells, name, own, content)
+        return cls(grid, table, cells, name, own, tuple(pictures), content)
 
     @property
     def shards(self) -> int:
@@ -142,17 +152,19 @@ class Plan:
         return str(self.content["fingerprint"])
 
     @property
-    def is_old(self) -> bool:
-        """Whether an older version wrote the manifest: it can be read, not resumed."""
-        return bool(self.content["format"] == _OLD_FORMAT)
+    def files(self) -> set[str]:
+        """Names of its files, each one that vibro gives and the manifest lists."""
+        pictures = PICTURE_FILES.intersection(self.pictures)
+        return {MANIFEST, SUCCESS, *map(shard_name, range(self.shards)), *pictures}
 
     def range_of(self, shard: int) -> tuple[int, int]:
         """Return the first cell of a shard, and the one after its last."""
         return shard * self.shard_cells, min((shard + 1) * self.shard_cells, self.grid.size)
 
-    def manifest(self, argv: Sequence[str]) -> str:
-        """Return the manifest of a run with these arguments."""
-        return json.dumps({**self.content, "argv": list(argv)}, indent=1, allow_nan=False) + "\n"
+    def manifest(self, argv: Sequence[str], pictures: Sequence[str] = ()) -> str:
+        """Return the manifest of a run with these arguments, with more pictures than the plan's own."""
+        content = {**self.content, "pictures": list(dict.fromkeys((*self.pictures, *pictures)))}
+        return json.dumps({**content, "argv": list(argv)}, indent=1, allow_nan=False) + "\n"
 
     def differences(self, other: Plan) -> list[str]:
         """List how the plan in the folder differs from this one, as far as it changes the shards."""
@@ -174,23 +186,6 @@ class Plan:
         return told
 
 
-def check_manifest(text: str, path: object) -> dict[str, Any]:
-    """Return the content of a manifest, unchecked.
-
-    Raises
-    ------
-    FileError
-        If it is no manifest of a sweep.
-    """
-    try:
-        content = json.loads(text)
-    except (ValueError, RecursionError):
-        content = None
-    if not isinstance(content, dict) or not str(content.get("format")).startswith(_FORMATS):
-        raise FileError(f"{path} is no manifest of a sweep", hint="choose another folder")
-    return content
-
-
 def read_plan(text: str, path: object) -> Plan:
     """Read a manifest.
 
@@ -206,8 +201,13 @@ def read_plan(text: str, path: object) -> Plan:
     FileError
         If it is no manifest of a sweep, or was changed after it was written.
     """
-    content = check_manifest(text, path)
-    if content["format"] not in (_FORMAT, _OLD_FORMAT):
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError):
+        content = None
+    if not isinstance(content, dict) or not str(content.get("format")).startswith(_FORMATS):
+        raise FileError(f"{path} is no manifest of a sweep", hint="choose another folder")
+    if content["format"] != _FORMAT:
         raise FileError(
             f"{path}: {content['format']} is an unknown format", hint="use the vibro that wrote it"
         )
@@ -218,14 +218,14 @@ def read_plan(text: str, path: object) -> Plan:
     except (LookupError, TypeError, ValueError, AttributeError, VibroError):
         raise FileError(
             f"{path} is damaged, or was changed after it was written",
-            hint="restore the file, or start anew with force=True",
+            hint="restore the file, or choose another folder",
         ) from None
 
 
 def _plan_of(content: Mapping[str, Any]) -> Plan:
     known = {quantity.column: quantity for quantity in QUANTITIES.values()}
     axes = {}
-    for column, entry in _axes_of(content):
+    for column, entry in content["axes"].items():
         name = known[column].name
         axes[name] = Axis(name, np.array(entry["values"], np.float64), entry["spacing"])
     scene = {known[column].name: float(value) for column, value in content["scene"].items()}
@@ -242,14 +242,8 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     )
     table = Table(columns, content["digits"], part)
     own = {str(name): float(value) for name, value in content["own"].items()}
-    cells = content["part_cells" if content["format"] == _OLD_FORMAT else "shard_cells"]
-    return Plan(grid, table, cells, str(content["name"]), own, content)
-
-
-def _axes_of(content: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
-    if content["format"] == _OLD_FORMAT:
-        return [(entry["column"], entry) for entry in content["axes"]]
-    return list(content["axes"].items())
+    pictures = tuple(map(str, content["pictures"]))
+    return Plan(grid, table, content["shard_cells"], str(content["name"]), own, pictures, content)
 
 
 def _fingerprint(content: Mapping[str, Any]) -> str:

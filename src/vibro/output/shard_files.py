@@ -12,7 +12,7 @@ from vibro.errors import FileError, cut, shown
 from vibro.output.gathered import gathering
 from vibro.output.parquet import read_footer
 from vibro.output.plan import check_arrow, read_plan
-from vibro.output.shard_folder import SUCCESS, manifest_of, shard_name
+from vibro.output.shard_folder import MANIFEST, SUCCESS, shard_name
 from vibro.output.shards import place_of
 from vibro.sweeps.tally import Tally
 
@@ -144,7 +144,7 @@ def open_shards(folder: Path) -> ShardFiles:
     if not folder.is_dir():
         what = "is no folder" if folder.exists() else "is not there"
         raise FileError(f"cannot open {folder}: it {what}", hint=_WANTED)
-    path = manifest_of(folder)
+    path = folder / MANIFEST
     manifest = _text(path)
     if manifest is None:
         raise FileError(f"{folder} holds no sweep: there is no {path.name} in it", hint=_WANTED)

@@ -10,45 +10,30 @@ import contextlib
 import errno
 import hashlib
 import os
-import re
 from typing import TYPE_CHECKING, Final, NamedTuple, Self
 
 from vibro.errors import FileError
 from vibro.interrupts import OnEnd
 from vibro.output.hidden import PREFIX, Hidden, hidden_folder
-from vibro.output.names import PICTURE_FORMATS, PICTURES
 from vibro.output.staging import OTHER_NAME, cannot_write, is_regular, put, reason
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping
     from pathlib import Path
 
-__all__ = [
-    "MANIFEST", "MOST_SHARDS", "OLD_MANIFEST", "SUCCESS", "ShardFolder", "Stamp", "manifest_of", "shard_name",
-    "sync_file",
-]  # fmt: skip
+__all__ = ["MANIFEST", "MOST_SHARDS", "SUCCESS", "ShardFolder", "Stamp", "shard_name", "sync_file"]
 
 # Programs that read a folder of Parquet files skip names that begin with _ or a point.
 MANIFEST: Final = "_manifest.json"
-OLD_MANIFEST: Final = "manifest.json"  # of folders that older versions have written
 SUCCESS: Final = "_SUCCESS"
 MOST_SHARDS: Final = 1_000_000  # that six digits can number
 
-_OURS: Final = re.compile(
-    rf"part-[0-9]{{6}}\.parquet|_?manifest\.json|{SUCCESS}|_?({'|'.join(PICTURES)})\.({'|'.join(PICTURE_FORMATS)})"
-)
 _ALL: Final = "shards"
 
 
 def shard_name(number: int) -> str:
     """Name the file of a shard."""
     return f"part-{number:06d}.parquet"
-
-
-def manifest_of(folder: Path) -> Path:
-    """Return the path of a folder's manifest, whichever version has written it."""
-    old = folder / OLD_MANIFEST
-    return old if old.exists() and not (folder / MANIFEST).exists() else folder / MANIFEST
 
 
 class Stamp(NamedTuple):
@@ -100,7 +85,7 @@ class ShardFolder:
         self._whole = hidden_folder(self.folder / _ALL)
         self._own = hidden_folder(self.folder / f"{_ALL} {shards}") if shards else self._whole
         self._hidden = Hidden(self._own, str(folder))
-        self._on_end = OnEnd(lambda: how_to_go_on if manifest_of(self.folder).exists() else "")
+        self._on_end = OnEnd(lambda: how_to_go_on if (self.folder / MANIFEST).exists() else "")
 
     def __enter__(self) -> Self:
         try:
@@ -138,37 +123,52 @@ class ShardFolder:
             why = reason(exc) if isinstance(exc, OSError) else "it is not a text in UTF-8"
             raise FileError(f"cannot read {self.shown / name}: {why}", hint=OTHER_NAME) from exc
 
-    def check_free(self) -> None:
+    def check_free(self, ours: Collection[str], pictures: Collection[str]) -> None:
         """Refuse a folder that holds anything but what a sweep in shards is made of.
+
+        Parameters
+        ----------
+        ours : collection of str
+            The files that the manifest lists; none where there is no manifest.
+        pictures : collection of str
+            Those that will be written.
 
         Raises
         ------
         FileError
             It names what is there. Beside a manifest only tables count, which readers would take for shards,
-            and what has the name of a file of ours and is none.
+            what would be written over, and what has the name of a file of ours and is none.
         """
         there = sorted(path.name for path in self.folder.iterdir() if not path.name.startswith("."))
-        if {MANIFEST, OLD_MANIFEST}.intersection(there):
+        if ours:
             there = [
                 name
                 for name in there
                 if (
-                    not is_regular(self.folder / name) if _OURS.fullmatch(name) else name.endswith(".parquet")
+                    not is_regular(self.folder / name)
+                    if name in ours
+                    else name.endswith(".parquet") or name in pictures
                 )
             ]
         if there:
             names = ", ".join(there[:3]) + (", ..." if len(there) > 3 else "")
             raise FileError(f"{self.shown} holds something else: {names}", hint=OTHER_NAME)
 
-    def clear(self) -> None:
-        """Remove what says that the set is whole, then its files, and last what says that they are a set."""
-        names = {path.name for path in self.folder.iterdir() if _OURS.fullmatch(path.name)}
-        for name in sorted(names, key=lambda name: (name != SUCCESS, "manifest" in name, name)):
-            (self.folder / name).unlink()
+    def clear(self, ours: Collection[str]) -> None:
+        """Remove what says that the set is whole, then its files, and last what says that they are a set.
+
+        Parameters
+        ----------
+        ours : collection of str
+            The files that the manifest lists. Nothing else is removed, no link and no folder.
+        """
+        there = [path for path in self.folder.iterdir() if path.name in ours and is_regular(path)]
+        for path in sorted(there, key=lambda path: (path.name != SUCCESS, path.name == MANIFEST, path.name)):
+            path.unlink()
 
     def shards(self) -> set[str]:
         """Return the names of the shards that are there, whole or not."""
-        return {path.name for path in self.folder.glob("part-*.parquet") if _OURS.fullmatch(path.name)}
+        return {path.name for path in self.folder.glob("part-*.parquet")}
 
     def write(self, name: str, text: str, *, replace: bool = True) -> None:
         """Write a small file, which appears whole."""

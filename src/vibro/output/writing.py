@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
 from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, cut, shown
-from vibro.output.plan import Plan, check_arrow, check_manifest, read_plan
-from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, manifest_of, shard_name
+from vibro.output.plan import Plan, check_arrow, read_plan
+from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder
 from vibro.output.shards import Job, Progress, check_workers, make_shards
 from vibro.output.stored import open_sweep
 from vibro.output.workers import workers_of
 from vibro.reals import shielded
-from vibro.steady import check_switch, output_of, takes_old_name
+from vibro.steady import check_switch, output_of
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.whole import request_of_call
 
@@ -96,10 +96,12 @@ class Sharding:
         """Whether a sweep that is there is continued."""
         return self.resume or self.shards is not None
 
-    def plan(self, grid: Grid, table: Table, name: str, own: Mapping[str, float]) -> Plan:
-        """Make the plan of a sweep."""
+    def plan(
+        self, grid: Grid, table: Table, name: str, own: Mapping[str, float], pictures: Sequence[str] = ()
+    ) -> Plan:
+        """Make the plan of a sweep; pictures are drawn by the run that finishes it."""
         check_arrow()
-        return Plan.of(grid, table, self.shard_cells, name, own)
+        return Plan.of(grid, table, self.shard_cells, name, own, pictures if self.shards is None else ())
 
     def folder(self, folder: Path, how_to_go_on: str) -> ShardFolder:
         """Return the folder, to be entered."""
@@ -129,15 +131,12 @@ class Sharding:
         InputError
             If there are no such shards.
         """
-        folder.check_free()
-        path = manifest_of(folder.shown)
-        text = folder.read(path.name)
-        if text is not None:
-            check_manifest(text, path)
-            if self.goes_on:
-                plan = self._continued(folder, plan, read_plan(text, path))
-            elif not self.force:
-                raise _exists(folder)
+        there = _plan_in(folder)
+        folder.check_free(there.files if there else (), plan.pictures)
+        if there and self.goes_on:
+            plan = self._continued(folder, plan, there)
+        elif there and not self.force:
+            raise _exists(folder)
         return plan, self._wanted(plan)
 
     def carry_out(
@@ -160,8 +159,8 @@ class Sharding:
         """
         with workers_of(len(shards), self.workers, self.scheduler, tell) as workers:
             check_workers(workers, Job(plan, folder.hidden, workers.threads))
-            if not self.goes_on:
-                folder.clear()
+            if self.force and (there := _plan_in(folder)):
+                folder.clear(there.files)
             manifest = self._manifest(plan, folder, argv)
             return make_shards(plan, folder, workers, shards, report), manifest
 
@@ -174,21 +173,20 @@ class Sharding:
                 if folder.read(MANIFEST) is None:
                     raise
         manifest = folder.read(MANIFEST) or ""
-        if read_plan(manifest, folder.shown / MANIFEST).fingerprint != plan.fingerprint:
+        there = read_plan(manifest, folder.shown / MANIFEST)
+        if there.fingerprint != plan.fingerprint:
             raise FileError(f"another run has begun another sweep in {folder.shown}", hint=_ANEW)
+        if not set(plan.pictures) <= set(there.pictures):
+            manifest = there.manifest(there.content["argv"], plan.pictures)
+            folder.write(MANIFEST, manifest)
         return manifest
 
     def _continued(self, folder: ShardFolder, plan: Plan, there: Plan) -> Plan:
-        if there.is_old:
-            raise FileError(f"an older version of vibro began the sweep in {folder.shown}", hint=_ANEW)
         if self.shard_cells is None:
-            plan = Plan.of(plan.grid, plan.table, there.shard_cells, plan.name, plan.own)
+            plan = Plan.of(plan.grid, plan.table, there.shard_cells, plan.name, plan.own, plan.pictures)
         differences = plan.differences(there)
         if differences:
             raise FileError(f"{folder.shown} holds another sweep: {'; '.join(differences)}", hint=_ANEW)
-        others = folder.shards() - {shard_name(shard) for shard in range(plan.shards)}
-        if others:
-            raise FileError(f"{folder.shown} holds shards of another sweep: {min(others)}")
         return plan
 
     def _wanted(self, plan: Plan) -> Sequence[int]:
@@ -202,6 +200,12 @@ class Sharding:
                 hint=f'write it like shards="0:{-(-plan.shards // 2)}"',
             )
         return range(first, stop)
+
+
+def _plan_in(folder: ShardFolder) -> Plan | None:
+    """Read the manifest of a folder, if there is one."""
+    text = folder.read(MANIFEST)
+    return None if text is None else read_plan(text, folder.shown / MANIFEST)
 
 
 def _exists(folder: ShardFolder) -> FileError:
@@ -247,7 +251,6 @@ def write_sweep(
 def write_sweep(
     folder: str | PathLike[str], scene_file: str | PathLike[str] | None = None, *, shards: str, **more: Any
 ) -> None: ...
-@takes_old_name
 @shielded
 def write_sweep(
     folder: str | PathLike[str],

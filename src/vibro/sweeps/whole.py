@@ -19,7 +19,7 @@ from vibro.reals import shielded
 from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
-from vibro.steady import check_switch, output_of, takes_old_name
+from vibro.steady import check_switch, output_of
 from vibro.sweeps.columns import chosen, columns_of, to_frame
 from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of_block
 from vibro.sweeps.request import RANGES, gather
@@ -175,7 +175,6 @@ class Sweep(SolvedGrid):
         return {name: getattr(self.cycle, name)[box] for name in results}
 
 
-@takes_old_name
 @shielded
 def sweep(
     scene_file: str | PathLike[str] | None = None,
