@@ -17,7 +17,9 @@ import vibro
 from vibro.drives import Ellipse
 from vibro.records.alignment import Observation
 from vibro.records.cycles import HOPS
+from vibro.records.folding import Estimate
 from vibro.records.reading import Record
+from vibro.records.trough import Trough, Wave
 
 Floats = NDArray[np.float64]
 
@@ -225,3 +227,14 @@ def trough_record(
         wave = -peak * part * (np.sin(phase + ahead) + harmonic * np.sin(3.0 * (phase + ahead)))
         signals[name] = wave + offset + noise * random.standard_normal(time.size)
     return Record(time + start, {}, signals, {name: name for name in columns})
+
+
+def wave(size: float, phase: float = 0.0, error: float = 0.0, **others: Any) -> Wave:
+    """Make a wave of a motion: its acceleration is opposed to it."""
+    values: dict[str, Any] = {"header": "u [g]", "harmonics": 0.0, "rest": 0.0, "sensitivity": ""}
+    return Wave(value=-size * complex(math.cos(phase), math.sin(phase)), error=error, **(values | others))
+
+
+def moved(along: Wave | None, normal: Wave | None) -> Trough:
+    """Make a trough of 15 Hz that moves with these waves."""
+    return Trough(Estimate(15.0, 0.0), along, normal, 2.0)

@@ -74,22 +74,17 @@ def test_harmonics_are_resolved_up_to_nine_tenths_of_half_the_rate(samples: int,
     assert harmonics(time, 1.0, count).shape == (time.size, 2 * count)
 
 
-@each(("cycles", "samples", "said"), [
-    (2.0, 8.0, None),
-    (1.99, 40.0, "the data cover 1.99 drive cycles of 1000 ms: at least 2 are needed"),
-    (1.999, 1000.0, "the data cover 1.99 drive cycles of 1000 ms: at least 2 are needed"),
-    (1.96, 40.0, "the data cover 1.96 drive cycles of 1000 ms: at least 2 are needed"),
-    (500.0, 7.998, "the data have 7.99 samples a drive cycle of 1000 ms: at least 8 are needed"),
-    (4.0, 7.75, "the data have 7.75 samples a drive cycle of 1000 ms: at least 8 are needed"),
+@each(("cycles", "samples", "found"), [
+    (1.99, 40.0, "1.99 drive c"), (1.999, 1000.0, "1.99 drive c"), (1.96, 40.0, "1.96 drive c"),
+    (500.0, 7.998, "7.99 samples"), (4.0, 7.75, "7.75 samples"),
 ])  # fmt: skip
-def test_two_cycles_of_eight_samples_are_enough(cycles: float, samples: float, said: str | None) -> None:
+def test_two_cycles_of_eight_samples_are_enough(cycles: float, samples: float, found: str) -> None:
+    """Numbers that are too small are never rounded up."""
+    enough = np.linspace(3.0, 5.0, 17)
+    assert fold(enough, enough, 1.0, 1).coefficients.size == 1 + 2 * 3
     time = np.linspace(3.0, 3.0 + cycles, round(cycles * samples) + 1)
-    if said is None:
-        assert fold(time, time, 1.0, 1).coefficients.size == 1 + 2 * 3
-        return
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, match=found):
         fold(time, time, 1.0, 1)
-    assert str(caught.value) == said
 
 
 def test_two_cycles_may_be_short_by_the_rounding_of_the_clock() -> None:
@@ -210,17 +205,6 @@ def test_independent_samples() -> None:
         wave = np.sin(2 * math.pi * FREQUENCY * t)
         assert independent_samples(t, wave, FREQUENCY) == pytest.approx(2.0, rel=0.01)
     assert independent_samples(time, np.zeros_like(time), FREQUENCY) == 801
-
-
-@pytest.mark.parametrize(
-    ("count", "rate", "said"),
-    [(70, 600.0, r"cover 1\.7\d drive cycles of 66\.6667 ms"), (60, 90.0, "have 6 samples a drive cycle")],
-)
-def test_too_few_cycles_or_samples(count: int, rate: float, said: str) -> None:
-    time = np.arange(count) / rate
-    with pytest.raises(InputError, match=said) as caught:
-        fold(time, time, FREQUENCY, 1)
-    assert caught.value.hint
 
 
 @each(("cycles", "digits"), [(10, 15), (10, 6), (20, 6)])

@@ -119,8 +119,7 @@ def test_a_motion_that_repeats_every_other_cycle_is_told_as_such() -> None:
     assert claim is not None
     assert claim.cycles == 2
     (warning,) = (text for text in compare(nut(), observation).warnings if "repeat" in text)
-    assert "at 7.5 Hz, every 2 cycles of the drive: the body hops so, or the drive runs" in warning
-    assert warning.endswith(": frequency=7.5")
+    assert "7.5 Hz, every 2 cycles" in warning
 
 
 def test_a_multiple_is_no_other_frequency_where_the_drives_own_wave_is_seen() -> None:
@@ -169,18 +168,6 @@ def test_data_without_a_wave_have_no_frequency(kind: str) -> None:
         assert seen(Observation(time, {"velocity": values}, FREQUENCY)) is None
 
 
-@pytest.mark.parametrize(
-    ("true", "stated", "remedy"), [(20.0, 50.0, "frequency=20"), (49.9, 25.0, "frequency=49.9")]
-)
-def test_the_warning_names_the_option(true: float, stated: float, remedy: str) -> None:
-    scene = nut(15.0**2 / true**2, frequency=true)
-    observation = noisy(scene, "velocity", 30.0, 60, 0.02, 1)
-    other = Observation(observation.time, observation.signals, stated)
-    (warning,) = (text for text in compare(nut(frequency=stated), other).warnings if "repeat" in text)
-    assert warning.startswith(f"the data repeat at {true:.3g}")
-    assert warning.endswith(f" Hz, the scene says {stated:g} Hz: {remedy}")
-
-
 @pytest.mark.parametrize(("share", "cycles"), [(0.6, 3), (2.4, 3), (3.6, 0)])
 def test_a_motion_of_several_cycles_may_be_off_by_as_many_of_its_errors(share: float, cycles: int) -> None:
     """Three cycles of data at a third of the drive's frequency drift three times as far as one."""
@@ -223,12 +210,6 @@ def test_the_share_is_that_of_the_signal_that_is_explained_best() -> None:
     expected = 1.0 - 640.0 / 624.0 / 3.0
     for amplitudes in ((2.0,), (2.0, 1.0), (1.0, 2.0), (0.0, 2.0)):
         assert waves_and_steps(*amplitudes).share(1.0) == pytest.approx(expected, rel=1e-3)
-
-
-def test_the_rate_is_that_of_the_steps() -> None:
-    assert Repetition(np.arange(11) / 10.0, {"v": np.arange(11.0) ** 2}, {"v": 0})._rate == pytest.approx(
-        10.0
-    )
 
 
 @pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
@@ -307,20 +288,13 @@ def test_another_frequency_must_explain_clearly_more_than_the_drives(off: float,
         assert (claim is not None) == claimed
 
 
-@pytest.mark.parametrize(("fraction", "cycles"), [(2, 2), (5, 5), (8, 8), (9, 0)])
-def test_a_body_may_repeat_its_motion_every_eight_cycles_at_most(fraction: int, cycles: int) -> None:
+@pytest.mark.parametrize(("fraction", "cycles"), [(2, 2), (2.5, 0), (5, 5), (8, 8), (9, 0)])
+def test_a_body_may_repeat_its_motion_every_eight_cycles_at_most(fraction: float, cycles: int) -> None:
     time = np.arange(2001) / 250.0
     claim = seen(Observation(time, {"velocity": np.sin(10.0 * math.pi * time)}, 5.0 * fraction))
     assert claim is not None
     assert claim.cycles == cycles
     assert claim.frequency.value == pytest.approx(5.0, abs=1e-4)
-
-
-def test_data_between_two_whole_numbers_of_cycles_are_of_another_frequency() -> None:
-    time = np.arange(2001) / 250.0
-    claim = seen(Observation(time, {"velocity": np.sin(10.0 * math.pi * time)}, 12.5))
-    assert claim is not None
-    assert claim.cycles == 0
 
 
 @pytest.mark.parametrize(("share", "claimed"), [(0.25, False), (0.36, True)])

@@ -115,7 +115,7 @@ def test_a_scene_whose_motion_is_not_known_is_told_or_left_out() -> None:
     cycle = vibro.solve(scene_of(0.5, 0.4, high))
     assert cycle.regime == vibro.Regime.HOPPING
     if math.isnan(float(cycle.mean_velocity)):
-        with pytest.raises(VibroError, match="no steady motion to compare with: "):
+        with pytest.raises(VibroError, match="no steady motion"):
             settled_motion(scene_of(0.5, 0.4, high))
     fields: dict[str, Any] = {
         **high.drive(),

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -255,8 +253,7 @@ def test_harmonics_beyond_those_of_a_drive_are_counted_and_left_out() -> None:
         measured = motion_of(Feeder(25.0, sizes + 0j, 0.5 * sizes + 0j).record(1))
         assert measured.significant == count
         assert measured.order == min(count, MOST_HARMONICS)
-        said = [w for w in measured.warnings if "harmonics, a drive has at most" in w]
-        assert len(said) == (count > MOST_HARMONICS)
+        assert len(measured.warnings) == (count > MOST_HARMONICS)
 
 
 # --- refusals and warnings ----------------------------------------------------------------------------
@@ -268,11 +265,8 @@ def test_a_record_of_fewer_than_six_cycles_is_too_short(cycles: float, fits: boo
     if fits:
         assert motion_of(record).order >= 1
         return
-    with pytest.raises(
-        InputError, match=r"has 5\.9\d? cycles of 15\.\d* Hz: at least 6 are needed"
-    ) as caught:
+    with pytest.raises(InputError, match=r" 5\.9\d? cycles of 15\.\d* Hz"):
         motion_of(record)
-    assert caught.value.hint == "record longer"
 
 
 @pytest.mark.parametrize(("samples", "fits"), [(7, False), (8, True)])
@@ -281,47 +275,17 @@ def test_a_record_of_fewer_than_eight_samples_a_cycle_is_too_coarse(samples: int
     if fits:
         assert motion_of(record).p_values.size == 3
         return
-    with pytest.raises(InputError, match=r"has \d\.?\d* samples a cycle of 15\.003 Hz: at least 8") as caught:
+    with pytest.raises(InputError, match=r"15\.003 Hz"):
         motion_of(record)
-    assert caught.value.hint == "sample faster: at 601 Hz and more harmonics are seen"
-
-
-def test_a_record_without_a_wave_is_refused() -> None:
-    time = np.arange(3000) / 600.0
-    random = np.random.default_rng(1)
-    signals = {name: noise(time.size, 600.0, QUIET, random) for name in ("trough_along", "trough_normal")}
-    with pytest.raises(InputError, match="no wave stands out in column 'trough_along' and") as caught:
-        motion_of(Record(time, {}, signals, {name: name for name in signals}))
-    assert caught.value.hint == "was the trough running?"
 
 
 def test_sensors_and_drive_angle_must_fit() -> None:
-    record = trough_record(noise=0.1)
-    with pytest.raises(InputError, match="two sensors measure the drive angle, which is given too"):
-        motion_of(record, drive_angle=0.3)
-    one = trough_record(noise=0.1, columns=("trough_along",))
-    with pytest.raises(InputError, match="alone does not measure the motion normal to the trough") as caught:
-        motion_of(one)
-    assert "name trough_normal= too" in caught.value.hint
-    assert "drive_angle=math.radians(20)" in caught.value.hint
-    for angle in (-0.1, 0.5 * math.pi, math.nan):
-        with pytest.raises(InputError, match=r"drive_angle = .* deg: must be in \[0, 90\) deg"):
-            motion_of(one, drive_angle=angle)
-    upright = trough_record(noise=0.1, columns=("trough_normal",))
-    with pytest.raises(InputError, match="alone does not measure the motion along it") as caught:
-        motion_of(upright)
-    with pytest.raises(
-        InputError, match="cannot measure a motion along the trough, at a drive angle of 0 deg"
-    ):
-        motion_of(upright, drive_angle=0.0)
-
-
-def test_a_line_that_leads_down_is_refused() -> None:
-    record = trough_record(noise=0.1)
-    turned = replace(record, trough={**record.trough, "trough_normal": -record.trough["trough_normal"]})
-    with pytest.raises(InputError, match="the trough moves down while it moves forwards") as caught:
-        motion_of(turned)
-    assert "reverse=True, if the axis along the trough points against" in caught.value.hint
+    both = trough_record(noise=0.1)
+    along, normal = (trough_record(noise=0.1, columns=(f"trough_{way}",)) for way in ("along", "normal"))
+    wrong = (-0.1, 0.5 * math.pi, math.nan)
+    for record, angle in ((both, 0.3), *((along, x) for x in (None, *wrong)), (normal, None), (normal, 0.0)):
+        with pytest.raises(InputError):
+            motion_of(record, drive_angle=angle)
 
 
 @pytest.mark.parametrize(("most", "warned"), [(0.9, True), (0.98, True), (1.01, False)])
@@ -330,11 +294,7 @@ def test_clipped_signals_are_warned_of(most: float, warned: bool) -> None:
     values = record.trough["trough_along"]
     cut = np.minimum(values, most * values.max())
     measured = motion_of(replace(record, trough={**record.trough, "trough_along": cut}))
-    said = [text for text in measured.warnings if "clipped" in text]
-    assert len(said) == warned
-    assert all(
-        re.search(r"'trough_along' stands at [\d.]+ m/s\^2 in \d+ rows: it looks clipped", x) for x in said
-    )
+    assert len([text for text in measured.warnings if "clipped" in text]) == warned
 
 
 @pytest.mark.parametrize("levels", [7, 20, 300])
@@ -369,31 +329,3 @@ def test_sensitivities_may_be_several() -> None:
     measured, plain = read(sensitivity=both), read()
     np.testing.assert_allclose(abs(measured.normal), 2.0 * abs(plain.normal), rtol=1e-4)
     np.testing.assert_allclose(abs(measured.along), abs(plain.along), rtol=1e-4)
-
-
-def test_columns_must_be_named() -> None:
-    with pytest.raises(InputError, match="no motion of the trough named among 'Zeit in s'") as caught:
-        read(trough_along=None, trough_normal=None, sensitivity=())
-    assert "trough_along=" in caught.value.hint
-    assert 'sensitivity="100mV/g"' in caught.value.hint
-    with pytest.raises(InputError, match="no column 'Trog quer' for trough_along=") as caught:
-        read(trough_along="Trog quer")
-    assert "write it as the header row does" in caught.value.hint
-    with pytest.raises(InputError, match="the sensitivity of its sensor is missing"):
-        read(sensitivity=())
-    with pytest.raises(vibro.FileError, match="cannot read"):
-        vibro.measured_motion(Path("nowhere.csv"), trough_along="x [g]")
-
-
-def test_accelerations_without_voltages_are_hinted_at(tmp_path: Path) -> None:
-    path = tmp_path / "r.csv"
-    for header, hint in (
-        ("t [s],a [m/s^2]", 'trough_along="a [m/s^2]"'),
-        ("t [s],x [mm]", 'trough_along="x [mm]"'),
-        ("t [s],x [mm],u [mV],v [V]", 'trough_along="u [mV]" sensitivity="100mV/g"'),
-        ("t [s],b", 'trough_along="ax [m/s^2]" trough_normal="ay [m/s^2]"'),
-    ):
-        path.write_text(f"{header}\n0,1\n1,2\n", encoding="utf-8")
-        with pytest.raises(InputError, match="no motion of the trough named") as caught:
-            vibro.measured_motion(path)
-        assert caught.value.hint.endswith(hint)
