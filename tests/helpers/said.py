@@ -1,10 +1,15 @@
-"""What the sessions of tests/messages call: short records, read as users read them."""
+"""What the sessions of tests/messages call: short records and questions, read as users' are."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from helpers.questions import changed
+
+import vibro
+from vibro.inverse.reading import read_spec
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import read_sensitivities
 
@@ -29,3 +34,14 @@ def volts(*sensitivities: str, **columns: str) -> Record:
     """Read a table with a voltage."""
     rows = ("t [s],x [mm],u [mV]", "0,1,100", "1,2,200", "2,3,300")
     return record(*rows, sensitivity=[*sensitivities], **columns)
+
+
+BOWL = vibro.Scene(
+    along_amplitude=3e-3, normal_amplitude=1e-3, normal_phase=-1.0, frequency=25.0, static_friction=0.4,
+    kinetic_friction=0.3,
+)  # fmt: skip
+
+
+def question(**entries: Any) -> None:
+    """Read a good question with other entries."""
+    read_spec(changed(**entries))

@@ -10,7 +10,7 @@ import pytest
 from helpers.scenes import scene_with
 
 from vibro import Scene, SceneError
-from vibro.inverse.bands import one_point, uncertainty_set
+from vibro.inverse.bands import uncertainty_set
 
 OVAL = Scene(
     along_amplitude=5e-4, normal_amplitude=2e-4, normal_phase=-0.5, frequency=25.0, static_friction=0.4,
@@ -29,18 +29,16 @@ def refusal(scene: Scene, **bands: Any) -> str:
 
 
 @pytest.mark.parametrize(
-    ("band", "text"),
+    ("band", "refused"),
     [
-        ((-math.pi, math.pi), ""),
-        ((0.0, 2.0 * math.pi), ""),
-        ((0.0, np.nextafter(2.0 * math.pi, 7.0)), "a band of at most one turn, in radians"),
-        ((0.3, 0.3), ""),
+        ((-math.pi, math.pi), False),
+        ((0.0, 2.0 * math.pi), False),
+        ((0.0, np.nextafter(2.0 * math.pi, 7.0)), True),
+        ((0.3, 0.3), False),
     ],
 )
-def test_a_band_of_the_phase_has_one_turn_at_most(band: Any, text: str) -> None:
-    said = refusal(OVAL, normal_phase=band)
-    assert text in said
-    assert bool(said) is bool(text)
+def test_a_band_of_the_phase_has_one_turn_at_most(band: Any, refused: bool) -> None:
+    assert ("normal_phase" in refusal(OVAL, normal_phase=band)) is refused
 
 
 @pytest.mark.parametrize(
@@ -54,23 +52,7 @@ def test_a_band_of_the_phase_has_one_turn_at_most(band: Any, text: str) -> None:
 )
 def test_drive_and_trough_stay_short_of_a_right_angle(drive: Any, trough: Any, refused: bool) -> None:
     scene = scene_with(static_friction=2.0, drive_angle=0.2)
-    said = refusal(scene, drive_angle=drive, trough_angle=trough)
-    assert ("rad (45 deg): must be less than 90 deg together with trough_angle" in said) is refused
-    assert bool(said) is refused
-
-
-@pytest.mark.parametrize(
-    ("amplitude", "frequency", "named"),
-    [
-        ((1e-300, 1e-3), (1e-20, 15.0), "frequency = 1e-20 Hz"),  # the least load is 0
-        ((1e-3, 1e200), (15.0, 1e80), "frequency = 1e+80 Hz"),  # the largest is inf
-        ((1e-3, 2e-3), (15.0, 15.0), ""),
-    ],
-)
-def test_a_load_beyond_doubles_is_named_by_its_frequency(amplitude: Any, frequency: Any, named: str) -> None:
-    said = refusal(scene_with(), amplitude=amplitude, frequency=frequency)
-    assert named in said
-    assert bool(said) is bool(named)
+    assert ("(45 deg)" in refusal(scene, drive_angle=drive, trough_angle=trough)) is refused
 
 
 @pytest.mark.parametrize(
@@ -84,11 +66,7 @@ def test_a_load_beyond_doubles_is_named_by_its_frequency(amplitude: Any, frequen
     ],
 )
 def test_some_kinetic_friction_is_below_static_friction(bands: dict[str, Any], refused: bool) -> None:
-    said = refusal(scene_with(), **bands)
-    assert (
-        "kinetic_friction" in said and "<= static_friction = 0.4 somewhere in its band" in said
-    ) is refused
-    assert bool(said) is refused
+    assert ("static_friction = 0.4" in refusal(scene_with(), **bands)) is refused
 
 
 def test_a_box_has_the_values_of_the_scene_and_of_its_bands() -> None:
@@ -109,24 +87,8 @@ def test_a_box_has_the_values_of_the_scene_and_of_its_bands() -> None:
     assert (line.factor, line.is_ratio, line.second_friction) == ((1e-3, 2e-3), False, (0.5, 0.6))
 
 
-@pytest.mark.parametrize(
-    ("name", "band"), [("drive_angle", (0.1, 0.2)), ("amplitude", (1e-3, 2e-3)), ("gravity", (9.0, 10.0))]
-)
-def test_a_band_of_what_a_drive_does_not_have_is_refused(name: str, band: Any) -> None:
-    said = refusal(OVAL, **{name: band})
-    assert f"band '{name}'" in said
-    assert "of one of along_amplitude, normal_amplitude, normal_phase, frequency, static_friction" in said
-
-
-def test_a_scene_must_be_one() -> None:
-    with pytest.raises(SceneError, match=r"a vibro\.Scene"):
-        one_point("scene")
-    with pytest.raises(SceneError, match=r"shape \(2,\)"):
-        one_point(scene_with(frequency=[10.0, 20.0]))
-
-
 def test_a_field_that_is_left_out_has_no_band() -> None:
     bands = {"amplitude": (1e-3, 2e-3)}
     assert uncertainty_set(scene_with(), bands).factor == (1e-3, 2e-3)
-    with pytest.raises(SceneError, match=r"band 'amplitude' = .*: must be of one of frequency, drive_angle,"):
+    with pytest.raises(SceneError, match="'amplitude'"):
         uncertainty_set(scene_with(), bands, leaves_out=("amplitude",))

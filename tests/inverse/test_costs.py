@@ -151,11 +151,6 @@ def test_where_hops_change_to_others_speed_jumps() -> None:
     assert speed_costs(hops_at(low, 0.2))["amplitude"] == "jumps here"
 
 
-def test_more_than_one_operating_point_is_refused() -> None:
-    with pytest.raises(vibro.SceneError, match=r"scene = shape \(2,\): must be one operating point"):
-        speed_costs(scene_with(frequency=[10.0, 20.0]))
-
-
 def test_an_ellipse_at_a_jump_has_no_costs() -> None:
     """One step further back slip has entered and the speed is another: a difference across it is no slope."""
     ellipse = {"along_amplitude": 1.1e-3, "normal_amplitude": 4e-4, "normal_phase": 0.0, "frequency": 15.0}

@@ -12,7 +12,6 @@ import pytest
 from helpers.questions import LOOSE, UNIT, answered, asked, one_drive
 
 import vibro
-from vibro import InputError
 from vibro.core.codes import Regime
 from vibro.drives import Line
 from vibro.inverse.designs import chosen_of
@@ -364,14 +363,6 @@ def test_the_goals_regime_alone_has_the_same_answer() -> None:
     assert {d.highest_regime for d in whole.designs[6:]} == {"back-slip", "hopping"}
 
 
-@pytest.mark.parametrize("digits", [0, 16, 4.0, True, "4"])
-def test_a_wrong_number_of_digits_is_refused(digits: Any) -> None:
-    with pytest.raises(vibro.VibroError, match=r"digits = .*must be a whole number from 1 to 15"):
-        vibro.design(KNOWN, digits=digits)
-    with pytest.raises(vibro.VibroError, match="only = 'all': must be 'goal' or None"):
-        vibro.design(KNOWN, only="all")  # type: ignore[arg-type]
-
-
 # ------------------------------------------------------------------------------------------ ellipses
 
 
@@ -567,42 +558,3 @@ def test_the_nearest_ellipse_meets_the_goal() -> None:
         x, y = row.amplitude_needed_mm / 1e3, 0.4 * row.amplitude_needed_mm / 1e3
         setting = Setting(x, y, math.radians(-60.0), row.frequency_needed_hz)
         assert 0.08 <= guarantee_of(question.box(setting)).speed_min <= most
-
-
-@pytest.mark.parametrize(
-    ("drive", "texts"),
-    [
-        ({"amplitude_mm": 1, "along_amplitude_mm": 1, "normal_amplitude_mm": 1},
-         ("amplitude_mm = 1: not beside along_amplitude_mm and normal_amplitude_mm", "give either")),
-        ({"drive_angle_deg": 20, "normal_phase_deg": 5},
-         ("drive_angle_deg = 20: not beside normal_phase_deg", "along_amplitude_mm is missing")),
-        ({"stroke_mm": 1, "along_amplitude_mm": "1:2"},
-         ("stroke_mm = 1: not beside along_amplitude_mm", "normal_amplitude_mm is missing")),
-        ({"along_amplitude_mm": -1, "normal_amplitude_mm": "2:1"},
-         ("along_amplitude_mm = -1: must be", "normal_amplitude_mm = '2:1': must be")),
-        ({"along_amplitude_mm": 1, "normal_amplitude_mm": [1, 2]}, ("normal_amplitude_mm = [1, 2]: must",)),
-        ({"along_amplitude_mm": 1, "normal_amplitude_mm": 1, "acceleration_g": 0.1},
-         ("acceleration_g = 0.1: amplitude and frequency are such that it is at least 2.515",)),
-    ],
-)  # fmt: skip
-def test_what_no_drive_can_be_is_told(drive: dict[str, Any], texts: tuple[str, ...]) -> None:
-    with pytest.raises(InputError) as told:
-        read_spec(one_drive({"static_friction": 0.4, "friction_ratio": 0.9}, {"frequency_hz": 25, **drive}))
-    said = f"{told.value} {told.value.hint}"
-    for text in texts:
-        assert text in said
-
-
-@pytest.mark.parametrize(
-    ("key", "drive"),
-    [
-        ("normal_phase_deg", {"amplitude_mm": 1, "drive_angle_deg": 20}),
-        ("drive_angle_deg", {"along_amplitude_mm": 1, "normal_amplitude_mm": 0.3}),
-    ],
-)
-def test_a_drift_of_what_no_drive_has_is_refused(key: str, drive: dict[str, Any]) -> None:
-    question = one_drive(
-        {"static_friction": 0.4, "friction_ratio": 0.9}, {"frequency_hz": 25, **drive}, drift={key: 1}
-    )
-    with pytest.raises(InputError, match=rf"\[drift\] {key} = 1: no drive has {key}"):
-        read_spec(question)

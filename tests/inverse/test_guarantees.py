@@ -10,7 +10,6 @@ from unittest import mock
 import numpy as np
 import pytest
 from helpers.boxed import Boxed, boxes, tolerance
-from helpers.cases import each
 from helpers.draws import examples
 from helpers.scenes import replaced, scene_with
 from hypothesis import given
@@ -18,7 +17,7 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 import vibro
-from vibro import InputError, Regime, SceneError, Status
+from vibro import Regime, Status
 from vibro.inverse import guarantees, yields
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import Landings
@@ -313,55 +312,6 @@ def test_means_count_with_three_errors_to_their_disadvantage() -> None:
     mean, error = float(cycle.mean_velocity), float(cycle.mean_velocity_error)
     assert error > 0
     assert (found.speed_min, found.speed_max) == (mean - 3 * error, mean + 3 * error)
-
-
-@each(
-    ("bands", "message"),
-    [
-        ({"restitution": (0.1, 0.2)}, "band 'restitution'"),
-        ({"static_friction": 0.5}, "static_friction = 0.5: must be a pair of numbers"),
-        ({"static_friction": (0.5, 0.6, 0.7)}, "must be a pair of numbers"),
-        ({"static_friction": ("a", "b")}, "must be a pair of numbers"),
-        ({"static_friction": (0.6, 0.5)}, "low <= high"),
-        ({"static_friction": (0.5, math.nan)}, "static_friction = nan"),
-        ({"amplitude": (0.0, 1e-3)}, "amplitude = 0 m"),
-        ({"friction_ratio": (0.5, 1.1)}, "friction_ratio = 1.1"),
-        ({"friction_ratio": (0.5, 0.6), "kinetic_friction": (0.3, 0.4)}, "left out beside kinetic_friction"),
-        (
-            {"static_friction": (0.3, 0.4), "kinetic_friction": (0.5, 0.6)},
-            "<= static_friction = 0.4 somewhere",
-        ),
-        ({"drive_angle": deg(40, 80), "trough_angle": deg(0, 20)}, "less than 90 deg together"),
-    ],
-)
-def test_bands_that_cannot_be_are_refused(bands: dict[str, Any], message: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        vibro.guarantee(scene_with(), **bands)
-    assert message in str(caught.value)
-
-
-def test_everything_wrong_is_told_at_once() -> None:
-    with pytest.raises(SceneError) as caught:
-        vibro.guarantee(scene_with(), amplitude=1, frequency=(2, 1), gravity=(9, 10))
-    assert len(caught.value.problems) == 3
-
-
-def test_more_than_one_operating_point_is_refused() -> None:
-    for call in (
-        lambda s: vibro.guarantee(s),
-        lambda s: vibro.feasible_amplitudes(s, 0.01),
-        lambda s: vibro.yield_share(s, 0.01, highest_regime="hopping"),
-    ):
-        with pytest.raises(SceneError, match="one operating point"):
-            call(scene_with(frequency=[10.0, 20.0]))
-
-
-@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan, math.inf, "fast"])
-def test_speeds_that_cannot_be_are_refused(speed: Any) -> None:
-    with pytest.raises(InputError, match="speed = "):
-        vibro.yield_share(scene_with(), speed, highest_regime="hopping")
-    with pytest.raises(InputError, match="speed = "):
-        vibro.feasible_amplitudes(scene_with(), speed)
 
 
 def test_yields_of_certain_things() -> None:

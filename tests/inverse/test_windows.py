@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from helpers.boxed import Boxed, boxes, with_fields
-from helpers.cases import each
 from helpers.draws import examples
 from helpers.scenes import replaced, scene_with
 from hypothesis import given
@@ -17,7 +16,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import vibro
-from vibro import InputError, Regime, SceneError, feasible_amplitudes, solve
+from vibro import Regime, SceneError, feasible_amplitudes, solve
 from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.questions import Question
@@ -139,38 +138,6 @@ def test_amplitudes_go_with_the_scale_of_length(box: Boxed, scale: float) -> Non
     assert [i[2:] for i in small] == [i[2:] for i in large]
     ends = [end for i in small for end in i[:2]]
     assert [end * scale**2 for i in large for end in i[:2]] == pytest.approx(ends, rel=1e-9)
-
-
-@each(
-    ("options", "message"),
-    [
-        (
-            {"highest_regime": "flying"},
-            "highest_regime = 'flying': must be one of forward-slip, back-slip, hopping",
-        ),
-        ({"highest_regime": Regime.HOPPING}, "must be one of"),
-        ({"highest_regime": "no-slip"}, "must be one of"),
-        ({"highest_regime": "hopping"}, "limit = inf: must be finite"),
-        ({"limit": 0.0}, "limit = 0 m"),
-        ({"limit": math.nan}, "limit = nan"),
-        ({"amplitude_percent": 100.0}, "amplitude_percent = 100"),
-        ({"amplitude_percent": -1.0}, "amplitude_percent = -1"),
-        ({"amplitude_percent": "5"}, "amplitude_percent"),
-    ],
-)
-def test_arguments_that_cannot_be_are_refused(options: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError) as caught:
-        vibro.feasible_amplitudes(NUT, 0.02, **options)
-    assert message in str(caught.value)
-
-
-def test_a_band_of_the_amplitude_is_refused() -> None:
-    with pytest.raises(SceneError, match="band 'amplitude'"):
-        vibro.feasible_amplitudes(NUT, 0.02, amplitude=(1e-3, 2e-3))
-    for name in ("along_amplitude", "normal_amplitude"):
-        bands: dict[str, Any] = {name: (1e-3, 2e-3)}
-        with pytest.raises(SceneError, match=f"band '{name}' .* of one of normal_phase, frequency"):
-            vibro.feasible_amplitudes(BOWL, 0.02, **bands)
 
 
 class Scan(NamedTuple):
@@ -332,7 +299,7 @@ def test_amplitudes_of_an_ellipse_are_along_the_trough_or_normal_to_it() -> None
     assert found[1:] == (3.9e-4, "speed", "limit")
     assert Scan(upright, np.array([found.low])).speeds(found.low) == pytest.approx(3e-4, rel=1e-9)
     still = with_fields(BOWL, along_amplitude=0.0, normal_amplitude=0.0)
-    with pytest.raises(SceneError, match="along_amplitude = 0 m: must be > 0 m, or the other amplitude"):
+    with pytest.raises(SceneError, match="along_amplitude = 0 m"):
         feasible_amplitudes(still, 0.05)
 
 
