@@ -8,20 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import each
 
-from vibro import Scene, SceneError, Status, solve
+from vibro import Scene, Status, solve
 from vibro.drives import Harmonics
 from vibro.quantities import MOST_HARMONICS
 
 REST: dict[str, Any] = {"frequency": 10.0, "static_friction": 0.4, "kinetic_friction": 0.3}
 SLIP_STICK = [(1e-3, 0.0), (0.3e-3, math.radians(90.0))]
-
-
-def error(**values: Any) -> str:
-    with pytest.raises(SceneError) as caught:
-        Scene(**(REST | values))
-    return str(caught.value)
 
 
 def test_either_motion_may_be_left_out_or_have_fewer_harmonics() -> None:
@@ -72,28 +65,6 @@ def test_fields_are_replaced() -> None:
     assert again.along_harmonics is not None
     with pytest.raises(ValueError, match="read-only"):
         again.along_harmonics[0][0][...] = 1.0
-
-
-@each(
-    ("values", "said"),
-    [
-        ({"along_harmonics": []}, "along_harmonics = none: must be at least one pair"),
-        ({"along_harmonics": 3.0}, f"along_harmonics = 3.0: must be up to {MOST_HARMONICS} pairs"),
-        ({"along_harmonics": [(1e-3,)]}, f"up to {MOST_HARMONICS} pairs of an amplitude and a phase"),
-        ({"normal_harmonics": [(1e-3, 0.0)] * (MOST_HARMONICS + 1)}, f"up to {MOST_HARMONICS} pairs"),
-        ({"along_harmonics": [("a", 0.0)]}, "along_harmonics = 'a': must be a real number"),
-        ({"along_harmonics": [(-1.0, 0.0)]}, "along_harmonics = -1 m: must be finite and >= 0 m"),
-        ({"normal_harmonics": [(1.0, math.nan)]}, "normal_harmonics = nan rad"),
-        (
-            {"normal_harmonics": [([1, 2], 0.0), ([1, 2, 3], 0.0)]},
-            "normal_harmonics (2,), normal_harmonics (3,)",
-        ),
-        ({"along_harmonics": SLIP_STICK, "amplitude": 1.0}, "drive = amplitude and along_harmonics"),
-        ({"along_harmonics": SLIP_STICK, "normal_phase": 1.0}, "drive = normal_phase and along_harmonics"),
-    ],
-)
-def test_what_is_wrong_is_named(values: dict[str, Any], said: str) -> None:
-    assert said in error(**values)
 
 
 def test_bodies_that_hop_are_followed() -> None:

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import each
 
-from vibro import Motion, Scene, SceneError, solve
+from vibro import Motion, Scene, solve
 from vibro.drives import Ability, Ellipse, Harmonics, Line, Piecewise
 from vibro.waveforms import PiecewiseMotion
 
@@ -19,12 +18,6 @@ REST: dict[str, Any] = {"frequency": 10.0, "static_friction": 0.4, "kinetic_fric
 PAIRS: list[tuple[Any, Any]] = [(1e-3, 0.0), (0.3e-3, math.radians(90.0))]
 RARE: list[tuple[Any, Any]] = [(0.0, 0.0), ([0.0, 1e-9], 0.0)]
 STEPS = Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])
-
-
-def error(**values: Any) -> str:
-    with pytest.raises(SceneError) as caught:
-        Scene(**(REST | values))
-    return str(caught.value)
 
 
 def test_harmonics_mean_the_same_either_way() -> None:
@@ -96,60 +89,6 @@ def test_what_the_solver_reads() -> None:
     assert [x.columns().kind for x in (line, ellipse)] == [0, 1]
     assert line.can(Ability.PROOF)
     assert not any(x.can(Ability.PROOF) for x in (ellipse, scene.arrays()))
-
-
-@each(
-    ("values", "said"),
-    [
-        ({"motion": STEPS, "amplitude": 1e-3}, "drive = amplitude and motion: must be either"),
-        ({"motion": STEPS, "along_harmonics": PAIRS}, "drive = motion and along_harmonics: must be either"),
-        ({"motion": [(0.8, 6.9)]}, "motion = [(0.8, 6.9)]: must be a motion, such as vibro.Motion.steps("),
-        ({"motion": STEPS, "motion_scale": 0.0}, "motion_scale = 0: must be finite and > 0"),
-        ({"motion": STEPS, "motion_scale": [1.0, -1.0]}, "motion_scale = -1: must be finite and > 0"),
-        ({"motion": STEPS, "motion_scale": "2"}, "motion_scale = '2': must be a real number"),
-        (
-            {"motion": STEPS, "motion_scale": [1, 2], "frequency": [1, 2, 3]},
-            "motion_scale (2,), frequency (3,)",
-        ),
-        (
-            {"amplitude": 1e-3, "drive_angle": 0.3, "motion_scale": 2.0},
-            "motion_scale = 2.0: must be left out: it scales a motion; multiply the amplitude of this drive",
-        ),
-        ({}, "drive = none: must be either amplitude and drive_angle"),
-    ],
-)
-def test_what_is_wrong_is_named(values: dict[str, Any], said: str) -> None:
-    assert said in error(**values)
-
-
-@each(
-    ("values", "said"),
-    [
-        ({"normal_acceleration": 0.0}, "normal_acceleration = 0 m/s^2: must be finite and > 0 m/s^2"),
-        ({"normal_acceleration": math.nan}, "normal_acceleration = nan m/s^2: must be finite and > 0"),
-        ({"normal_acceleration": [8.0, math.nan]}, "normal_acceleration = nan m/s^2: must be finite and > 0"),
-        ({"normal_acceleration": "x"}, "normal_acceleration = 'x': must be a real number"),
-        ({"trough_angle": math.pi / 2}, "(90 deg): must be in (-90, 90) deg"),
-        (
-            {"normal_acceleration": 8.0, "trough_angle": math.nextafter(math.pi / 2, 2.0)},
-            "must be in [-90, 90] deg",
-        ),
-        (
-            {"normal_acceleration": 8.0, "motion": Motion.harmonics(PAIRS, RARE)},
-            "normal_acceleration = 8 m/s^2: must be left out where the trough moves normal to itself",
-        ),
-        (
-            {"normal_acceleration": 8.0, "motion": Motion.steps(normal=[(0.5, 1), (0.5, -1)])},
-            "must be left out where the trough moves normal to itself",
-        ),
-        (
-            {"normal_acceleration": 8.0, "motion": None, "amplitude": 1e-3, "drive_angle": 0.0},
-            "normal_acceleration = 8.0: must be given beside a motion along the trough alone",
-        ),
-    ],
-)
-def test_what_is_wrong_with_a_clamped_body_is_named(values: dict[str, Any], said: str) -> None:
-    assert said in error(**({"motion": STEPS} | values))
 
 
 def test_a_clamped_body_may_hang_on_a_vertical_trough() -> None:

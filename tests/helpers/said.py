@@ -12,6 +12,7 @@ import vibro
 from vibro.inverse.reading import read_spec
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import read_sensitivities
+from vibro.sweeps.whole import Sweep
 
 
 def record(*rows: str | bytes, sensitivity: str | list[str] = "", **columns: str) -> Record:
@@ -36,6 +37,7 @@ def volts(*sensitivities: str, **columns: str) -> Record:
     return record(*rows, sensitivity=[*sensitivities], **columns)
 
 
+_FRICTION = {"static_friction": 0.74, "kinetic_friction": 0.57}
 BOWL = vibro.Scene(
     along_amplitude=3e-3, normal_amplitude=1e-3, normal_phase=-1.0, frequency=25.0, static_friction=0.4,
     kinetic_friction=0.3,
@@ -45,3 +47,38 @@ BOWL = vibro.Scene(
 def question(**entries: Any) -> None:
     """Read a good question with other entries."""
     read_spec(changed(**entries))
+
+
+def swept(**given: Any) -> Sweep:
+    """Sweep the published example with other quantities."""
+    nut = {"amplitude_mm": 1, "frequency_hz": 15, "drive_angle_deg": 20, "static_friction": 0.74}
+    ratio = {} if "kinetic_friction" in given else {"friction_ratio": 0.77}
+    return vibro.sweep(**nut | ratio | given, output="regimes")
+
+
+def line(**fields: Any) -> vibro.Scene:
+    """Make the published example with other fields."""
+    return vibro.Scene(
+        **{"amplitude": 1e-3, "frequency": 15, "drive_angle": 0.35, **_FRICTION, **fields},
+    )
+
+
+def oval(**fields: Any) -> vibro.Scene:
+    """Make a scene on an ellipse with other fields."""
+    drive = {"along_amplitude": 1e-3, "normal_amplitude": 3e-4, "normal_phase": -1.0, "frequency": 15}
+    return vibro.Scene(**drive | _FRICTION | fields)
+
+
+def machine(kind: str, **changed: Any) -> vibro.Machine:
+    """Make a machine of a kind with other fields."""
+    two = {"trough_mass": 6.0, "counter_mass": 12.0, "damping_ratio": 0.015, "natural_frequency": 50.0}
+    rod = {"radius": 0.01, "rod_stiffness": 3e4, "trough_mass": 10.0, "damping_ratio": 0.02}
+    good = {
+        "magnet": {**two, "force": 1.0},
+        "exciter": {**two, "static_moment": 0.1},
+        "unbalance": {"vibrating_mass": 300.0, "static_moment": 0.9},
+        "crank": {"radius": 0.01},
+        "rod": {**rod, "natural_frequency": 10.0},
+    }[kind]
+    made: vibro.Machine = getattr(vibro.Machine, kind)(**{**good, **changed})
+    return made

@@ -297,79 +297,6 @@ def test_resonance_without_damping_has_no_bound() -> None:
     assert machine.response(50.0).amplitude == math.inf
 
 
-GOOD: dict[str, dict[str, Any]] = {
-    "magnet": {**FEEDER, "natural_frequency": 50.0, "force": 1.0},
-    "exciter": {**FEEDER, "natural_frequency": 50.0, "static_moment": 0.1},
-    "unbalance": {"vibrating_mass": 300.0, "static_moment": 0.9},
-    "crank": {"radius": 0.01},
-    "rod": {"radius": 0.01, "rod_stiffness": 3e4, "trough_mass": 10.0, "natural_frequency": 10.0,
-            "damping_ratio": 0.02},
-}  # fmt: skip
-_ON_MOUNT = {"counter_mass": math.inf, "base_stiffness": 1e4}
-
-
-@each(
-    ("kind", "change", "message", "hint"),
-    [
-        ("magnet", {"natural_frequency": None}, "natural_frequency: missing", "ring down"),
-        ("exciter", {"damping_ratio": None}, "damping_ratio: missing", "0.11 / n"),
-        ("magnet", {"force": None}, "force = None and calibration = None", "vibro.Calibration("),
-        (
-            "magnet",
-            {"calibration": Calibration(1e-3, 50.0)},
-            "must be one or the other",
-            "vibro.Calibration(",
-        ),
-        ("magnet", {"force": None, "calibration": 1e-3}, "calibration = 0.001: must be a vibro.Cal", ""),
-        ("magnet", {"counter_mass": 0.0}, "counter_mass = 0 kg: must be > 0 kg", ""),
-        ("magnet", {"damping_ratio": 1.5}, "damping_ratio = 1.5: must be in [0, 1)", "0.015"),
-        ("magnet", _ON_MOUNT, "base_stiffness = 10000 N/m: must be left out", "counter_mass"),
-        ("magnet", {"law": "voltage"}, "force_frequency: missing", "give force_frequency [Hz]"),
-        ("magnet", {"force_frequency": 50.0}, "force_frequency = 50.0: must be left out", "law='voltage'"),
-        ("magnet", {"law": "power"}, "law = 'power': must be 'current' or 'voltage'", ""),
-        ("magnet", {"force": "1 N"}, "force = '1 N': must be one real number", ""),
-        ("magnet", {"gap": 0.0}, "gap = 0 m: must be > 0 m", ""),
-        ("magnet", {"force": None, "calibration": Calibration(0.0, 50.0)}, "amplitude = 0 m: must be", ""),
-        ("exciter", {"counter_mass": math.inf}, "counter_mass = inf kg: must be finite", ""),
-        ("rod", {"rod_stiffness": 1e9}, "rod_stiffness = 1000000000 N/m: must be <= 39478.4", "all springs"),
-        ("unbalance", {"static_moment": math.nan}, "static_moment = nan kg m: must be finite and > 0", ""),
-        ("crank", {"radius": [1.0, 2.0]}, "radius = [1.0, 2.0]: must be one real number", ""),
-    ],
-)
-def test_errors_have_the_field_the_value_and_the_remedy(
-    kind: str, change: dict[str, Any], message: str, hint: str
-) -> None:
-    assert getattr(Machine, kind)(**GOOD[kind]).kind == kind
-    with pytest.raises(InputError) as caught:
-        getattr(Machine, kind)(**{**GOOD[kind], **change})
-    assert message in str(caught.value)
-    assert hint in caught.value.hint
-
-
-@each(
-    ("kind", "call", "message"),
-    [
-        ("crank", lambda m: m.with_natural_frequency(5.0), "natural_frequency = 5.0: must be left out"),
-        ("crank", lambda m: m.load_proof_frequency(5.0), "counter_mass = inf kg"),
-        ("crank", lambda m: m.response(0.0), "frequency = 0 Hz: must be finite and > 0 Hz"),
-        ("crank", lambda m: m.response(5.0, added_mass="2 kg"), "added_mass = '2 kg': must be finite"),
-        ("crank", lambda m: m.response([5.0, 6.0], voltage=[1.0] * 3), "broadcastable"),
-        (
-            "rod",
-            lambda m: m.with_natural_frequency(8.0),
-            "natural_frequency = 8 Hz: must be finite and >= 8.71",
-        ),
-        ("magnet", lambda m: m.with_natural_frequency([8.0]), "natural_frequency = [8.0]: must be one real"),
-        ("magnet", lambda m: m.response("50"), "frequency = '50': must be a real number"),
-        ("magnet", lambda _: Machine(), "Machine() cannot be called: every machine has a kind"),
-    ],
-)
-def test_errors_of_what_is_asked_of_a_machine(kind: str, call: Any, message: str) -> None:
-    with pytest.raises(InputError) as caught:
-        call(getattr(Machine, kind)(**GOOD[kind]))
-    assert message in str(caught.value)
-
-
 @pytest.mark.parametrize("law", ["constant", "square"])
 def test_a_machine_is_made_from_its_own_amplitudes(law: Any) -> None:
     made: dict[str, Any] = {"trough_mass": 6.0, "counter_mass": math.inf if law == "square" else 12.0}
@@ -386,23 +313,6 @@ def test_a_machine_is_made_from_its_own_amplitudes(law: Any) -> None:
         right.response(44.0, added_mass=1.0 - 0.2j).amplitude, rel=1e-7
     )
     assert found.voltage_exponent == right.voltage_exponent
-
-
-def test_points_on_one_side_of_the_resonance_make_no_machine() -> None:
-    points = [(40.0, 1e-3), (42.0, 1.2e-3), (44.0, 1.5e-3)]
-    with pytest.raises(InputError, match="they do not determine the natural frequency") as caught:
-        Machine.measured(points=points, trough_mass=6.0)
-    assert "both sides" in caught.value.hint
-    around = [(45.0, 1e-3), (50.0, 3e-3), (55.0, 1e-3)]
-    with pytest.raises(InputError, match="counter_mass = 12 kg: must be left out where law = 'square'"):
-        Machine.measured(points=around, trough_mass=6.0, counter_mass=12.0, law="square")
-
-
-def test_all_problems_are_told_at_once() -> None:
-    with pytest.raises(InputError) as caught:
-        Machine.unbalance(vibrating_mass=-1.0, static_moment=0.0, damping_ratio=2.0)
-    assert len(caught.value.problems) == 3
-    assert set(caught.value.fields) == {"vibrating_mass", "static_moment", "damping_ratio"}
 
 
 def test_a_machine_can_be_compared_kept_and_copied() -> None:

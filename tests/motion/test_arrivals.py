@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import vibro
-from vibro import SceneError, Status
+from vibro import Status
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -219,14 +219,3 @@ def test_infeasible_cells_are_unknown() -> None:
     infeasible, feasible = vibro.arrival_time(scene, 0.1)
     assert math.isnan(infeasible)
     assert feasible > 0.0
-
-
-@pytest.mark.parametrize("length", [0.0, -1.0, math.nan, math.inf, [1.0, -2.0], "far"])
-def test_a_length_that_cannot_be_is_named(length: object) -> None:
-    with pytest.raises(SceneError, match="length = "):
-        vibro.arrival_time(scene_with(), length)  # type: ignore[arg-type]
-
-
-def test_a_length_of_another_shape_is_named() -> None:
-    with pytest.raises(SceneError, match=r"length = shape \(2,\): must be broadcastable .* \(3,\)"):
-        vibro.arrival_time(scene_with(amplitude=[1e-3, 2e-3, 3e-3]), [1.0, 2.0])

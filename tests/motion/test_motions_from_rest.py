@@ -74,7 +74,7 @@ def test_bodies_that_run_away_have_no_cycle() -> None:
     scene = Scene(motion=along, frequency=25.0, normal_acceleration=20.0, trough_angle=1.2, **FRICTION)
     assert vibro.solve(scene).status == Status.RUNAWAY
     assert cycle_phases(scene) == ()
-    with pytest.raises(VibroError, match="no steady motion to compare with: the body never comes to rest"):
+    with pytest.raises(VibroError, match="no steady motion"):
         settled_motion(scene)
 
 
