@@ -8,12 +8,18 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
+from vibro.core.buffers import (
+    BODIES,
+    FIELDS,
+    HARMONICS,
+    LONGEST_CYCLE,
+    MIXES,
+    MOST_BOUNCES,
+    MOST_HOPS,
+    PIECES,
+    ROOM,
+)
 from vibro.core.compiled import doors
-from vibro.core.samples import BODIES
-from vibro.core.samples import ROWS as HOPS
-from vibro.core.scenes import FIELDS
-from vibro.core.waves import HARMONICS, PIECES, ROOM, ROWS
 from vibro.parallel import in_parallel
 
 if TYPE_CHECKING:
@@ -83,7 +89,7 @@ class Grid:
         self._memory = _NO_MEMORY
         if kind in (HARMONICS, PIECES):
             part, table = (2 * size, 8 * size * size) if kind == HARMONICS else (4 * size, 5 * size + 1)
-            self._memory = np.empty(ROOM * part + table), np.empty(2 * ROWS, np.int64)
+            self._memory = np.empty(ROOM * part + table), np.empty(2 * MIXES, np.int64)
             doors().prepare(self.scenes, (np.empty(0, np.int64), *self._memory), breaks, pieces)
 
     def hold(self, *arrays: NDArray[Any]) -> None:
@@ -117,7 +123,7 @@ class Scratch(threading.local):
     """Room for the flights of one scene, one a thread, made when it is first needed."""
 
     def __init__(self) -> None:
-        self._kept = np.empty((8, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * HOPS))
+        self._kept = np.empty((8, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * MOST_HOPS))
         self.flights, self.hops = map(doors().rows, self._kept)
 
 

@@ -11,7 +11,8 @@ from helpers.cases import each
 from helpers.followed import ALL, CONTACT, FLIGHTS, TURN, ellipse, history_of, line, newton, walked
 
 from vibro.core import arrival
-from vibro.core.arrival import MOST_CYCLES, arrival_cycles
+from vibro.core.arrival import arrival_cycles
+from vibro.core.buffers import MOST_CYCLES
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads
 from vibro.core.history import Sections, sections_of

@@ -21,13 +21,14 @@ from vibro.core.averages import (
     averages,
 )
 from vibro.core.bounces import single_bounce
+from vibro.core.buffers import BODIES
 from vibro.core.codes import Status
 from vibro.core.drives import Loads, along_cosine
 from vibro.core.flight import sinusoidal
 from vibro.core.legs import track_of
 from vibro.core.orbits import hopping_cycle, orbit_from
 from vibro.core.return_map import release, return_map, with_same_ground_speed, write_hop
-from vibro.core.samples import BODIES, fly
+from vibro.core.samples import fly
 
 TURN = 2.0 * math.pi
 LIST = list(range(BODIES))

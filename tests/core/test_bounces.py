@@ -9,17 +9,8 @@ import numpy as np
 import pytest
 from helpers.cases import each
 
-from vibro.core.bounces import (
-    LONGEST_CYCLE,
-    MOST_BOUNCES,
-    MOST_FLIGHTS,
-    Bounces,
-    Flights,
-    _close,
-    _near_repeat,
-    bounces,
-    single_bounce,
-)
+from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, _close, _near_repeat, bounces, single_bounce
+from vibro.core.buffers import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.flight import (
     BOUNCE,
     Bed,

@@ -12,10 +12,11 @@ from helpers.reference_tables import read_rows
 from vibro.core import hopping as hopping_module
 from vibro.core.averages import Means
 from vibro.core.bounces import Bounces, bounces
+from vibro.core.buffers import MOST_THROW
 from vibro.core.codes import IRREGULAR, Status, spelt_text
 from vibro.core.drives import Loads, directions, line_loads, weight_over_load
 from vibro.core.flight import sinusoidal
-from vibro.core.hopping import MOST_THROW, Hopping, enter, hopping
+from vibro.core.hopping import Hopping, enter, hopping
 from vibro.core.legs import Track, track_of
 from vibro.core.return_map import release, return_map
 

@@ -10,12 +10,13 @@ import pytest
 from helpers.followed import FLIGHTS, LAST, TURN, load_along, load_normal, newton, room, view
 
 from vibro.core.arrival import arrival_cycles
+from vibro.core.buffers import ELLIPSE as ELLIPSES
+from vibro.core.buffers import EXTREME, Moments
+from vibro.core.buffers import LINE as LINES
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads
 from vibro.core.history import Legs, sections_of
-from vibro.core.motions import EXTREME, Cycle, Moments, arrivals, followed, history, moments
-from vibro.core.scenes import ELLIPSE as ELLIPSES
-from vibro.core.scenes import LINE as LINES
+from vibro.core.motions import Cycle, arrivals, followed, history, moments
 from vibro.core.scenes import Place, Scenes, point_at, seek
 from vibro.core.steps import Launch, State, course_of
 

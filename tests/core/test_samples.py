@@ -8,17 +8,18 @@ import math
 import pytest
 from helpers.cases import each
 
+from vibro.core.buffers import BODIES, MOST_HOPS
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight
 from vibro.core.return_map import Hops, write_hop
-from vibro.core.samples import BODIES, ROWS, BodySample, _spread, fly, kick
+from vibro.core.samples import BodySample, _spread, fly, kick
 
 TURN = 2.0 * math.pi
 LENGTH = 12  # events in each half of the samples below
 
 
 def _hops() -> Hops:
-    return Hops(*(memoryview(bytearray(8 * (ROWS + 10))).cast("d") for _ in range(8)))
+    return Hops(*(memoryview(bytearray(8 * (MOST_HOPS + 10))).cast("d") for _ in range(8)))
 
 
 HOPS, OTHERS = _hops(), _hops()
@@ -193,6 +194,6 @@ def test_bounces_that_are_short_are_no_events_and_those_within_a_ten_thousandth_
 def test_a_body_with_too_many_bounces_does_not_come_to_the_end() -> None:
     sample = _fly(1.00001, 0.9999)
     assert not sample.ends
-    assert sample.last == ROWS
-    assert HOPS.length[ROWS - 1] > 0.0
+    assert sample.last == MOST_HOPS
+    assert HOPS.length[MOST_HOPS - 1] > 0.0
     assert _fly(1.00001, 0.9).ends

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES, Flights
+from vibro.core.bounces import Flights
+from vibro.core.buffers import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
 from vibro.core.history import Followed, LastStarts, Legs, follow_legs, sections_of

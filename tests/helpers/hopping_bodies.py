@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from engines.two_axis_walk import Body, Cycle
 
-from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES, Flights
+from vibro.core.bounces import Flights
+from vibro.core.buffers import BODIES, LONGEST_CYCLE, MOST_BOUNCES, MOST_HOPS
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
 from vibro.core.return_map import Hops
-from vibro.core.samples import BODIES, ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,7 +24,7 @@ def _buffer(rows: int) -> memoryview[float]:
 
 
 FLIGHTS = Flights(*(_buffer(MOST_BOUNCES + LONGEST_CYCLE) for _ in Flights._fields))
-HOPS = Hops(*(_buffer(BODIES * ROWS) for _ in range(8)))
+HOPS = Hops(*(_buffer(BODIES * MOST_HOPS) for _ in range(8)))
 
 
 def line(throw: float, drive_deg: float, mu_s: float, mu_d: float, trough_deg: float = 0.0) -> Loads:

@@ -11,19 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibro.core.buffers import HARMONICS, MIXES, PIECES, ROOM
 from vibro.core.elementary import TURN
-from vibro.core.waves import (
-    HARMONICS,
-    PIECES,
-    ROOM,
-    ROWS,
-    Waves,
-    prepare_cells,
-    prepare_pieces,
-    read_harmonic,
-    tabulate,
-    with_bounds,
-)
+from vibro.core.waves import Waves, prepare_cells, prepare_pieces, read_harmonic, tabulate, with_bounds
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +38,7 @@ def harmonic_waves(along: Any, normal: Any) -> Waves:
     """Make S and B of complex coefficients: S = sum of Im(c_k exp(i k p))."""
     count = len(along)
     numbers = memoryview(bytearray(_prepared(count))).cast("d")
-    waves = Waves(HARMONICS, count, numbers, view(np.zeros(2 * ROWS, np.int64)), 0.0, 0.0, 0.0)
+    waves = Waves(HARMONICS, count, numbers, view(np.zeros(2 * MIXES, np.int64)), 0.0, 0.0, 0.0)
     for is_normal, coefficients in ((False, along), (True, normal)):
         for k, c in enumerate(coefficients.tolist(), 1):
             read_harmonic(waves, is_normal, k, abs(c) / k**2, math.atan2(c.imag, c.real))
@@ -67,7 +57,7 @@ def piecewise_waves(breaks: Floats, accelerations: Floats) -> Waves:
     """Make S and B of accelerations (2, J, 4) as ``Piecewise`` has them, in units of 1."""
     count = breaks.size - 1
     numbers = view(np.zeros(ROOM * 4 * count + 5 * count + 1))
-    waves = Waves(PIECES, count, numbers, view(np.zeros(2 * ROWS, np.int64)), 0.0, 0.0, 0.0)
+    waves = Waves(PIECES, count, numbers, view(np.zeros(2 * MIXES, np.int64)), 0.0, 0.0, 0.0)
     prepare_pieces(waves, view(breaks), view(accelerations.reshape(-1)), 1.0)
     return with_bounds(waves)
 

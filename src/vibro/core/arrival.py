@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import MOST_CYCLES
 from vibro.core.cells import number_of_nodes
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, along_cosine, mix_of, phase_difference
@@ -28,10 +29,7 @@ from vibro.core.history import Sections, is_section
 from vibro.core.steps import Course, Launch, State, Step, first_step, launched, nearest_turn, step
 from vibro.core.waves import FORCE, KINETIC_FORWARD, SINE, Mix, Waves, depart, moved, nodes_of
 
-__all__ = ["MOST_CYCLES", "arrival_cycles"]
-
-#: [1] Of so many cycles doubles hold the phase.
-MOST_CYCLES: Final = 1e15
+__all__ = ["arrival_cycles"]
 
 #: [1] Legs after which the search gives up; a transient that long needs mu_d below 1e-5 mu_s.
 _MOST_LEGS: Final = 2_000_000

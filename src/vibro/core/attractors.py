@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from vibro.core.bounces import Bounces, Flights, bounces, normal_multiplier
-from vibro.core.buffers import Doubles, Integers
+from vibro.core.buffers import MOST_THROW, Doubles, Integers
 from vibro.core.cells import Event
 from vibro.core.codes import Mode, Status
 from vibro.core.coexistence import OTHER, most_flights, number_of_starts, start_at
@@ -19,7 +19,7 @@ from vibro.core.contact import without_cycle
 from vibro.core.drives import Loads, phase_difference, proved_multiplier
 from vibro.core.elementary import INF, TURN, wrap
 from vibro.core.flight import bed_of
-from vibro.core.hopping import MOST_THROW, cycle_of, enter, entered
+from vibro.core.hopping import cycle_of, enter, entered
 from vibro.core.legs import next_onset, track_of
 from vibro.core.orbits import (
     HoppingCycle,

@@ -12,7 +12,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.bounces import Flights, single_bounce
-from vibro.core.buffers import Doubles
+from vibro.core.buffers import BODIES, Doubles
 from vibro.core.captures import captures
 from vibro.core.codes import Status
 from vibro.core.elementary import INF, NAN, TURN
@@ -20,7 +20,7 @@ from vibro.core.flight import bed_of
 from vibro.core.legs import Track
 from vibro.core.orbits import has_stop, hopping_cycle, orbit_from
 from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed, write_hop
-from vibro.core.samples import BODIES, fly
+from vibro.core.samples import fly
 from vibro.core.waves import SINE
 
 __all__ = [
@@ -130,7 +130,7 @@ def averages(
     longest : bool
         Whether no longer samples are to follow.
     flights, hops : Flights, Hops
-        Scratch memory; ``BODIES * ROWS`` rows of ``hops``.
+        Scratch memory; ``BODIES * MOST_HOPS`` rows of ``hops``.
 
     Returns
     -------

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.buffers import Doubles
+from vibro.core.buffers import LONGEST_CYCLE, MOST_BOUNCES, Doubles
 from vibro.core.elementary import NAN, PI, TURN, wrap, wrap_around
 from vibro.core.flight import (
     ACCUMULATED,
@@ -35,16 +35,12 @@ from vibro.core.flight import (
 from vibro.core.waves import SINE, at_break, trough_at
 
 __all__ = [
-    "LONGEST_CYCLE", "MOST_BOUNCES", "MOST_FLIGHTS", "Bounces", "Flights", "Round", "SingleBounce", "bounces",
-    "fly_round", "largest_eigenvalue", "normal_multiplier", "single_bounce",
+    "MOST_FLIGHTS", "Bounces", "Flights", "Round", "SingleBounce", "bounces", "fly_round",
+    "largest_eigenvalue", "normal_multiplier", "single_bounce",
 ]  # fmt: skip
 
 #: Flights, short bounces not counted, after which the search for a cycle ends.
 MOST_FLIGHTS: Final = 256
-#: Flights of one scene, short bounces included; restitutions above 0.995 may need more.
-MOST_BOUNCES: Final = 8192
-#: Flights in a cycle that never rests on the trough.
-LONGEST_CYCLE: Final = 64
 
 # [rad] Rounding does not matter in hops that end in contact this soon after their lift-off. The load grows
 # with the square of that time s, so that friction would bring a velocity of s^3 / 6 at most in it: ``SHARP``.

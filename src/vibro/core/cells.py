@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import HARMONICS
 from vibro.core.elementary import EPS, INF, TURN, until
 from vibro.core.waves import (
-    HARMONICS,
     Mix,
     Value,
     Waves,

@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.averages import CAPTURED, MOST_TURNS, bodies_in, spread_of, start_of
 from vibro.core.bounces import Flights, single_bounce
+from vibro.core.buffers import BODIES
 from vibro.core.codes import Mode, Status
 from vibro.core.cycle_slides import SlideLeg, cycle_slides
 from vibro.core.drives import Loads, along_cosine, along_sine, free_along, free_normal, phase_difference
@@ -21,7 +22,7 @@ from vibro.core.hopping import cycle_of, enter, means_of
 from vibro.core.legs import Track, contact_leg, mode_of, track_of
 from vibro.core.orbits import hopping_cycle, orbit_from
 from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, landed, write_hop
-from vibro.core.samples import BODIES, kick
+from vibro.core.samples import kick
 from vibro.core.waves import at_break
 
 __all__ = ["Reaction", "force_bound", "mean_reaction", "reaction_in_contact", "reaction_of_hops"]

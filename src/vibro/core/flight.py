@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import PIECES
 from vibro.core.cells import Event, next_event
 from vibro.core.drives import Loads
 from vibro.core.elementary import (
@@ -26,18 +27,7 @@ from vibro.core.elementary import (
     wrap,
 )
 from vibro.core.wave_flights import fly_over_waves
-from vibro.core.waves import (
-    NORMAL,
-    PIECES,
-    SINE,
-    Mix,
-    Waves,
-    at_break,
-    depart,
-    load_at,
-    moved,
-    one_harmonic,
-)
+from vibro.core.waves import NORMAL, SINE, Mix, Waves, at_break, depart, load_at, moved, one_harmonic
 
 __all__ = [
     "ACCUMULATED", "BOUNCE", "LOST", "SHARP", "Bed", "Covariance", "Flight", "Impact", "TangentMap",

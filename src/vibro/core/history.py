@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.bounces import LONGEST_CYCLE, MOST_FLIGHTS, Bounces, Flights, bounces
-from vibro.core.buffers import Bytes, Doubles, Integers
+from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces
+from vibro.core.buffers import LONGEST_CYCLE, Bytes, Doubles, Integers
 from vibro.core.cells import number_of_nodes
 from vibro.core.codes import Mode
 from vibro.core.continuous import continuous_sliding, middle_phase

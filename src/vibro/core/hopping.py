@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.averages import Means, averages
 from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces, normal_multiplier
-from vibro.core.buffers import Bytes
+from vibro.core.buffers import MOST_THROW, Bytes
 from vibro.core.codes import IRREGULAR, Status
 from vibro.core.drives import Loads
 from vibro.core.elementary import NAN, TURN
@@ -24,7 +24,6 @@ from vibro.core.waves import SINE
 from vibro.core.windows import is_held_at_limit
 
 __all__ = [
-    "MOST_THROW",
     "Entry",
     "Hopping",
     "cycle_of",
@@ -34,9 +33,6 @@ __all__ = [
     "means_of",
     "write_hopping_letters",
 ]
-
-#: [1] Throw number above which the phase of a landing is lost to rounding.
-MOST_THROW: Final = 1e6
 
 # Events (flights, of which a chain of short bounces counts as one) in each half of a sample: more of them
 # where few do not suffice.
@@ -99,7 +95,7 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
     restitution : float
         Normal coefficient of restitution, 0 <= e < 1.
     flights, hops : Flights, Hops
-        Scratch memory; ``BODIES * ROWS`` rows of ``hops``.
+        Scratch memory; ``BODIES * MOST_HOPS`` rows of ``hops``.
 
     Returns
     -------

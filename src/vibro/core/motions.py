@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 from vibro.core.arrival import arrival_cycles
 from vibro.core.attractors import Attractors, list_attractors
 from vibro.core.bounces import Bounces, Flights, fly_round
-from vibro.core.buffers import Doubles, Integers
+from vibro.core.buffers import EXTREME, MOST_THROW, Doubles, Integers, Moments
 from vibro.core.codes import Mode
 from vibro.core.drives import (
     Loads,
@@ -22,7 +22,7 @@ from vibro.core.drives import (
 )
 from vibro.core.elementary import NAN, TURN, wrap
 from vibro.core.history import LastStarts, Legs, follow_legs, sections_from
-from vibro.core.hopping import MOST_THROW, cycle_of, entered
+from vibro.core.hopping import cycle_of, entered
 from vibro.core.orbits import orbit_from
 from vibro.core.return_map import Hops
 from vibro.core.scenes import Place, Point, Scenes, point_at, seek
@@ -30,13 +30,9 @@ from vibro.core.steps import Launch, course_of
 from vibro.core.windows import thresholds
 
 __all__ = [
-    "EXTREME", "Cycle", "Moments", "Turn", "arrivals", "attractors", "flights_along", "followed", "history",
-    "moments", "return_of_flights",
+    "Cycle", "Turn", "arrivals", "attractors", "flights_along", "followed", "history", "moments",
+    "return_of_flights",
 ]  # fmt: skip
-
-#: [1] Of loads and frictions, and one over the least: motions form products of up to four of them, and
-#: differences of those.
-EXTREME: Final = 1e50
 
 
 class Cycle(NamedTuple):
@@ -45,34 +41,6 @@ class Cycle(NamedTuple):
     first: Integers
     period: Integers
     advance: Doubles
-
-
-class Moments(NamedTuple):
-    """Motion and loads at moments of a history, one element each; lengths in A, speeds in A w.
-
-    Attributes
-    ----------
-    sine : Doubles
-        Of the trough's motion normal to itself.
-    trough_along, trough_normal : Doubles
-        Position of the trough.
-    path, velocity, acceleration : Doubles
-        Of the body along the trough, relative to it; ``path`` since the start of the leg.
-    inertial, normal : Doubles
-        Load along the trough, and force of the trough on the body.
-    gap : Doubles
-        Height above the trough.
-    """
-
-    sine: Doubles
-    trough_along: Doubles
-    trough_normal: Doubles
-    path: Doubles
-    velocity: Doubles
-    acceleration: Doubles
-    inertial: Doubles
-    normal: Doubles
-    gap: Doubles
 
 
 def _is_followed(loads: Loads) -> bool:

@@ -10,17 +10,13 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import BODIES, MOST_HOPS
 from vibro.core.drives import Loads, along_cosine
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight, next_take_off
 from vibro.core.return_map import Hops, write_hop
 from vibro.core.waves import at_break
 
-__all__ = ["BODIES", "ROWS", "BodySample", "fly", "kick"]
-
-#: Bodies of each scene.
-BODIES: Final = 12
-#: Most hops of a body, short bounces included: rows that it needs.
-ROWS: Final = 10_000
+__all__ = ["BodySample", "fly", "kick"]
 
 _PATIENCE: Final = 3  # [1] factor by which a part is prolonged to end with a contact
 # [A w n] Normal speed with which the first body of a scene leaves the trough after a contact, at most. Each
@@ -87,7 +83,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
     hops : Hops
         Its hops are written here.
     row : int
-        Where the first one goes; up to ``ROWS`` rows are filled.
+        Where the first one goes; up to ``MOST_HOPS`` rows are filled.
     """
     bed = bed_of(loads)
     phase, speed = bed.lift_off, kick(0, body)
@@ -96,7 +92,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
     quota = length // 2 + body  # so that what repeats all the same is met at different moments
     first, middle, trough, trough_between = row, row, 0.0, 0.0
     first_time, second_time, aloft, impact, lands = 0.0, 0.0, 0.0, 0.0, False
-    for last in range(row + 1, row + ROWS + 1):
+    for last in range(row + 1, row + MOST_HOPS + 1):
         flown = flight(bed, phase, speed)
         touch = phase + flown.length
         after = after_landing(bed, touch, flown.impact, restitution, _ACCUMULATED)
@@ -142,7 +138,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
                 first, middle, last, first_time, second_time, trough - trough_between, second_swing, trough,
                 aloft, impact, lands, True,
             )  # fmt: skip
-    return BodySample(first, middle, row + ROWS, 0.0, 0.0, 0.0, 0.0, trough, aloft, impact, lands, False)
+    return BodySample(first, middle, row + MOST_HOPS, 0.0, 0.0, 0.0, 0.0, trough, aloft, impact, lands, False)
 
 
 def _spread(count: int, body: int) -> float:

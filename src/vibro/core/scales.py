@@ -10,17 +10,14 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.buffers import Doubles, Integers
+from vibro.core.buffers import CLASSES, Doubles, Integers
 from vibro.core.drives import Loads
 from vibro.core.elementary import EPS, INF, NAN, PI
 from vibro.core.limits import CriticalLoads, onset, unknown_loads
 from vibro.core.wave_cycle import Classes, wave_classes
 from vibro.core.windows import Thresholds, thresholds, thresholds_of
 
-__all__ = ["CLASSES", "SCALES", "wave_limits", "write_spans"]
-
-#: [row] Intervals are kept of forward slip, of back slip, and of cycles without a rest.
-CLASSES: Final = 3
+__all__ = ["SCALES", "wave_limits", "write_spans"]
 
 #: [1] Steps between the first onset and the hop in which a change of the cycle is looked for.
 SCALES: Final = 256

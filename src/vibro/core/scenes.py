@@ -7,9 +7,9 @@ serves the whole axis.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
-from vibro.core.buffers import Doubles, Integers
+from vibro.core.buffers import ELLIPSE, FIELDS, HARMONICS, LINE, PIECES, Doubles, Integers
 from vibro.core.cells import largest
 from vibro.core.drives import (
     Directions,
@@ -22,28 +22,9 @@ from vibro.core.drives import (
     weight_over_load,
 )
 from vibro.core.elementary import TURN
-from vibro.core.waves import (
-    HARMONICS,
-    PIECES,
-    Mix,
-    Waves,
-    prepare_cells,
-    prepare_pieces,
-    read_harmonic,
-    tabulate,
-    with_bounds,
-)
+from vibro.core.waves import Mix, Waves, prepare_cells, prepare_pieces, read_harmonic, tabulate, with_bounds
 
-__all__ = [
-    "ELLIPSE", "FIELDS", "LINE", "Place", "Point", "Scenes", "advance", "point_at",
-    "prepare", "seek", "unit_point_at", "visit",
-]  # fmt: skip
-
-#: [kind] Drives of one harmonic; the others are ``HARMONICS`` and ``PIECES``.
-LINE: Final = 0
-ELLIPSE: Final = 1
-#: Fields that every scene has; each harmonic brings four more.
-FIELDS: Final = 9
+__all__ = ["Place", "Point", "Scenes", "advance", "point_at", "prepare", "seek", "unit_point_at", "visit"]
 
 
 class Scenes(NamedTuple):

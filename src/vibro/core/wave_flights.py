@@ -11,10 +11,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from vibro.core.buffers import HARMONICS, PIECES
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.elementary import FEW_ULP, INF, NAN, TURN, wrap
 from vibro.core.wave_slides import Crossing, Fall, Left, ahead, crossing, first_ahead, left_after
-from vibro.core.waves import HARMONICS, NORMAL, PIECES, Mix, Moved, Waves, depart, trough_at
+from vibro.core.waves import NORMAL, Mix, Moved, Waves, depart, trough_at
 
 __all__ = ["fly_over_waves"]
 

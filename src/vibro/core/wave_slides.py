@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import HARMONICS, PIECES
 from vibro.core.cells import behind, find_nodes, number_of_nodes
 from vibro.core.drives import Loads, mix_of
 from vibro.core.elementary import EPS, INF, NAN, NOISE, TURN, wrap
 from vibro.core.waves import (
-    HARMONICS,
     KINETIC_BACK,
     KINETIC_FORWARD,
-    PIECES,
     Mix,
     Moved,
     Waves,

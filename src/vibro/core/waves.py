@@ -10,22 +10,20 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.buffers import Doubles, Integers
+from vibro.core.buffers import HARMONICS, PIECES, ROOM, Doubles, Integers
 from vibro.core.elementary import FEW_ULP, INF, QUARTER, TURN, circle, wrap
 
 __all__ = [
-    "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
-    "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value",
-    "Waves", "at_break", "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart",
-    "integrals_of", "load_at", "mixed", "moved", "nodes_of", "normal_size", "one_harmonic", "part_of",
-    "prepare_cells", "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at",
-    "value_at_cell_begin", "value_in_cell", "with_bounds",
+    "CELLS", "FORCE", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "SINE", "STATIC_BACK", "STATIC_FORWARD",
+    "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value", "Waves", "at_break", "at_cell_begin",
+    "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "integrals_of", "load_at", "mixed",
+    "moved", "nodes_of", "normal_size", "one_harmonic", "part_of", "prepare_cells", "prepare_pieces",
+    "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin", "value_in_cell",
+    "with_bounds",
 ]  # fmt: skip
 
-#: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
+#: [kind] One harmonic, for which there are closed forms; the others are ``HARMONICS`` and ``PIECES``.
 SINE: Final = 0
-HARMONICS: Final = 2
-PIECES: Final = 3
 
 #: [row] Zeros are kept of the load along the trough, of that off it, and of what exceeds friction.
 FORCE: Final = 0
@@ -34,12 +32,9 @@ STATIC_FORWARD: Final = 2
 STATIC_BACK: Final = 3
 KINETIC_FORWARD: Final = 4
 KINETIC_BACK: Final = 5
-ROWS: Final = 6
 
 #: [1] Cells of a period, per harmonic, in which zeros are isolated.
 CELLS: Final = 8
-#: [1] Parts of the memory, each of which has room for the coefficients of one wave, before the tables.
-ROOM: Final = 4 + 6 + 2 + 16
 
 _WAVE: Final = 2  # [part] the mix whose zeros are sought
 _LOCAL: Final = 3  # [part] a mix, as seen from the start of a leg

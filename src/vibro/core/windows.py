@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import PIECES
 from vibro.core.cells import find_nodes, largest, number_of_nodes
 from vibro.core.drives import Loads, mix_of
 from vibro.core.elementary import FEW_ULP, NOISE, PI, hypotenuse, rounded_sign
 from vibro.core.slide import Onset
-from vibro.core.waves import NORMAL, PIECES, SINE, STATIC_BACK, STATIC_FORWARD, Mix, stays_zero
+from vibro.core.waves import NORMAL, SINE, STATIC_BACK, STATIC_FORWARD, Mix, stays_zero
 
 __all__ = [
     "Start", "Thresholds", "cosine_lead", "is_held_at_limit", "load_amplitude", "outlasts", "own_phase",

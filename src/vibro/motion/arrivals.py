@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.buffers import EXTREME
 from vibro.core.compiled import doors
-from vibro.core.motions import EXTREME
 from vibro.errors import Problem, SceneError
 from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.steady import lengths_of

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.bounces import LONGEST_CYCLE
+from vibro.core.buffers import LONGEST_CYCLE
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
 from vibro.core.elementary import TURN

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.core.arrival import MOST_CYCLES
-from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
+from vibro.core.buffers import LONGEST_CYCLE, MOST_BOUNCES, MOST_CYCLES
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
 from vibro.core.elementary import TURN
