@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -32,6 +31,8 @@ def html_table(caption: str, rows: Iterable[Sequence[str]], head: Sequence[str] 
     head : sequence of str, optional
         Of the columns.
     """
+    from html import escape
+
     lines = [f'<table style="color: inherit"><caption style="{_CAPTION}">{escape(caption)}</caption>']
     if head:
         cells = "".join(f'<th scope="col" style="{_HEAD}">{escape(text)}</th>' for text in head)

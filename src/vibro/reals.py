@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from decimal import Decimal
 from numbers import Real
 from typing import TYPE_CHECKING, Any, Final
@@ -75,7 +76,9 @@ def real_array(value: Any, allowed: str = _ALLOWED) -> Floats:
         return _of_sequence(value, allowed)
     if isinstance(value, str | bytes | bytearray | memoryview):
         raise NotRealError(shown(value), allowed)
-    if isinstance(value, np.ma.MaskedArray) and not value.dtype.names and np.ma.is_masked(value):
+    # Importing ``numpy.ma`` takes long; where nobody has, there is no such array.
+    is_masked = "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray)
+    if is_masked and not value.dtype.names and np.ma.is_masked(value):
         index = ", ".join(map(str, np.argwhere(np.ma.getmaskarray(value))[0]))
         raise NotRealError(f"masked (index {index})" if index else "masked", allowed)
     try:

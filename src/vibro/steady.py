@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -150,6 +149,8 @@ def _hop(
 @cache
 def _say_that_it_takes_long() -> None:
     """Warn, once, that the solver is not compiled and that this takes minutes."""
+    import logging
+
     logging.getLogger("vibro").warning(
         "hint: the solver is not compiled, so that many flights take minutes; install vibro again where"
         " there is a C compiler, or where pip finds the package ziglang"

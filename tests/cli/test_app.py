@@ -7,6 +7,7 @@ import math
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, T
 
 import vibro
 from vibro.cli.exit_codes import ExitCode
+from vibro.core.compiled import library_path
 from vibro.interrupts import EXIT_CODE
 
 COMMANDS = ("map", "solve", "traverse-time")
@@ -24,6 +26,31 @@ COMMANDS = ("map", "solve", "traverse-time")
 def test_help_loads_no_numerical_library(args: list[str]) -> None:
     done = subprocess.run([*TELLS_LOADED, *args], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "LOADED []"
+
+
+@pytest.mark.skipif(library_path() is None, reason="without the library its source is loaded")
+def test_solving_loads_numpy_alone() -> None:
+    args = ["solve", "-A", "1", "-f", "15", *NUT_ANGLE_AND_FRICTION]
+    done = subprocess.run([*TELLS_LOADED, *args], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "LOADED ['numpy']"
+
+
+@each(
+    ("given", "threads"), [({}, "1"), ({"OMP_NUM_THREADS": "2"}, "2"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")]
+)
+def test_products_of_matrices_take_one_thread_unless_the_user_wants_more(
+    monkeypatch: pytest.MonkeyPatch, given: dict[str, str], threads: str
+) -> None:
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        monkeypatch.delenv(name, raising=False)
+    program = (
+        "import atexit, os, sys; from vibro.__main__ import main; sys.argv[1:] = ['--version'];"
+        "atexit.register(lambda: print(os.environ['OPENBLAS_NUM_THREADS'])); main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=os.environ | given, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == threads
 
 
 @pytest.mark.parametrize("command", COMMANDS)

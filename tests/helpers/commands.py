@@ -45,14 +45,14 @@ TELLS_LOADED = (
     """
 import atexit, sys
 
-heavy = "numpy", "scipy", "pandas", "matplotlib", "rich"
+heavy = "numpy", "numpy.ma", "scipy", "pandas", "matplotlib", "rich", "pydantic", "vibro.core.waves"
 atexit.register(lambda: print("LOADED", [name for name in heavy if sys.modules.get(name)]))
 from vibro.__main__ import main
 
 main()
 """,
 )
-"""The same, which prints in the end what it has loaded."""
+"""The same, which prints in the end what it has loaded: libraries, or the source of the solver."""
 
 
 def started(*args: str, cwd: Path, program: tuple[str, ...] = VIBRO) -> subprocess.Popen[str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import gc
 import sys
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn
 
 import typer
 from typer.core import TyperGroup
@@ -39,7 +40,7 @@ from vibro.errors import FileError, InputError, VibroError
 from vibro.interrupts import end_on_signals, ignore_signals
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Iterator, Sequence
 
 __all__ = ["app", "main"]
 
@@ -47,8 +48,28 @@ _OF_COMPLETION = frozenset({"--install-completion", "--show-completion"})
 _OBJECTS = 100_000  # made before garbage is collected
 
 
+class _Made(Mapping[str, Any]):
+    """The commands by their names, each made when it is asked for: to read the options of all takes long."""
+
+    def __getitem__(self, name: str) -> Any:
+        run, shared = _COMMANDS[name]
+        alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+        alone.command(name, cls=GroupedCommand)(run if shared is None else shares_options(run, **shared))
+        return typer.main.get_command(alone)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_COMMANDS)
+
+    def __len__(self) -> int:
+        return len(_COMMANDS)
+
+
 class _Commands(TyperGroup):
     """The group of commands; it turns whatever a run raises into a message and an exit code."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = _Made()  # type: ignore[assignment]  # nobody adds to them
 
     def main(
         self,
@@ -82,6 +103,13 @@ class _Commands(TyperGroup):
             print_error(["interrupted"])
         sys.exit(code)
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the summaries of the commands, none of which is made for that."""
+        with formatter.section("Commands"):
+            formatter.write_dl(
+                [(name, run.__doc__.partition("\n\n")[0]) for name, (run, _) in _COMMANDS.items()]
+            )
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command, in whose options errors and warnings speak from now on."""
         name, command, rest = super().resolve_command(ctx, args)
@@ -104,7 +132,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         return ExitCode.WRONG_INPUT
     if hasattr(exc, "format_message"):  # how typer says that the arguments are wrong
         command = next((arg for arg in argv if not arg.startswith("-")), "")
-        known = command if command in _SCENES | _OTHERS else ""
+        known = command if command in _COMMANDS else ""
         see = " ".join(filter(None, ["see vibro", known, "--help"]))
         said = exc.format_message().strip().replace("Value error, ", "")  # which does not help users
         return _report(InputError(said, hint=see), [])
@@ -145,28 +173,22 @@ def _vibro(
         print(context.get_help())
 
 
-# The commands that take a scene, and with it the options of one.
-_SCENES: dict[str, Callable[..., int]] = {
-    "map": map_command,
-    "traverse-time": traverse_time_command,
-    "solve": solve_command,
-    "accuracy": accuracy_command,
-    "simulate": simulate_command,
-    "compare": compare_command,
-    "drive": drive_command,
+# The functions of the commands, and which of the shared options they take; None if they have only their own.
+_COMMANDS: Final[dict[str, Any]] = {
+    "map": (map_command, {}),
+    "traverse-time": (traverse_time_command, {}),
+    "solve": (solve_command, {}),
+    "accuracy": (accuracy_command, {}),
+    "simulate": (simulate_command, {}),
+    "compare": (compare_command, {}),
+    "drive": (drive_command, {}),
+    "design": (design_command, {"of_scene": False}),
+    "motion": (motion_command, {"of_drive": False, "of_answer": False}),
+    "friction": (friction_command, None),
+    "report": (report_command, {"of_table": False}),
+    "explore": (explore_command, {"of_answer": False}),
+    "schema": (schema_command, None),
 }
-_OTHERS: dict[str, Callable[..., int]] = {
-    "design": shares_options(design_command, of_scene=False),
-    "motion": shares_options(motion_command, of_drive=False, of_answer=False),
-    "friction": friction_command,
-    "report": shares_options(report_command, of_table=False),
-    "explore": shares_options(explore_command, of_answer=False),
-    "schema": schema_command,
-}
-for _name, _command in _SCENES.items():
-    app.command(_name, cls=GroupedCommand)(shares_options(_command))
-for _name, _command in _OTHERS.items():
-    app.command(_name, cls=GroupedCommand)(_command)
 
 
 def main() -> None:
@@ -181,3 +203,4 @@ def main() -> None:
         app()
     finally:
         ignore_signals()
+        gc.freeze()  # searching all that is left for garbage as Python ends takes a twentieth of a short run

@@ -11,7 +11,6 @@ import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.limits import transitions
-from vibro.motion.attractors import attractors
 from vibro.motion.histories import simulate
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import (
@@ -233,6 +232,8 @@ class OneScene:
         of no use to somebody whose body is captured.
         """
         if self.status is Status.AVERAGED:
+            from vibro.motion.attractors import attractors
+
             speeds = sorted(SPEED.from_si(one.mean_velocity) for one in attractors(self.scene) if one.stable)
             if not speeds:
                 return ""
