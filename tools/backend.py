@@ -6,8 +6,11 @@ is built all the same: its solver then runs as plain Python, and ``vibro --versi
 
 from __future__ import annotations
 
+import contextlib
+import shutil
 import sys
 import sysconfig
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +20,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from compiling import LIBRARY, compile_solver, required
+from compiling import CORE, LIBRARY, compile_solver, required
 
 __all__ = [
     "build_editable", "build_sdist", "build_wheel", "get_requires_for_build_editable",
@@ -35,20 +38,34 @@ def get_requires_for_build_editable(config_settings: dict[str, Any] | None = Non
     return [*hatchling.build.get_requires_for_build_editable(config_settings), *required()]
 
 
-def _compiled() -> None:
-    if why := compile_solver():
-        print(f"vibro's solver is not compiled and will be slow: {why}", file=sys.stderr)
+def _compile(checkout: Path) -> None:
+    if why := compile_solver(checkout):
+        print(f"vibro's solver could not be compiled, without which it is slow: {why}", file=sys.stderr)
 
 
 def build_wheel(folder: str, config_settings: Any = None, metadata_directory: str | None = None) -> str:
-    """Build a wheel for this platform and any version of Python; without a compiler for any platform."""
-    _compiled()
-    return str(hatchling.build.build_wheel(folder, config_settings, metadata_directory))
+    """Build a wheel for this platform and any version of Python; without a compiler for any platform.
+
+    Programs may be running from the checkout, and people changing it meanwhile. So it is built from a copy:
+    nothing in the checkout changes, and the library in the wheel is of the source in it.
+    """
+    wheels = str(Path(folder).absolute())
+    with tempfile.TemporaryDirectory() as copy:
+        for path in Path().iterdir():
+            if path.is_file():
+                shutil.copy(path, copy)
+        for name in ("src", "tools"):
+            shutil.copytree(
+                name, Path(copy, name), ignore=shutil.ignore_patterns("__pycache__", f"{LIBRARY}*")
+            )
+        _compile(Path(copy))
+        with contextlib.chdir(copy):
+            return str(hatchling.build.build_wheel(wheels, config_settings, metadata_directory))
 
 
 def build_editable(folder: str, config_settings: Any = None, metadata_directory: str | None = None) -> str:
     """Compile the solver in the source tree, and build a wheel that points to it."""
-    _compiled()
+    _compile(Path())
     return str(hatchling.build.build_editable(folder, config_settings, metadata_directory))
 
 
@@ -59,8 +76,9 @@ class SolverHook(BuildHookInterface):  # type: ignore[misc]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Add what was compiled, if anything was."""
-        if self.target_name == "wheel" and version == "standard" and LIBRARY.is_file():
+        library = CORE / LIBRARY
+        if self.target_name == "wheel" and version == "standard" and Path(self.root, library).is_file():
             platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{platform}"
-            build_data["artifacts"].append(f"src/vibro/core/{LIBRARY.name}")
+            build_data["artifacts"].append(library.as_posix())

@@ -17,12 +17,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from translate import translate
+from translate import digest, sources, translate
 
-__all__ = ["LIBRARY", "compile_solver", "required"]
+__all__ = ["CORE", "LIBRARY", "compile_solver", "required"]
 
-_CORE = Path(__file__).parent.parent / "src" / "vibro" / "core"
-LIBRARY = _CORE / "_solver.native"  # no name that Python would import
+CORE = Path("src", "vibro", "core")  # in a checkout
+LIBRARY = "_solver.native"  # no name that Python would import
 # No fast arithmetic and no fused multiplications: the same bits as in Python, on any processor.
 _FLAGS = ["-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s", "-fvisibility=hidden"]
 _COMPILER_PACKAGE = "ziglang>=0.13"
@@ -35,9 +35,13 @@ def _system_compiler() -> list[str] | None:
     return next(([found] for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
 
 
+def _is_wanted() -> bool:
+    return os.environ.get("VIBRO_CC") != "none"
+
+
 def _compiler() -> list[str] | None:
     """Command of a C compiler; None where there is none, or none is wanted."""
-    if os.environ.get("VIBRO_CC") == "none":
+    if not _is_wanted():
         return None
     if found := _system_compiler():
         return found
@@ -46,33 +50,56 @@ def _compiler() -> list[str] | None:
 
 def required() -> list[str]:
     """List the packages that bring a compiler, where one is wanted and the system has none."""
-    wanted = os.environ.get("VIBRO_CC") != "none" and not _system_compiler()
-    return [_COMPILER_PACKAGE] if wanted else []
+    return [_COMPILER_PACKAGE] if _is_wanted() and not _system_compiler() else []
 
 
-def compile_solver() -> str:
+def compile_solver(checkout: Path) -> str:
     """Compile the solver beside its source; return why that was not possible, or nothing.
 
-    What an earlier build has left is removed first: a library of another source would be refused.
+    Programs may be running the library that is there. So it stays as it is until a new one, whole, takes its
+    name, and where there is no new one. One of another source would be refused, and goes: without it they
+    run the source.
     """
-    LIBRARY.unlink(missing_ok=True)
+    core = checkout / CORE
+    library = core / LIBRARY
+    try:
+        if library.is_file() and not (_is_wanted() and _is_of(library, core)):
+            library.unlink()
+        why = _build(core, library)
+    except PermissionError as exc:
+        return f"{exc.strerror}: {library} cannot be replaced; end the programs that run it, and try again"
+    if why and library.is_file():
+        why += "\nThe library that is there is of this source, and stays"
+    return why
+
+
+def _is_of(library: Path, core: Path) -> bool:
+    return digest(sources(core)).encode() in library.read_bytes()
+
+
+def _build(core: Path, library: Path) -> str:
     compiler = _compiler()
     if compiler is None:
         return "no C compiler was found"
     links = [] if sys.platform == "win32" else ["-fPIC", "-lm"]
     with tempfile.TemporaryDirectory() as folder:
-        source, library = Path(folder, "solver.c"), Path(folder, LIBRARY.name)
-        source.write_text(translate(_CORE), "utf-8")
-        command = [*compiler, *_FLAGS, str(source), "-o", str(library), *links]
+        source, built = Path(folder, "solver.c"), Path(folder, LIBRARY)
+        source.write_text(translate(core), "utf-8")
+        command = [*compiler, *_FLAGS, str(source), "-o", str(built), *links]
         try:
             done = subprocess.run(command, capture_output=True, text=True, errors="replace")
         except OSError as exc:
             return f"{compiler[0]} cannot be run: {exc}"
-        if done.returncode or not library.is_file():
+        if done.returncode or not built.is_file():
             return f"{shlex.join(command)} failed:\n{done.stderr[-2000:]}"
-        shutil.copyfile(library, LIBRARY)
+        waiting = library.with_name(f"{LIBRARY}-{os.getpid()}")  # beside it: on one file system
+        try:
+            shutil.copyfile(built, waiting)
+            waiting.replace(library)
+        finally:
+            waiting.unlink(missing_ok=True)
     return ""
 
 
 if __name__ == "__main__":
-    sys.exit(compile_solver() or 0)
+    sys.exit(compile_solver(Path(__file__).parents[1]) or 0)

@@ -1,0 +1,278 @@
+"""Building: of the source that it packs, and unnoticed by programs that run from the checkout."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import time
+from itertools import accumulate
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import compiling
+import pytest
+import translate
+from compiling import CORE, LIBRARY, compile_solver, required
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+ROOT = Path(__file__).parents[1]
+has_compiler = any(map(shutil.which, ("cc", "gcc", "clang")))
+needs_library = pytest.mark.skipif(not (ROOT / CORE / LIBRARY).is_file(), reason="the solver is not compiled")
+
+
+@pytest.fixture
+def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Copy the checkout, but no library, and name no compiler; to C only the digest of the source goes."""
+    monkeypatch.setattr(compiling, "translate", lambda core: translate.digest(translate.sources(core)))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.delenv("VIBRO_CC", raising=False)
+    copy = tmp_path / "checkout"
+    for name in ("src", "tools"):
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__", LIBRARY))
+    shutil.copy(ROOT / "pyproject.toml", copy)
+    return copy
+
+
+@pytest.fixture
+def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Give statements that serve as the compiler, which know the paths ``source`` and ``out``."""
+
+    def set_compiler(statements: str) -> None:
+        path = tmp_path / "compiler.py"
+        head = "import sys, time\nfrom pathlib import Path\n"
+        head += "at = sys.argv.index('-o')\nsource, out = (Path(sys.argv[i]) for i in (at - 1, at + 1))\n"
+        path.write_text(head + statements, encoding="utf-8")
+        monkeypatch.setenv("CC", f"{sys.executable} {path}")
+
+    return set_compiler
+
+
+def known(checkout: Path) -> str:
+    return translate.digest(translate.sources(checkout / CORE))
+
+
+def beside(library: Path) -> list[Path]:
+    return sorted(library.parent.glob(f"{LIBRARY}*"))
+
+
+@pytest.mark.skipif(not has_compiler, reason="there is no C compiler (cc, gcc, clang)")
+def test_a_compiler_of_the_system_is_taken(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiling, "translate", translate.translate)
+    monkeypatch.setattr(compiling, "_FLAGS", ["-O0", "-ffp-contract=off", "-shared"])
+    assert required() == []
+    assert compile_solver(checkout) == ""
+    library = ctypes.CDLL(str(checkout / CORE / LIBRARY))
+    library.vibro_sources.restype = ctypes.c_char_p
+    assert library.vibro_sources().decode().split("\n")[0] == known(checkout)
+
+
+def test_where_there_is_no_compiler_one_is_required_if_it_is_wanted(
+    checkout: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    assert required() == ["ziglang>=0.13"]
+    assert compile_solver(checkout) == "no C compiler was found"
+    monkeypatch.setenv("VIBRO_CC", "none")
+    assert required() == []
+
+
+FAILS = [f"{sys.executable} -c 'raise SystemExit(7)'", f"{sys.executable} -c ''", "no-such-compiler"]
+
+
+@pytest.mark.parametrize("command", FAILS, ids=["ends with 7", "makes nothing", "is none"])
+def test_a_compiler_that_fails_leaves_a_library_of_this_source_alone(
+    checkout: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    library = checkout / CORE / LIBRARY
+    monkeypatch.setenv("CC", command)
+    for there in (None, f"of another source: {'0' * 64}"):
+        if there:
+            library.write_text(there, encoding="utf-8")
+        said = compile_solver(checkout)
+        assert " failed:" in said or "no-such-compiler cannot be run" in said
+        assert "stays" not in said
+        assert beside(library) == []
+    library.write_text(known(checkout), encoding="utf-8")
+    assert compile_solver(checkout).endswith("\nThe library that is there is of this source, and stays")
+    assert library.read_text(encoding="utf-8") == known(checkout)
+    monkeypatch.setenv("VIBRO_CC", "none")
+    assert compile_solver(checkout) == "no C compiler was found"
+    assert beside(library) == []
+
+
+@pytest.mark.parametrize("step", ["replace", "unlink"])
+def test_a_library_that_the_system_does_not_let_go_is_told(
+    checkout: Path, compiler: Callable[[str], None], monkeypatch: pytest.MonkeyPatch, step: str
+) -> None:
+    """As Windows does while a program has loaded it."""
+    library = checkout / CORE / LIBRARY
+    library.write_text(known(checkout) if step == "replace" else "of another source", encoding="utf-8")
+    before, acts = library.read_text(encoding="utf-8"), getattr(Path, step)
+
+    def refuse(path: Path, *args: Any, **more: Any) -> None:
+        if library in (path, *args):
+            raise PermissionError(13, "Access is denied")
+        acts(path, *args, **more)
+
+    monkeypatch.setattr(Path, step, refuse)
+    compiler("out.write_bytes(source.read_bytes())")
+    said = f"Access is denied: {library} cannot be replaced; end the programs that run it, and try again"
+    assert compile_solver(checkout) == said
+    assert library.read_text(encoding="utf-8") == before
+    assert beside(library) == [library]
+
+
+# Loads what is there again and again, and leaves a mark for every time.
+PROGRAM = """
+import sys
+import vibro
+from vibro.core.compiled import doors
+scene = vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=.35, static_friction=.7, kinetic_friction=.5)
+with open(sys.argv[1], "ab", buffering=0) as uses:
+    while True:
+        doors.cache_clear()
+        assert doors().compiled, "not compiled"
+        vibro.solve(scene)
+        uses.write(b".")
+"""
+# Writes half of the library, and goes on when the program has loaded what is there.
+SLOW = """
+uses, whole = Path({uses!r}), Path({library!r}).read_bytes()
+def wait():
+    end = uses.stat().st_size + 3
+    for _ in range(3000):
+        if uses.stat().st_size >= end or uses.with_name("ended").exists():
+            return
+        time.sleep(0.01)
+with out.open("wb", buffering=0) as file:
+    file.write(whole[:len(whole) // 2])
+    wait()
+    file.write(whole[len(whole) // 2:])
+    wait()
+"""
+
+
+@needs_library
+def test_programs_run_on_while_the_solver_is_compiled(
+    checkout: Path, compiler: Callable[[str], None], tmp_path: Path
+) -> None:
+    library, kept, uses = checkout / CORE / LIBRARY, tmp_path / "kept", tmp_path / "uses"
+    shutil.copy(ROOT / CORE / LIBRARY, library)
+    os.link(library, kept)
+    whole = kept.read_bytes()
+    uses.touch()
+    compiler(SLOW.format(uses=str(uses), library=str(ROOT / CORE / LIBRARY)))
+    env = {name: value for name, value in os.environ.items() if name != "VIBRO_SOLVER"}
+    env["PYTHONPATH"] = str(checkout / "src")
+    command = [sys.executable, "-c", PROGRAM, str(uses)]
+    with subprocess.Popen(command, env=env, stderr=subprocess.PIPE, text=True) as program:
+        try:
+
+            def wait() -> None:
+                end = uses.stat().st_size + 3
+                while program.poll() is None and uses.stat().st_size < end:
+                    time.sleep(0.01)
+
+            wait()
+            assert compile_solver(checkout) == ""
+            wait()
+            assert program.poll() is None
+        finally:
+            program.kill()
+            said = program.communicate()[1]
+    assert said == ""
+    assert not library.samefile(kept)
+    assert kept.read_bytes() == library.read_bytes() == whole
+    assert beside(library) == [library]
+
+
+class Hatchling(ModuleType):
+    """Stands for hatchling: notes what it is asked to build, and in what state."""
+
+    def __init__(self) -> None:
+        super().__init__("hatchling.build")
+        self.built: list[tuple[str, Path, bool]] = []
+
+    def _build(self, folder: str, *_: object) -> str:
+        library = Path(CORE, LIBRARY)
+        is_whole = library.is_file() and known(Path()) in library.read_text(encoding="utf-8")
+        self.built.append((folder, Path.cwd(), is_whole))
+        return "vibro.whl"
+
+    build_wheel = build_editable = build_sdist = _build
+
+    @staticmethod
+    def get_requires_for_build_wheel(*_: object) -> list[str]:
+        return []
+
+    get_requires_for_build_editable = get_requires_for_build_sdist = get_requires_for_build_wheel
+
+
+@pytest.fixture
+def hatchling(monkeypatch: pytest.MonkeyPatch, checkout: Path) -> Hatchling:
+    made = Hatchling()
+    for name in accumulate(("hatchling", "builders", "hooks", "plugin"), "{}.{}".format):
+        monkeypatch.setitem(sys.modules, name, ModuleType(name))
+    interface = ModuleType("hatchling.builders.hooks.plugin.interface")
+    monkeypatch.setattr(interface, "BuildHookInterface", object, raising=False)
+    monkeypatch.setitem(sys.modules, interface.__name__, interface)
+    monkeypatch.setitem(sys.modules, made.__name__, made)
+    monkeypatch.setattr(sys.modules["hatchling"], "build", made, raising=False)
+    monkeypatch.delitem(sys.modules, "backend", raising=False)
+    monkeypatch.chdir(checkout)
+    return made
+
+
+def test_a_wheel_is_built_from_a_copy_and_its_library_is_of_its_source(
+    checkout: Path, compiler: Callable[[str], None], hatchling: Hatchling, tmp_path: Path
+) -> None:
+    source = checkout / CORE / "contact.py"
+    compiler(f"Path({str(source)!r}).open('a').write('# changed')\nout.write_bytes(source.read_bytes())")
+    (checkout / CORE / LIBRARY).write_text("in use", encoding="utf-8")
+    before = (checkout / CORE / LIBRARY).stat()
+    backend = importlib.import_module("backend")
+    assert backend.build_wheel("wheels") == "vibro.whl"
+    [(folder, place, is_whole)] = hatchling.built
+    assert folder == str(checkout / "wheels")
+    assert is_whole
+    assert place != checkout
+    assert not place.exists()
+    assert Path.cwd() == checkout
+    assert (checkout / CORE / LIBRARY).stat() == before
+    assert source.read_text(encoding="utf-8").endswith("# changed")
+
+
+def test_an_editable_installation_is_compiled_in_place(
+    checkout: Path, compiler: Callable[[str], None], hatchling: Hatchling
+) -> None:
+    compiler("out.write_bytes(source.read_bytes())")
+    backend = importlib.import_module("backend")
+    assert backend.build_editable("wheels") == "vibro.whl"
+    assert hatchling.built == [("wheels", checkout, True)]
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_wheel_with_a_library_is_of_a_platform(
+    checkout: Path, hatchling: Hatchling, compiled: bool
+) -> None:
+    if compiled:
+        (checkout / CORE / LIBRARY).touch()
+    hook = importlib.import_module("backend").SolverHook()
+    hook.root, hook.target_name = str(checkout), "wheel"
+    editable: dict[str, Any] = {"artifacts": []}
+    hook.initialize("editable", editable)
+    assert editable == {"artifacts": []}
+    data: dict[str, Any] = {"artifacts": []}
+    hook.initialize("standard", data)
+    assert data["artifacts"] == (["src/vibro/core/_solver.native"] if compiled else [])
+    assert data.get("tag", "py3-none-any").startswith("py3-none-")
+    assert data.get("pure_python", True) is not compiled
