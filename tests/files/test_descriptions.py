@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from helpers.cases import each
 
-from vibro.errors import InputError, Problems
-from vibro.files.descriptions import DESIGN_FILE, EXAMPLES, FILES, SCENE_FILE, FileKind
+from vibro.errors import Problems
+from vibro.files.descriptions import EXAMPLES, FILES, SCENE_FILE, FileKind
 from vibro.files.motions import MOTIONS
 from vibro.files.scene_files import read_scene_file
-from vibro.files.toml_files import ABSENT, Table, refuse_unknown_tables
+from vibro.files.toml_files import ABSENT, Table
 from vibro.quantities import BY_COLUMN, MACHINE, QUANTITIES
 
 KINDS = pytest.mark.parametrize("file", FILES.values(), ids=FILES)
@@ -62,31 +62,3 @@ def test_every_key_of_a_scene_is_read(tmp_path: Path, key: str) -> None:
     path.write_text(f"[scene]\n{key} = {value}\n{clamped}", encoding="utf-8")
     name = "normal_acceleration" if clamped else name
     assert (name.removesuffix("s") if isinstance(value, list) else name) in read_scene_file(path).scene
-
-
-@each(
-    ("file", "content", "problem", "hints"),
-    [
-        (SCENE_FILE, {"amplitude_mm": 1}, "unknown key 'amplitude_mm'; it belongs in [scene] or [map]", True),
-        (
-            SCENE_FILE,
-            {"along_phases_deg": [0]},
-            "key 'along_phases_deg'; it belongs in [scene]",
-            False,
-        ),
-        (SCENE_FILE, {"xyzzy": 1}, "unknown key 'xyzzy'; known are scene, motion, machine, map", True),
-        (SCENE_FILE, {"maps": {}}, "unknown table 'maps'; did you mean 'map'?", False),
-        (DESIGN_FILE, {"speed_mm_s": 1}, "unknown key 'speed_mm_s'; it belongs in [goal]", False),
-        (DESIGN_FILE, {"goals": []}, "unknown table 'goals'; did you mean 'goal'?", False),
-    ],
-)
-def test_what_stands_outside_the_tables_is_told_where_it_belongs(
-    file: FileKind, content: dict[str, object], problem: str, hints: bool
-) -> None:
-    problems = Problems()
-    refuse_unknown_tables(content, file, problems)
-    with pytest.raises(InputError) as caught:
-        problems.settle()
-    assert problem in str(caught.value)
-    assert bool(caught.value.hint) == hints
-    assert not hints or caught.value.hint == "keys belong in the table [scene], [motion], [machine] or [map]"

@@ -53,32 +53,6 @@ def test_errors_are_relative(points: Path) -> None:
     np.testing.assert_allclose(error, [0.02, 0.015])
 
 
-@each(
-    ("text", "says"),
-    [
-        ("", "empty"),
-        ("frequency_hz,amplitude_mm\n", "no rows"),
-        ("48,0.2\n50,0.35\n", "no column frequency_hz"),
-        ("frequency_hz,displacement\n48,0.2\n", "no column amplitude_mm or stroke_mm"),
-        ("frequency_hz,amplitude\n48,0.2\n", "no column amplitude_mm or stroke_mm"),
-        ("frequency_hz,amplitude_mm,stroke_mm\n48,0.2,0.4\n", "both given"),
-        ("frequency_hz,amplitude_mm,amplitude_um\n48,0.2,200\n", "twice"),
-        ("frequency_hz,amplitude_mm\n48,\n", "row 2, amplitude: the cell is empty"),
-        ("frequency_hz,amplitude_mm\n48,nan\n", "row 2, amplitude = nan"),
-        ("frequency_hz,amplitude_mm\n48,0.2\n50,-1\n", "row 3, amplitude = '-1'"),
-        ("frequency_hz,amplitude_mm\n48,0,2\n", "row 2 has 3 cells"),
-        ("frequency_hz,amplitude_mm\n0,0.2\n", "row 2, frequency = '0'"),
-        ("frequency_hz,amplitude_mm,error_percent\n48,0.2,0\n", "row 2, amplitude error = '0'"),
-    ],
-)
-def test_what_is_wrong_is_named(points: Path, text: str, says: str) -> None:
-    points.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        read_points(points)
-    assert says in caught.value.problems[0]
-    assert str(points) in caught.value.problems[0]
-
-
 def test_a_file_that_is_not_there_and_one_that_is_no_text(points: Path) -> None:
     with pytest.raises(FileError, match="cannot read"):
         read_points(points)

@@ -63,100 +63,29 @@ def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
 
 
 @each(
-    ("text", "problem", "hint"),
+    "text",
     [
-        ("[scene]\namplitude = 1", "[scene] unknown key 'amplitude'; did you mean 'amplitude_mm'?", ""),
-        ("[scene]\nxyzzy = 1", "[scene] unknown key 'xyzzy'; known are amplitude_mm, stroke_mm, ", ""),
-        ("[scenes]\namplitude_mm = 1", "unknown table 'scenes'; did you mean 'scene'?", ""),
-        (
-            "amplitude_mm = 1",
-            "unknown key 'amplitude_mm'",
-            "keys belong in the table [scene], [motion], [machine] or [map]",
-        ),
-        ("scene = 1", "scene must be a table, written [scene]", ""),
-        (
-            '[scene]\namplitude_mm = "1"',
-            "[scene] amplitude_mm = '1': must be a number, without quotes",
-            "write amplitude_mm = 1",
-        ),
-        (
-            '[scene]\namplitude_mm = "1:2"',
-            "must be a number, without quotes",
-            "axes belong in the table [map]",
-        ),
-        ('[scene]\nfrequency_hz = "3000rpm"', "without quotes", "write frequency_hz = 50"),
-        ('[scene]\nstatic_friction = "0,74"', "without quotes", "write static_friction = 0.74"),
-        (
-            '[scene]\nstatic_friction = "brass on steel"',
-            "without quotes",
-            "brass on steel has 0.35 (d",
-        ),
-        (
-            '[map]\nkinetic_friction = "wood on steel"',
-            "not a number",
-            "wood on steel has 0.3:0.6 (d",
-        ),
-        ("[scene]\namplitude_mm = true", "must be a number", "write amplitude_mm = 1.5"),
-        ("[scene]\namplitude_mm = [1, 2]", "must be a number", "write amplitude_mm = 1.5"),
-        ("[scene]\namplitude_mm = nan", "[scene] amplitude = nan: must be a finite number", ""),
-        (
-            "[map]\namplitude_mm = {a = 1}",
-            "must be a number or an axis",
-            'write it like 1.5, "0.1:3:200" or [10, 20, 30]',
-        ),
-        ("[map]\namplitude_mm = []", "must be a number or an axis", 'write it like 1.5, "0.1:3'),
-        (
-            "[map]\namplitude_mm = [1, true]",
-            "must be a number or an axis",
-            'write it like 1.5, "0.1:3:200" or',
-        ),
-        ('[map]\namplitude_mm = "3:1"', "does not ascend", "write 1:3"),
-        (
-            '[map]\ntrough_length_mm = "1:3"',
-            "trough length cannot be an axis",
-            "give trough_length_mm one value",
-        ),
-        (
-            "[scene]\nstatic_friction = 0,74",
-            "not valid TOML",
-            "write a decimal point: static_friction = 0.74",
-        ),
-        ("[scene\n", "not valid TOML", ""),
-        ("[scene]\na = 1\na = 2", "not valid TOML", ""),
-        ("a = " + 5000 * "[", "not valid TOML", ""),
+        "[scene]\nstatic_friction = 0,74",
+        "[scene\n",
+        "[scene]\na = 1\na = 2",
+        "a = " + 5000 * "[",
     ],
 )
-def test_what_is_wrong_in_a_scene_file_is_named(tmp_path: Path, text: str, problem: str, hint: str) -> None:
+def test_what_is_no_toml(tmp_path: Path, text: str) -> None:
+    """What its reader says differs from one version of Python to the next."""
     path = written(tmp_path, text)
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, match="not valid TOML") as caught:
         read_scene_file(path)
     assert str(caught.value).startswith(f"{path}: ")
-    assert problem in str(caught.value)
-    assert caught.value.hint.startswith(hint)
-    assert bool(caught.value.hint) == bool(hint)
-
-
-def test_everything_wrong_in_a_scene_file_is_named_at_once(tmp_path: Path) -> None:
-    path = written(tmp_path, '[scene]\namplitude = 1\nfrequency_hz = "x"\n[map]\ndrive_angle_deg = "9:1"\n')
-    with pytest.raises(InputError) as caught:
-        read_scene_file(path)
-    assert len(caught.value.problems) == 3
-
-
-def test_a_scene_file_that_is_not_text(tmp_path: Path) -> None:
-    path = written(tmp_path, "[scene]".encode("utf-16"))
-    with pytest.raises(InputError, match="not a text file in UTF-8"):
-        read_scene_file(path)
+    assert ("decimal point: static_friction = 0.74" in caught.value.hint) == ("0,74" in text)
 
 
 def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
     written(tmp_path, SCENE, "safety_nut.toml")
-    with pytest.raises(FileError, match="cannot read") as caught:
+    with pytest.raises(FileError) as caught:
         read_scene_file(tmp_path / "safty_nut.toml")
-    assert caught.value.hint == f"did you mean '{tmp_path / 'safety_nut.toml'}'?"
-    with pytest.raises(FileError, match="cannot read"):
-        read_scene_file(tmp_path)
-    with pytest.raises(FileError, match="cannot read"):
+    assert f"'{tmp_path / 'safety_nut.toml'}'" in caught.value.hint
+    with pytest.raises(FileError):
         read_scene_file(tmp_path / "no folder" / "nut.toml")
 
 
@@ -251,6 +180,4 @@ def test_a_question_of_vibro_design_is_told_from_a_scene(
     path = written(tmp_path, text)
     with pytest.raises(InputError) as caught:
         read_scene_file(path)
-    told = f"{path}: this is a design question: parts, drives and a goal"
-    assert (caught.value.problems == (told,)) is is_question
-    assert (caught.value.hint == f'run vibro.design("{path}")') is is_question
+    assert ("vibro.design(" in caught.value.hint) is is_question

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from helpers.machine_files import SCENE
 from helpers.questions import changed
 
 import vibro
+from vibro.files.points import read_points
 from vibro.inverse.reading import read_spec
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import read_sensitivities
@@ -82,3 +84,20 @@ def machine(kind: str, **changed: Any) -> vibro.Machine:
     }[kind]
     made: vibro.Machine = getattr(vibro.Machine, kind)(**{**good, **changed})
     return made
+
+
+def scene_file(text: str, **given: Any) -> Sweep:
+    """Sweep what a scene file with a text says."""
+    Path("scene.toml").write_text(text, encoding="utf-8")
+    return vibro.sweep("scene.toml", **given, output="regimes")
+
+
+def machine_file(text: str, **given: Any) -> Sweep:
+    """Sweep what a scene file with a machine says, which follows the table of the scene."""
+    return scene_file(SCENE + text, **given)
+
+
+def points(text: str) -> Any:
+    """Read a file of measured amplitudes."""
+    Path("points.csv").write_text(text, encoding="utf-8")
+    return read_points(Path("points.csv"))

@@ -295,11 +295,9 @@ def test_its_files_are_those_that_it_lists_under_names_that_vibro_gives() -> Non
 
 def test_more_shards_than_names_can_number_are_refused() -> None:
     grid = grid_of({"amplitude": list(np.arange(1.0, MOST_SHARDS + 2.0))}, drive_angle=20.0)
-    with pytest.raises(
-        InputError, match="shard_cells=1: 1000001 cells would be 1000001 shards, more than 1000000"
-    ) as caught:
+    with pytest.raises(InputError, match="shard_cells=1: ") as caught:
         whole(grid, 1)
-    assert caught.value.hint == "give at least shard_cells=2"
+    assert "shard_cells=2" in caught.value.hint
     assert whole(grid, 2).shards == MOST_SHARDS / 2 + 1
 
 
@@ -308,15 +306,14 @@ def test_more_shards_than_names_can_number_are_refused() -> None:
     ["", "{", "[]", "3", '"vibro sweep 1"', "null", "{}", '{"format": 3}', '{"format": "other"}', "\0"],
 )
 def test_what_is_no_manifest_is_told(text: str) -> None:
-    with pytest.raises(FileError, match=r"out/_manifest\.json is no manifest of a sweep"):
+    with pytest.raises(FileError, match=r"out/_manifest\.json is no manifest"):
         read_plan(text, "out/_manifest.json")
 
 
 def test_a_later_format_is_told() -> None:
     content = json.loads(THERE.manifest(ARGV)) | {"format": "vibro sweep 4"}
-    with pytest.raises(FileError, match="vibro sweep 4 is an unknown format") as caught:
+    with pytest.raises(FileError, match="vibro sweep 4"):
         read_plan(json.dumps(content), "m")
-    assert caught.value.hint == "use the vibro that wrote it"
 
 
 def test_equal_numbers_that_are_written_differently_differ() -> None:

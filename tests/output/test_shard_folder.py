@@ -15,10 +15,9 @@ from helpers.cases import each
 from helpers.commands import POSIX
 
 import vibro.interrupts
-from vibro.errors import FileError, InputError
+from vibro.errors import FileError
 from vibro.output.hidden import hidden_folder
 from vibro.output.shard_folder import MANIFEST, SUCCESS, ShardFolder, Stamp, shard_name
-from vibro.output.writing import shard_folder
 
 GO_ON = "go on with resume=True"
 SWEEP = [SUCCESS, MANIFEST, "_regime.png", "part-000000.parquet", "part-000001.parquet"]
@@ -321,14 +320,3 @@ def test_a_manifest_that_cannot_be_read(tmp_path: Path, made: Callable[[Path], o
     made(tmp_path / MANIFEST)
     with held(tmp_path) as files, pytest.raises(FileError, match=r"cannot read .*_manifest\.json"):
         files.read(MANIFEST)
-
-
-def test_names_of_folders() -> None:
-    for folder in ("out", "out/wide/", "run1.5", ".", "a.d"):
-        assert shard_folder(folder) == Path(folder)
-    others = {"-": "out/wide", "": "out/wide", "a\0b": "out/wide", "out/nut.csv": "out/nut",
-              "nut.JSON": "nut", "nut.parquet": "nut", "run1.5.xlsx": "run1.5"}  # fmt: skip
-    for folder, better in others.items():
-        with pytest.raises(InputError, match="shards go into a folder") as caught:
-            shard_folder(folder)
-        assert caught.value.hint == f'write it like folder="{better}"'

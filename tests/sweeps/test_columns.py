@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 import vibro
 from vibro.axes import parse_axis
 from vibro.core.codes import Status
-from vibro.errors import InputError
 from vibro.files import csv_tables
 from vibro.files.csv_tables import CsvFormat
 from vibro.quantities import DRIVES, QUANTITIES, SWEPT
@@ -198,25 +197,6 @@ def test_columns_by_name() -> None:
     np.testing.assert_array_equal(frame["strokes"], usual["frequency_hz"] * usual["traverse_time_s"])
     assert (frame["regime"] == usual["regime"]).all()
     assert CsvFormat().header(columns) == ",".join(names) + "\n"
-
-
-@pytest.mark.parametrize(
-    ("names", "problem", "hint"),
-    [
-        (["mean_velocity"], "there is no column 'mean_velocity'", "did you mean 'mean_velocity_mm_s'?\n"),
-        (["regime", "x", "y"], "there is no column 'x'; there is no column 'y'", "those of inputs are ampl"),
-        ([], "no column is named", "those of inputs are amplitude_mm, "),
-        (["regime", "status", "regime"], "column regime is named twice", "name it once"),
-    ],
-)
-def test_columns_that_there_are_not(names: list[str], problem: str, hint: str) -> None:
-    with pytest.raises(InputError) as refusal:
-        chosen(names, COLUMNS)
-    assert str(refusal.value) == problem
-    assert hint in refusal.value.hint
-    if "twice" not in problem:
-        listed = {word.strip(",?") for word in refusal.value.hint.split()}
-        assert listed >= {column.name for column in COLUMNS} | {"acceleration_g", "restitution", "strokes"}
 
 
 def test_no_number_is_an_empty_cell_and_null() -> None:

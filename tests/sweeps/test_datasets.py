@@ -155,8 +155,6 @@ def test_columns_are_those_that_are_asked_for() -> None:
     assert list(dataset) == ["stroke_mm", "acceleration_g", "regime"]
     np.testing.assert_array_equal(dataset.stroke_mm, [1, 3])
     assert dataset.acceleration_g.attrs["units"] == "1"  # g is a gram in UDUNITS
-    with pytest.raises(InputError, match="there is no column 'colour'"):
-        solved.to_xarray(["colour"])
 
 
 @pytest.fixture(scope="module")
@@ -245,25 +243,6 @@ def test_files_are_found_from_another_folder_and_damage_is_told(
     assert lazy.throw_number[0].max() > 0
     with pytest.raises(FileError, match=r"part-000003.parquet is missing"):
         lazy.throw_number.max().compute()
-
-
-@pytest.mark.parametrize(
-    ("chunks", "problem"),
-    [
-        ("small", "chunks = 'small': must be 'auto', a whole number > 0, or sizes by axis"),
-        (0, "chunks = 0: must be 'auto', a whole number > 0, or sizes by axis"),
-        (True, "chunks = True: must be 'auto', a whole number > 0, or sizes by axis"),
-        ({"colour": 1}, "chunks: 'colour' is no axis"),
-        ({"mu_s": 1}, "chunks: static friction does not vary in this sweep"),
-        ({"A": 0}, "chunks: A = 0: must be a whole number > 0"),
-        ({"A": True}, "chunks: A = True: must be a whole number > 0"),
-    ],
-)
-def test_blocks_that_cannot_be_are_refused(stored: StoredSweep, chunks: Any, problem: str) -> None:
-    with pytest.raises(InputError) as caught:
-        stored.to_xarray(chunks=chunks)
-    assert problem in str(caught.value)
-    assert caught.value.hint
 
 
 def test_what_memory_does_not_hold_is_read_in_blocks(

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import each
-from helpers.machine_files import FEEDER, KINDS, SCENE, UNBALANCE, feeder, written
+from helpers.machine_files import KINDS, SCENE, feeder, written
 
 import vibro
 from vibro.core.codes import Regime, Status
@@ -154,12 +153,6 @@ def test_a_spring_pack_is_called_by_its_name(tmp_path: Path) -> None:
     frame = vibro.sweep(path, pack="soft", setting_percent=[50, 100]).to_frame()
     assert frame["natural_hz"].tolist() == [47.6, 47.6]
     assert frame.equals(vibro.sweep(path, natural_hz=47.6, setting_percent=[50, 100]).to_frame())
-    with pytest.raises(InputError, match="a spring pack and a natural frequency are given"):
-        vibro.sweep(path, pack="soft", natural_hz=50)
-    with pytest.raises(InputError, match="there is no spring pack 'softer'"):
-        vibro.sweep(path, pack="softer")
-    with pytest.raises(InputError, match="pack = 1: must be a name"):
-        vibro.sweep(path, pack=1)
 
 
 def test_labelled_arrays_have_the_amplitude_as_a_result(tmp_path: Path) -> None:
@@ -197,11 +190,6 @@ def test_masses_that_strike_leave_a_cell_without_numbers(tmp_path: Path) -> None
     assert lost["regime"] == ""
     assert lost["relative_amplitude_mm"] == pytest.approx(0.4725)
     assert t.cycle.regime[2, 1] == Regime.UNDEFINED
-    with pytest.raises(
-        InputError, match=r"the masses strike: .* 0.4725 mm, and gap_mm allows 0.4 mm"
-    ) as caught:
-        vibro.read_scene(feeder(tmp_path, "gap_mm = 0.4\nsetting_percent = 90\n"))
-    assert "lower the setting" in caught.value.hint
 
 
 def test_pictures_have_the_critical_loads_of_the_amplitudes_found(
@@ -254,41 +242,6 @@ def test_every_kind_is_swept(tmp_path: Path, kind: str) -> None:
     assert (frame["amplitude_mm"] > 0.0).all()
     same = frame["amplitude_mm"] == frame["amplitude_empty_mm"]
     assert same.tolist() == ([True, True, kind == "crank", kind == "crank"])
-
-
-@each(
-    ("table", "given", "problem"),
-    [
-        ("", {"setting_percent": 50}, "setting = 50 %: there is no machine"),
-        ("", {"filling_kg": "0:2"}, "filling = 0 kg: there is no machine"),
-        (FEEDER, {"amplitude_mm": 1}, "the call gives the amplitude beside \\[machine\\]"),
-        (FEEDER, {"stroke_mm": 1}, "the call gives the stroke beside \\[machine\\]"),
-        (FEEDER, {"along_amplitude_mm": 1, "normal_amplitude_mm": 1}, "moves its trough along a line"),
-        (FEEDER, {"voltage_percent": 0}, "voltage = 0 %: must be finite and > 0 %"),
-        (FEEDER, {"filling_kg": -1}, "filling = -1 kg: must be finite and >= 0 kg"),
-        (UNBALANCE, {"natural_hz": 3}, "natural frequency = 3 Hz: does not apply to a machine of kind"),
-        (UNBALANCE, {"voltage_percent": [90, 100]}, "voltage = 90 %: does not apply to a machine of kind"),
-        (
-            FEEDER.replace("natural_hz = 55.6\n", "").replace("calibration", "force_n = 50 #") + PACKS,
-            {},
-            "which spring pack is fitted is not given",
-        ),
-    ],
-)  # fmt: skip
-def test_what_cannot_stand_beside_a_machine_is_named(
-    tmp_path: Path, table: str, given: dict[str, Any], problem: str
-) -> None:
-    given = {"static_friction": [0.3, 0.4]} | given | ({} if table else {"amplitude_mm": 1})
-    with pytest.raises(InputError, match=problem):
-        vibro.sweep(feeder(tmp_path, table=table), **given)
-
-
-def test_an_amplitude_or_a_motion_in_the_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"\[scene\] gives the amplitude beside \[machine\]"):
-        vibro.sweep(feeder(tmp_path, scene=f"{SCENE}amplitude_mm = 1\n"))
-    motion = "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n"
-    with pytest.raises(InputError, match="a motion stands beside"):
-        vibro.sweep(feeder(tmp_path, motion, scene=SCENE.replace("drive_angle_deg = 20\n", "")))
 
 
 def test_bands_are_the_axes_of_a_map_where_nothing_else_varies(tmp_path: Path) -> None:
