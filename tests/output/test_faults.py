@@ -96,7 +96,7 @@ def test_a_killed_process_is_replaced(tmp_path: Path) -> None:
 
 def test_processes_that_end_at_once_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vibro.output.workers._begin_worker", partial(os._exit, 1))
-    with pytest.raises(FileError, match="workers end as soon as they begin"):
+    with pytest.raises(FileError, match="workers end"):
         made(tmp_path / "wide", Processes(1))
     assert not (tmp_path / "wide").exists()
 
@@ -167,7 +167,7 @@ def test_the_second_of_two_runs_is_refused_and_harms_nothing(tmp_path: Path) -> 
     before, hidden = states(folder), sorted(folder.rglob(".vibro-*/*"))
     assert len(hidden) == 2  # the lock, and where workers write
     for how in ({"force": True}, {"resume": True}, {"shards": "0:4"}, {}):
-        with pytest.raises(FileError, match=r"another run is writing .*wide at this moment"):
+        with pytest.raises(FileError, match="another run"):
             made(folder, report=lambda _: pytest.fail("it computes"), **how)
     second = subprocess.run(
         [*VIBRO, *COMMAND, "--resume"], cwd=tmp_path, text=True, capture_output=True, check=False
@@ -257,7 +257,7 @@ def test_what_changes_while_a_run_goes_on_is_noticed_before_it_says_that_all_is_
         shutil.copytree(whole, folder)
         (folder / SUCCESS).unlink()
     act = Once(lambda: CHANGES[change](folder))
-    with pytest.raises(FileError, match="was removed or changed while this run went on") as caught:
+    with pytest.raises(FileError, match="while this run went on") as caught:
         made(folder, ONE, report=act, resume=resume)
     assert act.done
     assert caught.value.hint
@@ -291,7 +291,7 @@ def test_what_is_not_of_the_sweep_is_refused(folder: Path) -> None:
             made(folder, plan=small_plan(10), shard_cells=300, **how)
     shutil.copy(folder / shard_name(3), folder / shard_name(15))
     for how in ({"resume": True}, {"force": True}, {"shards": "0:4"}, {}):
-        with pytest.raises(FileError, match=r"holds something else: part-000015\.parquet"):
+        with pytest.raises(FileError, match=r"something else: part-000015\.parquet"):
             made(folder, **how)
     (folder / shard_name(15)).unlink()
     with pytest.raises(FileError, match="holds a sweep already"):
@@ -300,7 +300,7 @@ def test_what_is_not_of_the_sweep_is_refused(folder: Path) -> None:
     for text in ('{"name": "an extension", "version": "1.0"}', "[]", "no JSON", ""):
         (folder / MANIFEST).write_text(text, encoding="utf-8")
         for how in ({"resume": True}, {"force": True}, {"shards": "0:4"}, {}):
-            with pytest.raises(FileError, match="is no manifest of a sweep"):
+            with pytest.raises(FileError, match="no manifest"):
                 made(folder, **how)
         assert (folder / MANIFEST).read_text(encoding="utf-8") == text
         assert {**states(folder), MANIFEST: None} == {**before, MANIFEST: None}
@@ -348,7 +348,7 @@ def test_a_worker_that_sees_other_files_under_the_same_name_is_told(tmp_path: Pa
             hidden.parent.mkdir(parents=True, exist_ok=True)
             return super().submit(work, Job(job.plan, hidden, 1), *args)
 
-    with pytest.raises(FileError, match="a worker does not see the same files in"):
+    with pytest.raises(FileError, match="same files"):
         made(tmp_path / "wide", Elsewhere(15))
 
 

