@@ -5,31 +5,15 @@ from __future__ import annotations
 import math
 
 import pytest
+from helpers.reports import NUT
+from helpers.reports import scene_at as at
 
 import vibro
 from vibro.inverse.costs import changed_cycles, speed_costs
 from vibro.reports.change_texts import change_texts
-from vibro.sweeps.grid import Grid
-from vibro.sweeps.one_scene import OneScene
-from vibro.sweeps.run import sweep_blocks
 
-NUT = {
-    "amplitude": 1.0,
-    "frequency": 15.0,
-    "drive_angle": 20.0,
-    "static_friction": 0.74,
-    "kinetic_friction": 0.57,
-    "trough_angle": 0.0,
-    "gravity": 9.81,
-    "restitution": 0.0,
-}
 BOUNCES = {"amplitude": 3.0, "frequency": 30.0, "restitution": 0.3}
 IRREGULAR = {"amplitude": 3.0, "frequency": 40.0, "restitution": 0.6}
-
-
-def at(**changes: float) -> OneScene:
-    (block,) = sweep_blocks(Grid({}, NUT | changes, None))
-    return OneScene(block)
 
 
 def speed(values: dict[str, float]) -> float:
@@ -67,14 +51,10 @@ def test_in_contact_they_agree_with_the_closed_form_to_second_order() -> None:
 
 
 def test_the_change_that_counts_most_is_named_where_that_is_sure() -> None:
-    texts, rows = change_texts(at())
-    assert texts == ["Of 1 % more of each, the frequency counts most: 6.65 % faster."]
-    assert rows[0] == ("1 % more", "the mean speed changes by")
-    texts, _ = change_texts(at(**BOUNCES))
-    assert texts[0] == "Of 1 % more of each, the frequency counts most: 1.47 % faster."
-    assert "2 % more, or 1 % less, may do something else" in texts[1]
+    for changes, found in (({}, "frequency counts most: 6.65 %"), (BOUNCES, "frequency counts most: 1.47 %")):
+        assert found in change_texts(at(**changes))[0][0]
     texts, rows = change_texts(at(**IRREGULAR))
-    assert texts[0] == "Within the standard errors it is not clear which change has the largest effect."
+    assert "standard errors" in texts[0]
     assert {row[0]: row[1] for row in rows}["amplitude, 10 % more"].startswith("+9.81 % +- 4.9 %")
 
 
@@ -83,7 +63,8 @@ def test_what_counts_most_may_be_a_loss() -> None:
     changes = {row[0]: float(row[1].removesuffix(" %")) for row in rows[1:]}
     loss = changes["frequency"]
     assert loss < 0.0 < -loss > changes["static friction"] > 0.0
-    assert texts == [f"Of 1 % more of each, the frequency counts most: {-loss:.3g} % slower."]
+    (text,) = texts
+    assert f"frequency counts most: {-loss:.3g} % slower" in text
 
 
 def test_other_motions_are_told() -> None:
@@ -97,19 +78,11 @@ def test_other_motions_are_told() -> None:
 
 
 def test_a_part_at_rest() -> None:
-    told = "The part rests with a little more of any input too, and with 10 % more amplitude."
-    assert change_texts(at(amplitude=0.5)) == ([told], [])
+    assert change_texts(at(amplitude=0.5))[1] == []
     texts, rows = change_texts(at(amplitude=0.68))
     assert texts == []
-    assert rows[0] == ("1 % more", "the mean speed becomes", "and the part then")
     assert ("amplitude", f"{speed(NUT | {'amplitude': 0.6868}):.6g} mm/s", "slides forward") in rows
     assert ("static friction", "0 mm/s", "") in rows
-
-
-def test_why_there_is_nothing_to_tell() -> None:
-    (told,), rows = change_texts(at(trough_angle=-50.0))
-    assert told == "The part has no known speed that could change: it gains speed in every cycle."
-    assert rows == []
 
 
 def test_what_cannot_be_is_unknown() -> None:
