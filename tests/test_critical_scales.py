@@ -12,7 +12,7 @@ from helpers.cases import each
 from helpers.periodic_tables import read_rows, scene_of
 
 import vibro
-from vibro import Regime, Scene, SceneError, Status
+from vibro import Regime, Scene, Status
 from vibro.limits import stays_upright, tipping_load
 from vibro.waveforms import PiecewiseMotion
 
@@ -289,14 +289,6 @@ def test_the_load_at_which_an_edge_lifts(pieces: bool) -> None:
         assert [int(stays_upright(at(found * x), r)) for x in (1.0 - 1e-9, 1.0 + 1e-9)] == [1, 0]
         assert tipping_load(at(1.0, static_friction=r, kinetic_friction=r), r) == math.inf
         assert tipping_load(at(1.0, trough_angle=math.atan(r) + 0.01), r) == 0.0
-
-
-def test_clamped_parts_do_not_tip() -> None:
-    clamped = conveyor(normal_acceleration=60.0)
-    said = "normal_acceleration = 60: must be left out: a clamped part cannot tip"
-    for ask in (tipping_load, stays_upright):
-        with pytest.raises(SceneError, match=said):
-            ask(clamped, 0.5)
 
 
 @pytest.mark.parametrize("side", [-1, 1], ids=["down the conveying way", "against it"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import vibro
-from vibro import Filling, Scene, SceneError, Status, filling
+from vibro import Filling, Scene, Status, filling
 from vibro.fillings import TYPICAL_MACHINES, amplitude_exponent, filling_of, most_mass_ratio
 from vibro.slopes import slides_of
 
@@ -300,19 +299,6 @@ def test_plain_python_gives_the_same_bits() -> None:
     for a, b in zip(fast, slow, strict=True):
         for name in ALL:
             assert np.asarray(getattr(a, name)).tobytes() == np.asarray(getattr(b, name)).tobytes()
-
-
-def test_other_motions_are_refused_by_name() -> None:
-    motion = vibro.Motion.steps(along=[(0.5, 1.0), (0.5, -1.0)])
-    scene = Scene(motion=motion, frequency=10.0, static_friction=0.5, kinetic_friction=0.4)
-    with pytest.raises(SceneError, match=r"drive = .*: must be along a line or an ellipse"):
-        filling(scene)
-
-
-@pytest.mark.parametrize("threads", [0, 1.5, True])
-def test_threads_are_whole_numbers(threads: Any) -> None:
-    with pytest.raises(vibro.InputError, match="threads"):
-        filling(at_load(1.0, 20.0, 0.5, 0.4), threads=threads)
 
 
 def test_the_result_is_public() -> None:

@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-import vibro
-from vibro import InputError, Motion, Scene, solve
-from vibro.slopes import displacement_gradient, load_slope, scale_slope, slides_of
+from vibro import Motion, Scene, solve
+from vibro.slopes import load_slope, scale_slope
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
 
@@ -55,15 +54,3 @@ def test_there_are_none_at_rest_beside_an_onset_and_in_flight(scale: float) -> N
     motion = Motion.steps([(0.8, 3.5), (0.2, -14.0)], normal)
     scene = Scene(motion=motion, motion_scale=scale, frequency=5.0, **FRICTION)
     assert np.isnan(scale_slope(scene, solve(scene)))
-
-
-@pytest.mark.parametrize("ask", [load_slope, displacement_gradient, slides_of])
-def test_closed_forms_are_of_one_harmonic(ask) -> None:  # type: ignore[no-untyped-def]
-    scene = vibro.Scene(motion=Motion.steps([(0.8, 3.5), (0.2, -14.0)]), frequency=5.0, **FRICTION)
-    with pytest.raises(InputError) as caught:
-        ask(scene, solve(scene).pattern_code)
-    assert str(caught.value) == (
-        "a drive with steps or sampled accelerations: closed forms of slides are known of drives along a line"
-        " or along an ellipse alone"
-    )
-    assert caught.value.__notes__ == ["hint: vibro.simulate follows the slides of any drive"]

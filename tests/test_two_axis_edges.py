@@ -9,7 +9,7 @@ import pytest
 from helpers.two_axis_scenes import EPS, TURN, Drives, compare, displacement, drives, random_drives, rounding
 
 import vibro
-from vibro import Regime, SceneError, Status
+from vibro import Regime, Status
 
 NEAR = (-1e-12, 0.0, 1e-12)
 
@@ -91,12 +91,6 @@ def test_a_trough_that_stands_still_holds_what_friction_can_hold() -> None:
     assert [Status(s) for s in cycle.status] == [*[Status.OK] * 3, Status.RUNAWAY, Status.RUNAWAY]
     assert (cycle.throw_number == 0.0).all()
     assert cycle.displacement_per_cycle.tolist()[:3] == [0.0] * 3
-
-
-@pytest.mark.parametrize("name", ["along", "normal"])
-def test_amplitudes_below_zero_are_refused(name: str) -> None:
-    with pytest.raises(SceneError, match=f"{name}_amplitude"):
-        drives(**{name: -1e-12}).scene()
 
 
 # --- phases -----------------------------------------------------------------------------------------

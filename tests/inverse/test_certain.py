@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.scenes import scene_with
 
-from vibro import InputError, Regime, Scene, SceneError, Status, guarantee, solve
+from vibro import Regime, Scene, Status, guarantee, solve
 from vibro.inverse.certain import certain
 from vibro.limits import critical_loads_of_lines
 
@@ -286,30 +286,3 @@ def test_shapes_and_combinations_that_cannot_be() -> None:
     assert np.array_equal(found.lowest[1], [Regime.BACK_SLIP, Regime.HOPPING, Regime.HOPPING])
     assert (found.highest >= found.lowest).all()
     assert np.isnan(found.speed_min[1, 2])
-
-
-@pytest.mark.parametrize(
-    ("static", "second", "is_ratio", "message"),
-    [
-        ((0.5, 0.4), (0.1, 0.2), False, "static_friction"),
-        ((0.4, 0.5), (-0.1, 0.2), False, "kinetic_friction"),
-        ((0.4, 0.5), (0.6, 0.7), False, "kinetic_friction"),
-        ((0.4, 0.5), (0.8, 1.1), True, "friction_ratio"),
-        ((0.4, math.nan), (0.8, 0.9), True, "static_friction"),
-    ],
-)
-def test_bands_that_cannot_be(static: Span, second: Span, is_ratio: bool, message: str) -> None:
-    with pytest.raises(SceneError, match=message):
-        certain(scene_with(), static_friction=static, second_friction=second, is_ratio=is_ratio)
-
-
-def test_other_drives_are_not_known() -> None:
-    ellipse = Scene(
-        along_amplitude=1e-3,
-        normal_amplitude=1e-4,
-        frequency=FREQUENCY,
-        static_friction=0.5,
-        kinetic_friction=0.4,
-    )
-    with pytest.raises(InputError, match="an ellipse: closed forms and proved bounds"):
-        certain(ellipse, static_friction=STATIC, second_friction=KINETIC, is_ratio=False)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import vibro
-from vibro import Regime, SceneError
+from vibro import Regime
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.costs import speed_costs
 from vibro.inverse.proofs import extreme_ratio
@@ -151,13 +151,6 @@ def test_extreme_ratios_are_those_of_a_fine_grid() -> None:
             assert found == pytest.approx(float(there.load[0] / critical(there)[0]), rel=1e-12)
             assert (found >= best * (1 - 1e-9)) if largest else (found <= best * (1 + 1e-9))
             assert found == pytest.approx(best, rel=1e-3)
-
-
-def test_what_is_not_known_of_ellipses_is_refused() -> None:
-    with pytest.raises(SceneError, match="along_amplitude, normal_amplitude, normal_phase"):
-        vibro.guarantee(scene(), amplitude=(1e-3, 2e-3))
-    with pytest.raises(SceneError, match="normal_amplitude"):
-        vibro.guarantee(scene(), normal_amplitude=(-1e-3, 2e-3))
 
 
 def test_costs_are_what_small_changes_change() -> None:

@@ -68,14 +68,6 @@ def test_every_drift_is_scaled(scale: float) -> None:
     assert ellipse.factor == pytest.approx((1 - 0.02 * scale, 1 + 0.02 * scale))
 
 
-def test_designs_that_hop_end_at_a_throw_number_of_ten_drift_included() -> None:
-    question = asked(LINE, Regime.HOPPING)
-    caps = LineOptimiser(question)._caps(np.array([[math.radians(20.0)]]))
-    load = float(caps["limit"][0, 0])
-    amplitude = load * 9.81 / (2.0 * math.pi * 15.0) ** 2
-    assert question.box(line(amplitude)).throw_number == pytest.approx(10.0, rel=1e-9)
-
-
 def test_a_margin_ends_where_bands_exceed_the_regime() -> None:
     optimiser = LineOptimiser(asked(LINE, Regime.FORWARD_SLIP))
     fastest = optimiser.fastest()

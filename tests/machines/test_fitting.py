@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.draws import draws
 
-from vibro.errors import SceneError
 from vibro.machines.fitting import fit_response, least_squares
 
 if TYPE_CHECKING:
@@ -142,24 +140,3 @@ def test_no_damping_ratio_where_its_square_is_negative() -> None:
     assert math.isnan(fit.damping_ratio)
     assert math.isnan(fit.damping_ratio_sd)
     assert fit.damping_ratio_interval[0] == 0.0
-
-
-@each(
-    ("points", "more", "field"),
-    [
-        ([(48.0, 1e-3), (50.0, 2e-3)], {}, "points"),
-        ([(48.0, 1e-3), (50.0, 2e-3), (50.0, 2e-3)], {}, "points"),
-        ([(48.0, 1e-3), (50.0, 0.0), (52.0, 2e-3)], {}, "points"),
-        ([(48.0, 1e-3), (50.0, math.inf), (52.0, 2e-3)], {}, "points"),
-        ("points.csv", {}, "points"),
-        ([1.0, 2.0, 3.0], {}, "points"),
-        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"law": "cubic"}, "law"),
-        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"amplitude_error": 2.0}, "amplitude_error"),
-        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"amplitude_error": [0.1, 0.1]}, "amplitude_error"),
-        ([(48.0, 1e-3), (50.0, 2e-3), (52.0, 1e-3)], {"amplitude_error": "2%"}, "amplitude_error"),
-    ],
-)
-def test_wrong_input_is_named(points: Any, more: dict[str, Any], field: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        fit_response(points, **more)
-    assert [problem.field for problem in caught.value.problems] == [field]

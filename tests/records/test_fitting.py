@@ -23,7 +23,6 @@ from scipy import stats
 from scipy.signal import lfilter
 
 import vibro
-from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation
 from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, fit
@@ -249,13 +248,6 @@ def test_few_independent_samples_widen_intervals_by_students_t(monkeypatch: pyte
         assert threshold == pytest.approx(stats.t.ppf(0.975, count) ** 2)
 
 
-@pytest.mark.parametrize("names", [["restitution"], ["amplitude", "amplitude"]])
-def test_what_cannot_be_fitted_is_refused(names: list[str]) -> None:
-    with pytest.raises(InputError, match="cannot be estimated, or is named twice") as caught:
-        fit(nut(), Walked(nut()).observe("velocity", cycles=3), names)
-    assert "mu_s" in caught.value.hint
-
-
 # --- elliptical drives -------------------------------------------------------------------------------
 
 
@@ -331,25 +323,6 @@ def test_a_phase_without_a_normal_motion_cannot_be_identified() -> None:
     assert not phase.identified
     assert phase.intervals == ()
     assert any("cannot identify phi" in said for said in found.statements)
-
-
-@pytest.mark.parametrize(
-    ("one", "name", "said", "hint"),
-    [
-        (bowl(), "drive_angle", "moves along an ellipse, which has no drive angle", "mu_s, mu_d, X, Y, phi"),
-        (nut(), "normal_phase", "moves along a line, which has no normal phase", "mu_s, mu_d, A, alpha"),
-        (
-            bowl(normal_amplitude=0.0),
-            "normal_amplitude",
-            "begins at the scene's, which is 0",
-            'normal_amplitude="0.3mm"',
-        ),
-    ],
-)
-def test_what_a_drive_does_not_have_is_not_fitted(one: vibro.Scene, name: str, said: str, hint: str) -> None:
-    with pytest.raises(InputError, match=said) as caught:
-        fit(one, Walked(one).observe("velocity", cycles=3), [name])
-    assert hint in caught.value.hint
 
 
 def test_one_slide_a_cycle_leaves_phases_to_both_sides() -> None:
