@@ -6,28 +6,37 @@ twice: functions become static functions, records structs, and constants of modu
 that the module ``loop`` lists in ``__all__`` is exported, with the fields of records of buffers as arguments
 of their own.
 
-What would not mean the same in C is refused: the types of variables are fixed, ``and`` and ``or`` join truth
-values, and there are no exceptions. A division by zero, or an argument outside of a function's domain, raises
-in Python and must not be reachable.
+What would not mean the same in C is refused: the types of variables are fixed, a whole number in place of a
+float is written ``float(n)`` (-0 is no -0.0), variables are set on every way to where they are read, ``and``
+and ``or`` join truth values, what one operand writes no other one reads, and there are no exceptions. What
+raises in Python must not be reachable: a division by zero, an argument outside of a function's domain. Nor
+must whole numbers beyond 64 bits, or a negative index.
 """
 
 from __future__ import annotations
 
 import ast
+import copy
+import functools
 import hashlib
 import math
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 SCALARS = {"float": "double", "int": "long long", "bool": "int"}
 BUFFERS = {"Doubles": "float", "Integers": "int", "Bytes": "int"}
 _POINTERS = {"Doubles": "double *", "Integers": "long long *", "Bytes": "signed char *"}
 _DOORS = "loop"
+_NO_EFFECT, _READS, _FILLS = range(3)  # of functions on buffers
+_NUMBERS = {"float", "int", "bool", "whole"}
 _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "floor", "ceil", "copysign",
               "remainder", "log", "exp"}  # fmt: skip
 _TESTS = {"isnan", "isinf", "isfinite"}
-_BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "/", ast.Mod: "%",
-           ast.BitAnd: "&"}  # fmt: skip
+_BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.BitAnd: "&"}
+_OF_WHOLE = {ast.FloorDiv: "floor_div", ast.Mod: "floor_mod", ast.BitAnd: ""}
 # Names of Python that are words of C.
 _RESERVED = {"auto", "case", "char", "const", "default", "do", "double", "enum", "extern", "goto", "inline",
              "long", "register", "restrict", "short", "signed", "sizeof", "static", "struct", "switch",
@@ -38,6 +47,7 @@ _PROLOGUE = """\
 /* Translated from Python by tools/translate.py. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #ifdef _WIN32
 #define EXPORTED __declspec(dllexport)
@@ -49,6 +59,14 @@ static inline double float_min(double a, double b) { return b < a ? b : a; }
 static inline double float_max(double a, double b) { return b > a ? b : a; }
 static inline long long int_min(long long a, long long b) { return b < a ? b : a; }
 static inline long long int_max(long long a, long long b) { return b > a ? b : a; }
+/* C rounds quotients towards 0, Python downwards. */
+static inline long long floor_div(long long a, long long b) {
+    return a / b - (a % b != 0 && (a < 0) != (b < 0));
+}
+static inline long long floor_mod(long long a, long long b) {
+    long long rest = a % b;
+    return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
+}
 """
 
 
@@ -57,15 +75,32 @@ class TranslationError(Exception):
 
 
 class Signature(NamedTuple):
-    """A function: its name in C, the types of its arguments and of its result."""
+    """A function: its name in C, types of its arguments and its result, and what it does to buffers."""
 
     name: str
     arguments: tuple[str, ...]
     result: str
+    effect: int
+
+
+class Template(NamedTuple):
+    """A function that takes functions: translated once for each that are passed.
+
+    ``variables`` are the module's variables of types.
+    """
+
+    module: str
+    names: dict[str, Any]
+    node: ast.FunctionDef
+    variables: set[str]
+    effect: int
 
 
 class Value(NamedTuple):
-    """An expression in C, and its type in Python."""
+    """An expression in C, and its type in Python.
+
+    What ``math.floor`` returns is ``whole``: whole in Python, a double in C.
+    """
 
     text: str
     kind: str
@@ -118,14 +153,15 @@ class _Program:
         self.modules: dict[str, dict[str, Any]] = {}  # what the names of a module stand for
         self._tuples = set[str]()
         self._helpers = set[str]()
+        self._specialized: dict[str, Signature] = {}
 
     def add(self, module: str, tree: ast.Module) -> None:
         """Translate one module, whose imports have been translated before."""
         tree = _Renamed().visit(tree)
         names: dict[str, Any] = {}
         self.modules[module] = names
-        exported = set[str]()
-        functions = []
+        exported, variables = set[str](), set[str]()
+        functions: list[ast.FunctionDef] = []
         for node in tree.body:
             match node:
                 case ast.ImportFrom(module=str(path)) if path.startswith("vibro.core."):
@@ -135,13 +171,18 @@ class _Program:
                     self._record(node)
                 case ast.ClassDef(bases=[ast.Name("IntEnum")]):
                     names[node.name] = _members(node)
+                case ast.FunctionDef() if any(_is_function(a.annotation) for a in node.args.args):
+                    names[node.name] = Template(module, names, node, variables, _NO_EFFECT)
                 case ast.FunctionDef():
                     try:
                         kinds = tuple(self.kind(a.annotation) for a in node.args.args)
-                        names[node.name] = Signature(f"{module}_{node.name}", kinds, self.kind(node.returns))
+                        result = self.kind(node.returns)
                     except TranslationError:
                         continue  # for Python alone: a function that calls it is refused
+                    names[node.name] = Signature(f"{module}_{node.name}", kinds, result, _NO_EFFECT)
                     functions.append(node)
+                case ast.Assign([ast.Name(name)], ast.Call(ast.Name("TypeVar"))):
+                    variables.add(name)
                 case ast.Assign(targets=[ast.Name("__all__")], value=ast.List(elts=elements)):
                     exported = {ast.literal_eval(element) for element in elements}
                 case ast.AnnAssign(target=ast.Name(name), annotation=ast.Name(kind)) if kind in BUFFERS:
@@ -150,22 +191,61 @@ class _Program:
                     names[name] = _constant(names, value)
                 case _:
                     pass  # what is for Python alone: nothing in a function can use it
+        found = True
+        while found:  # whoever calls a function has its effect
+            found = False
+            for node in (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name in names):
+                if (effect := _effect(node.body, names)) > names[node.name].effect:
+                    names[node.name], found = names[node.name]._replace(effect=effect), True
         for function in functions:
-            writer = _Function(self, names, function)
-            self.headers.append(f"static {writer.head};")
-            self.bodies.append("\n".join(writer.lines))
+            self._write(_Function(self, names, function, names[function.name]))
         if module == _DOORS:
             self.bodies += [self._door(name, names[name]) for name in sorted(exported)]
 
-    def kind(self, annotation: ast.expr | None) -> str:
-        """Name the type of an annotation."""
+    def _write(self, function: _Function) -> None:
+        self.headers.append(f"static {function.head};")
+        self.bodies.append("\n".join(function.lines))
+
+    def specialized(self, template: Template, passed: dict[str, Signature]) -> Signature:
+        """Translate a function for the functions that are passed to it, by the names of its arguments.
+
+        Raises ``ValueError`` if these are not of the types that it takes.
+        """
+        name = "__".join([f"{template.module}_{template.node.name}", *(f.name for f in passed.values())])
+        if name not in self._specialized:
+            bound: dict[str, str] = {}  # what variables of types stand for
+            others = []
+            for argument in template.node.args.args:
+                match argument.annotation:
+                    case ast.Subscript(slice=ast.Tuple([ast.List(kinds), result])) if argument.arg in passed:
+                        given = passed[argument.arg]
+                        theirs = (*given.arguments, given.result)
+                        for kind, is_ in zip([*kinds, result], theirs, strict=True):
+                            if isinstance(kind, ast.Name) and kind.id in template.variables:
+                                bound.setdefault(kind.id, is_)
+                            if self.kind(kind, bound) != is_:
+                                raise ValueError
+                    case _:
+                        others.append(argument)
+            takes = tuple(self.kind(a.annotation, bound) for a in others)
+            names = template.names | passed
+            effect = _effect(template.node.body, names)
+            signature = Signature(name, takes, self.kind(template.node.returns, bound), effect)
+            self._specialized[name] = signature
+            self._write(_Function(self, names, template.node, signature, others))
+        return self._specialized[name]
+
+    def kind(self, annotation: ast.expr | None, bound: dict[str, str] | None = None) -> str:
+        """Name the type of an annotation; ``bound`` says what variables of types stand for."""
         match annotation:
             case None | ast.Constant(None):
                 return "None"
+            case ast.Name(name) if bound and name in bound:
+                return bound[name]
             case ast.Name(name) if name in SCALARS or name in BUFFERS or name in self.records:
                 return name
             case ast.Subscript(ast.Name("tuple"), ast.Tuple(elts)):
-                return self.tuple_of([self.kind(e) for e in elts])
+                return self.tuple_of([self.kind(e, bound) for e in elts])
         raise TranslationError(f"no type: {ast.unparse(annotation) if annotation else None}")
 
     def tuple_of(self, kinds: list[str]) -> str:
@@ -174,6 +254,10 @@ class _Program:
         if name not in self.records:
             self._struct(name, {f"_{i}": kind for i, kind in enumerate(kinds)})
         return name
+
+    def holds_buffers(self, kind: str) -> bool:
+        """Return whether values of a type are, or have, buffers."""
+        return kind in BUFFERS or any(map(self.holds_buffers, self.records.get(kind, {}).values()))
 
     def c(self, kind: str) -> str:
         """Spell a type in C."""
@@ -272,30 +356,83 @@ def _constant(names: dict[str, Any], value: ast.expr) -> Any:
     return number if isinstance(number, int | float) else None
 
 
+def _is_function(annotation: ast.expr | None) -> bool:
+    match annotation:
+        case ast.Subscript(ast.Name("Callable"), ast.Tuple([ast.List(), _])):
+            return True
+    return False
+
+
+def _both(one: frozenset[str] | None, other: frozenset[str] | None) -> frozenset[str] | None:
+    """Return what is set where two ways meet."""
+    return other if one is None else one if other is None else one & other
+
+
+def _effect(nodes: Sequence[ast.AST], names: dict[str, Any]) -> int:
+    """Return what a piece of a program does to buffers, by itself or by the functions that it names."""
+    inside, own = [n for part in nodes for n in ast.walk(part)], set()
+    for node in inside:
+        match node:
+            case ast.Assign([ast.Name(name)], ast.Call(ast.Name("doubles"))):
+                own.add(name)
+    effect = _NO_EFFECT
+    for node in inside:
+        match node:
+            case ast.Subscript(ast.Name(name)) if name in own:
+                pass
+            case ast.Subscript(ctx=ctx):
+                effect = max(effect, _FILLS if isinstance(ctx, ast.Store) else _READS)
+            case ast.Name(name):
+                effect = max(effect, getattr(names.get(name), "effect", _NO_EFFECT))
+    return effect
+
+
 class _Function:
     """Translates one function."""
 
-    def __init__(self, program: _Program, names: dict[str, Any], node: ast.FunctionDef) -> None:
+    def __init__(
+        self,
+        program: _Program,
+        names: dict[str, Any],
+        node: ast.FunctionDef,
+        signature: Signature,
+        arguments: list[ast.arg] | None = None,
+    ) -> None:
         self._program, self._names, self._node = program, names, node
-        signature: Signature = names[node.name]
         self._result = signature.result
-        self._kinds = {a.arg: k for a, k in zip(node.args.args, signature.arguments, strict=True)}
-        # Records are lent by their address, since copies of them cost time; one that is changed is copied.
-        lent = {a for a, k in self._kinds.items() if k in program.records}
-        changed = lent & {
+        given = node.args.args if arguments is None else arguments
+        self._kinds = {a.arg: k for a, k in zip(given, signature.arguments, strict=True)}
+        # Names that are set somewhere, and on every way to where we are; None where no way leads.
+        self._stored = {
             n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
         }
+        self._set: frozenset[str] | None = frozenset(self._kinds)
+        self._breaks: list[list[frozenset[str] | None]] = []  # the same where each loop around is left
+        self._rooms: list[str] = []
+        if node.decorator_list or node.args.posonlyargs or node.args.kwonlyargs:
+            raise self._refused(node, "no decorators, and arguments by position or name")
+        if wrong := [name for name in sorted(self._stored | set(self._kinds)) if "__" in name]:
+            raise self._refused(node, f"{wrong[0]}: names with __ are the translator's")
+        # Records are lent by their address, since copies of them cost time; one that is changed is copied.
+        lent = {a for a, k in self._kinds.items() if k in program.records}
+        changed = lent & self._stored
         self._lent = lent - changed
-        arguments = [
-            f"const {program.c(k)} *{a}{'_lent' * (a in changed)}" if a in lent else f"{program.c(k)} {a}"
+        heads = [
+            f"const {program.c(k)} *{a}{'__lent' * (a in changed)}" if a in lent else f"{program.c(k)} {a}"
             for a, k in self._kinds.items()
         ]
-        self.head = f"{program.c(signature.result)} {signature.name}({', '.join(arguments) or 'void'})"
-        given = set(self._kinds)
+        self.head = f"{program.c(signature.result)} {signature.name}({', '.join(heads) or 'void'})"
+        known = set(self._kinds)
         body = self._block(node.body, "    ")
-        declared = [f"    {program.c(k)} {a};" for a, k in self._kinds.items() if a not in given]
-        declared += [f"    {program.c(self._kinds[a])} {a} = *{a}_lent;" for a in sorted(changed)]
+        if self._result != "None" and self._is_reached():
+            raise self._refused(node, "it may end without a result")
+        declared = [f"    {program.c(k)} {a};" for a, k in self._kinds.items() if a not in known]
+        declared += [f"    {program.c(self._kinds[a])} {a} = *{a}__lent;" for a in sorted(changed)]
+        declared += self._rooms
         self.lines = [f"static {self.head}", "{", *declared, *body, "}", ""]
+
+    def _is_reached(self) -> bool:
+        return self._set is not None
 
     def _refused(self, node: ast.AST, why: str) -> TranslationError:
         line = getattr(node, "lineno", 0)
@@ -315,27 +452,49 @@ class _Function:
             case ast.Assign(targets=[target], value=value):
                 return self._assign(target, value)
             case ast.AnnAssign(target=ast.Name(name), value=value):
-                self._kinds[name] = self._program.kind(node.annotation)
+                self._declare(node.target, name, self._program.kind(node.annotation))
                 return [] if value is None else self._assign(node.target, value)
             case ast.AugAssign(target=target, op=op, value=value):
-                changed = ast.BinOp(left=target, op=op, right=value)
+                now = copy.copy(target)
+                now.ctx = ast.Load()
+                changed = ast.BinOp(left=now, op=op, right=value)
                 return self._assign(target, ast.copy_location(changed, node))
-            case ast.Return(None):
+            case ast.Return(None) if self._result == "None":
+                self._set = None
                 return ["return;"]
             case ast.Return(value) if value is not None:
-                return [f"return {self._converted(value, self._result)};"]
+                line = f"return {self._converted(value, self._result)};"
+                self._set = None
+                return [line]
             case ast.If(test, body, orelse):
-                lines = [f"if ({self._test(test)}) {{", *self._block(body, "    ")]
-                return [*lines, *(["} else {", *self._block(orelse, "    ")] if orelse else []), "}"]
+                lines = [f"if ({self._test(test)}) {{"]
+                before = self._set
+                lines += self._block(body, "    ")
+                after, self._set = self._set, before
+                if orelse:
+                    lines += ["} else {", *self._block(orelse, "    ")]
+                self._set = _both(after, self._set)
+                return [*lines, "}"]
             case ast.While(test, body, []):
-                return [f"while ({self._test(test)}) {{", *self._block(body, "    "), "}"]
+                head, endless = self._test(test), isinstance(test, ast.Constant) and test.value is True
+                return [f"while ({head}) {{", *self._repeated(body, None if endless else self._set), "}"]
             case ast.For(ast.Name(name), ast.Call(ast.Name("range"), arguments), body, []):
                 return self._loop(name, arguments, body)
             case ast.Break():
+                self._breaks[-1].append(self._set)
+                self._set = None
                 return ["break;"]
             case ast.Continue():
+                self._set = None
                 return ["continue;"]
         raise self._refused(node, "no translation")
+
+    def _repeated(self, body: list[ast.stmt], behind: frozenset[str] | None) -> list[str]:
+        """Translate the body of a loop; ``behind`` is what is set where the loop's head ends it."""
+        self._breaks.append([behind])
+        lines = self._block(body, "    ")
+        self._set = functools.reduce(_both, self._breaks.pop())
+        return lines
 
     def _loop(self, name: str, arguments: list[ast.expr], body: list[ast.stmt]) -> list[str]:
         bounds = [self._converted(a, "int") for a in arguments]
@@ -343,32 +502,48 @@ class _Function:
         step = bounds[2] if len(bounds) == 3 else "1"
         if step.startswith(("0", "(")) or not step[0].isdigit():
             raise self._refused(arguments[-1], "no translation of a step that is not a positive number")
-        counter, end, begin = f"{name}_count", f"{name}_end", []
+        counter, end, begin, before = f"{name}__count", f"{name}__end", [], self._set
         if name != "_":
             self._declare(self._node, name, "int")
             begin = [f"    {name} = {counter};"]
+            self._sets(name)
         return [
             f"for (long long {counter} = {low}, {end} = {high}; {counter} < {end}; {counter} += {step}) {{",
             *begin,
-            *self._block(body, "    "),
+            *self._repeated(body, before),
             "}",
         ]
 
     def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
-        match target:
-            case ast.Name(name):
-                known = self._kinds.get(name)
-                if known:
-                    return [f"{name} = {self._converted(value, known)};"]
-                found = self._value(value)
-                self._declare(target, name, found.kind)
+        match target, value:
+            case ast.Name(name), ast.Call(ast.Name("doubles"), [ast.expr() as length]):
+                return self._array(value, name, _constant(self._names, length))
+            case ast.Name(name), _:
+                found = self._value(value, self._kinds.get(name, ""))
+                kind = self._kinds.get(name, found.kind)
+                self._fits(value, found.kind, kind)
+                self._declare(target, name, kind)
+                self._sets(name)
                 return [f"{name} = {found.text};"]
-            case ast.Subscript():
-                place = self._value(target)
-                return [f"{place.text} = {self._converted(value, place.kind)};"]
-            case ast.Tuple(targets):
+            case ast.Subscript(slice=index), _:
+                self._in_any_order(target, [index, value])
+                place, found = self._value(target), self._value(value)
+                self._fits(target, found.kind, place.kind)
+                return [f"{place.text} = {found.text};"]
+            case ast.Tuple(targets), _:
                 return self._unpack(targets, value)
         raise self._refused(target, "no target")
+
+    def _array(self, value: ast.expr, name: str, length: Any) -> list[str]:
+        """Make an array of a fixed length, all 0, that lives as long as the function runs."""
+        if not isinstance(length, int) or self._breaks or name in self._kinds:
+            raise self._refused(value, "an array has a constant length, a name of its own, and is in no loop")
+        if self._program.holds_buffers(self._result):
+            raise self._refused(value, "an array does not outlive its function, whose result may have it")
+        self._declare(value, name, "Doubles")
+        self._sets(name)
+        self._rooms.append(f"    double {name}__room[{length}];")
+        return [f"memset({name}__room, 0, sizeof {name}__room);", f"{name} = {name}__room;"]
 
     def _unpack(self, targets: list[ast.expr], value: ast.expr) -> list[str]:
         """Assign a tuple: all of its values are known before the first is put down."""
@@ -377,9 +552,9 @@ class _Function:
             values = [self._value(v) for v in value.elts]
         else:
             whole = self._value(value)
-            before.append(f"{self._program.c(whole.kind)} whole = {whole.text};")
+            before.append(f"{self._program.c(whole.kind)} all__ = {whole.text};")
             fields = self._program.records.get(whole.kind, {})
-            values = [Value(f"whole.{f}", k) for f, k in fields.items()]
+            values = [Value(f"all__.{f}", k) for f, k in fields.items()]
         if len(values) != len(targets):
             raise self._refused(value, f"{len(targets)} targets")
         after = []
@@ -387,23 +562,32 @@ class _Function:
             if isinstance(target, ast.Name):
                 if target.id == "_":
                     continue
-                place = Value(target.id, self._kinds.setdefault(target.id, v.kind))
+                self._kinds.setdefault(target.id, v.kind)
+                self._sets(target.id)
+                place = self._name(target, target.id)
             else:
                 place = self._value(target)
             self._fits(target, v.kind, place.kind)
-            before.append(f"{self._program.c(place.kind)} part{i} = {v.text};")
-            after.append(f"{place.text} = part{i};")
+            before.append(f"{self._program.c(place.kind)} part__{i} = {v.text};")
+            after.append(f"{place.text} = part__{i};")
         return ["{", *("    " + line for line in before + after), "}"]
 
+    def _sets(self, name: str) -> None:
+        if self._set is not None:
+            self._set |= {name}
+
     def _declare(self, node: ast.AST, name: str, kind: str) -> None:
+        if kind == "whole":
+            raise self._refused(node, "float(...) or int(...) of what floor or ceil return")
         if self._kinds.setdefault(name, kind) != kind:
             raise self._refused(node, f"{name} is {self._kinds[name]} and {kind}")
 
     # ------------------------------------------------------------------ expressions
 
     def _fits(self, node: ast.AST, kind: str, wanted: str) -> None:
-        order = {"bool": 0, "int": 1, "float": 2}
-        if kind != wanted and not (kind in order and wanted in order and order[kind] < order[wanted]):
+        # a buffer of floats converts what is put into it
+        element = wanted == "float" and isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store)
+        if kind != wanted and (kind, wanted) != ("bool", "int") and not (element and kind in _NUMBERS):
             raise self._refused(node, f"{kind} in place of {wanted}")
 
     def _converted(self, node: ast.expr, wanted: str) -> str:
@@ -414,11 +598,20 @@ class _Function:
     def _test(self, node: ast.expr) -> str:
         return self._converted(node, "bool")
 
+    def _in_any_order(self, node: ast.AST, parts: Sequence[ast.AST]) -> None:
+        """Refuse parts that C evaluates in any order, where one fills a buffer and another has one too."""
+        effects = [effect for part in parts if (effect := _effect([part], self._names)) != _NO_EFFECT]
+        if _FILLS in effects and len(effects) > 1:
+            raise self._refused(node, "one part fills a buffer that another may read")
+
     def _value(self, node: ast.expr, wanted: str = "") -> Value:
+        if isinstance(node, ast.BinOp | ast.Compare | ast.Call | ast.Tuple):
+            called = node.func if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else None
+            self._in_any_order(node, [part for part in ast.iter_child_nodes(node) if part is not called])
         match node:
-            case ast.Constant(bool(value)):
-                return Value(str(int(value)), "bool")
             case ast.Constant(value) if isinstance(value, int | float):
+                if abs(value) >= 2**63 and isinstance(value, int):
+                    raise self._refused(node, "more than 64 bits")
                 return _literal(value)
             case ast.Name(name):
                 return self._name(node, name)
@@ -429,14 +622,16 @@ class _Function:
                 fields = self._program.records.get(record.kind, {})
                 return Value(f"{record.text}.{member}", self._field(node, fields, member))
             case ast.Subscript(ast.Name(name), index) if self._kinds.get(name) in BUFFERS:
-                return Value(f"{name}[{self._converted(index, 'int')}]", BUFFERS[self._kinds[name]])
+                return Value(f"{name}[{self._index(index)}]", BUFFERS[self._kinds[name]])
             case ast.Subscript(ast.Attribute() as buffer, index):
                 found = self._value(buffer)
-                return Value(f"{found.text}[{self._converted(index, 'int')}]", BUFFERS[found.kind])
+                return Value(f"{found.text}[{self._index(index)}]", BUFFERS[found.kind])
             case ast.UnaryOp(ast.Not(), operand):
                 return Value(f"!({self._test(operand)})", "bool")
             case ast.UnaryOp(ast.USub(), operand):
                 one = self._value(operand)
+                if one.kind not in ("int", "float"):
+                    raise self._refused(node, f"no translation of minus {one.kind}")
                 return Value(f"(-{one.text})", one.kind)
             case ast.BoolOp(op, values):
                 sign = " && " if isinstance(op, ast.And) else " || "
@@ -449,9 +644,8 @@ class _Function:
                 return self._operation(node, left, op, right)
             case ast.IfExp(test, body, orelse):
                 one, two = self._value(body, wanted), self._value(orelse, wanted)
-                kind = "float" if {one.kind, two.kind} == {"int", "float"} else one.kind
-                self._fits(orelse, two.kind, kind)
-                return Value(f"({self._test(test)} ? {one.text} : {two.text})", kind)
+                self._fits(orelse, two.kind, one.kind)
+                return Value(f"({self._test(test)} ? {one.text} : {two.text})", one.kind)
             case ast.Tuple(elts):
                 kinds = list(self._program.records[wanted].values()) if wanted.startswith("tuple_") else []
                 kinds = kinds if len(kinds) == len(elts) else [self._value(e).kind for e in elts]
@@ -467,7 +661,15 @@ class _Function:
             raise self._refused(node, "no field")
         return fields[name]
 
+    def _index(self, node: ast.expr) -> str:
+        text = self._converted(node, "int")
+        if text.startswith("(-"):
+            raise self._refused(node, "a negative index counts from the end in Python alone")
+        return text
+
     def _name(self, node: ast.expr, name: str) -> Value:
+        if name in self._stored and self._set is not None and name not in self._set:
+            raise self._refused(node, "not set on every way to here")
         if name in self._lent:
             return Value(f"(*{name})", self._kinds[name])
         if name in self._kinds:
@@ -480,26 +682,40 @@ class _Function:
         raise self._refused(node, "unknown")
 
     def _comparison(self, sides: list[ast.expr], ops: list[ast.cmpop]) -> Value:
-        values = [self._value(side).text for side in sides]
+        values = [self._value(side) for side in sides]
+        for side, value in zip(sides, values, strict=True):
+            if value.kind not in _NUMBERS:
+                raise self._refused(side, f"no comparison of {value.kind}")
+        for side in sides[1:-1]:
+            if _effect([side], self._names) == _FILLS:
+                raise self._refused(side, "it fills a buffer, and would be evaluated twice")
         parts = [
-            f"({a} {_COMPARISONS[type(op)]} {b})" for a, op, b in zip(values, ops, values[1:], strict=False)
+            f"({a.text} {_COMPARISONS[type(op)]} {b.text})"
+            for a, op, b in zip(values, ops, values[1:], strict=False)
         ]
         return Value(parts[0] if len(parts) == 1 else f"({' && '.join(parts)})", "bool")
 
     def _operation(self, node: ast.expr, left: ast.expr, op: ast.operator, right: ast.expr) -> Value:
         one, two = self._value(left), self._value(right)
-        kind = "float" if "float" in (one.kind, two.kind) or isinstance(op, ast.Div) else "int"
-        if type(op) not in _BINARY or not {one.kind, two.kind} <= set(SCALARS):
+        kinds = {one.kind, two.kind}
+        if not kinds <= _NUMBERS:
             raise self._refused(node, "no translation")
-        if kind == "float" and isinstance(op, ast.FloorDiv | ast.Mod | ast.BitAnd):
+        if type(op) in _OF_WHOLE and not kinds <= {"int", "bool"}:
             raise self._refused(node, "for whole numbers alone")
+        if helper := _OF_WHOLE.get(type(op)):
+            return Value(f"{helper}({one.text}, {two.text})", "int")
+        if type(op) not in _BINARY:
+            raise self._refused(node, "no translation")
+        kind = (
+            "float" if "float" in kinds or isinstance(op, ast.Div) else "whole" if "whole" in kinds else "int"
+        )
         cast = "(double)" if isinstance(op, ast.Div) and one.kind != "float" else ""
         return Value(f"({cast}{one.text} {_BINARY[type(op)]} {two.text})", kind)
 
     def _call(self, node: ast.Call) -> Value:
         match node.func:
             case ast.Attribute(ast.Name("math"), "floor" | "ceil" as name):  # whole numbers have no -0
-                return Value(f"({name}({self._converted(node.args[0], 'float')}) + 0.0)", "float")
+                return Value(f"({name}({self._converted(node.args[0], 'float')}) + 0.0)", "whole")
             case ast.Attribute(ast.Name("math"), name) if name in _FUNCTIONS:
                 return Value(f"{name}({', '.join(self._converted(a, 'float') for a in node.args)})", "float")
             case ast.Attribute(ast.Name("math"), name) if name in _TESTS:
@@ -513,30 +729,50 @@ class _Function:
                 ]
                 helper = self._program.replacing(whole.kind, [f for f, _ in given])
                 return Value(f"{helper}({', '.join([whole.text, *(v for _, v in given)])})", whole.kind)
-            case ast.Name("abs"):
+            case ast.Name("abs" | "int" | "float" as name) if len(node.args) == 1:
                 value = self._value(node.args[0])
-                return Value(f"{'fabs' if value.kind == 'float' else 'llabs'}({value.text})", value.kind)
-            case ast.Name("int"):
-                return Value(f"((long long)({self._value(node.args[0]).text}))", "int")
-            case ast.Name("float"):
-                return Value(f"((double)({self._value(node.args[0]).text}))", "float")
-            case ast.Name("min" | "max" as name):
+                kind = value.kind if name == "abs" else name
+                if value.kind not in _NUMBERS or kind not in ("int", "float"):
+                    raise self._refused(node, f"no translation of {value.kind}")
+                size = "fabs" if kind == "float" else "llabs"
+                to = size if name == "abs" else f"({SCALARS[kind]})"
+                return Value(f"({to}({value.text}))", kind)
+            case ast.Name("min" | "max" as name) if len(node.args) > 1 and not node.keywords:
                 values = [self._value(a) for a in node.args]
-                kind = "float" if any(v.kind == "float" for v in values) else "int"
+                kind = values[0].kind
+                if kind not in ("int", "float") or any(v.kind != kind for v in values):
+                    raise self._refused(node, "no translation of numbers of two types")
                 text = values[0].text
                 for value in values[1:]:
                     text = f"{kind}_{name}({text}, {value.text})"
                 return Value(text, kind)
             case ast.Name(name) if name in self._program.records:
                 return self._record(node, name)
-            case ast.Name(name) if isinstance(self._names.get(name), Signature):
-                signature: Signature = self._names[name]
-                if len(node.args) != len(signature.arguments) or node.keywords:
+            case ast.Name(name) if isinstance(self._names.get(name), Signature | Template):
+                signature, args = self._called(node, self._names[name])
+                if len(args) != len(signature.arguments) or node.keywords:
                     raise self._refused(node, f"takes {len(signature.arguments)} arguments by position")
-                pairs = zip(node.args, signature.arguments, strict=True)
+                pairs = zip(args, signature.arguments, strict=True)
                 arguments = ", ".join(self._argument(a, k) for a, k in pairs)
                 return Value(f"{signature.name}({arguments})", signature.result)
         raise self._refused(node, "no translation")
+
+    def _called(self, node: ast.Call, called: Signature | Template) -> tuple[Signature, list[ast.expr]]:
+        """Return what is called, made for the functions among its arguments, and the other arguments."""
+        if isinstance(called, Signature):
+            return called, node.args
+        passed, others = {}, []
+        for argument, place in zip(node.args, called.node.args.args, strict=False):
+            if not _is_function(place.annotation):
+                others.append(argument)
+            elif isinstance(argument, ast.Name) and isinstance(f := self._names.get(argument.id), Signature):
+                passed[place.arg] = f
+            else:
+                raise self._refused(argument, "no function of the solver")
+        try:
+            return self._program.specialized(called, passed), others
+        except ValueError:
+            raise self._refused(node, "a function of other arguments, or another result") from None
 
     def _argument(self, node: ast.expr, kind: str) -> str:
         # a record that is no variable, or field of one, is put into a place of its own
@@ -557,7 +793,9 @@ class _Function:
 
 
 def _literal(value: float) -> Value:
-    if isinstance(value, int):
+    if isinstance(value, bool):
+        text, kind = str(int(value)), "bool"
+    elif isinstance(value, int):
         text, kind = f"{int(value)}LL", "int"
     elif math.isfinite(value):
         text, kind = repr(value), "float"

@@ -194,7 +194,7 @@ def _compare(course: Course, length: float, steady: float, at: State, memory: Me
     faded = 1.0 - math.exp(cycles * math.log(gain)) if gain > 0.0 else 1.0
     moved = change * series * faded
     phase = at.phase + (moved if slides else 0.0)
-    turns = math.floor(phase / TURN)
+    turns = float(math.floor(phase / TURN))
     later = State(
         at.cycle + int(cycles * period + turns),
         phase - TURN * turns,

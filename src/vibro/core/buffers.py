@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, TypeAlias
 __all__ = [
     "BODIES", "CLASSES", "ELLIPSE", "EXTREME", "FIELDS", "HARMONICS", "LINE", "LONGEST_CYCLE", "MIXES",
     "MOST_BOUNCES", "MOST_CYCLES", "MOST_HOPS", "MOST_THROW", "PIECES", "ROOM", "Bytes",
-    "Doubles", "Integers", "Moments",
+    "Doubles", "Integers", "Moments", "doubles",
 ]  # fmt: skip
 
 Doubles: TypeAlias = "memoryview[float]"
@@ -45,6 +45,11 @@ MOST_CYCLES: Final = 1e15
 #: [1] Of loads and frictions, and one over the least: motions form products of up to four of them, and
 #: differences of those.
 EXTREME: Final = 1e50
+
+
+def doubles(count: int) -> memoryview[float]:
+    """Make an array of zeros; compiled it has a constant length, and ends with the function that makes it."""
+    return memoryview(bytearray(8 * count)).cast("d")
 
 
 class Moments(NamedTuple):

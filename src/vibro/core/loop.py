@@ -215,7 +215,8 @@ def load_slopes(scenes: Scenes, place: Place, pattern: Integers, out: Doubles, b
     """Differentiate the displacement over A of contact cycles, of known patterns, with respect to ln G."""
     for i in range(begin, end):
         seek(scenes, place, i)
-        out[i] = load_slope(point_at(scenes, place).loads, pattern[i])
+        loads = point_at(scenes, place).loads
+        out[i] = load_slope(loads, pattern[i])
 
 
 class Gradients(NamedTuple):
@@ -269,7 +270,8 @@ def cycle_legs(
     """Solve the slides of contact cycles of known patterns; the second ones go to ``half`` and on."""
     for i in range(begin, end):
         seek(scenes, place, i)
-        found = cycle_slides(point_at(scenes, place).loads, pattern[i])
+        loads = point_at(scenes, place).loads
+        found = cycle_slides(loads, pattern[i])
         _write_leg(found.first, out, i)
         _write_leg(found.second, out, half + i)
 

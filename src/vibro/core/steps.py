@@ -263,8 +263,7 @@ def _largest_push(loads: Loads) -> float:
 
 def nearest_turn(phase: float) -> int:
     """Round a phase to whole turns."""
-    turns = math.floor(phase / TURN + 0.5)
-    return int(turns)
+    return int(math.floor(phase / TURN + 0.5))
 
 
 def step(course: Course, now: State) -> Step:

@@ -62,7 +62,7 @@ def fly_over_waves(waves: Waves, lift: Mix, phase: float, speed: float, lifted: 
         index += 1
         if rises_away:
             low = left_after(fall, down)
-            turns = math.floor((phase + down) / TURN)
+            turns = float(math.floor((phase + down) / TURN))
             index = first_ahead(waves, NORMAL, phase + down - TURN * turns) + count * int(turns)
     return NAN, NAN
 

@@ -230,7 +230,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
             # all minima of a turn were passed, and all maxima: each turn takes as much from them
             if not drop > 0.0 or least / drop > _MOST_TURNS:
                 return WaveSlide(INF, False, NAN, NAN, NAN)
-            turns = math.floor(least / drop)
+            turns = float(math.floor(least / drop))
             if turns >= 1.0:
                 index += count * int(turns)
                 low = _at_node(fall, row, index - 1, ahead(waves, row, phase, index - 1), start.integral)
