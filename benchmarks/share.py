@@ -19,7 +19,7 @@ from unittest.mock import patch
 from typer.testing import CliRunner
 
 from vibro.cli.app import app
-from vibro.files import tables
+from vibro.files import csv_tables
 from vibro.sweeps.grid import Grid
 
 WARM_UP = 300  # values of each axis of a first map, that pays for the imports
@@ -49,7 +49,7 @@ def measure(axes: tuple[str, ...], side: int, folder: str) -> tuple[float, float
     command = ["map", *sized, "-a", "20", "--mu-s", ".74", "--mu-d", ".57", "-o", f"{folder}/map", "--force"]
     with (
         patch.object(Grid, "solve", timed("solve", Grid.solve)),
-        patch.object(tables.CsvFormat, "rows", timed("rows", tables.CsvFormat.rows)),
+        patch.object(csv_tables.CsvFormat, "rows", timed("rows", csv_tables.CsvFormat.rows)),
     ):
         start = time.perf_counter()
         result = CliRunner().invoke(app, command)
@@ -66,14 +66,14 @@ def main() -> None:
     arguments = parser.parse_args()
     side, maps = arguments.side, list(MAPS.items())
     writers = {"without pyarrow": lambda: None}
-    if tables._arrow():
-        writers = {"with pyarrow": tables._arrow, **writers}
+    if csv_tables._arrow():
+        writers = {"with pyarrow": csv_tables._arrow, **writers}
     if arguments.contact:
         maps, writers = maps[:1], dict(list(writers.items())[:1])
     print(f"{f'map of {side} x {side}':48}  total [s]  CSV [s]  CSV [MB]  solver [s]  share  gain at most")
     with tempfile.TemporaryDirectory() as folder:
         for (name, axes), (writer, arrow) in itertools.product(maps, writers.items()):
-            with patch.object(tables, "_arrow", arrow):
+            with patch.object(csv_tables, "_arrow", arrow):
                 measure(axes, WARM_UP, folder)
                 total, solver, rows, size = measure(axes, side, folder)
             share, gain = solver / total, total / (total - solver)
