@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import pytest
 from helpers.machine_files import SCENE
 from helpers.questions import changed
 
 import vibro
 from vibro.files.points import read_points
 from vibro.inverse.reading import read_spec
+from vibro.records.alignment import Observation
+from vibro.records.fitting import FITTABLE, fit
 from vibro.records.reading import Record, read_record
 from vibro.records.signals import read_sensitivities
 from vibro.sweeps.whole import Sweep
@@ -101,3 +104,12 @@ def points(text: str) -> Any:
     """Read a file of measured amplitudes."""
     Path("points.csv").write_text(text, encoding="utf-8")
     return read_points(Path("points.csv"))
+
+
+def estimates(scene: vibro.Scene, seen: Observation, names: Sequence[str]) -> None:
+    """Print which quantities a fit from the scene's own values identifies, and what is said of them."""
+    with pytest.MonkeyPatch.context() as patch:  # searches from other values take most of the time
+        patch.setattr("vibro.records.problem._GRID", dict.fromkeys(FITTABLE, ()))
+        found = fit(scene, seen, names)
+    print("identified:", *(p.name for p in found.parameters if p.identified))
+    print(*found.statements, sep="\n")

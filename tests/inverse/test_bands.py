@@ -69,6 +69,17 @@ def test_some_kinetic_friction_is_below_static_friction(bands: dict[str, Any], r
     assert ("static_friction = 0.4" in refusal(scene_with(), **bands)) is refused
 
 
+@pytest.mark.parametrize(
+    ("amplitude", "frequency", "named"),
+    [
+        ((1e-300, 1e-3), (1e-20, 15.0), "frequency = 1e-20 Hz"),  # the least load is 0
+        ((1e-3, 1e200), (15.0, 1e80), "frequency = 1e+80 Hz"),  # the largest is inf
+    ],
+)
+def test_a_load_beyond_doubles_is_named_by_its_frequency(amplitude: Any, frequency: Any, named: str) -> None:
+    assert named in refusal(scene_with(), amplitude=amplitude, frequency=frequency)
+
+
 def test_a_box_has_the_values_of_the_scene_and_of_its_bands() -> None:
     box = uncertainty_set(
         OVAL, {"normal_phase": (-1.0, 0.0), "frequency": (20.0, 25.0), "friction_ratio": (0.5, 0.6)}
