@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import json
 import os
 import re
@@ -23,20 +24,27 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, NoReturn
+
+import pytest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
 ROOT: Final = Path(__file__).parents[1]
 ENOUGH: Final = 230  # killed
-LIMIT: Final = 1800.0  # [s] of a fault's tests: one that runs for longer never ends, and is killed too
 SHOWN: Final = 80  # characters of a fault
 _FAULTS: Final = ROOT / "benchmarks/faults.toml"
 _KILLERS: Final = ROOT / "benchmarks/killers.toml"
+# What tests import beside vibro, each of whose runs is a fork of a process that has imported it already.
+_LIBRARIES: Final = (
+    "numpy", "scipy.optimize", "scipy.special", "matplotlib.figure", "matplotlib.backends.backend_agg",
+    "matplotlib.backends.backend_pdf", "matplotlib.backends.backend_svg", "pandas", "pyarrow.compute",
+    "pyarrow.dataset", "pyarrow.parquet", "typer.testing", "rich.progress", "xarray", "jinja2", "xlsxwriter",
+    "openpyxl", "mpmath",
+)  # fmt: skip
 _HEAD: Final = "# The test that notices each fault of faults.toml; benchmarks/mutants.py writes it.\n"
 
 
@@ -90,7 +98,7 @@ def write_killers(known: Mapping[str, str]) -> None:
 
 
 class Outcome(NamedTuple):
-    """How tests ended: pytest's exit code, those that failed, what was said last, and how long it took."""
+    """How tests ended: pytest's exit code, those that failed, what was said last, and its time [s of CPU]."""
 
     code: int
     failed: list[str]
@@ -117,30 +125,42 @@ class Copy:
             compiling = [sys.executable, str(self._place / "tools/compiling.py")]
             subprocess.run(compiling, check=True, stdout=subprocess.DEVNULL)
             self._is_compiled = True
-        command = [sys.executable, "-m", "pytest", "-n", "0", "-v", "-rfE", "--tb=no", *options]
-        command += [f"tests/{test}" for test in tests]
-        env = {**os.environ, "PYTHONPATH": str(self._place / "src"), "VIBRO_BROWSER": "required"}
-        env.pop("PYTHONDONTWRITEBYTECODE", None)  # without byte code each run takes seconds more
-        start = time.perf_counter()
-        with (
-            tempfile.TemporaryFile("w+") as out,
-            subprocess.Popen(
-                command, cwd=self._place, env=env, stdout=out, stderr=out, start_new_session=True
-            ) as child,
-        ):
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                child.wait(LIMIT)
-            is_endless = child.poll() is None
-            if is_endless:
-                os.killpg(child.pid, signal.SIGKILL)  # with all that its tests have started
+        # A loop of the solver that never ends hears no signal: a thread of pytest-timeout ends the process.
+        arguments = ["--numprocesses=0", "--timeout-method=thread", "-v", "-rfE", "--tb=no", *options]
+        arguments += [f"tests/{test}" for test in tests]
+        with tempfile.TemporaryFile("w+") as out:
+            child = os.fork()
+            if not child:
+                self._run_here(arguments, out.fileno())
+            try:
+                _, status, used = os.wait4(child, 0)
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(child, signal.SIGKILL)  # with all that its tests have started
             out.seek(0)
             text = out.read()
+        code = os.waitstatus_to_exitcode(status)
         failed = re.findall(r"^(?:FAILED|ERROR) tests/(.*?)(?: - .*)?$", text, flags=re.MULTILINE)
-        code, said = child.returncode, text.strip().rpartition("\n")[2]
-        if is_endless or code not in range(6):  # a signal has ended it: the last one that began
-            began = re.findall(r"^tests/(\S+::.*?)(?: [A-Z]+ .*)?$", text, flags=re.MULTILINE)
-            code, failed = 1, [began[-1].strip()]
-        return Outcome(code, failed, said, time.perf_counter() - start)
+        if code not in (0, *range(2, 6)) and not failed:  # it ended in the test that began last
+            code, failed = 1, re.findall(r"^tests/(\S+::\S+)", text, flags=re.MULTILINE)[-1:]
+        said = text.strip().rpartition("\n")[2]
+        return Outcome(code, failed, said, used.ru_utime + used.ru_stime)
+
+    def _run_here(self, arguments: list[str], out: int) -> NoReturn:
+        """Run pytest in this process, and end it."""
+        code = 1
+        try:
+            os.setsid()
+            for stream in (1, 2):
+                os.dup2(out, stream)
+            os.chdir(self._place)
+            source = str(self._place / "src")
+            sys.path.insert(0, source)
+            os.environ |= {"PYTHONPATH": source, "VIBRO_BROWSER": "required"}
+            code = int(pytest.main(arguments))
+            sys.stdout.flush()
+        finally:
+            os._exit(code)
 
     @contextlib.contextmanager
     def with_fault(self, mutant: Mutant) -> Iterator[None]:
@@ -177,6 +197,11 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", default=[""], metavar="TEXT", help="parts of faults")
     wanted = parser.parse_args().only
     chosen = [mutant for mutant in mutants() if any(text in str(mutant) for text in wanted)]
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # no threads, which a fork does not have
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # without byte code each run takes seconds more
+    sys.dont_write_bytecode = False
+    for library in _LIBRARIES:
+        importlib.import_module(library)
     before, killed, survive = killers(), dict[str, str](), list[str]()
     with tempfile.TemporaryDirectory() as place:
         copy = Copy(Path(place))
