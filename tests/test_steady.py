@@ -20,7 +20,7 @@ from helpers.scenes import (
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from vibro import Regime, Scene, Status, solve, steady
+from vibro import Regime, Scene, SceneError, Status, solve, steady
 from vibro.core.codes import MODELS, PATTERNS
 from vibro.core.compiled import doors
 from vibro.motion.settled import cycle_phases
@@ -291,6 +291,13 @@ def test_traverse_time_is_the_length_over_the_mean_speed() -> None:
     assert time[1] == 0.6 / cycle.mean_velocity[1]
     assert time[[0, 2]].tolist() == [np.inf, np.inf]
     assert np.isnan(time[3])
+
+
+@pytest.mark.parametrize("length", [0.0, -0.6, np.nan, np.inf])
+def test_a_trough_without_length_has_no_traverse_time(length: float) -> None:
+    with pytest.raises(SceneError) as caught:
+        solve(scene_with()).traverse_time([0.6, length])
+    assert [problem.field for problem in caught.value.problems] == ["length"]
 
 
 def test_traverse_time_broadcasts_lengths_against_the_scene() -> None:

@@ -193,6 +193,15 @@ def test_faults_are_told_in_one_line_and_leave_nothing(
     assert list(Path().iterdir()) == []
 
 
+def test_an_interrupted_run_is_exit_code_130(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vibro.files.csv_tables.CsvFormat.rows", interrupt)
+    result = run(*SMALL, "-o", "nut")
+    assert (result.exit_code, list(Path().iterdir())) == (130, [])
+
+
 def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("nut-speed.png").touch()
     monkeypatch.setattr("vibro.output.run.sweep_blocks", None)

@@ -11,6 +11,8 @@ from helpers.cases import each
 from helpers.commands import Run, rows_of
 from helpers.fed_machines import feeder, other, written
 
+from vibro import Scene, Status, SteadyCycle, solve
+
 BANDS = 'voltage_percent = "90:110"\nfilling_kg = "0:2"\n'
 PACKS = '[[machine.pack]]\nname = "6 leaves"\nnatural_hz = 52.632\n'
 
@@ -54,6 +56,20 @@ def test_every_line_fits_into_80_columns(run: Run, tmp_path: Path, kind: str) ->
     assert result.exit_code == 0, result.stderr
     assert result.stderr == ""
     assert max(map(len, result.stdout.splitlines())) <= 80
+
+
+def test_a_sheet_with_an_unresolved_speed_is_exit_code_3(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import vibro.reports.set_up_sheet
+
+    def doubtful(scene: Scene) -> SteadyCycle:
+        cycle = solve(scene)
+        cycle.status.flat[0] = Status.UNRESOLVED
+        return cycle
+
+    monkeypatch.setattr(vibro.reports.set_up_sheet, "solve", doubtful)
+    assert run("drive", written(tmp_path, feeder(0.9, BANDS))).exit_code == 3
 
 
 def test_below_resonance_a_filling_adds_amplitude(run: Run, tmp_path: Path) -> None:

@@ -55,6 +55,8 @@ def test_json(run: Run) -> None:
             }
         ]
     }
+    steel = json.loads(run("friction", "steel on steel", "--json").stdout)["rows"][1]
+    assert [x for name, x in steel.items() if "friction" in name] == [0.12, 0.6, 0.08, 0.5]
     assert len(json.loads(run("friction", "--json").stdout)["rows"]) == len(rows())
 
 

@@ -5,10 +5,18 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import pytest
 from helpers import sharded_maps
 from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+from helpers.drawn import only_map
+
+from vibro.plots import map_figures
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def names() -> list[str]:
@@ -22,6 +30,21 @@ def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
     assert "pictures:" not in result.stderr
     assert len(rows_of(Path("nut.csv").read_text(encoding="utf-8"))) == 36
     assert names() == ["nut-regime.png", "nut-speed.png", "nut.csv", "nut.json"]
+
+
+def test_the_axes_of_a_picture_are_those_asked_for(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: dict[str, Figure] = {}
+
+    def noted(*args: Any, **how: Any) -> dict[str, Figure]:
+        drawn.update(map_figures(*args, **how))
+        return drawn
+
+    monkeypatch.setattr("vibro.plots.map_figures", noted)
+    args = ("-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
+    assert run("map", *args, "-o", "nut", "--x", "amplitude", "--y", "frequency").exit_code == 0
+    axes = only_map(drawn["regime"])
+    assert axes.get_xlabel().startswith("amplitude")
+    assert axes.get_ylabel().startswith("frequency")
 
 
 @each(
@@ -98,6 +121,12 @@ def test_a_map_without_motion_says_where_motion_begins(run: Run) -> None:
             assert answer["regime"] == regime
     moving = run("map", "-A", ".01:2:9", "-f", "5:10:9", *NUT_ANGLE_AND_FRICTION, "-o", "-")
     assert "at rest" not in moving.stderr
+
+
+def test_a_map_is_not_at_rest_because_its_last_cells_are(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.sweeps.run._BLOCK", 1)
+    args = ("-A", 1, "-f", 15, "-a", 20, "--mu-s", "0.3:3:4", "--mu-d", 0.2)
+    assert "at rest" not in run("map", *args, "-o", "-").stderr
 
 
 def test_a_stroke_is_chosen_among_strokes(run: Run) -> None:

@@ -14,6 +14,7 @@ import pytest
 from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
 
+from vibro import Scene, Status, SteadyCycle, solve
 from vibro.sweeps.columns import columns_of
 from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER, WITH_STROKE
 
@@ -32,6 +33,14 @@ def test_json_has_the_keys_of_a_table(run: Run) -> None:
     assert answer["status"] == "ok"
     assert answer["traverse_time_s"] is None
     assert answer["amplitude_mm"] == 1
+
+
+def test_an_unresolved_scene_is_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def doubtful(scene: Scene, **how: Any) -> SteadyCycle:
+        return dataclasses.replace(solve(scene, **how), status=np.array(Status.UNRESOLVED, np.int8))
+
+    monkeypatch.setattr("vibro.sweeps.grid.solve", doubtful)
+    assert run("solve", *NUT, "--json").exit_code == 3
 
 
 def test_the_length_gives_a_traverse_time(run: Run) -> None:
@@ -202,7 +211,6 @@ def test_longer_periods_are_counted(run: Run) -> None:
 def test_a_mean_of_irregular_motion_has_its_error(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     import vibro.sweeps.grid
     from vibro.core.codes import Status
-    from vibro.results import SteadyCycle
     from vibro.steady import solve
 
     def irregular(*args: Any, **how: Any) -> SteadyCycle:

@@ -46,6 +46,14 @@ def test_both_sides_of_an_event() -> None:
     assert loss == pytest.approx(0.57 * landing.impact_velocity, rel=1e-12)
 
 
+def test_a_flight_that_the_end_cuts_short_has_no_impact() -> None:
+    scene = scene_with(amplitude=4e-3)
+    landing = next(p for p in vibro.simulate(scene, cycles=3).phases if p.kind == "H")
+    cut = vibro.simulate(scene, duration=0.5 * (landing.start + landing.end)).phases[-1]
+    assert (cut.kind, cut.start, cut.impact_velocity) == ("H", landing.start, 0.0)
+    assert landing.impact_velocity > 0.0
+
+
 STEPS = vibro.Motion.steps(along=[(0.8, 2.4), (0.2, -9.6)])
 
 

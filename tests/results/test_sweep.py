@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vibro.results.sweep import Peak, peaks
+from vibro import Scene, solve
+from vibro.results.sweep import Peak, at_rest, peaks
 
 NAN = np.nan
 EXACT = np.zeros(4)
@@ -33,6 +34,14 @@ def test_quantities_are_broadcast_to_the_cells() -> None:
 @pytest.mark.parametrize("speed", [[0.0] * 4, [NAN] * 4, [NAN, 0.0, NAN, np.inf], [-0.0] * 4])
 def test_without_a_known_motion_there_is_none(speed: list[float]) -> None:
     assert peaks(np.array(speed), EXACT, FREQUENCY) == {}
+
+
+def test_bodies_that_rest_and_those_that_cannot_be_do_not_move() -> None:
+    static, amplitude = np.array([0.5, 0.7, 0.7]), np.array([1e-4, 1e-4, 5e-3])
+    scene = Scene.allowing_infeasible(
+        amplitude=amplitude, frequency=15.0, drive_angle=0.3, static_friction=static, kinetic_friction=0.6
+    )
+    assert at_rest(solve(scene)).tolist() == [True, True, False]
 
 
 def test_of_equally_fast_cells_the_first() -> None:

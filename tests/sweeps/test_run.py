@@ -107,6 +107,11 @@ def test_a_picture_of_curves_keeps_the_values_of_the_list() -> None:
     assert points.shape == (3,)
 
 
+def test_a_picture_over_a_logarithmic_axis_has_even_steps_on_it() -> None:
+    result = sweep_picture(grid_of(frequency="5:20:3:log"), {}, None, "")
+    assert np.ptp(np.diff(np.log(result.axes["frequency"].values))) < 1e-12
+
+
 def test_where_motion_begins_takes_no_memory_for_every_cell() -> None:
     grid = grid_of(
         amplitude="0.001:0.01:300", frequency="5:10:300", static_friction="0.6:0.9:4", restitution="0.1:0.3:2"
