@@ -13,6 +13,7 @@ from helpers.scenes import assert_same, scene_with
 
 from vibro import Status, solve, steady
 from vibro.core.compiled import doors
+from vibro.parallel import heard, in_parallel
 
 
 def test_any_number_of_threads_gives_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,3 +80,50 @@ except KeyboardInterrupt:
 def test_an_interrupt_waits_for_what_writes_to_the_results() -> None:
     done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, timeout=60.0)
     assert (done.returncode, done.stdout) == (0, "interrupted 0\n"), done.stderr
+
+
+LASTING = """
+import os, signal, threading
+import numpy as np
+import vibro
+from vibro.core.compiled import doors
+
+whole, random, begun, ended = doors().class_scales, np.random.default_rng(1), threading.Event(), []
+
+def class_scales(*values):
+    begun.set()
+    whole(*values)
+    ended.append(True)
+
+def interrupt():
+    begun.wait()
+    os.kill(os.getpid(), signal.SIGINT)
+
+doors().class_scales = class_scales
+motion = vibro.Motion.samples(along=3.0 * random.normal(size=1024), normal=random.normal(size=1024))
+signal.signal(signal.SIGINT, signal.default_int_handler)
+threading.Thread(target=interrupt).start()
+try:
+    vibro.transitions(vibro.Scene(motion=motion, frequency=10, static_friction=0.4, kinetic_friction=0.3))
+except KeyboardInterrupt:
+    print("interrupted", ended, flush=True)
+    os._exit(0)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are interrupted otherwise there")
+@pytest.mark.skipif(not doors().compiled, reason="plain Python hears signals")
+def test_an_interrupt_is_heard_while_a_compiled_function_runs() -> None:
+    done = subprocess.run([sys.executable, "-c", LASTING], capture_output=True, text=True, timeout=120.0)
+    assert (done.returncode, done.stdout) == (0, "interrupted []\n"), done.stderr
+
+
+def test_what_lasts_hands_over_its_answer_or_its_error() -> None:
+    assert heard(lambda: 3) == 3
+    with pytest.raises(ZeroDivisionError):
+        heard(lambda: 1 // 0)
+    threads: list[int] = []
+    in_parallel(lambda _: threads.append(get_ident()), [1, 2], 1, lasting=True)
+    assert get_ident() not in threads
+    in_parallel(lambda _: heard(lambda: threads.append(get_ident())), [1], 1)
+    assert len(threads) == 3

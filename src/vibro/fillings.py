@@ -116,7 +116,7 @@ def filling_of(
             grid.scenes, grid.place(), *given, out, scratch.flights, scratch.hops, begin, end, averages
         )
 
-    over_cells(weigh, grid.size, _RANGE, threads)
+    over_cells(weigh, grid.size, _RANGE, threads, cost=grid.cost)
     mass, damping, real, imaginary, mass_error, damping_error, bound = (
         row.reshape(grid.shape)[()] for row in values
     )

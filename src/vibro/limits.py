@@ -13,7 +13,7 @@ from vibro.core.compiled import doors
 from vibro.drives import Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError
 from vibro.reals import NotRealError, real_array, shielded
-from vibro.solver import Grid, over_cells
+from vibro.solver import Grid, lasting, over_cells
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ _SAME: Final = 1e-12
 
 # [cells] per call, so that an interrupt is noticed within a fraction of a second
 _RANGE: Final = 8_192
-_RANGE_OF_MOTIONS: Final = 32  # of 5 to 10 ms each
+_RANGE_OF_MOTIONS: Final = 64  # of 2 ms each per harmonic
 _ROOM: Final = 64  # [intervals] of one class, to begin with; the most that were met are 6
 
 
@@ -197,7 +197,7 @@ def _critical_loads(grid: Grid, step: int) -> CriticalLoads:
     def find(begin: int, end: int) -> None:
         doors().transition_loads(grid.scenes, grid.place(), rows, begin, end)
 
-    over_cells(find, grid.size, step, None)
+    over_cells(find, grid.size, step, None, cost=grid.cost)
     return CriticalLoads(*(row.reshape(grid.shape)[()] for row in found))
 
 
@@ -293,7 +293,7 @@ def _of_any_motion(scene: Scene, now: float) -> tuple[float, list[tuple[str, flo
     grid, room, counts = Grid(scene.arrays()), _ROOM, np.zeros(2 * CLASSES + 1, np.int64)
     while True:
         out = np.empty(2 * CLASSES * room + 3)
-        doors().class_scales(grid.scenes, grid.place(), doors().row(out), doors().row(counts), room)
+        _class_scales(grid, out, counts, room)
         most = int(counts[:CLASSES].max())
         if most <= room:
             break
@@ -311,6 +311,13 @@ def _of_any_motion(scene: Scene, now: float) -> tuple[float, list[tuple[str, flo
     return hop, found
 
 
+def _class_scales(grid: Grid, out: Floats, counts: NDArray[np.int64], room: int) -> None:
+    def find() -> None:
+        doors().class_scales(grid.scenes, grid.place(), doors().row(out), doors().row(counts), room)
+
+    lasting(find)
+
+
 def back_slip_of(fields: Line) -> NDArray[np.bool_]:
     """Return whether bodies slip back by Eqs. (5) and (17) alone, also where mu_d > mu_s.
 
@@ -326,7 +333,11 @@ def back_slip_of(fields: Line) -> NDArray[np.bool_]:
     """
     grid = Grid(fields)
     found = np.empty(grid.size, np.int8)
-    doors().slips_back(grid.scenes, grid.place(), doors().row(found), 0, grid.size)
+
+    def find(begin: int, end: int) -> None:
+        doors().slips_back(grid.scenes, grid.place(), doors().row(found), begin, end)
+
+    over_cells(find, grid.size, _RANGE, None)
     return np.asarray(found.reshape(grid.shape) > 0)
 
 
@@ -384,7 +395,12 @@ def _tipping_load(fields: Fields, ratio: Floats) -> Floats:
     grid = Grid(fields._replace(restitution=np.zeros(ratio.shape)))
     ratios = np.ascontiguousarray(np.broadcast_to(ratio, grid.shape))
     found = np.empty(grid.size)
-    doors().tipping_loads(grid.scenes, grid.place(), doors().row(ratios), doors().row(found), 0, grid.size)
+
+    def find(begin: int, end: int) -> None:
+        buffers = doors().row(ratios), doors().row(found)
+        doors().tipping_loads(grid.scenes, grid.place(), *buffers, begin, end)
+
+    over_cells(find, grid.size, _RANGE, None, cost=grid.cost)
     return np.asarray(_as_loads([found.reshape(grid.shape)[()]], fields)[0])
 
 

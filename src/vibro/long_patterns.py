@@ -58,7 +58,7 @@ def spell_long(
             legs = _legs(grid, cells[i], scratch)
             texts[i] = "".join(LETTERS[mode] for mode in (legs if one_harmonic else turned(legs)))
 
-    over_cells(spell, len(cells), _SPELT, threads)
+    over_cells(spell, len(cells), _SPELT, threads, cost=grid.cost)
     found = {text: spelt_code(text) for text in texts}
     codes[marked] = np.array([found[text] for text in texts])[which]
     return {code: text for text, code in found.items() if code < IRREGULAR}

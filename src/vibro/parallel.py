@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from threading import Thread
-from typing import TYPE_CHECKING, Any, Final
+from threading import Thread, current_thread, main_thread
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-__all__ = ["BLOCK", "cores", "grid_blocks", "in_parallel", "within"]
+__all__ = ["BLOCK", "cores", "grid_blocks", "heard", "in_parallel", "within"]
 
 # [cells] Few enough that temporaries stay near a core, many enough that threads seldom wait for each other
 # between two NumPy calls (benchmarks/kernel.py).
@@ -52,11 +52,42 @@ def within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...
     return tuple(slice(None) if n == 1 else part for part, n in zip(block, shape, strict=True))
 
 
+_R = TypeVar("_R")
+
+
+def heard(run: Callable[[], _R]) -> _R:
+    """Run a call that may last in another thread, so that this one hears signals.
+
+    A compiled function holds off the handlers of signals until it returns. After an interrupt it runs on to
+    its end: what it writes to must live as long as ``run``.
+    """
+    if current_thread() is not main_thread():
+        return run()
+    found: list[_R] = []
+    failures: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            found.append(run())
+        except BaseException as exc:
+            failures.append(exc)
+
+    thread = Thread(target=work, daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(_PATIENCE)
+    if failures:
+        raise failures[0]
+    return found[0]
+
+
 def in_parallel(
     run: Callable[[Any], None],
     parts: Sequence[Any],
     threads: int | None = None,
     done: Callable[[int], None] | None = None,
+    *,
+    lasting: bool = False,
 ) -> None:
     """Run parts on several threads; after an interrupt the others end with the part they are at.
 
@@ -70,7 +101,15 @@ def in_parallel(
         How many share the work; without, one a core.
     done : callable, optional
         Called in the calling thread, after each part that it has run, with the number of parts that are done.
+    lasting : bool
+        Whether a part may take long: then it is ``heard``, and an interrupt does not wait for it.
     """
+    given = run
+
+    def run_heard(part: Any) -> None:
+        heard(lambda: given(part))
+
+    run = run_heard if lasting else given
     number = min(cores() if threads is None else threads, len(parts))
     if number < 2:
         for count, part in enumerate(parts, 1):
@@ -112,8 +151,8 @@ def in_parallel(
                     done(len(finished))
     finally:
         left.clear()
-        for thread in others:  # their buffers may not outlive this call
+        for thread in others:  # their buffers may not outlive this call, but for those of parts that last
             if thread.ident is not None:
-                thread.join()
+                thread.join(_PATIENCE if lasting else None)
     if failures:
         raise failures[0]

@@ -14,7 +14,7 @@ from vibro.core.codes import SPELT_PATTERNS, Pattern, Regime, Status
 from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.scene import Scene
-from vibro.solver import Grid
+from vibro.solver import Grid, over_cells
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ __all__ = [
 #: [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.
 LEAST_DIFFERENCE: Final = 2.0**-26
 
+_RANGE: Final = 8_192  # [cells] per call, so that an interrupt is noticed within a fraction of a second
 _STEP: Final = 1e-4  # [1] of the logarithm of the scale
 _AGREES: Final = 1e-3  # [1] of both differences, relative: the better one is closer by the square of that
 
@@ -116,8 +117,12 @@ def load_slope(scene: Scene, pattern: ArrayLike) -> Floats:
     """
     grid, patterns = _one_harmonic(scene), np.ascontiguousarray(pattern, np.int64)
     found = np.empty(grid.size)
-    row = doors().row
-    doors().load_slopes(grid.scenes, grid.place(), row(patterns), row(found), 0, grid.size)
+
+    def find(begin: int, end: int) -> None:
+        row = doors().row
+        doors().load_slopes(grid.scenes, grid.place(), row(patterns), row(found), begin, end)
+
+    over_cells(find, grid.size, _RANGE, None)
     return np.asarray(found.reshape(grid.shape))
 
 
@@ -221,8 +226,12 @@ def displacement_gradient(scene: Scene, pattern: ArrayLike) -> Gradient:
     """
     grid, patterns = _one_harmonic(scene), np.ascontiguousarray(pattern, np.int64)
     found = np.empty((len(Gradient._fields), grid.size))
-    buffers = doors().row(patterns), doors().rows(found)
-    doors().displacement_gradients(grid.scenes, grid.place(), *buffers, 0, grid.size)
+
+    def find(begin: int, end: int) -> None:
+        buffers = doors().row(patterns), doors().rows(found)
+        doors().displacement_gradients(grid.scenes, grid.place(), *buffers, begin, end)
+
+    over_cells(find, grid.size, _RANGE, None)
     return Gradient(*(row.reshape(grid.shape) for row in found))
 
 
@@ -243,6 +252,10 @@ def slides_of(scene: Scene, pattern: ArrayLike) -> Slides:
     """
     grid, patterns = _one_harmonic(scene), np.ascontiguousarray(pattern, np.int64)
     found = np.empty((len(Slides._fields), 2 * grid.size))
-    buffers = doors().row(patterns), doors().rows(found)
-    doors().cycle_legs(grid.scenes, grid.place(), *buffers, 0, grid.size, grid.size)
+
+    def find(begin: int, end: int) -> None:
+        buffers = doors().row(patterns), doors().rows(found)
+        doors().cycle_legs(grid.scenes, grid.place(), *buffers, begin, end, grid.size)
+
+    over_cells(find, grid.size, _RANGE, None)
     return Slides(*(row.reshape(2, *grid.shape) for row in found))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from vibro.core.buffers import (
     ROOM,
 )
 from vibro.core.compiled import doors
-from vibro.parallel import in_parallel
+from vibro.parallel import heard, in_parallel
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,9 +31,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Grid", "Scratch", "over_cells"]
+__all__ = ["Grid", "Scratch", "lasting", "over_cells"]
 
+_QUICK: Final = 64  # [1] most harmonics, or pieces, of which one cell takes less than 0.2 s in any call
 _ONE: Final = np.ones(())
+_R = TypeVar("_R")
 
 
 class Grid:
@@ -50,6 +52,8 @@ class Grid:
         Common shape of the fields.
     size : int
         Number of cells.
+    cost : int
+        Number of harmonics, or of pieces, with which the time that a cell takes grows.
     """
 
     def __init__(self, fields: Drive) -> None:
@@ -71,6 +75,7 @@ class Grid:
             strides = np.array([_strides(x.shape, axes) for x in arrays], np.int64).T.copy()
         self._sizes, self._strides, self._axes, self._count = sizes, strides, axes, count
         further, starts, size, most = _NOTHING, _NO_STARTS, 0, 0.0
+        self.cost = 1
         if kind == HARMONICS:
             size = (count - FIELDS) // 4
             starts = np.cumsum([0, *(x.size for x in arrays[FIELDS:-1])], dtype=np.int64)
@@ -88,6 +93,7 @@ class Grid:
         )
         self._memory = _NO_MEMORY
         if kind in (HARMONICS, PIECES):
+            self.cost = size
             part, table = (2 * size, 8 * size * size) if kind == HARMONICS else (4 * size, 5 * size + 1)
             self._memory = np.empty(ROOM * part + table), np.empty(2 * MIXES, np.int64)
             doors().prepare(self.scenes, (np.empty(0, np.int64), *self._memory), breaks, pieces)
@@ -127,12 +133,19 @@ class Scratch(threading.local):
         self.flights, self.hops = map(doors().rows, self._kept)
 
 
+def lasting(run: Callable[[], _R]) -> _R:
+    """Run a call of the compiled solver that may last, and hear signals meanwhile, as ``heard``."""
+    return heard(run) if doors().compiled else run()
+
+
 def over_cells(
     run: Callable[[int, int], Any],
     size: int,
     step: int,
     threads: int | None,
     progress: Callable[[int, int], None] | None = None,
+    *,
+    cost: int = 1,
 ) -> None:
     """Run over all cells, a range at a time, on several threads if the solver is compiled.
 
@@ -141,13 +154,16 @@ def over_cells(
     run : callable
         Called with the begin and the end of each range.
     size, step : int
-        Number of cells, and of those of a range.
+        Number of cells, and of those of a range, where they cost 1.
     threads : int, optional
         How many share the work; without, one a core.
     progress : callable, optional
         Called in this thread with the number of cells that are done, and of all.
+    cost : int
+        Of a cell, as that of the grid.
     """
-    if size <= step and progress is None:
+    step, is_long = max(1, step // cost), cost > _QUICK and doors().compiled
+    if size <= step and progress is None and not is_long:
         if size:
             run(0, size)
         return
@@ -157,4 +173,5 @@ def over_cells(
         if progress:
             progress(min(done * step, size), size)
 
-    in_parallel(lambda part: run(*part), parts, threads if doors().compiled else 1, tell)
+    number = threads if doors().compiled else 1
+    in_parallel(lambda part: run(*part), parts, number, tell, lasting=is_long)

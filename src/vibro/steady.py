@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["check_switch", "output_of", "solve"]
 
-# Cells of a range: many enough that Python takes no time between them, few enough that an interrupt is
-# noticed within a fraction of a second.
+# Cells of a range, of drives of one harmonic: many enough that Python takes no time between them, few enough
+# that an interrupt is noticed within a fraction of a second.
 _IN_CONTACT: Final = 8192
 _HOPPING: Final = 32
 _SEARCHED: Final = 16
@@ -109,7 +109,7 @@ def solve(
     def contact(begin: int, end: int) -> None:
         solver.solve_contact(grid.scenes, grid.place(), answers, begin, end, classes_alone)
 
-    over_cells(contact, grid.size, _IN_CONTACT, threads, progress)
+    over_cells(contact, grid.size, _IN_CONTACT, threads, progress, cost=grid.cost)
     if flight and not classes_alone:
         # NumPy takes 2 us to compare with an enum, a tenth of it with an int
         hopping = (rows["status"] == int(Status.FLIGHT_NOT_MODELLED)).nonzero()[0]
@@ -143,7 +143,7 @@ def _hop(
         room = scratch.flights, scratch.hops
         door(grid.scenes, grid.place(), answers, cells, *room, begin, end)
 
-    over_cells(follow, cells.size, _SEARCHED if search else _HOPPING, threads, progress)
+    over_cells(follow, cells.size, _SEARCHED if search else _HOPPING, threads, progress, cost=grid.cost)
 
 
 @cache

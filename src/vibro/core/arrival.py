@@ -43,7 +43,9 @@ _LINEAR: Final = 1e-7
 _SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
 _SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
 _HALVINGS: Final = 60  # from an interval of several turns down to an ulp
-_FARTHEST: Final = 1e300  # [rad] where the search along a slide without end gives up
+_DOUBLINGS: Final = 990  # of a turn, up to 1e299 rad, where the search along a slide without end gives up
+# [1] Stretches of a flight between zeros of the acceleration: the longest flights last some 1e6 turns.
+_MOST_STRETCHES: Final = 10_000_000
 
 
 class Memory(NamedTuple):
@@ -289,15 +291,20 @@ def _reach_sliding(path: Path, length: float) -> float:
     high = length
     if not math.isfinite(length):
         high = TURN
-        while _missing(path, high) > 0.0 and high < _FARTHEST:
+        for _ in range(_DOUBLINGS):
+            if not _missing(path, high) > 0.0:
+                return _arrival_between(path, 0.0, high)
             high *= 2.0
+        return NAN
     return _arrival_between(path, 0.0, high)
 
 
 def _reach_flying(path: Path, length: float, fastest: float) -> float:
     """Return the arrival in a flight: the velocity is monotone between the zeros of the acceleration."""
     low = 0.0
-    while low < length:
+    for _ in range(_MOST_STRETCHES):
+        if not low < length:
+            break
         missing = _missing(path, low)
         if missing > TURN * fastest:  # it cannot arrive in this turn
             low += missing / fastest

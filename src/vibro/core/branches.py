@@ -64,7 +64,7 @@ def cover(box: Box, out: Cover, gap: float, least: float, most: int) -> int:
         out.low[axis], out.high[axis] = box.low[axis], box.high[axis]
     out.bound[0], out.heap[0] = least_speed(box, out.low, out.high, 0), 0
     count = 1
-    while count < most:
+    for _ in range(1, most):
         row, speed = out.heap[0], out.speed[0]
         if out.bound[row] >= speed - gap * max(abs(speed), least):
             break
@@ -122,8 +122,10 @@ def _sink(out: Cover, count: int) -> None:
     """Move the first row of the heap down to its place among ``count``."""
     heap, place = out.heap, 0
     row = heap[0]
-    while 2 * place + 1 < count:
+    for _ in range(count):
         child = 2 * place + 1
+        if child >= count:
+            break
         if child + 1 < count and out.bound[heap[child + 1]] < out.bound[heap[child]]:
             child += 1
         if out.bound[row] <= out.bound[heap[child]]:
@@ -136,7 +138,9 @@ def _sink(out: Cover, count: int) -> None:
 def _rise(out: Cover, row: int) -> None:
     """Put a new row, the last one of the heap, into its place."""
     heap, place = out.heap, row
-    while place > 0 and out.bound[row] < out.bound[heap[(place - 1) // 2]]:
+    for _ in range(row):
+        if place == 0 or not out.bound[row] < out.bound[heap[(place - 1) // 2]]:
+            break
         heap[place] = heap[(place - 1) // 2]
         place = (place - 1) // 2
     heap[place] = row

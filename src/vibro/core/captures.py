@@ -95,12 +95,14 @@ def _followed(bed: Bed, restitution: float, body: int, flights: Flights) -> Boun
     A contact of a trough with one lift-off closes no cycle here: that from rest was looked for before.
     """
     left, phase, speed = _FLIGHTS, bed.lift_off, kick(body, 0)
-    while True:
+    motion = Bounces(False, 0, 0, 0, 0, 0.0, 0.0, phase)
+    for _ in range(_FLIGHTS):  # each search takes one at least
         motion = bounces(bed, restitution, flights, left, phase, speed, False)
         if motion.repeats and not (motion.rest > 0.0 and bed.waves.kind == SINE):
             return motion
         flown = motion.approach + motion.count
         left -= flown
         if flown == 0 or left <= 0:
-            return motion._replace(repeats=False)
+            break
         phase, speed = motion.approach_end, kick(body + left, 0)
+    return motion._replace(repeats=False)

@@ -13,7 +13,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.buffers import HARMONICS
-from vibro.core.elementary import EPS, INF, TURN, until
+from vibro.core.elementary import AT_EVENT, EPS, INF, TURN, until, wrap
 from vibro.core.waves import (
     Mix,
     Value,
@@ -25,6 +25,7 @@ from vibro.core.waves import (
     curve_in_cell,
     nodes_of,
     part_of,
+    place_in,
     value_at_cell_begin,
     value_in_cell,
 )
@@ -37,7 +38,13 @@ _SLOPE_BOUND: Final = 0.00801875373874480  # sqrt(3) / 216
 _NARROW: Final = 1e-9
 _ROUNDED: Final = 1e-11  # [1] rise over a maximum, of which a hundred thousandth is unknown
 _SETTLED: Final = 1e-5  # [1] of a cell: a step of Halley's below leaves an error of its cube, a rounding
+# [zero] looked at one by one; of more of them those so many places beside the next one, and the first two
+_MANY: Final = 8
+_BESIDE: Final = 2
 _STEPS: Final = 60  # of such iterations with halvings, in a bracket
+# [part] of a cell that are looked at. Those next to a double zero, or a maximum, are halved some 30 times,
+# and a cell has few of them. Where squares of loads are no doubles no part has a bound.
+_MOST_PARTS: Final = 10_000
 
 # What is known of a cell: no zero, or at most one as the function is monotone, or neither.
 _NONE: Final = 0
@@ -82,7 +89,7 @@ def find_nodes(waves: Waves, row: int, mix: Mix) -> None:
             if (here.value > 0.0) != positive:
                 count = _keep(waves, start, count, low)
                 positive = not positive
-        while True:
+        for _ in range(_MOST_PARTS):
             known = _verdict(here, there, width, bounds.fourth, noise)
             if known == _OPEN and width > _NARROW * whole:
                 width *= 0.5
@@ -174,7 +181,7 @@ def largest(waves: Waves, mix: Mix) -> float:
     """Return the largest value of a mix.
 
     Only cells in which the wave may exceed what was found so far are halved, until it rises to one maximum
-    in them. The one that rises from the highest end, or to it, comes first.
+    in them. The one that rises from the highest end, or to it, comes first. inf where a cell has no bound.
     """
     bounds, cells, most, first = combine(waves, mix), cells_of(waves), -INF, 0
     if waves.kind == HARMONICS:
@@ -207,7 +214,7 @@ def _largest_in_cell(waves: Waves, mix: Mix, cell: int, onward: int, fourth: flo
     else:
         there = value_in_cell(waves, cell, constant, end)
         most = max(most, max(here.value, there.value))
-    while True:
+    for _ in range(_MOST_PARTS):
         top = _highest(here, there, width, fourth)
         if top > most + EPS * abs(most) and width > _NARROW * whole:
             if here.slope > 0.0 > there.slope and _is_concave(here, there, width, fourth):
@@ -222,6 +229,7 @@ def _largest_in_cell(waves: Waves, mix: Mix, cell: int, onward: int, fourth: flo
             return most
         width = min(2.0 * width, end - low)
         there = value_in_cell(waves, cell, constant, low + width)
+    return INF
 
 
 def _highest(here: Value, there: Value, d: float, bound: float) -> float:
@@ -283,9 +291,14 @@ def behind(waves: Waves, row: int, index: int) -> bool:
 
 def next_event(waves: Waves, row: int, rising: bool, phase: float) -> Event:
     """Return the next zero of a row at which the load rises, or falls; one that the phase is at counts."""
-    start, found = nodes_of(waves, row), Event(INF, INF)
-    for i in range(number_of_nodes(waves, row)):
-        if behind(waves, row, i) == rising:
+    start, count, found = nodes_of(waves, row), number_of_nodes(waves, row), Event(INF, INF)
+    low, high, others = 0, count, 0
+    if count > _MANY:  # zeros are in order: the next one is the first of them ahead, or the first of the turn
+        place = place_in(waves, start, count, wrap(phase - AT_EVENT))
+        low, high, others = max(place - _BESIDE, 0), min(place + _BESIDE + 1, count), 2
+    for k in range(-others, high - low):
+        i = k + 2 if k < 0 else low + k
+        if i < count and behind(waves, row, i) == rising:
             zero = waves.number[start + i]
             wait = until(zero, phase)
             if wait < found.wait:

@@ -167,7 +167,9 @@ IRREGULAR: Final = -1
 def spelt_text(digits: int) -> str:
     """Legs of a cycle from digits to base 5: H flight, F forward slide, B back slide, _ rest."""
     letters = ""
-    while digits:
+    for _ in range(MOST_LETTERS):
+        if not digits:
+            break
         digits, digit = divmod(digits, 5)
         letters = LETTERS[digit] + letters
     return letters

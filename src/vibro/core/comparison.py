@@ -23,6 +23,7 @@ _NEWTON: Final = 60  # steps at most; each starts where they converge from one s
 _SETTLED: Final = 1e-13  # [rad] last step
 _MOST_SLIDES: Final = 200  # until a cycle repeats
 _DIRECT: Final = 4  # slides without a rest, after which the cycle without rest is looked for
+_DOUBLINGS: Final = 64  # of how much earlier it starts, until one comes earlier by itself
 _TURNS: Final = 100  # cycles that are followed on the way to it
 _NEAR: Final = 1e-5  # [rad] by which its slides forward may come earlier from cycle to cycle
 # [1] Rounding of a path and of static friction, over the largest push: that of terms that cancel in them.
@@ -214,10 +215,10 @@ def _slide(side: Side, phase: float) -> _Path:
 
 def _path(body: _Body) -> float:
     """Follow the body from rest at phase 0 until its cycles repeat; return the path of one, or -inf."""
-    phase, path, slides, direct = 0.0, 0.0, 0, 0
+    phase, path, direct = 0.0, 0.0, 0
     known_forward, known_back = NAN, NAN  # paths at which the body has left a rest, and phases
     left_forward, left_back = NAN, NAN
-    while slides < _MOST_SLIDES:
+    for _ in range(_MOST_SLIDES):
         ahead = _next(body.opens_forward, body.forward_window, phase)
         behind = _next(body.opens_back, body.back_window, phase)
         if ahead == INF and behind == INF:
@@ -244,7 +245,6 @@ def _path(body: _Body) -> float:
             return -INF
         path += found.path if forward else -found.path
         phase = begin + found.length
-        slides += 1
         direct += 1
     return -INF
 
@@ -290,10 +290,14 @@ def _without_rest(body: _Body, phase: float) -> float:
             above = _cycle(body, high)
         return above.path
     step = -below.earlier
-    while above.earlier < 0.0:
+    for _ in range(_DOUBLINGS):
+        if not above.earlier < 0.0:
+            break
         step *= 2.0
         high = phase + step
         above = _cycle(body, high)
+    if above.earlier < 0.0:
+        return NAN
     behind, ahead = below.earlier, above.earlier
     for _ in range(_TURNS):
         if not above.earlier > _NEAR:

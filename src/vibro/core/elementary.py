@@ -31,9 +31,9 @@ _QUARTERS_PER_RADIAN: Final = 0.6366197723675814  # 2 / pi
 _QUARTER_HIGH: Final = 1.57079632673412561417
 _QUARTER_LOW: Final = 6.07710050650619224932e-11
 _MOST_REDUCED: Final = 1e5  # [rad]
-# [rad] The phases of an event and of a body are rounded, so that a body at the event may seem to have just
+#: [rad] The phases of an event and of a body are rounded, so that a body at the event may seem to have just
 # missed it, and would wait for a whole turn. This close after an event it counts as being at the event.
-_AT_EVENT: Final = 1e-9
+AT_EVENT: Final = 1e-9
 # [1] Between these a sum of two squares has all of its digits.
 _LEAST_SQUARE: Final = 1e-280
 _MOST_SQUARE: Final = 1e300
@@ -47,7 +47,7 @@ def wrap(phase: float) -> float:
 
 def until(event: float, phase: float) -> float:
     """Return the phase from ``phase`` to the next passage of an event, 0 for a body at the event [rad]."""
-    return max(wrap(event - phase + _AT_EVENT) - _AT_EVENT, 0.0)
+    return max(wrap(event - phase + AT_EVENT) - AT_EVENT, 0.0)
 
 
 def wrap_around(phase: float) -> float:

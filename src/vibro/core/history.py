@@ -218,7 +218,9 @@ def follow_legs(
     thrown = start.height > 0.0 or start.rate < 0.0
     _forget(last, places(course, sections))
     starts, count, idle, polished, last_cycle = 0, 0, 0, False, -1
-    while at.cycle + (at.phase - origin) / TURN < cycles:
+    for _ in range((rows + 1) * (_MOST_IDLE + 1)):
+        if not at.cycle + (at.phase - origin) / TURN < cycles:
+            break
         if not thrown and is_section(course, sections, at, last_cycle):
             place = _place(course, sections, at, starts)
             starts, last_cycle = starts + 1, at.cycle

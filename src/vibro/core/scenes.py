@@ -136,8 +136,8 @@ def seek(scenes: Scenes, place: Place, cell: int) -> None:
 def advance(scenes: Scenes, place: Place) -> None:
     """Move a place to the next cell."""
     axes, index, fields = scenes.axes, place.index, _fields(scenes)
-    axis = axes - 1
-    while True:
+    for back in range(axes):
+        axis = axes - 1 - back
         index[axis] += 1
         for field in range(fields):
             index[axes + field] += scenes.strides[fields * axis + field]
@@ -146,7 +146,6 @@ def advance(scenes: Scenes, place: Place) -> None:
         for field in range(fields):
             index[axes + field] -= scenes.shape[axis] * scenes.strides[fields * axis + field]
         index[axis] = 0
-        axis -= 1
 
 
 def visit(scenes: Scenes, place: Place, cell: int, begin: int) -> None:

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.buffers import Bytes
 from vibro.core.cells import Event, behind, number_of_nodes
-from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
+from vibro.core.codes import MOST_LETTERS, SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
 from vibro.core.elementary import INF, TURN
@@ -76,6 +76,8 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
     if none.status != Status.OK:
         return none
     status = int(Status.BOUNDARY) if at.edge else int(Status.OK)
+    if _is_unbounded(at):
+        return unanswered(Regime.UNDEFINED, Status.UNRESOLVED)
     if not (at.forward or at.back):
         return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(_is_loose(loads)), 0.0)
     if _is_heavy(loads):
@@ -98,6 +100,8 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
 
 def wave_classes(loads: Loads, at: Thresholds) -> Classes:
     """Tell which legs the steady contact cycle from rest has; a body that runs away slides for ever."""
+    if _is_unbounded(at):
+        return _unknown()
     if not (at.forward or at.back):
         return Classes(Mode.REST, forward=False, back=False, rest=True)
     if _is_heavy(loads):
@@ -121,6 +125,11 @@ def _unknown() -> Classes:
 def _is_loose(loads: Loads) -> bool:
     """Return whether gravity along the trough exceeds kinetic friction."""
     return abs(loads.weight_tangential) > loads.kinetic_friction * loads.weight_normal
+
+
+def _is_unbounded(at: Thresholds) -> bool:
+    """Return whether the largest loads were not found."""
+    return not (at.forward_load < INF and at.back_load < INF)
 
 
 def _is_heavy(loads: Loads) -> bool:
@@ -199,7 +208,9 @@ def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
         spelt = spell(cycle, no_hops(), home.velocity, no_letters(), 0)
         return Classes(pattern, spelt.forward, spelt.back, spelt.rest)
     forward, back, rest, left = False, False, False, pattern
-    while left > 0:
+    for _ in range(MOST_LETTERS):
+        if left == 0:
+            break
         mode = left % 5
         forward, back = forward or mode == Mode.FORWARD, back or mode == Mode.BACK
         rest = rest or mode == Mode.REST
@@ -215,13 +226,17 @@ def canonical(pattern: int) -> int:
     if pattern <= 5:
         return pattern
     power, left = 1, pattern
-    while left >= 5:
+    for _ in range(MOST_LETTERS):
+        if left < 5:
+            break
         power, left = 5 * power, left // 5
     if left == pattern % 5 and left != Mode.FLIGHT:
         pattern, power = pattern // 5, power // 5
     least, turned = pattern, pattern
     length = power
-    while length > 1:
+    for _ in range(MOST_LETTERS):
+        if length <= 1:
+            break
         digit = turned // power
         turned = (turned - digit * power) * 5 + digit
         least = min(least, turned)

@@ -24,6 +24,7 @@ from vibro.core.waves import (
     integrals_of,
     moved,
     nodes_of,
+    place_in,
 )
 
 __all__ = [
@@ -38,6 +39,8 @@ _SMALL: Final = 0.01
 _MOST_BEND: Final = 0.5  # [1] share of the rate that the curvature may change over a step
 # [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
 _MOST_TURNS: Final = 1e15
+# [turn] that are followed one by one: one before all but the last are skipped, one after, and rounding.
+_FOLLOWED_TURNS: Final = 64
 
 
 class Fall(NamedTuple):
@@ -161,11 +164,7 @@ class WaveSlide(NamedTuple):
 
 def first_ahead(waves: Waves, row: int, phase: float) -> int:
     """Return the index of the first zero of a row that lies ahead of a phase in [0, 2 pi), from 0 on."""
-    start, count = nodes_of(waves, row), number_of_nodes(waves, row)
-    for i in range(count):
-        if waves.number[start + i] > phase:
-            return i
-    return count
+    return place_in(waves, nodes_of(waves, row), number_of_nodes(waves, row), phase)
 
 
 def ahead(waves: Waves, row: int, phase: float, index: int) -> float:
@@ -209,7 +208,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         index, rises = index + 1, False
     drop, noise = -TURN * mix.constant, _noise(waves)
     low, top, least, minima = Left(0.0, speed, start.load, 0.0), speed, INF, 0
-    while True:
+    for _ in range(_FOLLOWED_TURNS * count):
         far = ahead(waves, row, phase, index)
         if far >= limit:
             then = fallen(fall, limit)
@@ -235,6 +234,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
                 index += count * int(turns)
                 low = _at_node(fall, row, index - 1, ahead(waves, row, phase, index - 1), start.integral)
             least, minima = INF, 0
+    return WaveSlide(NAN, False, NAN, NAN, NAN)
 
 
 def _find(waves: Waves, row: int, mix: Mix) -> None:

@@ -17,9 +17,9 @@ __all__ = [
     "CELLS", "FORCE", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "SINE", "STATIC_BACK", "STATIC_FORWARD",
     "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value", "Waves", "at_break", "at_cell_begin",
     "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "integrals_of", "load_at", "mixed",
-    "moved", "nodes_of", "normal_size", "one_harmonic", "part_of", "prepare_cells", "prepare_pieces",
-    "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin", "value_in_cell",
-    "with_bounds",
+    "moved", "nodes_of", "normal_size", "one_harmonic", "part_of", "place_in", "prepare_cells",
+    "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin",
+    "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
 #: [kind] One harmonic, for which there are closed forms; the others are ``HARMONICS`` and ``PIECES``.
@@ -50,6 +50,7 @@ _ABOVE_ONE: Final = 1e-9  # [1] rounding of accelerations that are nowhere above
 
 # [rad] Phases of events are rounded, and loads jump at breaks: an event this close to a break is at it.
 _AT_BREAK: Final = 1e-12
+_HALVINGS: Final = 62  # of a list, down to one place
 
 _NO_NUMBERS: Doubles = memoryview(b"").cast("d")
 _NO_MARKS: Integers = memoryview(b"").cast("q")
@@ -351,16 +352,23 @@ def mixed(mix: Mix, along: float, normal: float) -> float:
     return value if abs(value) > FEW_ULP * (abs(mix.constant) + abs(mix.along) + abs(mix.normal)) else 0.0
 
 
-def piece_of(waves: Waves, phase: float) -> int:
-    """Find the piece that a phase in [0, 2 pi] lies in; the one that begins there, at an end."""
-    low, high, table = 0, waves.size, _table(waves)
-    while high - low > 1:
+def place_in(waves: Waves, start: int, count: int, phase: float) -> int:
+    """Count how many of the phases that begin at ``start``, in order, are at most a phase."""
+    low, high = 0, count
+    for _ in range(_HALVINGS):
+        if low == high:
+            break
         middle = (low + high) // 2
-        if waves.number[table + middle] <= phase:
-            low = middle
+        if waves.number[start + middle] <= phase:
+            low = middle + 1
         else:
             high = middle
     return low
+
+
+def piece_of(waves: Waves, phase: float) -> int:
+    """Find the piece that a phase in [0, 2 pi] lies in; the one that begins there, at an end."""
+    return place_in(waves, _table(waves) + 1, waves.size - 1, phase)
 
 
 def _place_of(waves: Waves, phase: float) -> tuple[int, float]:

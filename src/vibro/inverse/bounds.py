@@ -8,7 +8,7 @@ more than the gap that is left, the bounds find, and the evolution starts anew f
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from vibro.inverse.proofs import corners, steeper_is_slower
 from vibro.inverse.search import sobol
 from vibro.inverse.spaces import Points
 from vibro.results.designs import Certificate
+from vibro.solver import lasting
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -80,13 +81,20 @@ def slowest_in_contact(
     ratios = box.second_friction if box.is_ratio else (0.0, 1.0)
     numbers = *ratios, *box.factor, *box.frequency, box.gravity, -1.0 if fast else 1.0
     solver = doors()
-    scene = (solver.row(low), solver.row(high), len(box.shape) > 1, *map(float, numbers), int(highest))
+
+    def scene() -> tuple[Any, ...]:
+        ends = solver.row(low), solver.row(high)
+        return *ends, len(box.shape) > 1, *map(float, numbers), int(highest)
 
     def evolved(first: Floats) -> tuple[Floats, Floats]:
         points = np.ascontiguousarray(np.vstack([first, first[:1]]))
         speeds = np.empty(len(points))
-        population = solver.row(points), solver.row(speeds)
-        solver.evolve(scene, population, len(first), _GENERATIONS, _SEED)
+
+        def evolve() -> Any:
+            population = solver.row(points), solver.row(speeds)
+            return solver.evolve(scene(), population, len(first), _GENERATIONS, _SEED)
+
+        lasting(evolve)
         order = np.argsort(speeds[:-1], kind="stable")
         return points[order], speeds[order]
 
@@ -95,8 +103,12 @@ def slowest_in_contact(
         return Slowest(_points(box, points), speeds, None)
     lows, highs, bounds = np.empty((boxes, AXES)), np.empty((boxes, AXES)), np.empty(boxes)
     heap, met, speed = np.empty(boxes, np.int64), np.vstack([points[0]] * 2), speeds[:1].copy()
-    room = tuple(map(solver.row, (lows, highs, bounds, heap, met, speed)))
-    count = solver.cover(scene, room, _GAP, small_speed(box), boxes)
+
+    def cover() -> Any:
+        room = tuple(map(solver.row, (lows, highs, bounds, heap, met, speed)))
+        return solver.cover(scene(), room, _GAP, small_speed(box), boxes)
+
+    count = lasting(cover)
     lows, highs, bounds = lows[:count], highs[:count], bounds[:count]
     is_slower = speed[0] < speeds[0] - _BETTER * abs(speeds[0])
     if is_slower or count == boxes:

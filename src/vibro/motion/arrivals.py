@@ -12,7 +12,7 @@ from vibro.core.compiled import doors
 from vibro.errors import Problem, SceneError
 from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.steady import lengths_of
-from vibro.solver import Grid, Scratch, over_cells
+from vibro.solver import Grid, Scratch, lasting, over_cells
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Start", "arrival_time", "arrivals", "number_of", "start_of"]
 
 _LONGEST_FLIGHT: Final = 1e5  # [drive cycles] after which rounding has lost 1e-10 rad of the phase
-_CELLS: Final = 64  # of a range: an interrupt is noticed between two, and a slow transient takes a second
+_CELLS: Final = 16  # of a range: an interrupt is noticed between two
 
 
 @shielded
@@ -159,5 +159,8 @@ def arrivals(scene: Scene, length: Floats, start: Start) -> Floats:
     def follow(begin: int, end: int) -> None:
         doors().arrivals(grid.scenes, grid.place(), *start, *buffers, scratch.flights, begin, end)
 
-    over_cells(follow, grid.size, _CELLS, None)
+    if grid.size == 1:
+        lasting(lambda: follow(0, 1))
+    else:
+        over_cells(follow, grid.size, _CELLS, None, cost=grid.cost)
     return times.reshape(length.shape)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from vibro.motion.arrivals import Start
 from vibro.motion.histories import follow_body, grid_of
 from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors
-from vibro.solver import Scratch
+from vibro.solver import Scratch, lasting
 
 if TYPE_CHECKING:
     from vibro.scene import Scene
@@ -71,10 +71,14 @@ def attractors(scene: Scene) -> Attractors:
     """
     grid, solver, scratch = grid_of(scene), doors(), Scratch()
     values, pattern, told = np.empty((_NUMBERS, _ROOM)), np.empty(_ROOM, np.int64), np.empty(4, np.int64)
-    number = solver.attractors(
-        grid.scenes, grid.place(), scratch.flights, scratch.hops, (*solver.rows(values), solver.row(pattern)),
-        solver.row(told), _ROOM,
-    )  # fmt: skip
+
+    def found_all() -> Any:
+        rows = *solver.rows(values), solver.row(pattern)
+        return solver.attractors(
+            grid.scenes, grid.place(), scratch.flights, scratch.hops, rows, solver.row(told), _ROOM
+        )
+
+    number = lasting(found_all)
     from_rest, starts, lost, away = told.tolist()
     length, frequency = float(scene.scale), float(scene.frequency)
     speed = length * 2.0 * math.pi * frequency

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from vibro.errors import InputError, Problem, SceneError, VibroError
 from vibro.motion.arrivals import Start, arrivals, number_of, start_of
 from vibro.reals import shielded
 from vibro.results.history import MOST_PHASES, History, Legs, SolvedMotion
-from vibro.solver import Grid, Scratch
+from vibro.solver import Grid, Scratch, lasting
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -162,15 +163,19 @@ def follow_body(grid: Grid, start: Start, cycles: float) -> SolvedMotion:
     solver, scratch = doors(), Scratch()
     first, period, advance = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1)
     row, change = np.empty(_STARTS, np.int64), np.empty(_STARTS)
-    cycle, last = (tuple(solver.row(x) for x in part) for part in ((first, period, advance), (row, change)))
+
+    def followed(legs: Legs, rows: int) -> Any:
+        parts = (legs, (first, period, advance), (row, change))
+        buffers, cycle, last = (tuple(solver.row(x) for x in part) for part in parts)
+        return solver.history(
+            grid.scenes, grid.place(), *start, cycles, buffers, rows, cycle, last, scratch.flights
+        )
+
     rows, number = _FEW, -1
     while number < 0:
         rows = min(rows, MOST_PHASES)
         legs = Legs.of_size(rows)
-        buffers = tuple(solver.row(x) for x in legs)
-        number = solver.history(
-            grid.scenes, grid.place(), *start, cycles, buffers, rows, cycle, last, scratch.flights
-        )
+        number = lasting(partial(followed, legs, rows))
         if number < 0 and rows == MOST_PHASES:
             known = int(legs.cycle[-1])
             raise InputError(

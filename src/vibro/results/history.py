@@ -45,6 +45,7 @@ __all__ = ["MOST_PHASES", "History", "Legs", "Phase", "Sample", "SolvedMotion"]
 
 #: Phases of a history that do not repeat, and phases that are spelt out: half a gigabyte of them.
 MOST_PHASES: Final = 2_000_000
+_MOMENTS: Final = 16_384  # of a call, so that an interrupt is noticed within a fraction of a second
 
 _OFF_JUMP: Final = 1e-9  # [rad] from a jump to the moment whose forces are those on one side of it
 _FORCES: Final = ("acceleration", "inertial", "normal")  # of ``Moments``
@@ -428,11 +429,14 @@ class History:
     def _moments(self, row: NDArray[np.int64], since: Floats) -> dict[str, Floats]:
         """Return position, velocity and forces in the solver's units, at times since legs began [1/w]."""
         values, solver = np.empty((len(Moments._fields), since.size)), doors()
-        solver.moments(
-            self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in self._motion.legs),
-            self.start_height / float(self.scene.scale), solver.row(row), solver.row(since),
-            solver.rows(values), since.size,
-        )  # fmt: skip
+        height = self.start_height / float(self.scene.scale)
+        for begin in range(0, since.size, _MOMENTS):
+            part = slice(begin, begin + _MOMENTS)
+            solver.moments(
+                self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in self._motion.legs),
+                height, solver.row(row[part]), solver.row(since[part]), solver.rows(values[:, part]),
+                since[part].size,
+            )  # fmt: skip
         return dict(zip(Moments._fields, values, strict=True))
 
     def _sample(self, time: Floats, place: NDArray[np.int64], side: str) -> tuple[Floats, ...]:
