@@ -87,8 +87,8 @@ _MARKED: Final = {
         "output/test_plan.py", "output/test_stored.py", "output/test_workers.py",
         "records/test_comparison.py", "records/test_fitting.py", "records/test_frames.py",
         "records/test_frequencies.py", "records/test_waveforms.py", "reports/test_printed.py",
-        "reports/test_set_up_sheet.py", "test_examples.py", "test_gallery.py", "test_pages.py",
-        "test_site.py",
+        "reports/test_set_up_sheet.py", "test_examples.py", "test_frozen.py", "test_gallery.py",
+        "test_pages.py", "test_site.py",
     ),
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
