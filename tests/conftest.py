@@ -62,7 +62,7 @@ _MARKED: Final = {
         "inverse/test_line_loads.py", "inverse/test_pictured.py", "inverse/test_reading.py",
         "inverse/test_reading_wild.py", "inverse/test_rounding.py", "inverse/test_rows.py",
         "inverse/test_scenarios.py", "inverse/test_search.py", "inverse/test_spaces.py",
-        "inverse/test_specs.py", "inverse/test_yields.py", "messages/", "motion/test_arrivals.py",
+        "inverse/test_specs.py", "inverse/test_yields.py", "motion/test_arrivals.py",
         "motion/test_histories_starts.py", "motion/test_trace.py", "output/test_selection.py",
         "plots/test_fields.py", "plots/test_labels.py", "plots/test_lines.py", "plots/test_neighbours.py",
         "plots/test_peaks.py", "plots/test_regimes.py", "plots/test_responses.py", "plots/test_two_axis.py",

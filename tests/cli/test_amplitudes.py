@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES
 
@@ -18,18 +17,12 @@ BOWL = ("--along", "3", "--normal", "1", "-f", "25", "--mu-s", ".4", "--mu-d", "
 
 def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
     scene = NUT[2:]
-    result = run("solve", *scene, "--speed", "0.02815m/s")
-    assert (result.exit_code, result.stderr) == (0, "")
-    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
-    assert lines[1] == "asked for at least 0.02815 m/s without hopping"
-    # Published: 1.177843 to 1.190299 mm and 1.233006 to 3.229052 mm; rounded inwards.
-    assert lines[4:] == [
-        "1.17785 1.19029 the speed is reached back slip makes it slower",
-        "1.23301 3.22905 the speed is reached the body hops",
-    ]
-    answer = json.loads(run("solve", *scene, "--speed", "28.15", "--json").stdout)
+    answer = json.loads(run("solve", *scene, "--speed", "0.02815m/s", "--json").stdout)
     assert (answer["met"], answer["speed_mm_s"], answer["highest_regime"]) == (True, 28.15, "back-slip")
     assert "amplitude_mm" not in answer["scene"]
+    ends = [(x["amplitude_low_mm"], x["amplitude_high_mm"]) for x in answer["amplitudes"]]
+    published = [(1.177843, 1.190299), (1.233006, 3.229052)]
+    np.testing.assert_allclose(ends, published, rtol=1e-6)
     for interval in answer["amplitudes"]:
         for end in ("amplitude_low_mm", "amplitude_high_mm"):
             cycle = json.loads(run("solve", *scene, "-A", repr(interval[end]), "--json").stdout)
@@ -37,31 +30,7 @@ def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
             assert cycle["regime"] != "hopping"
 
 
-@pytest.mark.parametrize(
-    ("speed", "told"), [("5m/min", "5 m/min"), ("3.97 M/MIN", "3.97 m/min"), ("83", "83 mm/s")]
-)
-def test_speeds_are_told_in_the_unit_of_the_question(run: Run, speed: str, told: str) -> None:
-    unit = told.split()[1]
-    lines = run("solve", *NUT[2:], "--speed", speed).stdout.splitlines()
-    assert " ".join(lines[1].split()) == f"asked for at least {told} without hopping"
-    fast = {"m/min": 30, "mm/s": 500}[unit]
-    best = {"m/min": "7.396 m/min", "mm/s": "123.3 mm/s"}[unit]
-    last = run("solve", *NUT[2:], "--speed", f"{fast}{unit}").stdout.splitlines()[-1]
-    assert last == f"no amplitude does it: without hopping it gets about {best}, at 3.229 mm"
-    answer = json.loads(run("solve", *NUT[2:], "--speed", "6m/min", "--json").stdout)
-    assert answer["speed_mm_s"] == 100.0
-
-
 def test_hopping_goes_on_to_a_throw_number_of_10(run: Run) -> None:
-    result = run("solve", *NUT[2:], "--speed", "50m/min", "--hopping")
-    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
-    assert lines[1] == "asked for at least 50 m/min, hopping or not"
-    assert lines[3] == "restitution 0: parts land without a bounce"
-    assert lines[2].startswith("hops sampled at 32769 amplitudes up to 32.29 mm (throw number 10):")
-    assert [line.split()[:2] for line in lines[7:]] == [
-        ["9.50335", "14.2365"], ["16.7411", "24.9105"], ["26.439", "32.2905"],
-    ]  # fmt: skip
-    assert lines[-1].endswith("the speed is reached throw number 10")
     answer = json.loads(run("solve", *NUT[2:], "--speed", "50m/min", "--hopping", "--json").stdout)
     assert answer["highest_regime"] == "hopping"
     last = answer["amplitudes"][-1]
@@ -70,28 +39,10 @@ def test_hopping_goes_on_to_a_throw_number_of_10(run: Run) -> None:
     assert last["high_set_by"] == "limit"
     bouncing = run("solve", *NUT[2:], "--restitution", "0.3", "--speed", "1000m/min", "--hopping")
     assert bouncing.exit_code == 4
-    assert "sampled at 4097 amplitudes" in bouncing.stdout
-    assert "no amplitude does it: up to a throw number of 10 it gets about" in bouncing.stdout
-
-
-def test_irregular_hops_fill_no_screen(run: Run) -> None:
-    scene = (*BOWL, "--restitution", "0.2", "--phase", "-60")
-    lines = run("solve", *scene, "--speed", "12m/min", "--hopping").stdout.splitlines()
-    rows = lines[lines.index("") + 2 :]
-    assert len(rows) == 21
-    assert re.fullmatch(r"and \d+ narrower ones, where hops are irregular: --json has all", rows[-1])
 
 
 def test_both_amplitudes_of_an_ellipse_keep_their_proportion(run: Run) -> None:
     scene = (*BOWL, "--phase", "-60")
-    result = run("solve", *scene, "--speed", "5m/min")
-    assert (result.exit_code, result.stderr) == (0, "")
-    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
-    assert lines[2] == "amplitudes both change together, in the proportion of the scene"
-    assert lines[4:] == [
-        "along from [mm] normal from [mm] along to [mm] normal to [mm] at its beginning at its end",
-        "0.922276 0.307426 1.19275 0.397584 the speed is reached the body hops",
-    ]
     (found,) = json.loads(run("solve", *scene, "--speed", "5m/min", "--json").stdout)["amplitudes"]
     for end in ("low", "high"):
         x, y = (found[f"{way}_amplitude_{end}_mm"] for way in ("along", "normal"))
@@ -100,27 +51,6 @@ def test_both_amplitudes_of_an_ellipse_keep_their_proportion(run: Run) -> None:
         cycle = json.loads(run("solve", *at, "--json").stdout)
         assert cycle["mean_velocity_mm_s"] >= 250.0 / 3.0 * (1.0 - 1e-12)
         assert cycle["regime"] != "hopping"
-
-
-def test_an_ellipse_that_conveys_backwards_is_turned(run: Run) -> None:
-    result = run("solve", *BOWL, "--phase", "120", "--speed", "5m/min")
-    assert result.exit_code == 4
-    assert result.stdout.splitlines()[-1] == (
-        "no amplitude does it: without hopping it moves backwards, about 7.495 m/min at along 1.193 mm,"
-        " normal 0.3976 mm; --phase -60 drives it the other way"
-    )
-    assert run("solve", *BOWL, "--phase", "-60", "--speed", "5m/min").exit_code == 0
-
-
-def test_an_amplitude_of_an_ellipse_may_be_0(run: Run) -> None:
-    friction = ("-f", "25", "--mu-s", ".4", "--mu-d", ".3")
-    down = run("solve", "--along", "0", "--normal", "1", *friction, "--beta", "-3", "--speed", "0.3mm/s")
-    assert down.stdout.splitlines()[-1].split()[:4] == ["0", "0.386308", "0", "0.397039"]
-    flat = run("solve", "--along", "1", "--normal", "0", *friction, "--beta", "-10", "--speed", "20")
-    assert flat.stdout.splitlines()[-1].split()[1:4] == ["0", "any", "0"]
-    none = run("solve", "--along", "0", "--normal", "0", *friction, "--speed", "20")
-    assert none.exit_code == 2
-    assert none.stderr.splitlines()[0].startswith("error: along amplitude = normal amplitude = 0 mm: ")
 
 
 STEPS = """[scene]
@@ -209,91 +139,13 @@ def test_scales_of_a_line_are_its_amplitudes(run: Run, tmp_path: Path) -> None:
                 assert b[f"{end}_set_by"] == a[f"{end}_set_by"]
 
 
-def test_scales_are_told_with_the_amplitudes_of_few_harmonics(run: Run) -> None:
-    """Of examples/slip_stick_harmonics.toml."""
-    wave = run("solve", EXAMPLES / "slip_stick_harmonics.toml", "--speed", "6m/min")
-    heads, row = (re.split(r" {2,}", line) for line in wave.stdout.splitlines()[-2:])
-    assert heads[:3] == ["scale from", "along from [mm]", "second along from [mm]"]
-    assert heads[3:6] == ["scale to", "along to [mm]", "second along to [mm]"]
-    assert row[3:6] == ["any", "any", "any"]
-    scale = float(row[0])
-    assert [float(text) for text in row[1:3]] == pytest.approx([20.0 * scale, 5.0 * scale], rel=1e-5)
-    steps = run("solve", EXAMPLES / "slip_stick.toml", "--speed", "6m/min")
-    assert (
-        steps.stdout.splitlines()[0].split(maxsplit=1)[1].startswith("motion of 2 pieces, frequency 2.5 Hz,")
-    )
-    assert steps.stdout.splitlines()[-1].split()[:2] == ["0.834699", "any"]
-    none = run("solve", EXAMPLES / "slip_stick.toml", "--speed", "50m/min")
-    assert none.exit_code == 4
-    assert none.stdout.splitlines()[-1] == (
-        "no scale does it: without hopping it gets about 12.17 m/min, at scale 1.225"
-    )
-
-
-def test_a_scale_is_not_given_where_it_is_asked_for(run: Run) -> None:
-    steps = EXAMPLES / "slip_stick.toml"
-    result = run("solve", steps, "--speed", "100", "--motion-scale", "2")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr == "error: motion scale is given, and asked for\nhint: leave it out\n"
-
-
-def test_a_motion_that_does_not_move_is_refused(run: Run, tmp_path: Path) -> None:
-    file = tmp_path / "still.toml"
-    file.write_text(CLAMPED.replace("[4, 1.2]", "[0, 0]"), encoding="utf-8")
-    result = run("solve", file, "--speed", "5")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert "error: motion" in result.stderr
-
-
-def test_hopping_is_about_amplitudes(run: Run) -> None:
-    result = run("solve", *NUT, "--hopping")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith("error: --hopping needs --speed\nhint: ")
-
-
 def test_a_speed_that_no_amplitude_reaches(run: Run) -> None:
-    result = run("solve", *NUT[2:], "--speed", "500")
+    result = run("solve", *NUT[2:], "--speed", "500", "--json")
+    answer = json.loads(result.stdout)
     assert result.exit_code == 4
-    # what the amplitude of the hop limit gives
-    best = "no amplitude does it: without hopping it gets about 123.3 mm/s, at 3.229 mm"
-    assert result.stdout.splitlines()[-1] == best
-    answer = json.loads(run("solve", *NUT[2:], "--speed", "500", "--json").stdout)
     assert (answer["met"], answer["amplitudes"]) == (False, [])
 
 
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        (("-a", "0", "--trough-angle", "-20"), "any"),
-        (("--mu-s", "0", "--mu-d", "0"), "it moves forwards only where it hops, if at all"),
-        (("--trough-angle", "-55"), "it has no steady motion without hopping"),
-        (("--trough-angle", "29"), "without hopping it moves backwards, about 193.3 mm/s at 2.824 mm\n"),
-        (("-a", "0"), "without hopping it does not move"),
-        (("-a", "0", "--hopping"), "none: the trough does not move normal to itself"),
-    ],
-)
-def test_speeds_of_odd_scenes(run: Run, changes: tuple[str, ...], said: str) -> None:
-    result = run("solve", *NUT[2:], *changes, "--speed", "5")
-    assert result.exit_code == (0 if said == "any" else 4)
-    assert said in result.stdout
-
-
-def test_an_amplitude_is_not_given_where_it_is_asked_for(run: Run) -> None:
-    for option in ("-A", "--stroke"):
-        result = run("solve", *NUT[2:], option, "1", "--speed", "20")
-        assert (result.exit_code, result.stdout) == (2, "")
-        assert "is given, and asked for" in result.stderr
-    scene = Path(__file__).parents[2] / "examples" / "safety_nut.toml"  # whose own amplitude does not count
+def test_the_amplitude_of_a_scene_file_does_not_count(run: Run) -> None:
+    scene = EXAMPLES / "safety_nut.toml"
     assert json.loads(run("solve", scene, "--speed", "28.15", "--json").stdout)["met"]
-    result = run("solve", "--speed", "20")
-    assert result.exit_code == 2
-    assert "amplitude" not in result.stderr
-
-
-@each("more", [("--coexist",), ("-o", "x"), ("--stand-ratio", "1"), ("--flight", "off")])
-def test_amplitudes_take_no_other_options(run: Run, more: tuple[str, ...]) -> None:
-    result = run("solve", *NUT[2:], "--speed", "20", *more)
-    assert result.exit_code == 2
-    assert f"{more[0]} cannot be used with it" in result.stderr
-    assert run("solve", *NUT[2:], "--speed", "0").exit_code == 2
-    assert run("solve", *NUT[2:], "--speed", "20Hz").exit_code == 2

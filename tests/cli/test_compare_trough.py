@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 from engines.harmonic_flight import Body, Settled
-from helpers.cases import each
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES, STUDY_FILE, trough_record
 from helpers.measured_drives import Drawn, write_record
@@ -59,26 +58,11 @@ def test_the_measured_drive_replaces_what_the_scene_gives(run: Run) -> None:
     assert content["trough"]["normal"]["rest"] < 0.1
     assert content["columns"]["displacement"] == "Weg in mm"
     assert content["warnings"] == content["trough"]["warnings"] == []
-    for said in (
-        "nut_trough_mv.csv: 4 of 481 rows lack a value and are skipped: rows 59, 202, 203, 313",
-        "trough along: column 'Trog längs [mV]' at 100mV/g",
-        "amplitude 1.02",
-        "from column 'Trog längs [mV]' and 'Trog normal [mV]'; the scene gives 1 mm",
-        "; the scene gives 15 Hz",
-        "; the scene gives 20 deg",
-    ):
-        assert said in result.stderr
-    lines = {line.split("  ")[0]: line for line in result.stdout.splitlines()}
-    assert re.search(
-        r"amplitude 1\.02\d* ± 0\.00\d+ mm, frequency 15\.00\d* ± 0\.00\d+ Hz, drive", lines["trough"]
-    )
-    assert "safety_nut: amplitude 1.02" in lines["scene"]
 
 
 def test_the_scene_needs_no_amplitude_and_no_frequency_then(run: Run) -> None:
     result = run("compare", FILE, *FRICTION, *BOTH, "--json")
     assert result.exit_code == 0, result.stderr
-    assert "the scene gives" not in result.stderr
     assert json.loads(result.stdout)["scene"]["drive_angle_deg"] == pytest.approx(20.5, abs=0.3)
     one = (*ALONG, "--sensitivity", "100mV/g")
     result = run("compare", FILE, *FRICTION, "-a", "20.5", *one, "--json")
@@ -87,53 +71,9 @@ def test_the_scene_needs_no_amplitude_and_no_frequency_then(run: Run) -> None:
     assert abs(trough["amplitude_mm"]["measured"] - 1.02) < 3.0 * trough["amplitude_mm"]["standard_error"]
     assert "drive_angle_deg" not in trough
     assert trough["phase_normal_to_along_deg"] is None
-    missing = run("compare", FILE, *FRICTION, *one)
-    assert missing.exit_code == 2
-    assert "error: missing: drive angle (-a)" in missing.stderr
-    example = next(line for line in missing.stderr.splitlines() if line.startswith("hint: for example: "))
-    assert run(*shlex.split(example.removeprefix("hint: for example: "))[1:]).exit_code == 0
 
 
-@each(
-    ("args", "said"),
-    [
-        (("-A", "1"), "-A 1: the amplitude is measured already"),
-        (("--stroke", "2"), "--stroke 2: the amplitude is measured already"),
-        (("-f", "15"), "-f 15: the frequency is measured already"),
-        (("-a", "20"), "-a 20: the drive angle is measured already"),
-        (("--reverse",), "the trough moves down while it moves forwards"),
-        (("--sensitivity", "trough-normal=-100mV/g"), "the trough moves down while it moves forwards"),
-        (("--sensitivity", "2V/mm"), "no column that is read as displacement is a voltage"),
-        (("--displacement", "Trog normal"), "for --displacement: the sensitivity of its sensor is missing"),
-    ],
-)
-def test_what_contradicts_the_measurement_is_refused(run: Run, args: tuple[str, ...], said: str) -> None:
-    result = run("compare", SCENE, FILE, *BOTH, *args)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert said in result.stderr
-    assert "hint: " in result.stderr
-
-
-def test_a_wrong_sensitivity_of_the_trough_is_doubted(run: Run) -> None:
-    for wrong, times in (("10mV/g", "10"), ("1000mV/g", "0.1")):
-        result = run("compare", SCENE, FILE, *ALONG, *NORMAL, "--sensitivity", wrong)
-        assert f"about {times} times the scene's: is its sensitivity {wrong} right?" in result.stderr
-    bare = run("compare", FILE, *FRICTION, *ALONG, *NORMAL, "--sensitivity", "1mV/g")
-    *_, last = bare.stderr.splitlines()
-    assert (bare.exit_code, last[:40]) == (2, "error: no steady motion to compare with:")
-    assert "86.7 g is more than conveyors usually have: is its sensitivity 1mV/g right?" in bare.stderr
-
-
-def test_an_inverted_sensor_is_turned_by_its_sensitivity(run: Run) -> None:
-    result = run("compare", SCENE, FILE, *ALONG, "--sensitivity", "-100mV/g")
-    assert "one of the sensors may be inverted" in result.stderr
-    result = run("compare", SCENE, FILE, *ALONG, "--sensitivity", "100mV/g")
-    assert "warning" not in result.stderr
-
-
-def test_without_a_scene_file_title_and_report_give_the_values(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_a_scene_file_the_title_gives_the_values(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     headings = []
 
     def drawn(*args: Any) -> Any:
@@ -147,7 +87,6 @@ def test_without_a_scene_file_title_and_report_give_the_values(
             "compare", *scene, STUDY_FILE, *NUT, "--velocity", "V [mm/s]", "-o", "out", "--force", "-q"
         )
         assert result.exit_code == 0, result.stderr
-        assert "amplitude 1 mm, frequency 15 Hz, drive angle 20 deg, static friction 0.74" in result.stdout
     (bare, below), (named, _) = headings
     assert bare == "nut_smoothed_600hz.csv, computed pattern F_"
     assert named == "nut_smoothed_600hz.csv – safety_nut, computed pattern F_"
@@ -250,10 +189,6 @@ def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
     assert run("compare", short, *FRICTION, *SENSORS).exit_code == 0
     result = run("compare", short, *FRICTION, *SENSORS, "--fit", "mu_d")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert (
-        "harmonics, which an estimate would depend on, cannot be measured: the record has 5" in result.stderr
-    )
-    assert "hint: record longer; or leave out --trough-along and --trough-normal, and" in result.stderr
 
     one = ("--trough-along", "trough_along", "--normal", "0.3mm", "--phase=-60deg", *FRICTION)
     for harmonic, code in ((0.0, 0), (0.2, 2)):
@@ -261,9 +196,6 @@ def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
         assert run("compare", data, *one).exit_code == 0
         result = run("compare", data, *one, "--fit", "mu_d")
         assert result.exit_code == code, result.stderr
-        assert ("--fit needs both motions of the trough: it moves with 3 harmonics" in result.stderr) == bool(
-            code
-        )
 
 
 def test_intervals_hold_friction_on_troughs_with_harmonics(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -138,26 +138,6 @@ def test_completion_is_installed_for_the_shell_it_is_run_in(
     assert [shown.stdout.strip()] == [script.strip() for script in scripts]
 
 
-@pytest.mark.parametrize("option", ["--install-completion", "--show-completion"])
-@pytest.mark.parametrize(
-    ("shell", "said"), [("tcsh", "there is none for tcsh"), ("", "no shell has started this")]
-)
-def test_other_shells_are_refused(
-    monkeypatch: pytest.MonkeyPatch, option: str, shell: str, said: str
-) -> None:
-    import shellingham
-
-    def detect() -> tuple[str, str]:
-        if not shell:
-            raise shellingham.ShellDetectionFailure
-        return shell, shell
-
-    monkeypatch.setattr("shellingham.detect_shell", detect)
-    result = CliRunner().invoke(app, [option])
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr == f"error: completion: {said}\nhint: run it in bash, zsh, fish or PowerShell\n"
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="bash")
 def test_bash_completes_what_is_typed(tmp_path: Path) -> None:
     program = tmp_path / "vibro"

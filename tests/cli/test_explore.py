@@ -21,7 +21,6 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 import pytest
-from helpers.cases import each
 from helpers.commands import NUT, POSIX, started
 from helpers.explorers import bearer
 from helpers.made_records import EXAMPLES
@@ -325,37 +324,6 @@ class AtOnce:
 
     def start(self) -> None:
         self._run()
-
-
-@pytest.mark.parametrize("missing", ["starlette", "uvicorn"])
-def test_without_the_extra(run: Run, monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
-    monkeypatch.setitem(sys.modules, missing, None)
-    result = run("explore")
-    assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == (
-        "error: vibro explore needs starlette and uvicorn\n"
-        "hint: pip install '.[explore]' in the project's folder\n"
-    )
-
-
-@each(
-    ("args", "problem"),
-    [
-        (["--port", "80"], "--port 80: must be in [1024, 65535]"),
-        (["--port", "65536"], "--port 65536: must be in [1024, 65535]"),
-        (["--port", "x"], "--port = 'x': not a number"),
-        (["--port", "8765.5"], "--port = 8765.5: not a whole number"),
-        (["-A", "x"], "amplitude = 'x': not a number"),
-        (["-A", "1"], "missing: drive angle"),
-        (["--json"], "No such option: --json"),
-        (["-o", "out"], "No such option: -o"),
-        (["--force"], "No such option: --force"),
-    ],
-)
-def test_wrong_arguments_are_refused(run: Run, served: list[Any], args: list[str], problem: str) -> None:
-    result = run("explore", *args)
-    assert (result.exit_code, result.stdout, served) == (2, "", [])
-    assert f"error: {problem}" in result.stderr
 
 
 @pytest.mark.parametrize("debug", [False, True])

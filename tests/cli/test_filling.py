@@ -8,7 +8,6 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
-from helpers.cases import each
 from helpers.commands import NUT
 
 import vibro
@@ -35,38 +34,6 @@ def lines_of(stdout: str) -> list[str]:
     return [" ".join(line.split()) for line in lines[first:]]
 
 
-def test_shares_energy_and_what_the_given_motion_is_good_for_are_told(run: Run) -> None:
-    result = run("solve", *FEEDER, "--filling", "2kg", "--trough-mass", "6kg")
-    assert result.exit_code == ExitCode.DONE
-    filling, energy, force, first, *others = lines_of(result.stdout)
-    assert filling == (
-        "filling 2 kg: acts as 0.338842 kg of added mass (share 0.169421) and 0.426865 kg of added damping"
-        " (share 0.213433)"
-    )
-    assert energy == "energy lost 0.00297799 J a cycle, 0.148899 W"
-    assert force == "force at 2 f 2.49717 N on the trough"
-    assert first.startswith(
-        "given motion good to 1 % of speed up to 3.1 % of the trough's mass, 0.19 kg (exceeded)"
-    )
-    assert [line.split(" kg")[0] for line in others[:2]] == [
-        "1.3 % of the trough's mass, 0.08", "0.46 % of the trough's mass, 0.028"
-    ]  # fmt: skip
-    assert others[2] == "this filling changes the motion itself: describe its machine in a table [machine]"
-
-
-def test_a_single_part_leaves_the_motion_as_given(run: Run) -> None:
-    result = run("solve", *FEEDER, "--filling", "20g", "--trough-mass", "6kg")
-    assert "exceeded" not in result.stdout
-    assert "changes the motion" not in result.stdout
-
-
-def test_the_mass_of_the_trough_may_be_unknown(run: Run) -> None:
-    result = run("solve", *NUT, "--filling", "2kg")
-    told = lines_of(result.stdout)
-    assert told[3].startswith("given motion good to 1 % of speed up to 0.3 % of the trough's mass: unbalance")
-    assert "exceeded" not in result.stdout
-
-
 def test_json_and_tables_have_the_same_numbers(run: Run, tmp_path: Path) -> None:
     args = "solve", *FEEDER, "--filling", "2000g", "--trough-mass", "6kg"
     told = json.loads(run(*args, "--json").stdout)
@@ -85,48 +52,6 @@ def test_json_and_tables_have_the_same_numbers(run: Run, tmp_path: Path) -> None
     assert run(*args, "-o", tmp_path / "full").exit_code == ExitCode.DONE
     record = json.loads((tmp_path / "full.json").read_text(encoding="utf-8"))
     assert record["part"] == {"filling_kg": 2.0, "trough_mass_kg": 6.0}
-
-
-@each(
-    ("args", "told"),
-    [
-        ("-A .1 -f 15", "given motion the part rests: it moves with the trough"),
-        ("-A 12 -f 15 --restitution .6", "given motion unknown: the motion is irregular"),
-        ("-A 8 -f 15 --flight off", "filling 2 kg: unknown, as the motion is"),
-        ("-A 3.2291 -f 15", "given motion unknown: the regime changes within 1 % of amplitude"),
-    ],
-)
-def test_what_is_unknown_is_said(run: Run, args: str, told: str) -> None:
-    result = run(
-        "solve",
-        *args.split(),
-        *["-a", "20", "--mu-s", ".74", "--mu-d", ".57", "--filling", "2kg", "--trough-mass", "6"],
-    )
-    assert result.exit_code == ExitCode.DONE
-    assert any(told in line for line in lines_of(result.stdout))
-
-
-@each(
-    ("args", "message"),
-    [
-        (("--trough-mass", "6kg"), "error: --trough-mass: there is no filling\nhint: add --filling 2kg\n"),
-        (("--filling", "2m"), "error: filling = '2m': 'm' is no unit of filling"),
-        (("--filling", "-1kg"), "error: filling = -1kg: must be finite and >= 0 kg"),
-        (("--filling", "2kg", "--trough-mass", "0"), "error: trough mass = 0: must be finite and > 0 kg"),
-        (("--filling", "2kg", "--speed", "10"), "error: --speed lists amplitudes: --filling cannot be used"),
-    ],
-)
-def test_what_makes_no_sense_is_refused(run: Run, args: tuple[str, ...], message: str) -> None:
-    result = run("solve", *NUT, *args)
-    assert result.exit_code == ExitCode.WRONG_INPUT
-    assert result.stderr.startswith(message)
-
-
-def test_drives_with_harmonics_are_refused(run: Run) -> None:
-    drive = ["--along", "1", "--normal", ".6", "--along-2", ".3", "-f", "20", "--mu-s", ".4", "--mu-d", ".3"]
-    result = run("solve", *drive, "--filling", "2kg")
-    assert result.exit_code == ExitCode.WRONG_INPUT
-    assert "drive = with harmonics: must be along a line or an ellipse" in result.stderr
 
 
 def test_means_over_irregular_motion_have_errors(run: Run) -> None:

@@ -7,7 +7,6 @@ import math
 from pathlib import Path
 
 import pytest
-from helpers.cases import each
 from helpers.commands import SLIP_STICK, Run, rows_of
 
 import vibro
@@ -45,15 +44,6 @@ def test_options_and_lists_give_the_same_drive(run: Run, tmp_path: Path) -> None
         # sin p + 0.3 cos 2p reaches from -1.3 to s + 0.3 (1 - 2 s^2), s = 1/1.2
         assert answer["stroke_mm"] == pytest.approx(1.3 + 0.3 + 1.0 / 2.4, rel=1e-13)
     assert float(vibro.solve(vibro.read_scene(tmp_path / "drive.toml")).mean_velocity) * 1e3 == speed
-
-
-def test_the_report_says_what_is_known(run: Run, tmp_path: Path) -> None:
-    result = run("solve", written(tmp_path, FILE))
-    assert result.exit_code == 0, result.stderr
-    assert "second along amplitude 0.3 mm, second along phase 90 deg" in result.stdout
-    assert "pattern F_F_B" in result.stdout
-    assert "+10 % all amplitudes" in result.stdout
-    assert "begins              load now / then  all amplitudes" in result.stdout
 
 
 def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None:
@@ -131,25 +121,3 @@ def test_a_traverse_time_and_the_arrival_of_a_body(run: Run) -> None:
     answer = json.loads(result.stdout)
     cycles = (answer["arrival_time_s"] - answer["traverse_time_s"]) * answer["frequency_hz"]
     assert 0.0 < abs(cycles) < 1.0
-
-
-@each(
-    ("line", "said"),
-    [
-        ("along_amplitudes_mm = 1", "along_amplitudes_mm = 1: must be a list of numbers"),
-        ("along_amplitudes_mm = []", "must be a list of numbers"),
-        ("along_amplitudes_mm = [1, true]", "must be a list of numbers"),
-        (f"along_amplitudes_mm = {[1] * 17}", "must be a list of numbers"),
-        ("along_amplitudes_mm = [1, 2, 3]", "along_amplitudes_mm has 3, along_phases_deg has 2"),
-        (
-            "along_amplitudes_mm = [1, 2]\nalong_amplitude_2_mm = 1",
-            "along_amplitude_2_mm beside lists of harmonics",
-        ),
-        ("along_amplitudes_m = [1, 2]", "did you mean 'along_amplitudes_mm'?"),
-    ],
-)
-def test_wrong_lists_are_named(run: Run, tmp_path: Path, line: str, said: str) -> None:
-    text = FILE.replace("along_amplitudes_mm = [1, 0.3]", line)
-    result = run("solve", written(tmp_path, text))
-    assert result.exit_code == 2
-    assert said in result.stderr

@@ -12,73 +12,17 @@ from pathlib import Path
 import pytest
 from helpers.cases import each
 from helpers.commands import FRICTION, NUT, Run, rows_of
-from helpers.machine_files import FEEDER, KINDS, UNBALANCE, feeder
+from helpers.machine_files import FEEDER, KINDS, feeder
 
 import vibro
 
-PACKS = '[[machine.pack]]\nname = "6 leaves"\nnatural_hz = 47.6\n'
 BANDS = 'voltage_percent = "90:110"\nsetting_percent = "40:100"\nfilling_kg = "0:2"\n'
-LINES = ("machine", "resonance", "filling", "amplitude", "springs bend", "second harmonic")
 
 
 def lines_of(text: str) -> dict[str, str]:
     """Read the facts of a report."""
     rows = (line.split("  ", 1) for line in text.split("\n\n")[0].splitlines())
     return {name: told.strip() for name, told in rows}
-
-
-def test_a_report_tells_the_machine_and_what_its_filling_does(run: Run, tmp_path: Path) -> None:
-    result = run("solve", feeder(tmp_path, BANDS), "--filling", "2kg")
-    told = lines_of(result.stdout)
-    assert [name for name in told if name in LINES] == [*LINES]
-    assert told["machine"] == (
-        "magnet, trough 6 kg, counter mass 12 kg, setting 100 % (of 40...100 %),"
-        " voltage 100 % (of 90...110 %), natural frequency 55.6 Hz"
-    )
-    assert told["resonance"].startswith("f/f0 = 0.8993 empty, 0.9097 with the filling: below resonance")
-    assert told["filling"] == "2 kg: 10.6 % of it acts as mass, 9.22 % as damping (computed)"
-    assert told["amplitude"] == "0.35 mm empty, 0.3763 mm with 2 kg (+7.52 %)"
-    assert told["second harmonic"].startswith("0.749 % of the amplitude, from the filling; with it the mean")
-    bent = float(told["second harmonic"].split()[-2])
-    assert 27.5443 < bent < 1.1 * 27.5443  # faster than under the sine, as two-way stepping is
-    assert told["springs bend"] == "0.5712 mm to each side"
-    assert "a second harmonic of" in result.stderr  # above 0.1 % of the amplitude
-    assert told["scene"].endswith("amplitude 0.376305 mm (stroke 0.75261 mm peak to peak)")
-    assert told["mean speed"] == "27.5443 mm/s"
-    assert told["sensitivity"].startswith("+10 % amplitude: +")
-
-
-def test_without_a_filling_the_trough_is_empty_and_that_is_said(run: Run, tmp_path: Path) -> None:
-    result = run("solve", feeder(tmp_path, BANDS))
-    told = lines_of(result.stdout)
-    assert told["filling"] == "none: the trough is empty (the file's band ends at 2 kg)"
-    assert told["amplitude"] == "0.35 mm empty"
-    assert not result.stderr
-    assert "(the file's band" not in run("solve", feeder(tmp_path)).stdout
-
-
-def test_the_side_of_resonance_is_told(run: Run, tmp_path: Path) -> None:
-    path = feeder(tmp_path, PACKS)
-    soft = lines_of(run("solve", path, "--pack", "6 leaves", "--filling", 2).stdout)
-    assert "natural frequency 47.6 Hz (6 leaves)" in soft["machine"]
-    assert "above resonance, where more mass means less amplitude" in soft["resonance"]
-    assert "-12.1 %" in soft["amplitude"]
-    assert soft == lines_of(run("solve", path, "--natural", "47.6", "--filling", "2000g").stdout)
-    near = run("solve", path, "--natural", "50.2")
-    assert "within 2 zeta = 3 % of resonance: the amplitude depends much on damping" in near.stderr
-
-
-def test_soft_mounts_are_said_to_be_assumed(run: Run, tmp_path: Path) -> None:
-    told = lines_of(run("solve", feeder(tmp_path, table=UNBALANCE)).stdout)
-    assert told["machine"] == (
-        "unbalance, vibrating mass 120 kg, setting 100 %, infinitely soft mounts, as no mount_hz is given"
-        " (at f/f0 = 3 they add 12.5 %)"
-    )
-    stiff = lines_of(run("solve", feeder(tmp_path, "mount_hz = 12.5\n", table=UNBALANCE)).stdout)
-    assert stiff["machine"].endswith("mounts 12.5 Hz")
-    assert stiff["resonance"].startswith("f/f0 = 4 empty: above resonance")
-    soft, more = (float(one["amplitude"].split()[0]) for one in (told, stiff))
-    assert more / soft == pytest.approx(16 / 15, rel=1e-3)
 
 
 def test_json_has_the_columns_of_a_machine(run: Run, tmp_path: Path) -> None:
@@ -89,15 +33,6 @@ def test_json_has_the_columns_of_a_machine(run: Run, tmp_path: Path) -> None:
     assert answer["frequency_ratio"] == 50 / 55.6
     assert answer["second_harmonic_percent"] > 0.1
     assert "added_mass_share" not in json.loads(run("solve", *NUT, "--json").stdout)
-
-
-def test_masses_that_strike_are_an_error(run: Run, tmp_path: Path) -> None:
-    result = run("solve", feeder(tmp_path, "gap_mm = 0.5\n"))
-    assert result.exit_code == 2
-    assert (
-        "the masses strike: the relative amplitude would be 0.525 mm, and gap_mm allows 0.5" in result.stderr
-    )
-    assert "lower the setting" in result.stderr
 
 
 def test_a_map_over_bands_is_written_and_described(run: Run, tmp_path: Path) -> None:
@@ -165,90 +100,6 @@ def test_a_body_is_followed_in_a_full_trough(run: Run, tmp_path: Path) -> None:
     assert json.loads(same.stdout)["phases"] == content["phases"]
 
 
-@each("command", ["accuracy", "compare", "motion", "speed"])
-def test_other_commands_say_that_they_take_none(run: Run, tmp_path: Path, command: str) -> None:
-    path = feeder(tmp_path)
-    record = tmp_path / "record.csv"
-    record.write_text("t [s],x [mm]\n" + "".join(f"{i / 1000},{i % 7}\n" for i in range(200)))
-    trough = tmp_path / "trough.csv"
-    trough.write_text("t [s],ax [m/s^2]\n" + "".join(f"{i / 1000},{i % 7}\n" for i in range(200)))
-    args = {
-        "accuracy": ("accuracy", path),
-        "compare": ("compare", path, record),
-        "motion": ("motion", path, trough, "--trough-along", "ax [m/s^2]"),
-        "speed": ("solve", path, "--speed", "60"),
-    }[command]
-    result = run(*args)
-    assert result.exit_code == 2, result.stderr
-    assert "[machine]: " in result.stderr
-    assert "vibro solve tells the amplitude at its operating point" in result.stderr
-
-
-@each(
-    ("args", "problem", "hint"),
-    [
-        (("-A", "1"), "the command line gives the amplitude beside [machine]", "leave it out"),
-        (("--stroke", "1"), "the command line gives the stroke beside [machine]", "leave it out"),
-        (("--filling", "0:2"), "filling = 0 kg...2 kg: vibro solve takes one value", "vibro map"),
-        (("--pack", "6 leafs"), "there is no spring pack '6 leafs'", "did you mean '6 leaves'?"),
-        (("--pack", "6 leaves", "--natural", "50"), "a spring pack and a natural frequency are given", "one"),
-        (("--filling", "2mm"), "'mm' is no unit of filling", "kg, g, mg, lb"),
-        (("--setting", "-5"), "setting = -5 %: must be finite and > 0 %", ""),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_is_named(
-    run: Run, tmp_path: Path, args: tuple[str, ...], problem: str, hint: str
-) -> None:
-    result = run("solve", feeder(tmp_path, PACKS), *args)
-    assert result.exit_code == 2
-    assert problem in result.stderr
-    assert hint in result.stderr
-
-
-def test_a_choice_of_packs_is_asked_for(run: Run, tmp_path: Path) -> None:
-    table = FEEDER.replace("natural_hz = 55.6\n", "").replace("calibration", "force_n = 50 #")
-    packs = PACKS + PACKS.replace("6 leaves", "8 leaves").replace("47.6", "55.6")
-    path = feeder(tmp_path, packs, table=table)
-    result = run("solve", path)
-    assert "which spring pack is fitted is not given" in result.stderr
-    assert 'give --pack "6 leaves" or --pack "8 leaves", or a natural frequency' in result.stderr
-    assert run("solve", path, "--pack", "8 leaves").exit_code == 0
-    assert run("solve", feeder(tmp_path, PACKS, table=table)).exit_code == 0  # the only one
-
-
-@each("option", ["--setting", "--voltage", "--filling", "--natural", "--pack"])
-def test_without_a_machine_its_options_are_refused(run: Run, option: str) -> None:
-    result = run("traverse-time", *NUT, "-L", "600", option, "5")
-    assert result.exit_code == 2
-    assert "there is no machine" in result.stderr
-    assert "[machine]" in result.stderr
-
-
-def test_slips_of_units_are_questioned(run: Run, tmp_path: Path) -> None:
-    path = feeder(tmp_path)
-    assert "voltage = 0.9 % is below what is usual" in run("solve", path, "--voltage", "0.9").stderr
-    assert "filling = 2000000 kg is above" in run("solve", path, "--filling", "2000000").stderr
-    assert "is above what is usual, 20 g" in run("solve", path, "--natural", "49.5").stderr
-
-
-@each("kind", KINDS)
-def test_every_kind_has_a_report(run: Run, tmp_path: Path, kind: str) -> None:
-    result = run("solve", feeder(tmp_path, table=KINDS[kind]), "--filling", "1")
-    assert result.exit_code == 0, result.stderr
-    assert lines_of(result.stdout)["machine"].startswith(kind)
-
-
-def test_all_operating_points_are_listed_where_there_are_several(run: Run, tmp_path: Path) -> None:
-    args = ("--setting", "18", "--filling", "4", "--natural", "51")
-    result = run("solve", feeder(tmp_path), *args)
-    told = lines_of(result.stdout)["all amplitudes"]
-    sizes = [float(text) for text in told.partition(" mm;")[0].replace(" mm", "").split(", ")]
-    assert len(sizes) == 3
-    assert sizes == sorted(sizes)
-    assert f"{sizes[0]:.4g} mm with 4 kg" in lines_of(result.stdout)["amplitude"]  # the least is reported
-    assert "3 operating points exist" in result.stderr
-
-
 def test_python_reads_the_operating_point(tmp_path: Path) -> None:
     scene = vibro.read_scene(feeder(tmp_path, "filling_kg = 2\n"))
     assert scene.shape == ()
@@ -268,25 +119,6 @@ def test_plain_scenes_load_no_machine() -> None:
     )
     assert "mean speed" in result.stdout
     assert result.stdout.endswith("LOADED []\n")
-
-
-def test_what_begins_is_told_by_amplitude_alone(run: Run, tmp_path: Path) -> None:
-    """With the frequency the amplitude of a machine changes too."""
-    head = next(
-        line
-        for line in run("solve", feeder(tmp_path, BANDS)).stdout.splitlines()
-        if line.startswith("begins")
-    )
-    assert "amplitude [mm]" in head
-    assert "frequency" not in head
-
-
-@pytest.mark.parametrize(("filling", "cells"), [("0", 0), ("1,2", 4)])
-def test_maps_tell_how_many_cells_are_no_sines(run: Run, tmp_path: Path, filling: str, cells: int) -> None:
-    of_cells = "--setting", "90,100", "--filling", filling, "-f", "50", "-o", str(tmp_path / "map")
-    said = run("map", feeder(tmp_path, ""), *of_cells).stderr
-    told = f"warning: {cells} of 4 cells: the filling adds a second harmonic to the trough's motion"
-    assert told in said if cells else "bends" not in said
 
 
 OF_CELLS = ("-f", "49,50", "--filling", "1,2", "--columns", "amplitude_mm,natural_hz")

@@ -105,18 +105,3 @@ def test_commands_refuse_wrong_scene_files(run: Run, content: str) -> None:
     path = Path("scene.toml")
     path.write_text(content, encoding="utf-8")
     refuse(run, "solve", str(path))
-
-
-def test_a_wrong_axis_is_one_error_and_a_hint(run: Run) -> None:
-    result = run("map", "-A", "3:0.1", "-f", "15", "-a", "20", "--mu-s", "0.7", "--mu-ratio", "0.7")
-    assert result.exit_code == 2
-    assert [line.split(":")[0] for line in result.stderr.splitlines()] == ["error", "hint"]
-
-
-def test_friction_given_by_its_materials_is_not_chosen_in_silence(run: Run) -> None:
-    result = run("solve", "-A", "1", "-f", "15", "-a", "20", "--mu-s", "wood on steel", "--mu-ratio", "0.7")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.splitlines() == [
-        "error: static friction = 'wood on steel': not a number",
-        "hint: wood on steel has 0.45:0.75 (dry): choose from it; vibro friction wood on steel names sources",
-    ]

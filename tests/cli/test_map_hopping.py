@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
 from helpers.commands import NUT, Run, rows_of
 
 SCENE = """
@@ -16,27 +15,6 @@ drive_angle_deg = 20
 static_friction = 0.74
 kinetic_friction = 0.57
 """
-
-
-@pytest.mark.parametrize("command", ["solve", "map"])
-@pytest.mark.parametrize("args", [("--flight", "off"), ("--regimes-only",)])
-def test_other_motions_of_what_is_not_followed_are_refused(
-    run: Run, command: str, args: tuple[str, ...]
-) -> None:
-    result = run(command, *NUT, "-A", "4" if command == "solve" else "4,5", "--coexist", *args)
-    assert result.exit_code == 2
-    assert result.stdout == ""
-    assert result.stderr.splitlines() == [
-        "error: --coexist: no flight is modelled with --flight off or --regimes-only",
-        "hint: leave one of them out",
-    ]
-    assert list(Path().iterdir()) == []
-
-
-@pytest.mark.parametrize("command", ["solve", "map"])
-def test_the_help_says_what_other_motions_cost(run: Run, command: str) -> None:
-    text = " ".join(run(command, "--help").stdout.replace("│", " ").split())
-    assert "several ms per hopping cell" in text
 
 
 def test_other_motions_are_looked_for_on_request(run: Run) -> None:
@@ -68,16 +46,3 @@ def test_restitution_is_an_axis(run: Run) -> None:
         alone = run("solve", *NUT, "-A", "4.5", "--restitution", row["restitution"], "-o", "-").stdout
         (same,) = rows_of(alone)
         assert {name: row[name] for name in same} == same
-
-
-@pytest.mark.parametrize(
-    ("args", "problem"),
-    [
-        (("--restitution", "0:1:5"), "restitution = 1: must be in [0, 1)"),
-        (("--restitution", "0:.9:5", "--at", "e=.95"), "restitution = 0.95 lies outside of the sweep"),
-    ],
-)
-def test_restitutions_that_there_are_not(run: Run, args: tuple[str, ...], problem: str) -> None:
-    result = run("map", *NUT, "-A", "1,4", *args, "-o", "-")
-    assert result.exit_code == 2
-    assert f"error: {problem}" in result.stderr.splitlines()

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from helpers import sharded_maps
-from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 from helpers.drawn import only_map
 
@@ -47,29 +45,6 @@ def test_the_axes_of_a_picture_are_those_asked_for(run: Run, monkeypatch: pytest
     assert axes.get_ylabel().startswith("frequency")
 
 
-@each(
-    ("args", "problem"),
-    [
-        (("--x", "mu_s"), "static friction does not vary in this sweep"),
-        (("--x", "f", "--y", "f"), "frequency is asked for twice"),
-        (("--at", "f=15"), "frequency = 15 Hz is none of the values of this axis"),
-        (("--at", "f=20", "--at", "frequency=20"), "--at: frequency is given twice"),
-        (("--at", "A=9"), "amplitude = 9 mm lies outside of the sweep"),
-        (("--at", "A"), "--at A: not of the form AXIS=VALUE"),
-        (("--at", "colour=1"), "--at colour=1: 'colour' is no axis"),
-        (("--at", "A=1,f=12"), "every axis of the sweep is fixed: nothing is left to draw"),
-        (("--format", "bmp"), "--format bmp: 'bmp' is not a format of pictures"),
-    ],
-)
-def test_a_wrong_choice_of_picture_is_refused_beforehand(
-    run: Run, args: tuple[str, ...], problem: str
-) -> None:
-    result = run("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION, "-o", "nut", *args)
-    assert result.exit_code == 2
-    assert f"error: {problem}" in result.stderr
-    assert names() == []
-
-
 FOUR = ("map", "-A", "0.5:2:3", "-f", "10:30:13", *NUT_ANGLE_AND_FRICTION[2:], "--regimes-only")
 
 
@@ -88,15 +63,6 @@ def test_what_pictures_do_not_show_is_said(run: Run) -> None:
     assert "pictures" not in run(*args, "-o", "-").stderr
 
 
-def test_the_nearest_values_can_be_typed(run: Run) -> None:
-    result = run(*FOUR, "-a", "10:40:7", "-o", "nut", "--at", "drive_angle=33")
-    assert result.exit_code == 2
-    error, hint = [line for line in result.stderr.splitlines() if line.startswith(("error", "hint"))]
-    assert error == "error: drive angle = 33 deg is none of the values of this axis"
-    assert hint == "hint: give the nearest, 30 or 35 deg"
-    assert run(*FOUR, "-a", "10:40:7", "-o", "nut", "--at", "drive_angle=35").exit_code == 0
-
-
 def test_a_list_beside_a_range_is_curves(run: Run) -> None:
     args = ("map", "-A", "0.01:0.3:5", "-f", "50,100", *NUT_ANGLE_AND_FRICTION)
     assert run(*args, "-o", "all").exit_code == 0
@@ -105,22 +71,6 @@ def test_a_list_beside_a_range_is_curves(run: Run) -> None:
     assert [name for name in names() if name.endswith(".png")] == [
         "all-regime.png", "all-speed.png", "dots-speed.png", "few-regime.png",
     ]  # fmt: skip
-    result = run(*args, "-o", "no", "--y", "f")
-    assert result.exit_code == 2
-    assert "error: frequency is a list of 2 values, drawn one by one: no axis of a map" in result.stderr
-    assert "hint: for a map give it as a range, 50:100; else leave y out" in result.stderr
-
-
-def test_a_map_without_motion_says_where_motion_begins(run: Run) -> None:
-    result = run("map", "-A", ".01:.1:9", "-f", "5:10:9", *NUT_ANGLE_AND_FRICTION, "-o", "x")
-    (line,) = [line for line in result.stderr.splitlines() if line.startswith("at rest everywhere")]
-    amplitude, frequency = (float(number) for number in re.findall(r"at ([\d.]+) (?:mm|Hz)", line))
-    for factor, regime in ((0.999, "no-slip"), (1.001, "forward-slip")):
-        for given in (("-A", factor * amplitude, "-f", 10), ("-A", 0.1, "-f", factor * frequency)):
-            answer = json.loads(run("solve", *given, *NUT_ANGLE_AND_FRICTION, "--json").stdout)
-            assert answer["regime"] == regime
-    moving = run("map", "-A", ".01:2:9", "-f", "5:10:9", *NUT_ANGLE_AND_FRICTION, "-o", "-")
-    assert "at rest" not in moving.stderr
 
 
 def test_a_map_is_not_at_rest_because_its_last_cells_are(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,8 +84,6 @@ def test_a_stroke_is_chosen_among_strokes(run: Run) -> None:
     result = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=2.5")
     assert result.exit_code == 0, result.stderr
     assert "pictures:" not in result.stderr
-    wrong = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=3", "--force")
-    assert "hint: give the nearest, 2.5 or 4 mm" in wrong.stderr
 
 
 def test_pictures_go_into_the_folder_of_a_table_in_shards(run: Run) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,9 +11,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
-from helpers.sharded_maps import AXES, QUICK, SHARD_NAMES, SHARDED, WHOLE, error, frame, names, told
+from helpers.sharded_maps import AXES, SHARD_NAMES, SHARDED, WHOLE, frame, names, told
 from pyarrow import parquet
 
 WIDE = Path(__file__).parents[2] / "examples" / "wide_sweep.toml"
@@ -93,56 +91,6 @@ def test_json_is_what_there_is(run: Run) -> None:
     assert result.stderr == ""
 
 
-@each(
-    ("options", "said", "hint"),
-    [
-        *[
-            (options, f"{options[0]}: a table as csv is one file", "add --table parquet")
-            for options in (["--resume"], ["--shard-cells", "3"], ["--shards", "0:1"], ["--workers", "2"],
-                            ["--workers", ""], ["--scheduler", "tcp://a:1"])
-        ],
-        (["--excel"], "--excel is about CSV", "leave out --excel, or --table parquet"),
-        (["--decimal-comma"], "--decimal-comma is about CSV",
-         "leave out --decimal-comma, or --table parquet"),
-        (["--workers", "2", "--scheduler", "tcp://a:1"],
-         "--workers and --scheduler are both given",
-         "leave one of them out"),
-        (["--resume", "--force"],
-         "--resume and --force are both given: one continues the sweep, the other starts anew",
-         "leave one of them out"),
-        (["--shard-cells", "0"], "--shard-cells 0: must be a whole number from 1 to 100000000",
-         "1000000 is usual"),
-        (["--shard-cells", ""], "--shard-cells = '': not a number", "write a whole number, such as 3"),
-        (["--workers", "0"], "--workers 0: must be a whole number from 1 to 1024", "one a core is usual"),
-        (["--workers", "all"], "--workers = 'all': not a number", "write a whole number, such as 3"),
-        (["--scheduler", "localhost:8786"], "--scheduler localhost:8786: is no address",
-         "write it like --scheduler tcp://host:8786"),
-        (["--table", "excel"], "Invalid value for '--table': 'excel' is not one of 'csv', 'xlsx', 'parquet'.",
-         "see vibro map --help"),
-        (["--shards", "0:4", "--shard-cells", "4"], "--shards 0:4: must be first:stop, of 3 shards",
-         'write it like --shards 0:2'),
-        (["--shards", "0:1", "--force"],
-         "--shards and --force are both given: one continues the sweep, the other starts anew",
-         "leave one of them out"),
-        (["-o", "-"], "--table parquet: it is no text for stdout", "give a name, such as -o out/nut"),
-        (["-o", ""], '-o "": shards go into a folder', "write it like -o out/wide"),
-        (["-o", "far/x.parquet"], "-o far/x.parquet: shards go into a folder", "write it like -o far/x"),
-        (["--shard-cells", "1", "-A", "1:2:1001", "-f", "5:6:1001"],
-         "--shard-cells 1: 1002001 cells would be 1002001 shards, more than 1000000",
-         "give at least --shard-cells 2"),
-        (["-A", "1", "-f", "15", "--mu-s", "0.5,0.7", "--mu-d", "0.3,0.4", "--speed", "20"],
-         "--speed: which frictions reach it is not known for a folder",
-         "leave it out, or --table parquet"),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_is_refused_beforehand(run: Run, options: list[str], said: str, hint: str) -> None:
-    table = [] if "as csv" in said else ["--table", "parquet"]
-    result = run(*(AXES if "--speed" in options else QUICK), *table, *options)
-    assert result.exit_code == 2
-    assert error(result) == [f"error: {said}", f"hint: {hint}"]
-    assert (result.stdout, list(Path().iterdir())) == ("", [])
-
-
 def test_the_folder_has_the_name_of_the_scene(run: Run) -> None:
     assert run(*SHARDED).exit_code == 0
     assert "_SUCCESS" in names("vibro-map")
@@ -201,29 +149,6 @@ def test_infeasible_cells_are_no_error(run: Run) -> None:
     assert result.exit_code == 0
     assert frame()["status"].tolist() == ["infeasible", "ok"]
     assert "1 of 2 cells: infeasible" in result.stderr
-
-
-@pytest.mark.parametrize("module", ["pyarrow", "pyarrow.parquet"])
-def test_what_is_not_installed_is_told_before_anything_is_made(
-    run: Run, monkeypatch: pytest.MonkeyPatch, module: str
-) -> None:
-    monkeypatch.setitem(sys.modules, module, None)
-    result = run(*SHARDED, "-o", "out")
-    assert result.exit_code == 1
-    assert error(result) == [
-        "error: Parquet needs pyarrow",
-        "hint: pip install '.[parquet]' in the project's folder",
-    ]
-    assert list(Path().iterdir()) == []
-    assert run(*QUICK, "-o", "nut").exit_code == 0
-
-
-def test_a_cluster_needs_distributed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    result = run(*SHARDED, "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
-    assert result.exit_code == 1
-    problem = "error: --scheduler tcp://127.0.0.1:1 needs the library distributed"
-    assert error(result) == [problem, "hint: pip install '.[distributed]' in the project's folder"]
 
 
 def test_the_wide_example_in_small(run: Run) -> None:

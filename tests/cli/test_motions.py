@@ -166,25 +166,6 @@ def test_an_ellipse_has_a_scale_too(run: Run) -> None:
     assert scaled["motion_scale"] == 2.0
 
 
-@pytest.mark.parametrize(
-    ("command", "said", "hint"),
-    [
-        (("solve", "-A", "1"), "the command line gives amplitude and [motion] gives motion", "[motion]"),
-        (("accuracy",), "for a drive along a line alone", "give -A and -a"),
-        (("solve", "--motion-scale", "0"), "motion scale = 0: must be finite and > 0", ""),
-    ],
-)
-def test_what_takes_no_motion_says_so(
-    run: Run, tmp_path: Path, command: tuple[str, ...], said: str, hint: str
-) -> None:
-    name, *options = command
-    result = run(name, written(tmp_path, POINT + STEPS), *options)
-    assert result.exit_code != 0
-    assert said in result.stderr
-    assert hint in result.stderr
-    assert "Traceback" not in result.stderr
-
-
 def test_a_drive_of_the_command_line_replaces_the_motion(run: Run, tmp_path: Path) -> None:
     drive = ("-A", 1, "-a", 20, "-f", 15, "--mu-s", 0.74, "--mu-d", 0.57)
     here = json.loads(run("solve", written(tmp_path, POINT + STEPS), *drive, "--json").stdout)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 import math
 import re
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.commands import ELLIPSE, NUT, SLIP_STICK
 from helpers.packed import FEEDER
 from helpers.reports import ReadPage
@@ -89,14 +87,6 @@ def test_a_machine_is_told_with_what_its_amplitude_follows_from(run: Run, tmp_pa
     assert "present amplitude, or at" not in read.text  # at another frequency it has another amplitude
     assert "moves exactly as stated" not in read.text
     assert "A linear machine" in read.text
-
-
-def test_a_machine_that_strikes_is_refused(run: Run, tmp_path: Path) -> None:
-    path = tmp_path / "feeder.toml"
-    path.write_text(FEEDER.replace("filling_kg = 2", "gap_mm = 0.4"), encoding="utf-8")
-    result = run("report", path, "-q")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert "the masses strike: the relative amplitude would be 0.525 mm" in result.stderr
 
 
 @pytest.mark.usefixtures("unsaved")
@@ -202,34 +192,6 @@ def test_files_and_their_record(run: Run, tmp_path: Path) -> None:
     again = run("report", *NUT, "-o", "out/nut")
     assert again.exit_code == 1
     assert "--force" in again.stderr
-
-
-@each(
-    ("args", "code", "told"),
-    [
-        (("-o", "out.html", *NUT), 2, "write -o out, which makes out.html"),
-        ((EXAMPLES / "design_nut.toml", "-A", "1"), 2, "leave out -A: the file's [scene] says what is known"),
-        (
-            (EXAMPLES / "design_nut.toml", "--pitch", "25mm"),
-            2,
-            "leave out --pitch: parts a minute are told",
-        ),
-        ((*NUT[:-2], "-A", "0.5:2"), 2, "takes one value"),
-        (("missing.toml",), 1, "cannot read missing.toml"),
-        ((), 2, "missing: "),
-    ],
-)
-def test_what_is_refused(run: Run, args: tuple[object, ...], code: int, told: str) -> None:
-    result = run("report", *args)
-    assert (result.exit_code, result.stdout) == (code, "")
-    assert told in result.stderr
-
-
-def test_without_jinja_it_says_what_to_install(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "jinja2", None)
-    result = run("report", *NUT)
-    assert result.exit_code == 1
-    assert "pip install '.[report]' in the project's folder" in result.stderr
 
 
 @pytest.mark.parametrize(("speed", "code"), [(2, 0), (900, 4)], ids=["met", "not met"])

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.commands import NUT, Run, rows_of
+from helpers.commands import Run, rows_of
 
 import vibro
 
 PAGE = (Path(__file__).parents[2] / "docs" / "guide" / "restitution.md").read_text(encoding="utf-8")
 HOPS = ("-A", "2", "-f", "20", "-a", "30", "--mu-s", "0.5", "--mu-d", "0.4")
-SAID = "parts land without a bounce"
 
 
 def test_the_page_tells_the_speeds_of_its_command(run: Run) -> None:
@@ -30,24 +29,6 @@ def test_the_page_tells_the_speeds_of_its_command(run: Run) -> None:
         speed, *error = (float(number) for number in told.split(" ± "))
         assert float(row["mean_velocity_mm_s"]) == pytest.approx(speed, abs=0.05)
         assert float(row["mean_velocity_error_mm_s"]) == pytest.approx(sum(error), abs=0.05)
-
-
-@pytest.mark.parametrize("command", [("solve",), ("traverse-time", "-L", "600")])
-def test_a_report_says_it_where_parts_hop_alone(run: Run, command: tuple[str, ...]) -> None:
-    assert re.search(rf"^restitution +0: {SAID}$", run(*command, *HOPS).stdout, re.M)
-    assert re.search(r"^restitution +0.3$", run(*command, *HOPS, "--restitution", "0.3").stdout, re.M)
-    assert "restitution" not in run(*command, *NUT).stdout
-    assert SAID not in run(*command, *HOPS, "--flight", "off").stdout
-
-
-def test_a_sweep_says_it_where_parts_hop_alone(run: Run, no_pictures: None) -> None:
-    assert f"restitution 0: {SAID}" in run("map", *HOPS, "-A", "1,2").stderr
-    for others in (
-        ("-A", "0.1,0.2"),
-        ("-A", "1,2", "--restitution", "0.3"),
-        ("-A", "1,2", "--flight", "off"),
-    ):
-        assert SAID not in run("map", *HOPS, *others, "--force").stderr
 
 
 def test_captions_tell_it_where_parts_hop_alone() -> None:

@@ -31,7 +31,6 @@ def test_it_writes_a_file_that_is_not_replaced_unasked(run: Run) -> None:
     assert json.loads(Path("out/design.json").read_text(encoding="utf-8")) == schema_of(FILES["design"])
     again = run("schema", "-o", "out/design")
     assert (again.exit_code, again.stdout) == (1, "")
-    assert "exists already" in again.stderr
     assert run("schema", "-o", "out/design", "--force", "-q").stderr == ""
     assert json.loads(Path("out/design.json").read_text(encoding="utf-8")) == schema_of(FILES["scene"])
     run("schema", "-o", "out/")

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.commands import Run
 from helpers.plans import store
 from PIL import Image
@@ -102,44 +101,6 @@ def test_shared_options_work(run: Run, wide: Path) -> None:
     protected = run("map", "wide", *line, "-o", "wide/_manifest", "--force")
     assert protected.exit_code == 1
     assert "this run reads it" in protected.stderr
-
-
-@each(
-    "args",
-    [
-        ("-A", "1"), ("--mu-s", "0.3"), ("-L", "600"), ("--columns", "regime"), ("--digits", "3"),
-        ("--pitch", "25mm"), ("--mass", "1"), ("--flight", "off"), ("--coexist",),
-        ("--excel",), ("--decimal-comma",), ("-o", "-"),
-    ],
-)  # fmt: skip
-def test_options_about_cells_and_tables_are_refused(run: Run, wide: Path, args: tuple[str, ...]) -> None:
-    result = run("map", "wide", *args)
-    assert result.exit_code == 2
-    option = "-o -" if args == ("-o", "-") else args[0]
-    assert f"error: {option}: the cells of wide are solved already\n" in result.stderr
-    assert "hint: leave it out, or give a scene file\n" in result.stderr
-    assert names() == []
-
-
-@each(
-    ("args", "code", "problem"),
-    [
-        (("--at", "mu_s=.4"), 2, "static friction = 0.4 is none of the values of this axis"),
-        (("--at", "colour=.4"), 2, "'colour' is no axis"),
-        (("--x", "alpha"), 2, "drive angle does not vary in this sweep"),
-        (("--show", "band"), 2, "--show band: there is no such picture"),
-        (("--format", "bmp"), 2, "'bmp' is not a format of pictures"),
-        (("--speed", "-1"), 2, "speed = -1: must be finite and > 0 mm/s"),
-        (("-o", "x.png"), 2, ".png is added to the name"),
-    ],
-)
-def test_wrong_choices_are_refused(
-    run: Run, wide: Path, args: tuple[str, ...], code: int, problem: str
-) -> None:
-    result = run("map", "wide", *args)
-    assert result.exit_code == code
-    assert problem in result.stderr
-    assert names() == []
 
 
 def test_an_unfinished_folder_is_not_drawn(run: Run, wide: Path) -> None:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from pathlib import Path
 
 import pytest
-from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 from vibro.files import csv_tables
 
 MAP = ("map", "-A", "0.1,1,1.15,4", "-f", "14.9876,15", *NUT_ANGLE_AND_FRICTION)
 TRAVERSE = ("traverse-time", *MAP[1:], "-L", "600")
-TO_AND_FRO = ("-A", "1", "-f", "15", "--mu-s", ".3", "--mu-d", ".25", "--trough-angle", "3")
 NAMES = "mean_velocity_mm_s,amplitude_mm,regime,acceleration_g,frequency_hz"
 
 
@@ -118,134 +115,3 @@ def test_parts_pass_at_the_rate_of_speed_over_pitch(run: Run) -> None:
         else:
             assert row["parts_per_min"] == row["mass_flow_kg_h"] == ""
     assert {row["parts_per_min"] for row in rows} > {"", "0"}
-
-
-@pytest.mark.parametrize(
-    ("args", "said"),
-    [
-        (NUT, "39.0323 parts/min, 28.1033 kg/h at most, one part every 25 mm"),
-        ((*NUT, "-A", "0.1"), "0 parts/min, 0 kg/h at most, one part every 25 mm"),
-        ((*NUT, "-A", "4", "--flight", "off"), "unknown"),
-    ],
-)
-def test_the_report_tells_the_throughput(run: Run, args: tuple[str, ...], said: str) -> None:
-    options = ("--pitch", "25mm", "--mass", "12g")
-    lines = dict(
-        line.split("  ", 1) for line in run("solve", *args, *options).stdout.splitlines() if "  " in line
-    )
-    assert lines["throughput"].strip() == said
-    answer = json.loads(run("solve", *args, *options, "--json").stdout)
-    expected = None if said == "unknown" else pytest.approx(float(said.split()[0]), rel=1e-5)
-    assert answer["parts_per_min"] == expected
-
-
-@pytest.mark.parametrize(
-    ("args", "said"),
-    [
-        (NUT, "+10 % amplitude: +39.8 % speed (d ln speed / d ln amplitude = 3.79727)"),
-        ((*NUT, "-A", "0.1"), "+10 % amplitude: 0 mm/s"),
-        ((*NUT, "-A", "0.65"), "+10 % amplitude: 2.00514 mm/s, forward-slip"),
-        ((*NUT, "-A", "1.1"), "+10 % amplitude: +20.4 % speed, back-slip (d ln"),
-        ((*NUT, "-A", "4"), "+10 % amplitude: +12.1 % speed"),
-        ((*NUT, "-A", "3", "--flight", "off"), "+10 % amplitude: speed unknown (the body leaves the trough"),
-        ((*NUT, "-a", "0", "--mu-s", ".2", "--mu-d", ".2"), "+10 % amplitude: 0 mm/s"),
-        ((*NUT, "-A", "0.9", "--mu-s", ".3", "--mu-d", ".29", "--trough-angle", "15"), "+10 % amplitude: +"),
-        ((*TO_AND_FRO, "-a", "31.0109"), "+10 % amplitude: +13.2 % speed (d ln"),
-        ((*TO_AND_FRO, "-a", "31.010843891"), "+10 % amplitude: -4.595"),  # 1e-10 mm/s
-        ((*NUT, "--regimes-only"), None),
-    ],
-)
-def test_the_report_tells_what_more_amplitude_does(run: Run, args: tuple[str, ...], said: str | None) -> None:
-    lines = [line for line in run("solve", *args).stdout.splitlines() if line.startswith("sensitivity")]
-    if said is None:
-        assert lines == []
-        return
-    (line,) = lines
-    told = line.removeprefix("sensitivity").strip()
-    assert told.startswith(said)
-    answer = json.loads(run("solve", *args, "--json").stdout)
-    larger = ("-A", repr(1.1 * answer["amplitude_mm"]))
-    then = json.loads(run("solve", *args, *larger, "--json").stdout)
-    assert then["regime"] == answer["regime"] or then["regime"] in told
-    if "% speed" in told:
-        percent = 100.0 * (then["mean_velocity_mm_s"] / answer["mean_velocity_mm_s"] - 1.0)
-        assert float(told.split()[3]) == pytest.approx(percent, rel=1e-2)
-    exponent = answer["speed_amplitude_exponent"]
-    assert (exponent is not None) == ("d ln" in told)
-    if exponent is not None:
-        assert f"{exponent:.6g}" in told
-
-
-def test_the_report_tells_the_stroke_and_no_minus_zero(run: Run) -> None:
-    text = run("solve", *NUT, "-A", "1.5e-6", "-f", "15000").stdout
-    assert " amplitude 1.5e-06 mm (stroke 3e-06 mm peak to peak), frequency 15000 Hz, " in text
-    assert re.search(r"^back slide +\S+ +\S+ +0\.00000$", text, flags=re.MULTILINE)
-
-
-def test_the_error_of_a_mean_is_that_of_both(run: Run) -> None:
-    """Bodies that bounce without a period have means: the change of one has an error too."""
-    args = ("solve", *NUT, "-A", "8", "--restitution", "0.6")
-    answer = json.loads(run(*args, "--json").stdout)
-    assert answer["status"] == "averaged"
-    assert answer["speed_amplitude_exponent"] is None
-    (line,) = [x for x in run(*args).stdout.splitlines() if x.startswith("sensitivity")]
-    assert " +- " in line
-    assert line.endswith(" % (standard error)")
-
-
-def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:
-    names = "stroke_mm,speed_amplitude_exponent,regime"
-    options = ("solve", *NUT, "--columns", names, "--digits", "4")
-    assert run(*options, "-o", "-").stdout == f"{names}\n2,3.797,forward-slip\n"
-    expected = {"stroke_mm": 2, "speed_amplitude_exponent": 3.797, "regime": "forward-slip"}
-    assert json.loads(run(*options, "--json").stdout) == expected
-    assert run(*options, "-o", "one").exit_code == 0
-    assert Path("one.csv").read_text(encoding="utf-8") == f"{names}\n2,3.797,forward-slip\n"
-
-
-@each(
-    ("args", "problem", "hint"),
-    [
-        ((*MAP, "--columns", "speed"), "there is no column 'speed'", "those of inputs are amplitude_mm, "),
-        ((*MAP, "--columns", "regime,amplitude"), "there is no column 'amplitude'", "did you mean 'amp"),
-        ((*MAP, "--columns", "regime, regime"), "column regime is named twice", "name it once"),
-        ((*MAP, "--columns", ""), "there is no column ''", "those of inputs"),
-        (
-            (*MAP, "--columns", "mass_flow_kg_h", "--pitch", "9"),
-            "column mass_flow_kg_h: an option that it needs is missing",
-            "add --pitch 25mm --mass 12g",
-        ),
-        (
-            (*TRAVERSE, "--columns", "arrival_time_s"),
-            "column arrival_time_s: an option that it needs is missing",
-            "add --exact",
-        ),
-        (
-            ("solve", *NUT, "--json", "--columns", "upright"),
-            "column upright: an option that it needs is missing",
-            "add --stand-ratio 0.6",
-        ),
-        (
-            (*MAP, "--columns", "regime,trough_length_mm"),
-            "column trough_length_mm: an option that it needs is missing",
-            "add -L 600mm",
-        ),
-        ((*MAP, "--digits", "0"), "--digits 0: must be from 1 to 17", "without it"),
-        ((*MAP, "--digits", "18"), "--digits 18: must be from 1 to 17", "without it"),
-        (("solve", *NUT, "--digits", "4"), "--digits: the report is no table", "add --json, -o - or -o STEM"),
-        (("traverse-time", *NUT, "-L", "9", "--columns", "regime"), "--columns: the report is no", "add"),
-        ((*MAP, "--mass", "12g"), "--mass: kg an hour need the distance from", "add --pitch"),
-        ((*MAP, "--pitch", "0"), "pitch = 0: must be finite and > 0 mm", None),
-        ((*MAP, "--pitch", "25g"), "pitch = '25g': 'g' is no unit of pitch", "its units are mm, "),
-        ((*MAP, "--pitch", "25", "--mass", "-1"), "mass = -1: must be finite and > 0 kg", None),
-        ((*MAP, "--pitch", "25", "--mass", "nan"), "mass = nan: must be a finite number", None),
-        (("solve", *NUT[2:], "--speed", "9", "--pitch", "9"), "--speed lists amplitudes: --pitch", None),
-    ],
-)
-def test_what_cannot_be_asked_for(run: Run, args: tuple[str, ...], problem: str, hint: str | None) -> None:
-    result = run(*args)
-    assert (result.exit_code, result.stdout) == (2, "")
-    lines = result.stderr.splitlines()
-    assert any(line.startswith(f"error: {problem}") for line in lines)
-    assert hint is None or any(line.startswith(f"hint: {hint}") for line in lines)
-    assert list(Path().iterdir()) == []

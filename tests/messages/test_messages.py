@@ -9,6 +9,7 @@ import contextlib
 import difflib
 import io
 import math
+import os
 import re
 import shlex
 import shutil
@@ -26,6 +27,7 @@ import vibro
 from vibro.cli.app import app
 
 HERE: Final = Path(__file__).parent
+EXAMPLES: Final = HERE.parents[1] / "examples"
 # A call with the lines that continue it, its answer, and blank lines.
 _CALL: Final = re.compile(
     r"  (?P<prompt>\$|>>>) (?P<call>.*\n(?:  (?:>|\.\.\.)(?: .*)?\n)*)(?:(?:  (?!\$ |>>> ).*)?\n)*"
@@ -34,18 +36,23 @@ _CALL: Final = re.compile(
 
 def _vibro(call: str) -> str:
     """Run the command in this process; a shell takes what it prints, where ``|`` or ``>`` follow."""
-    arguments, *pipe = re.split(r" (?=[|>] )", call, maxsplit=1)
-    result = CliRunner().invoke(app, shlex.split(arguments)[1:])
-    out = _shell(f"cat {pipe[0]}", result.stdout) if pipe else result.stdout
+    arguments, both, pipe = re.split(r"(?:\s+(2>&1))?(?:\s+([|>] .*))?$", call, maxsplit=1, flags=re.DOTALL)[
+        :3
+    ]
+    result = CliRunner().invoke(app, [os.path.expandvars(one) for one in shlex.split(arguments)[1:]])
+    out, err = (result.stderr + result.stdout, "") if both else (result.stdout, result.stderr)
+    if pipe:
+        out = _shell(f"cat {pipe}", out)
     # An error is on stderr, an answer on stdout, unless it is said otherwise.
-    told = [("", out), ("[stderr]\n", result.stderr)]
     if result.exit_code:
-        told = [(f"[exit {result.exit_code}]\n", result.stderr), ("[stdout]\n", out)]
-    return "".join(stream + text for stream, text in told if text)
+        return f"[exit {result.exit_code}]\n{err}" + (f"[stdout]\n{out}" if out else "")
+    return out + (f"[stderr]\n{err}" if err else "")
 
 
 def _shell(call: str, given: str = "") -> str:
-    return subprocess.run(call, shell=True, check=True, text=True, input=given, stdout=subprocess.PIPE).stdout
+    """Return what a shell's command prints; of one that fails this is why, and stands in the session."""
+    how: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    return str(subprocess.run(call, shell=True, check=False, text=True, input=given, **how).stdout)
 
 
 def _python(call: str, names: dict[str, Any]) -> str:
@@ -58,21 +65,24 @@ def _python(call: str, names: dict[str, Any]) -> str:
     return out.getvalue()
 
 
-def replay(session: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def replay(session: str, folder: Path, patch: pytest.MonkeyPatch) -> str:
     """Return a session with the answers of today; each passage of text begins in a new folder."""
     said, end, names = [], 0, dict[str, Any]()
     for match in _CALL.finditer(session):
         if end == 0 or match.start() > end:
             place = folder / str(end)
             shutil.copytree(HERE / "files", place)
-            monkeypatch.chdir(place)
-            names = {"vibro": vibro, "np": np, "math": math, "Path": Path}
+            patch.undo()
+            patch.setenv("COLUMNS", "80")
+            patch.setenv("EXAMPLES", str(EXAMPLES))
+            patch.chdir(place)
+            names = {"vibro": vibro, "np": np, "math": math, "Path": Path, "patch": patch}
         call = re.sub(r"^  (>|\.\.\.) ?", "", match["call"], flags=re.MULTILINE)
         if match["prompt"] == ">>>":
             answer = _python(call, names)
         else:
             answer = _vibro(call.replace("\\\n", " ").rstrip()) if call.startswith("vibro ") else _shell(call)
-        answer = answer.replace(str(place), "{folder}")
+        answer = answer.replace(str(place), "{folder}").replace(str(EXAMPLES), "$EXAMPLES")
         assert not answer or answer.endswith("\n"), f"a line without an end: {answer!r}"
         told = textwrap.indent(answer, "  ")
         said += [session[end : match.start()], f"  {match['prompt']} {match['call']}{told}\n"]
@@ -82,12 +92,10 @@ def replay(session: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a POSIX shell")
 @pytest.mark.parametrize("path", sorted(HERE.glob("*.txt")), ids=lambda path: path.stem)
-def test_messages(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
-) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
+def test_messages(path: Path, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     session = path.read_text(encoding="utf-8")
-    said = replay(session, tmp_path, monkeypatch)
+    with pytest.MonkeyPatch.context() as patch:
+        said = replay(session, tmp_path, patch)
     if request.config.getoption("update_messages"):
         path.write_text(said, encoding="utf-8")
     elif said != session:
