@@ -1,6 +1,7 @@
 """Are guarantees what they say, and what do they cost? Boxes, references and whole questions.
 
 Usage: python benchmarks/design.py REFERENCE.json QUESTION.toml... [--boxes 100] [--seed 0]
+       python benchmarks/design.py --random 300 [--seed 0]
 
 REFERENCE.json is tests/data/design_specs.json, the questions those of examples/. The slowest and the fastest
 body of random boxes in contact, with bands of everything, are looked for, and again with ten times as many
@@ -8,6 +9,9 @@ bodies: an outlier is a body of the larger search that is further out by more th
 gap is the distance of what is proved from the body found, over its speed. CPU times are in seconds, and in
 units of one ``vibro.solve`` of a million scenes in contact, of the same run. Exits with 1 if there is an
 outlier, if a row of the reference is missed by more than its rtol, or if a call takes longer than its budget.
+
+With --random, random questions of all drives are asked instead; it exits with 1 if one ends by an unexpected
+error.
 """
 
 from __future__ import annotations
@@ -16,7 +20,8 @@ import argparse
 import json
 import math
 import time
-from collections import defaultdict
+import traceback
+from collections import Counter, defaultdict
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -269,7 +274,8 @@ def compare_rows(rows: list[Row], questions: list[Path]) -> bool:
         run, error = ASK[row["kind"]](row)
         took, result = seconds(run)
         groups[row["kind"]].append((error(result) / row["rtol"], took / unit))
-    for question in (VALLEY, *questions):
+    asked: list[Row | Path] = [VALLEY, *questions]
+    for question in asked:
         took, _ = seconds(partial(vibro.design, question))
         groups["question"].append((0.0, took / unit))
     print(f"\none solution of 1e6 scenes: {unit:.2f} s, the unit of time")
@@ -286,13 +292,139 @@ def compare_rows(rows: list[Row], questions: list[Path]) -> bool:
     return good
 
 
+def random_question(rng: np.random.Generator, kind: str, slope: float) -> Row:
+    """Draw a question about a drive of a kind, on a trough inclined by a share of the angle of friction."""
+
+    def drawn(low: float, high: float) -> float:
+        return float(f"{rng.uniform(low, high):.3g}")
+
+    def band(low: float, high: float, widest: float = 1.5) -> float | str:
+        """Draw a number, or a range that is wider by a factor."""
+        first = drawn(low, high)
+        return f"{first}:{first * drawn(1.02, widest):.4g}" if rng.random() < 0.7 else first
+
+    def some(chance: float, **entries: Any) -> Row:
+        return entries if rng.random() < chance else {}
+
+    friction, hertz = drawn(0.15, 0.7), drawn(8.0, 50.0)
+    size = 1e3 * 9.81 / (2.0 * math.pi * hertz) ** 2  # [mm] at a load of 1
+    along, normal = drawn(0.5, 3.0) * size, drawn(0.1, 0.5) * size
+    wave = np.sin(np.arange(12) * math.pi / 6.0) + rng.normal(0.0, 0.3, (2, 12))
+    wave -= wave.mean(axis=1, keepdims=True)
+    push, share = drawn(0.4, 0.95) * 9.81 * friction, drawn(0.55, 0.85)
+    lift = drawn(-3.0, 3.0)
+    scaled = {"motion_scale": band(0.7, 1.5), "frequency_hz": band(0.8 * hertz, hertz)}
+    line = {"drive_angle_deg": band(5.0, 45.0)}
+    drive = {
+        "line": {
+            str(rng.choice(["amplitude_mm", "stroke_mm"])): band(0.3 * size, 4.0 * size, 5.0),
+            "frequency_hz": f"{hertz},{1.5 * hertz}" if rng.random() < 0.2 else band(hertz, 1.2 * hertz),
+            **line,
+            **some(0.3, acceleration_g=drawn(5.0, 20.0)),
+        },
+        "ellipse": {
+            "along_amplitude_mm": band(along, 1.5 * along),
+            "normal_amplitude_mm": band(normal, 1.5 * normal),
+            "normal_phase_deg": f"{drawn(-60.0, 0.0)}:{drawn(0.0, 60.0)}",
+            "frequency_hz": hertz,
+        },
+        "harmonics": {
+            "along_harmonics_mm_deg": [[along, 0.0], [drawn(0.0, 0.2) * along, drawn(-180.0, 180.0)]],
+            "normal_harmonics_mm_deg": [[normal, drawn(-40.0, 40.0)]],
+            **scaled,
+        },
+        "steps": {
+            "along_steps": [[share, push], [1.0 - share, -push * share / (1.0 - share)]],
+            **some(0.3, normal_steps=[[0.5, lift], [0.5, -lift]]),
+            "motion_scale": band(0.7, 1.5),
+            "frequency_hz": band(1.0, 5.0),
+        },
+        "samples": {
+            "along_samples_m_s2": (drawn(6.0, 20.0) * wave[0]).tolist(),
+            "normal_samples_m_s2": (drawn(1.0, 5.0) * wave[1]).tolist(),
+            **scaled,
+        },
+        "magnet": {
+            "kind": "magnet", "trough_mass_kg": 6, "counter_mass_kg": 12, "damping_ratio": 0.015,
+            "natural_hz": drawn(45.0, 62.0),
+            "calibration": {"amplitude_mm": drawn(0.1, 0.6), "frequency_hz": 50},
+            **some(0.2, filling_kg="0:1"), **some(0.5, voltage_percent="95:105"),
+            "frequency_hz": 50,
+            **line,
+        },
+        "crank": {
+            "kind": "crank", "crank_radius_mm": along, "frequency_hz": band(0.8 * hertz, hertz), **line
+        },
+    }[kind]  # fmt: skip
+    ratio = band(0.5, 0.85, 1.15) if rng.random() < 0.7 else None
+    return {
+        "scene": {
+            "static_friction": band(friction, friction, 1.3),
+            **(
+                {"friction_ratio": ratio}
+                if ratio
+                else {"kinetic_friction": band(0.6 * friction, 0.7 * friction)}
+            ),
+            "trough_angle_deg": float(f"{slope * math.degrees(math.atan(friction)):.2g}"),
+            **some(0.03, restitution=drawn(0.1, 0.6)),
+        },
+        "drive": [drive],
+        "drift": {
+            **some(0.5, amplitude_percent=drawn(0.0, 4.0)),
+            **some(0.3, frequency_percent=drawn(0.0, 1.0)),
+            **some(0.3, trough_angle_deg=0.2),
+        },
+        "goal": {
+            "speed_mm_s": float(f"{10.0 ** rng.uniform(0.0, 1.5):.2g}"),
+            "highest_regime": str(rng.choice(["forward-slip", "back-slip", "hopping"], p=[0.5, 0.4, 0.1])),
+            **some(0.1, impact_speed_mm_s=drawn(10.0, 200.0)),
+            **some(0.1, flight_fraction=drawn(0.1, 0.8)),
+        },
+        **some(0.15, part={"half_base_mm": drawn(2.0, 10.0), "centre_height_mm": drawn(2.0, 10.0)}),
+    }
+
+
+RANDOM_DRIVES: Final = ("line", "ellipse", "harmonics", "steps", "samples", "magnet", "crank")
+
+
+def ask_random(count: int, seed: int) -> bool:
+    """Ask random questions, in turn of every kind of drive; return whether none ends unexpectedly."""
+    groups: dict[str, list[tuple[str, float]]] = defaultdict(list)
+    for i in range(count):
+        rng = np.random.default_rng([seed, i])
+        kind = RANDOM_DRIVES[i % len(RANDOM_DRIVES)]
+        question = random_question(rng, kind, float(rng.choice([0.0, 1.0, -1.0]) * rng.uniform(0.05, 0.6)))
+        only: Any = "goal" if rng.random() < 0.9 else None
+        start, why = time.process_time(), ""
+        try:
+            end = "met" if vibro.design(question, only=only).met else "missed"
+        except vibro.VibroError as exc:
+            end, why = "refused", str(exc)
+        except Exception:
+            end, why = "broken", f"{question}\n{traceback.format_exc()}"
+        groups[kind].append((end, took := time.process_time() - start))
+        print(f"{i} {kind}, only={only}: {end} {took:.1f} s {why}", flush=True)
+    print("drive      questions   met  missed  refused  broken  median [s]  longest [s]")
+    for kind, ends in groups.items():
+        counts = Counter(end for end, _ in ends)
+        times = np.array([took for _, took in ends])
+        told = f"{counts['met']:5d} {counts['missed']:7d} {counts['refused']:8d} {counts['broken']:7d}"
+        print(f"{kind:10s} {len(ends):9d} {told} {np.median(times):11.1f} {times.max():12.1f}")
+    return all(end != "broken" for ends in groups.values() for end, _ in ends)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("reference", type=Path, help="tests/data/design_specs.json")
+    parser.add_argument("reference", type=Path, nargs="?", help="tests/data/design_specs.json")
     parser.add_argument("questions", type=Path, nargs="*", help="questions, as those of examples/")
     parser.add_argument("--boxes", type=int, default=100, help="random boxes to search")
+    parser.add_argument("--random", type=int, default=0, help="random questions to ask, in place of all else")
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
+    if arguments.random:
+        raise SystemExit(not ask_random(arguments.random, arguments.seed))
+    if arguments.reference is None:
+        parser.error("give REFERENCE.json, or --random")
     rows = json.loads(arguments.reference.read_text(encoding="utf-8"))
     agree = compare_searches(arguments.boxes, arguments.seed)
     if not (compare_rows(rows, arguments.questions) and agree):

@@ -51,6 +51,20 @@ def test_another_frequency_never_makes_a_goal_impossible() -> None:
         assert best.setting.frequency == 41.9
 
 
+def test_on_a_decline_the_least_load_may_have_no_peak_before_it() -> None:
+    result = vibro.design(
+        {
+            "scene": {"static_friction": "0.44:0.54", "friction_ratio": "0.53:0.73", "trough_angle_deg": -4},
+            "drive": [{"amplitude_mm": 40, "frequency_hz": 40, "drive_angle_deg": 42}],
+            "goal": {"speed_mm_s": 15, "highest_regime": "back-slip"},
+        },
+        only="goal",
+    )
+    assert result.met
+    assert [design.amplitude_mm for design in result.designs] == [0.154, 0.2315, 0.1854]
+    assert all((design.speed_min_mm_s or 0.0) >= 15.0 for design in result.designs)
+
+
 def test_more_drive_angles_never_lose_the_one_that_does_it() -> None:
     scene = {"static_friction": 0.2336, "kinetic_friction": "0.20764:0.22736", "trough_angle_deg": 3.496}
     for angles in ("50:56.81", "30:56.81", "11.81:56.81"):

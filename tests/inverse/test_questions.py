@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from design import RANDOM_DRIVES, random_question
 from helpers.questions import answered
 
 import vibro
@@ -380,3 +381,32 @@ def test_what_is_shown_is_the_safest_if_anything_is_uncertain(met: bool, bands: 
     assert chosen.setting == pytest.approx(line(2e-3))
     assert chosen_of(spec, answered(met, *(r for r in rows if r.highest_regime != "back-slip"))) is None
     assert list(chosen.costs)[:2] == ["amplitude", "frequency"]
+
+
+# --- any number of settings -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", RANDOM_DRIVES)
+def test_speeds_of_any_number_of_settings_are_those_of_each(kind: str) -> None:
+    """Searches ask for those of none too: of no peak, or of no angle between two neighbouring doubles."""
+    rng = np.random.default_rng(5)
+    for steepness in (-0.5, 0.0, 0.5):
+        asked = random_question(rng, kind, steepness)
+        asked["goal"] = {"speed_mm_s": 1.0, "impact_speed_mm_s": 90.0}
+        asked["drive"][0].pop("acceleration_g", None)
+        spec = read_spec(asked)
+        drive = spec.drives[0]
+        question = Question(spec, drive, Regime.HOPPING)
+        knobs = {knob: rng.uniform(*drive.choices[knob][0], 3) for knob in drive.space.knobs}
+        setting: Any = drive.space.setting(**knobs)
+        axes = question.box(setting._make(x[:1] for x in setting)).axes
+        follow = np.array([-1, -1, 0, axes.index("static_friction"), axes.index("second_friction")])
+        bodies = Scenarios(rng.random((len(axes), follow.size)), follow, np.full(follow.size, 1.1))
+        for number in range(4):
+            some = setting._make(x[:number] for x in setting)
+            speeds = question.speeds(some, bodies)
+            assert speeds.shape == (number, bodies.size)
+            assert question.hardest_impacts(some, bodies).shape == (number,)
+            for i in range(number):
+                alone = question.speeds(setting._make(x[i : i + 1] for x in setting), bodies)[0]
+                assert speeds[i] == pytest.approx(alone, rel=1e-6, abs=1e-12, nan_ok=True)

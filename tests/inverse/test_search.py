@@ -79,6 +79,15 @@ def test_every_function_has_its_own_first_crossing() -> None:
     assert at_once[0] == grid[0, 8]  # it holds at the first point already
 
 
+def test_without_a_peak_nothing_is_climbed() -> None:
+    def value(rows: NDArray[np.intp], x: Floats) -> Floats:
+        assert rows.size == x.size > 0
+        return x
+
+    grid = np.array([[0.0, 0.5, 1.0]])
+    assert first_crossing(value, grid, 0.3, climbs=3, relative=0.0) == pytest.approx([0.3])
+
+
 def test_a_peak_counts_before_a_point_that_holds_and_before_a_later_peak() -> None:
     early, late = bump(0.345, 0.03), bump(0.465, 0.03)
 

@@ -132,14 +132,13 @@ def _moved_to_drops(boxes: UncertaintySet, coordinates: Floats, axes: NDArray[np
         """Put each body of each box at some values, of shape (bodies, boxes, values)."""
         count = to.shape[2]
         there = np.repeat(coordinates, count, axis=2)
-        there[np.repeat(axes, count), :, np.arange(there.shape[2])] = np.moveaxis(to, 2, 1).reshape(
-            -1, to.shape[1]
-        )
+        values = np.moveaxis(to, 2, 1).reshape(there.shape[2], to.shape[1])
+        there[np.repeat(axes, count), :, np.arange(there.shape[2])] = values
         return there
 
     def slips(to: Floats) -> Bools:
         slip = _slips_back(boxes, boxes.points(moved(to)))
-        return np.moveaxis(slip.reshape(-1, bodies.size, to.shape[2]), 0, 1)
+        return np.moveaxis(slip.reshape(to.shape[1], bodies.size, to.shape[2]), 0, 1)
 
     ends = np.broadcast_to((0.0, 1.0), (*coordinates.shape[:0:-1], 2))
     first, last = np.moveaxis(slips(ends), 2, 0)

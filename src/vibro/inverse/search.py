@@ -79,7 +79,7 @@ def first_crossing(
     is_peak[:, :-1] &= values[:, :-1] >= values[:, 1:]
     row, column = np.nonzero(is_peak)
     start, end = grid[row, column - 1], grid[row, np.minimum(column + 1, last)]
-    for _ in range(climbs):
+    for _ in range(climbs if row.size else 0):
         x = np.linspace(start, end, _PEAK, axis=-1)
         near = value(np.repeat(row, _PEAK), x.ravel()).reshape(x.shape)
         for i in np.flatnonzero(near.max(axis=1, initial=-np.inf) >= target):
