@@ -335,21 +335,27 @@ def _texts_of(stored: Stored, name: str) -> list[str]:
     return stored[f"{name}.texts"].tobytes().decode().split("\n")
 
 
+def _made(name: str, stored: Stored) -> Stored:
+    """Answer a set of scenes for the first time."""
+    texts, numbers, codes = [], [], []
+    for batch in questions(name, stored):
+        found = answer(name, batch)
+        told, code = _conditions(name, batch, found)
+        texts += told
+        numbers.append(found.numbers)
+        codes.append(code)
+    made: Stored = {f"{name}.texts": np.frombuffer("\n".join(texts).encode(), np.uint8)}
+    for key in numbers[0]:
+        made[f"{name}.{key}"] = np.concatenate([part[key] for part in numbers])
+        made[f"{name}.{key}.condition"] = np.concatenate([part[key] for part in codes])
+    return made
+
+
 def make() -> None:
     """Make all answers anew."""
     stored: Stored = {f"{name}.scale": _scales(name) for name in _NEAR}
     for name in SETS:
-        texts, numbers, codes = [], [], []
-        for batch in questions(name, stored):
-            found = answer(name, batch)
-            told, code = _conditions(name, batch, found)
-            texts += told
-            numbers.append(found.numbers)
-            codes.append(code)
-        stored[f"{name}.texts"] = np.frombuffer("\n".join(texts).encode(), np.uint8)
-        for key in numbers[0]:
-            stored[f"{name}.{key}"] = np.concatenate([part[key] for part in numbers])
-            stored[f"{name}.{key}.condition"] = np.concatenate([part[key] for part in codes])
+        stored |= _made(name, stored)
     np.savez_compressed(NUMBERS, **stored)  # type: ignore[arg-type]
     for name, ask in TEXTS.items():
         (FOLDER / f"{name}.json").write_text(json.dumps(ask(), indent=1) + "\n", encoding="utf-8")

@@ -146,14 +146,14 @@ def _machines(draw: Draws) -> Iterator[vibro.Machine]:
         springs: Batch = {"trough_mass": mass, "natural_frequency": natural, "damping_ratio": damping}
         two, known = springs | {"counter_mass": beside * mass}, vibro.Calibration(radius / 3.0, natural * 1.1)
         yield vibro.Machine.unbalance(vibrating_mass=mass, static_moment=moment, mount_frequency=4.0)
-        yield vibro.Machine.magnet(**two, calibration=known, base_stiffness=1e4, gap=8.0 * radius)
+        yield vibro.Machine.magnet(**two, calibration=known, base_stiffness=1e4, gap=2.0 * radius)
         yield vibro.Machine.magnet(**springs, force=force, law="voltage", force_frequency=natural)
         yield vibro.Machine.exciter(**two, static_moment=moment)
         yield vibro.Machine.crank(radius=radius)
         yield vibro.Machine.rod(radius=radius, rod_stiffness=2e4 * mass, **springs)
         x = np.array([0.7, 0.85, 0.95, 1.05, 1.2, 1.5])  # frequency over the natural one
         peak = radius / np.sqrt((1.0 - x * x) ** 2 + (2.0 * damping * x) ** 2)
-        points = np.stack([natural * x, 0.1 * peak], axis=1)
+        points = np.stack([natural * x, 0.1 * peak * draw(0.98, 1.02, x.size)], axis=1)
         yield vibro.Machine.measured(points=points, trough_mass=mass)
 
 
@@ -192,10 +192,31 @@ def batches(name: str) -> Iterator[Batch]:
             )
     else:
         for machine in _machines(draw):
-            body = _body(draw, 15, _HOPS, 0.0)
-            static = draw(0.2, 0.9, 15)
-            yield body | {
-                "machine": machine, "drive_angle": draw(0.1, 0.7, 15), "frequency": draw(25.0, 70.0, 15),
-                "static_friction": static, "kinetic_friction": static * draw(0.5, 1.0, 15),
-                "setting": draw(0.3, 1.0, 15), "filling": draw(0.0, 3.0, 15) * draw.one_in(2, 15),
-            }  # fmt: skip
+            springs, static, setting = machine.natural_frequency, draw(0.1, 0.6, 15), draw(0.1, 1.4, 15)
+            beside = springs if 20.0 < springs < 100.0 else 30.0
+            yield _body(draw, 15, _HOPS, 0.0) | {
+                "machine": machine,
+                "drive_angle": draw(0.1, 0.6, 15),
+                "frequency": beside * draw(0.85, 1.1, 15),
+                "static_friction": static,
+                "kinetic_friction": static * draw(0.0, 1.0, 15),
+                "setting": setting * setting,
+                "filling": np.maximum(draw(-10.0, 30.0, 15), 0.0),
+            }
+        known, setting = vibro.Calibration(0.35e-3, 50.0), draw(0.3, 1.06, 40)
+        masses: Batch = {
+            "trough_mass": 6.0,
+            "counter_mass": 12.0,
+            "natural_frequency": 55.0,
+            "damping_ratio": 0.015,
+        }
+        # Below resonance a filling that begins to slip takes away amplitude: points lie at jumps.
+        yield _body(draw, 40, _HOPS, 0.0) | {
+            "machine": vibro.Machine.magnet(calibration=known, gap=0.5e-3, **masses),
+            "drive_angle": draw(0.2, 0.5, 40),
+            "frequency": np.full(40, 50.0),
+            "static_friction": draw(0.3, 0.5, 40),
+            "kinetic_friction": draw(0.05, 0.15, 40),
+            "setting": setting * setting * setting,
+            "filling": draw(1.5, 3.0, 40),
+        }
