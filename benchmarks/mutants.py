@@ -66,12 +66,12 @@ class Mutant(NamedTuple):
         return text.replace(self.old, self.new)
 
     def tests(self) -> list[str]:
-        """Return the tests of the fault's room, below ``tests``, those that mirror its file first."""
+        """Return the tests of the fault's room, below ``tests``, mirrors of its file first, and sessions."""
         path = Path(self.file)
         tops = sorted(test.name for test in ROOT.glob("tests/test_*.py"))
         room = [path.parts[0]] if len(path.parts) > 1 else tops
         mirrors = [f"{path.parent.as_posix()}/test_{path.stem}.py", f"test_{path.stem}.py"]
-        return [*(name for name in mirrors if (ROOT / "tests" / name).exists()), *room]
+        return [*(name for name in mirrors if (ROOT / "tests" / name).exists()), *room, "messages"]
 
 
 def mutants() -> list[Mutant]:
