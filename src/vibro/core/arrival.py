@@ -26,6 +26,7 @@ from vibro.core.elementary import (
 )
 from vibro.core.flight import SHARP, Covariance, Flight, propagate, within
 from vibro.core.history import Sections, is_section
+from vibro.core.roots import bisected
 from vibro.core.steps import Course, Launch, State, Step, first_step, launched, nearest_turn, step
 from vibro.core.waves import FORCE, KINETIC_FORWARD, SINE, Mix, Waves, depart, moved, nodes_of
 
@@ -42,7 +43,6 @@ _SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
 _LINEAR: Final = 1e-7
 _SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
 _SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
-_HALVINGS: Final = 60  # from an interval of several turns down to an ulp
 _DOUBLINGS: Final = 990  # of a turn, up to 1e299 rad, where the search along a slide without end gives up
 # [1] Stretches of a flight between zeros of the acceleration: the longest flights last some 1e6 turns.
 _MOST_STRETCHES: Final = 10_000_000
@@ -293,10 +293,10 @@ def _reach_sliding(path: Path, length: float) -> float:
         high = TURN
         for _ in range(_DOUBLINGS):
             if not _missing(path, high) > 0.0:
-                return _arrival_between(path, 0.0, high)
+                return bisected(_missing, path, 0.0, high, True)
             high *= 2.0
         return NAN
-    return _arrival_between(path, 0.0, high)
+    return bisected(_missing, path, 0.0, high, True)
 
 
 def _reach_flying(path: Path, length: float, fastest: float) -> float:
@@ -313,7 +313,7 @@ def _reach_flying(path: Path, length: float, fastest: float) -> float:
         start, end = low, high
         rises, rises_on = _speed(path, low) > 0.0, _speed(path, high) >= 0.0
         if rises != rises_on:
-            still = _standstill(path, low, high, rises)
+            still = bisected(_speed, path, low, high, rises)
             if rises:
                 end = still
             else:
@@ -321,7 +321,7 @@ def _reach_flying(path: Path, length: float, fastest: float) -> float:
         elif not rises:
             end = low
         if _missing(path, end) <= 0.0:
-            return _arrival_between(path, start, end)
+            return bisected(_missing, path, start, end, True)
         low = high
     return NAN
 
@@ -342,25 +342,3 @@ def _next(zero: float, low: float) -> float:
     """Return where a zero of the acceleration, which comes once a turn, comes next."""
     nearest = low + wrap(zero - low)
     return nearest if nearest > low + _SETTLED * (1.0 + low) else nearest + TURN
-
-
-def _standstill(path: Path, low: float, high: float, falls: bool) -> float:
-    """Halve an interval at whose end alone the velocity has the other sign; it falls to 0, or rises."""
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if (_speed(path, middle) > 0.0) == falls:
-            low = middle
-        else:
-            high = middle
-    return high
-
-
-def _arrival_between(path: Path, low: float, high: float) -> float:
-    """Halve an interval in which the body arrives."""
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if _missing(path, middle) > 0.0:
-            low = middle
-        else:
-            high = middle
-    return high

@@ -32,6 +32,7 @@ from vibro.core.flight import (
     tangent_map,
     within,
 )
+from vibro.core.roots import bisected
 from vibro.core.waves import SINE, at_break, trough_at
 
 __all__ = [
@@ -55,7 +56,6 @@ _SHRINKS: Final = 0.75  # [1] a longer next step, over the one before, shows tha
 _CLOSED: Final = 1e-12  # [1] relative distance at which a cycle is closed
 _SAME: Final = 1e-8  # [1] relative distance below which a cycle repeats within itself
 _PHASES: Final = 256  # at which the speed of a trough that does not move along a sine is looked at
-_HALVINGS: Final = 48
 
 
 class Flights(NamedTuple):
@@ -387,28 +387,35 @@ def single_bounce(bed: Bed, restitution: float, turns: int, index: int) -> Singl
     return SingleBounce(phase, speed, True, stable)
 
 
+class _Rise(NamedTuple):
+    """A speed with which the trough shall rise."""
+
+    bed: Bed
+    speed: float
+
+
+def _beyond(at: _Rise, phase: float) -> float:
+    """Return how much faster the trough rises at a phase."""
+    return at.bed.lift.normal * trough_at(at.bed.waves, True, phase).slope - at.speed
+
+
 def _nth_bounce(
     bed: Bed, restitution: float, turns: int, index: int, rise: float, speed: float
 ) -> SingleBounce:
     """Look for the phases at which the trough rises with a speed, at equidistant phases."""
-    waves, count, found = bed.waves, _PHASES, 0
-    over = bed.lift.normal * trough_at(waves, True, 0.0).slope > rise
+    count, found, at = _PHASES, 0, _Rise(bed, rise)
+    over = _beyond(at, 0.0) > 0.0
     for i in range(count):
         low, high = TURN * i / count, TURN * (i + 1) / count
-        now = bed.lift.normal * trough_at(waves, True, high).slope > rise
+        now = _beyond(at, high) > 0.0
         # the rise falls there: else the cycle is not stable
         if over and not now:
             if found == index:
-                for _ in range(_HALVINGS):
-                    middle = 0.5 * (low + high)
-                    if bed.lift.normal * trough_at(waves, True, middle).slope > rise:
-                        low = middle
-                    else:
-                        high = middle
-                plus, load = 1.0 + restitution, 1.0 - bed_load(bed, high)
-                returns = abs(flight(bed, high, speed).length - TURN * turns) < _NEAR * TURN * turns
+                phase = bisected(_beyond, at, low, high, True)
+                plus, load = 1.0 + restitution, 1.0 - bed_load(bed, phase)
+                returns = abs(flight(bed, phase, speed).length - TURN * turns) < _NEAR * TURN * turns
                 stable = returns and plus * plus * load < 2.0 * (1.0 + restitution * restitution)
-                return SingleBounce(high, speed, True, stable)
+                return SingleBounce(phase, speed, True, stable)
             found += 1
         over = now
     return SingleBounce(NAN, NAN, False, False)

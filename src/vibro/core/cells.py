@@ -14,9 +14,9 @@ from typing import Final, NamedTuple
 
 from vibro.core.buffers import HARMONICS
 from vibro.core.elementary import AT_EVENT, EPS, INF, TURN, until, wrap
+from vibro.core.roots import Value
 from vibro.core.waves import (
     Mix,
-    Value,
     Waves,
     at_cell_begin,
     cell_begin,

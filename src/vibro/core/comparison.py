@@ -16,10 +16,10 @@ from typing import Final, NamedTuple
 from vibro.core.boxes import AXES, BETA, FIRST, KINETIC, LOAD, SECOND, STATIC, THIRD, Box, mean_speed
 from vibro.core.buffers import Doubles
 from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, hypotenuse
+from vibro.core.roots import Value, newton
 
 __all__ = ["least_speed"]
 
-_NEWTON: Final = 60  # steps at most; each starts where they converge from one side
 _SETTLED: Final = 1e-13  # [rad] last step
 _MOST_SLIDES: Final = 200  # until a cycle repeats
 _DIRECT: Final = 4  # slides without a rest, after which the cycle without rest is looked for
@@ -164,6 +164,35 @@ def _next(opens: float, window: float, phase: float) -> float:
     return phase if phase < last + window else last + TURN
 
 
+class _Pushed(NamedTuple):
+    """A slide up to half a turn of its own phase, where its sine ends: cosine at the start, and way to go."""
+
+    up: float
+    drag: float
+    cosine: float
+    rest: float
+
+
+def _missing(at: _Pushed, s: float) -> Value:
+    """Return the speed that is missing a phase s before half a turn."""
+    value = at.drag * (at.rest - s) - at.up * (at.cosine + math.cos(s))
+    return Value(value, at.up * math.sin(s) - at.drag)
+
+
+class _Braked(NamedTuple):
+    """A slide from half a turn of its own phase on, or a whole one: its speed there, and what brakes it."""
+
+    speed: float
+    load: float
+    drag: float
+
+
+def _speed(at: _Braked, s: float) -> Value:
+    """Return the speed after a phase s."""
+    value = at.speed - at.load * (1.0 - math.cos(s)) - at.drag * s
+    return Value(value, -(at.load * math.sin(s)) - at.drag)
+
+
 def _slide(side: Side, phase: float) -> _Path:
     """Slide from rest, or from where the way turns, by half turns of the own phase.
 
@@ -175,41 +204,23 @@ def _slide(side: Side, phase: float) -> _Path:
     cosine, rest = math.cos(q), PI - q
     speed = up * (1.0 + cosine) - drag * rest
     if speed <= 0.0:
-        s = 0.0  # back from half a turn, where the speed is concave
-        for _ in range(_NEWTON):
-            step = (up * (cosine + math.cos(s)) - drag * (rest - s)) / (drag - up * math.sin(s))
-            s -= step
-            if abs(step) <= _SETTLED:
-                break
+        # back from half a turn, where the speed is concave
+        s = newton(_missing, _Pushed(up, drag, cosine, rest), 0.0, INF, 0.0, _SETTLED).at
         length = max(rest - s, 0.0)
         path = up * (cosine * length - math.sin(s) + math.sin(q)) - 0.5 * drag * length * length
         return _Path(length, path)
     path = up * (cosine * rest + math.sin(q)) - 0.5 * drag * rest * rest
     after = speed - 2.0 * down - drag * PI
     if after <= 0.0:
-        s = QUARTER  # where the speed turns from concave to convex
-        for _ in range(_NEWTON):
-            pull = down * math.sin(s) + drag
-            if pull <= 0.0:
-                break
-            step = (speed - down * (1.0 - math.cos(s)) - drag * s) / pull
-            s += step
-            if abs(step) <= _SETTLED:
-                break
+        # from where the speed turns from concave to convex
+        s = newton(_speed, _Braked(speed, down, drag), QUARTER, INF, 0.0, _SETTLED).at
         return _Path(rest + s, path + s * (speed - 0.5 * drag * s) - down * (s - math.sin(s)))
     path += PI * (speed - 0.5 * drag * PI) - down * PI
     turn = math.asin(drag / up) if drag < up else QUARTER  # where the speed is least
     if drag <= 0.0 or after + up * (1.0 - math.cos(turn)) - drag * turn > 0.0:
         return _Path(NAN, NAN)
-    s = 0.0  # before the least speed it is convex
-    for _ in range(_NEWTON):
-        pull = drag - up * math.sin(s)
-        if pull <= 0.0:
-            break
-        step = (after + up * (1.0 - math.cos(s)) - drag * s) / pull
-        s += step
-        if abs(step) <= _SETTLED:
-            break
+    # before the least speed it is convex
+    s = newton(_speed, _Braked(after, -up, drag), 0.0, INF, 0.0, _SETTLED).at
     return _Path(rest + PI + s, path + s * (after - 0.5 * drag * s) + up * (s - math.sin(s)))
 
 

@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.drives import Loads, phase_difference
 from vibro.core.elementary import NAN, PI, QUARTER, rounded_sign
+from vibro.core.roots import illinois
 from vibro.core.slide import Onset, slide, start_inside
 from vibro.core.windows import Start, own_phase, phase_offset
 
@@ -32,8 +33,6 @@ _SETTLED: Final = 1e-8  # [1] a last step below this share of 1 - cot m leaves r
 # [1] tan(beta) / mu_d above which Eq. (61) is solved in place of (60): there y follows cot m so closely that
 # a small step is no sign of a root.
 _STEEP: Final = 0.8
-_BRACKET_STEPS: Final = 200
-_ROOT_NOISE: Final = 4.0 * 2.220446049250313e-16  # [1] of a bracket's width
 _SHORTEST: Final = 1e-300  # [rad] half a slide against which the other one meets next to no friction
 
 
@@ -241,10 +240,18 @@ def _arc(sine: float, over: float) -> float:
     return math.asin(min(max(sine / over, -1.0), 1.0))
 
 
-def _apart(x: float, k: float, other: float, offset: float) -> float:
+class _Slides(NamedTuple):
+    """k of both slides, and E of kinetic friction."""
+
+    k: float
+    other: float
+    offset: float
+
+
+def _apart(of: _Slides, x: float) -> float:
     """H of Eq. (61), monotone: phase between the middles that either slide has by itself."""
     sine = math.sin(x)
-    return _arc(k * x, sine) - _arc(other * (PI - x), sine) + offset
+    return _arc(of.k * x, sine) - _arc(of.other * (PI - x), sine) + of.offset
 
 
 def _longest(k: float) -> float:
@@ -268,24 +275,11 @@ def half_length_root(loads: Loads, forward: Onset, back: Onset) -> ContinuousSli
     low, high = max(PI - _longest(other), _SHORTEST), _longest(k)
     if not low < high:
         return no_cycle()
-    below, above = _apart(low, k, other, offset), _apart(high, k, other, offset)
+    of = _Slides(k, other, offset)
+    below, above = _apart(of, low), _apart(of, high)
     if below > 0.0 or above < 0.0:
         return no_cycle()
-    x = high
-    # false position that halves the weight of an end which stays (Illinois), in a bracket of both signs
-    for _ in range(_BRACKET_STEPS):
-        if above - below <= 0.0 or high - low <= _ROOT_NOISE * high:
-            break
-        x = high - above * ((high - low) / (above - below))
-        if not low < x < high:
-            x = 0.5 * (low + high)
-        value = _apart(x, k, other, offset)
-        if value == 0.0:
-            low, high = x, x
-        elif value > 0.0:
-            high, above, below = x, value, 0.5 * below
-        else:
-            low, below, above = x, value, 0.5 * above
+    x = illinois(_apart, of, low, high, below, above)
     sine = math.sin(x)
     before, after = _arc(k * x, sine), _arc(other * (PI - x), sine)
     # from the slide whose load is farther from its crest there; m is a phase of the motion along

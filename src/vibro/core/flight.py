@@ -26,6 +26,7 @@ from vibro.core.elementary import (
     until,
     wrap,
 )
+from vibro.core.roots import Value, newton
 from vibro.core.wave_flights import fly_over_waves
 from vibro.core.waves import NORMAL, SINE, Mix, Waves, at_break, depart, load_at, moved, one_harmonic
 
@@ -45,7 +46,6 @@ BOUNCE: Final = 0.1
 SHARP: Final = 1e-9
 LOST: Final = 1e-5
 
-_NEWTON_STEPS: Final = 60  # monotone, quadratic but for grazing landings; few flights need more than 8
 _SETTLED: Final = 1e-8  # [1] a last Newton step below this fraction of the length leaves rounding errors only
 
 # [1] Newton's iteration from the far end of a turn needs many steps to the landing of a short bounce, which
@@ -227,7 +227,7 @@ def _landing(at: _TakeOff, start: float, crest: float) -> float:
         # where the height at the end of the first piece is positive and still falling, the piece has no zero
         height, rate = _height(at, first)
         if height < 0.0 or rate > 0.0:
-            found = _newton(at, start, first)
+            found = _first_zero(at, start, first)
             if not math.isnan(found):
                 return found
     sinks = _height(at, second).path < 0.0
@@ -236,23 +236,19 @@ def _landing(at: _TakeOff, start: float, crest: float) -> float:
         near = _SHORT_BOUNCE * at.speed / load
         if near < second and _height(at, near).path < 0.0:
             second = near
-    return _newton(at, second, INF if sinks else crest)
+    return _first_zero(at, second, INF if sinks else crest)
 
 
-def _newton(at: _TakeOff, start: float, end: float) -> float:
+def _falling(at: _TakeOff, s: float) -> Value:
+    """Return height and rate of climb as a function and its slope."""
+    height = _height(at, s)
+    return Value(height.path, height.velocity)
+
+
+def _first_zero(at: _TakeOff, start: float, end: float) -> float:
     """Return a zero of the height by Newton's iteration; NaN if it turns round or passes ``end`` first."""
-    s = start
-    for _ in range(_NEWTON_STEPS):
-        height, rate = _height(at, s)
-        if rate >= 0.0:
-            return NAN
-        step = -height / rate
-        s += step
-        if s > end:
-            return NAN
-        if abs(step) <= _SETTLED * s:
-            return s
-    return s
+    landing = newton(_falling, at, start, end, _SETTLED, 0.0)
+    return landing.at if landing.found else NAN
 
 
 class Impact(NamedTuple):

@@ -18,6 +18,7 @@ from vibro.core.cells import Event, find_nodes, forget_nodes, next_event
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, along_sine, beyond_friction, mix_of
 from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, until, wrap, wrap_around
+from vibro.core.roots import bisected
 from vibro.core.wave_slides import slide_over_waves
 from vibro.core.waves import (
     FORCE,
@@ -48,7 +49,6 @@ _HALLEY_STEPS: Final = 4
 # [1] A last step below this fraction of the way from the maximum leaves rounding errors only, at double zeros
 # too: a step leaves a third of the error there, and the speed is of its square.
 _SETTLED: Final = 1e-9
-_HALVINGS: Final = 60  # from an interval of a turn to the last bit
 
 
 class Forcing(NamedTuple):
@@ -293,13 +293,19 @@ def _zero_of_speed(at: Forcing, top: float, low: float, high: float) -> float:
         step, d = onward - d, onward
         if abs(step) <= _SETTLED * d:
             return d
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if _speed_loss(middle, at) < top:
-            low = middle
-        else:
-            high = middle
-    return high
+    return bisected(_speed_left, _Falling(at, top), low, high, True)
+
+
+class _Falling(NamedTuple):
+    """A slide whose speed falls from a maximum."""
+
+    at: Forcing
+    top: float
+
+
+def _speed_left(slide: _Falling, d: float) -> float:
+    """Return the speed a phase d after its maximum."""
+    return slide.top - _speed_loss(d, slide.at)
 
 
 def mode_of(loads: Loads, phase: float, velocity: float, friction: float) -> int:

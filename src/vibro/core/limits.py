@@ -12,6 +12,7 @@ from vibro.core.contact import Pair, outlasts_back, pair_of
 from vibro.core.continuous import continuous_sliding
 from vibro.core.drives import Loads
 from vibro.core.elementary import INF, NAN, PI, QUARTER
+from vibro.core.roots import illinois
 from vibro.core.windows import Thresholds, reaches, thresholds
 
 __all__ = ["CriticalLoads", "critical_loads", "onset", "tipping_load", "unknown_loads"]
@@ -19,8 +20,6 @@ __all__ = ["CriticalLoads", "critical_loads", "onset", "tipping_load", "unknown_
 # [1] Load over that of the onsets up to which drives are looked at that never make bodies hop.
 _MOST: Final = 1e8
 _HALVINGS: Final = 52  # of the logarithm of a load, down to its rounding
-_STEPS: Final = 200
-_ROOT_NOISE: Final = 4.0 * 2.220446049250313e-16  # [1] of a bracket's width
 
 
 class CriticalLoads(NamedTuple):
@@ -96,39 +95,31 @@ def _resistance(unit: Loads) -> float:
     return drag / (unit.drive_tangential + mu_d * unit.drive_normal)
 
 
-def _speed_at_close(weight: float, forward: float, back: float, resistance: float) -> float:
+class _Windows(NamedTuple):
+    """Onsets of a line, and ``_resistance``."""
+
+    forward: float
+    back: float
+    resistance: float
+
+
+def _speed_at_close(at: _Windows, weight: float) -> float:
     """Speed of a line's forward slide where the back window closes, over 1/G, Eq. (22): monotone in 1/G."""
-    s_f, s_b = weight * forward, min(weight * back, 1.0)
+    s_f, s_b = weight * at.forward, min(weight * at.back, 1.0)
     cosines = math.sqrt(max((1.0 - s_f) * (1.0 + s_f), 0.0)) + math.sqrt((1.0 - s_b) * (1.0 + s_b))
     if cosines == 0.0:  # both s are 1 to rounding, at the back onset
         return INF
-    gain = weight * (back - forward) * (back + forward) / cosines
-    return gain - resistance * (PI + math.acos(min(s_f, 1.0)) + math.acos(s_b))
+    gain = weight * (at.back - at.forward) * (at.back + at.forward) / cosines
+    return gain - at.resistance * (PI + math.acos(min(s_f, 1.0)) + math.acos(s_b))
 
 
 def _back_slip_of_line(unit: Loads, forward: float, back: float) -> float:
     """Load from which the forward slide ends before the back window closes; at least the back onset."""
-    resistance = _resistance(unit)
-    low, high = 0.0, 1.0 / back
-    below, above = -2.0 * PI * resistance, _speed_at_close(high, forward, back, resistance)
+    at, high = _Windows(forward, back, _resistance(unit)), 1.0 / back
+    above = _speed_at_close(at, high)
     if not (above > 0.0 and high < INF):
         return back
-    x = high
-    # false position that halves the weight of an end which stays (Illinois), in a bracket of both signs
-    for _ in range(_STEPS):
-        if high - low <= _ROOT_NOISE * high:
-            break
-        x = high - above * ((high - low) / (above - below))
-        if not low < x < high:
-            x = 0.5 * (low + high)
-        value = _speed_at_close(x, forward, back, resistance)
-        if value == 0.0:
-            break
-        if value > 0.0:
-            high, above, below = x, value, 0.5 * below
-        else:
-            low, below, above = x, value, 0.5 * above
-    return 1.0 / x
+    return 1.0 / illinois(_speed_at_close, at, 0.0, high, -2.0 * PI * at.resistance, above)
 
 
 def _continuous_sliding_of_line(unit: Loads, forward: float, back: float) -> float:

@@ -10,6 +10,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.elementary import INF, NAN, PI, QUARTER, series_q, series_r
+from vibro.core.roots import bisected
 
 __all__ = ["Onset", "Slide", "slide", "start_inside"]
 
@@ -19,7 +20,6 @@ _TINY: Final = 1e-300
 _PHASE_NOISE: Final = 1e-15
 # [1] A second step above this fraction of x would leave more than rounding errors.
 _SETTLED: Final = 1e-4
-_HALVINGS: Final = 60  # from an interval of a turn down to an ulp
 
 
 class Onset(NamedTuple):
@@ -154,6 +154,11 @@ def _halley(x: float, gap: float, onset: Onset) -> _Evaluation:
     return _Evaluation(f * slope / (f * bend + (slope * slope + _TINY)), sin_x, cos_x, sin_u, cos_u)
 
 
+def _speed_downhill(onset: Onset, phase: float) -> float:
+    """Return the speed, over C, at a phase of the slide's own."""
+    return onset.sin - math.cos(phase) - onset.k * (phase - (QUARTER - onset.c))
+
+
 def _slide_downhill(onset: Onset, peak: float) -> Slide:
     """Solve a slide with k < 0: gravity along the trough exceeds kinetic friction.
 
@@ -170,15 +175,9 @@ def _slide_downhill(onset: Onset, peak: float) -> Slide:
         cosines = onset.sin + math.sqrt(max((1.0 - k) * (1.0 + k), 0.0)) + _PHASE_NOISE
         ends = k * (least - p0) - onset.excess * (onset.excess - 2.0 * k) / cosines <= 0.0
     else:
-        ends = onset.sin - math.cos(high) + k * (high - p0) <= 0.0
+        ends = _speed_downhill(onset, high) <= 0.0
     if not ends:
         return Slide(INF, NAN, peak, True)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if onset.sin - math.cos(middle) + k * (middle - p0) > 0.0:
-            low = middle
-        else:
-            high = middle
-    x = 0.5 * (high - p0)
+    x = 0.5 * (bisected(_speed_downhill, onset, low, high, True) - p0)
     reach = 2.0 * math.sin(x - c) * (x * x * x * series_r(x * x))
     return Slide(x, onset.load * reach, peak, True)

@@ -12,10 +12,11 @@ from typing import Final, NamedTuple
 
 from vibro.core.buffers import HARMONICS, PIECES, ROOM, Doubles, Integers
 from vibro.core.elementary import FEW_ULP, INF, QUARTER, TURN, circle, wrap
+from vibro.core.roots import Value
 
 __all__ = [
     "CELLS", "FORCE", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "SINE", "STATIC_BACK", "STATIC_FORWARD",
-    "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value", "Waves", "at_break", "at_cell_begin",
+    "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Waves", "at_break", "at_cell_begin",
     "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "integrals_of", "load_at", "mixed",
     "moved", "nodes_of", "normal_size", "one_harmonic", "part_of", "place_in", "prepare_cells",
     "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin",
@@ -90,13 +91,6 @@ class Mix(NamedTuple):
     constant: float
     along: float
     normal: float
-
-
-class Value(NamedTuple):
-    """A wave at a phase, and its slope there."""
-
-    value: float
-    slope: float
 
 
 class Curve(NamedTuple):
