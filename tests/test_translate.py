@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from typing import Final, NamedTuple, TypeVar
-from vibro.core.buffers import Bytes, Doubles, Integers, doubles
+from vibro.core.buffers import Bytes, Doubles, Integers, doubles, integers
 from vibro.core.codes import Mode, Pattern
 """
 # Two modules that have names in common.
@@ -378,8 +378,9 @@ def reversed_sum(x: Doubles, n: int) -> float:
     return found
 
 def _second(x: Doubles, i: int) -> float:
-    room = doubles(2)
-    room[1] = x[i] + room[0]
+    room, order = doubles(2), integers(3)
+    order[2] = 1
+    room[order[2]] = x[i] + room[order[1]]
     return room[1]
 
 def shared(x: Doubles) -> float:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 SCALARS = {"float": "double", "int": "long long", "bool": "int"}
 BUFFERS = {"Doubles": "float", "Integers": "int", "Bytes": "int"}
+ARRAYS = {"doubles": "Doubles", "integers": "Integers"}  # by the functions that make them
 _POINTERS = {"Doubles": "double *", "Integers": "long long *", "Bytes": "signed char *"}
 _DOORS = "loop"
 _NO_EFFECT, _READS, _FILLS = range(3)  # of functions on buffers
@@ -363,6 +364,10 @@ def _is_function(annotation: ast.expr | None) -> bool:
     return False
 
 
+def _is_array(value: ast.expr) -> bool:
+    return isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id in ARRAYS
+
+
 def _both(one: frozenset[str] | None, other: frozenset[str] | None) -> frozenset[str] | None:
     """Return what is set where two ways meet."""
     return other if one is None else one if other is None else one & other
@@ -373,8 +378,10 @@ def _effect(nodes: Sequence[ast.AST], names: dict[str, Any]) -> int:
     inside, own = [n for part in nodes for n in ast.walk(part)], set()
     for node in inside:
         match node:
-            case ast.Assign([ast.Name(name)], ast.Call(ast.Name("doubles"))):
+            case ast.Assign([ast.Name(name)], value) if _is_array(value):
                 own.add(name)
+            case ast.Assign([ast.Tuple(targets)], ast.Tuple(values)) if all(map(_is_array, values)):
+                own |= {target.id for target in targets if isinstance(target, ast.Name)}
     effect = _NO_EFFECT
     for node in inside:
         match node:
@@ -516,8 +523,8 @@ class _Function:
 
     def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
         match target, value:
-            case ast.Name(name), ast.Call(ast.Name("doubles"), [ast.expr() as length]):
-                return self._array(value, name, _constant(self._names, length))
+            case ast.Name(name), ast.Call(ast.Name(array), [ast.expr() as length]) if array in ARRAYS:
+                return self._array(value, name, ARRAYS[array], _constant(self._names, length))
             case ast.Name(name), _:
                 found = self._value(value, self._kinds.get(name, ""))
                 kind = self._kinds.get(name, found.kind)
@@ -534,20 +541,23 @@ class _Function:
                 return self._unpack(targets, value)
         raise self._refused(target, "no target")
 
-    def _array(self, value: ast.expr, name: str, length: Any) -> list[str]:
+    def _array(self, value: ast.expr, name: str, kind: str, length: Any) -> list[str]:
         """Make an array of a fixed length, all 0, that lives as long as the function runs."""
         if not isinstance(length, int) or self._breaks or name in self._kinds:
             raise self._refused(value, "an array has a constant length, a name of its own, and is in no loop")
         if self._program.holds_buffers(self._result):
             raise self._refused(value, "an array does not outlive its function, whose result may have it")
-        self._declare(value, name, "Doubles")
+        self._declare(value, name, kind)
         self._sets(name)
-        self._rooms.append(f"    double {name}__room[{length}];")
+        self._rooms.append(f"    {SCALARS[BUFFERS[kind]]} {name}__room[{length}];")
         return [f"memset({name}__room, 0, sizeof {name}__room);", f"{name} = {name}__room;"]
 
     def _unpack(self, targets: list[ast.expr], value: ast.expr) -> list[str]:
         """Assign a tuple: all of its values are known before the first is put down."""
         before = []
+        if isinstance(value, ast.Tuple) and all(_is_array(v) for v in value.elts):
+            pairs = zip(targets, value.elts, strict=False)
+            return [line for one, room in pairs for line in self._assign(one, room)]
         if isinstance(value, ast.Tuple):
             values = [self._value(v) for v in value.elts]
         else:

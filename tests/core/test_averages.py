@@ -21,7 +21,7 @@ from vibro.core.averages import (
     averages,
 )
 from vibro.core.bounces import single_bounce
-from vibro.core.buffers import BODIES
+from vibro.core.buffers import BODIES, doubles, integers
 from vibro.core.codes import Status
 from vibro.core.drives import Loads, along_cosine
 from vibro.core.flight import sinusoidal
@@ -32,29 +32,21 @@ from vibro.core.samples import fly
 
 TURN = 2.0 * math.pi
 LIST = list(range(BODIES))
+HALVES = 2 * BODIES
+ROOM = Bodies(
+    doubles(HALVES), doubles(HALVES), doubles(HALVES), doubles(HALVES), doubles(HALVES), integers(3 * BODIES)
+)
 
 
 def _averaged(loads: Loads, restitution: float, length: int = 12, longest: bool = True) -> Means:
-    return averages(track_of(loads, restitution), restitution, length, longest, FLIGHTS, HOPS)
-
-
-def _bodies() -> Bodies:
-    """Return what ``averages`` has left of its bodies."""
-    return Bodies(
-        time=FLIGHTS.phase,
-        path=FLIGHTS.speed,
-        gain=FLIGHTS.length,
-        swing=FLIGHTS.impact,
-        start=FLIGHTS.impulse,
-        row=FLIGHTS.before,
-    )
+    return averages(track_of(loads, restitution), restitution, length, longest, FLIGHTS, HOPS, ROOM)
 
 
 # ------------------------------------------------------------------------------- statistics
 
 
 def test_variances_are_those_of_the_textbook() -> None:
-    pick, bodies = random.Random(1), _bodies()
+    pick, bodies = random.Random(1), ROOM
     times = [[pick.uniform(5.0, 9.0) for _ in range(2)] for _ in LIST]
     paths = [[0.4 * t + pick.gauss(0.0, 1.0) for t in pair] for pair in times]
     for i in LIST:
@@ -74,7 +66,7 @@ def test_variances_are_those_of_the_textbook() -> None:
 
 @pytest.mark.parametrize("shift", [0.0, 3.0])
 def test_drifts_are_those_that_a_t_test_finds(shift: float) -> None:
-    pick, bodies = random.Random(2), _bodies()
+    pick, bodies = random.Random(2), ROOM
     off = [(shift + pick.gauss(0.0, 1.0), -shift + pick.gauss(0.0, 1.0)) for _ in LIST]
     for i in LIST:
         for half in range(2):
@@ -89,7 +81,7 @@ def test_drifts_are_those_that_a_t_test_finds(shift: float) -> None:
 
 def test_bodies_side_by_side_drift_together() -> None:
     # their scatter is nothing, but one body's halves differ
-    bodies = _bodies()
+    bodies = ROOM
     for i in LIST:
         for half in range(2):
             bodies.time[2 * i + half], bodies.path[2 * i + half] = 0.5, 0.5 - half
@@ -201,7 +193,7 @@ def test_sums_are_those_of_all_bodies() -> None:
         time += sample.first_time + sample.second_time
         aloft += sample.aloft
         impact, peak = max(impact, sample.impact), max(peak, one.peak, two.peak)
-        velocities = _bodies().start[2 * i], _bodies().start[2 * i + 1]
+        velocities = ROOM.start[2 * i], ROOM.start[2 * i + 1]
         assert velocities == pytest.approx((velocity, sample.trough), abs=1e-13)
     assert means.displacement == pytest.approx(TURN * path / time, rel=1e-12)
     assert means.flight_fraction == pytest.approx(aloft / time, rel=1e-12)
@@ -242,8 +234,8 @@ def test_the_error_shrinks_with_the_root_of_the_sample() -> None:
 def test_gains_are_changes_of_the_velocity_over_the_ground() -> None:
     for loads, e in ((line(2.45, 30.0, 0.5, 0.05, 2.0), 0.3), (line(4.3, 30.0, 0.5, 0.4, -5.0), 0.2)):
         track = track_of(loads, e)
-        averages(track, e, 6, True, FLIGHTS, HOPS)
-        bodies, gained = _bodies(), []
+        averages(track, e, 6, True, FLIGHTS, HOPS, ROOM)
+        bodies, gained = ROOM, []
         slid = _slide(track, HOPS, bodies)
         stops = 0
         for i in LIST:
@@ -268,7 +260,7 @@ def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
     loads = line(2.45, 30.0, 0.5, 1e-3, 0.02)
     track, a = track_of(loads, 0.3), loads.drive_tangential
     means = _averaged(loads, 0.3, 24)
-    bodies = _bodies()
+    bodies = ROOM
     # from wherever the search begins, it ends where gains cancel
     grounds = []
     for shift in (0.0, -0.7, 0.6):
@@ -290,7 +282,7 @@ def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
 
 def test_corrections_of_paths_cancel_and_follow_the_gains() -> None:
     loads = line(2.45, 30.0, 0.5, 1e-3)
-    track, bodies = track_of(loads, 0.3), _bodies()
+    track, bodies = track_of(loads, 0.3), ROOM
     _averaged(loads, 0.3, 24)
     corrected = [bodies.path[i] for i in range(2 * BODIES)]
     gains = [bodies.gain[i] for i in range(2 * BODIES)]

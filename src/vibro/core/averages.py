@@ -12,7 +12,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.bounces import Flights, single_bounce
-from vibro.core.buffers import BODIES, Doubles
+from vibro.core.buffers import BODIES, Doubles, Integers
 from vibro.core.captures import captures
 from vibro.core.codes import Status
 from vibro.core.elementary import INF, NAN, TURN
@@ -24,7 +24,7 @@ from vibro.core.samples import fly
 from vibro.core.waves import SINE
 
 __all__ = [
-    "CAPTURED", "MOST_TURNS", "Bodies", "Means", "Spread", "averages", "bodies_in", "spread_of", "start_of",
+    "CAPTURED", "MOST_TURNS", "Bodies", "Means", "Spread", "averages", "spread_of", "start_of",
 ]  # fmt: skip
 
 # [1] Ratio of the variance of a body's mean to that expected from its two halves: above which the sample is
@@ -72,7 +72,7 @@ class Means(NamedTuple):
 
 
 class Bodies(NamedTuple):
-    """What is known of the bodies of a scene; of their halves in rows 2 i and 2 i + 1 of body i.
+    """What is known of ``BODIES`` bodies of a scene; of their halves in rows 2 i and 2 i + 1 of body i.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Bodies(NamedTuple):
     start : Doubles
         In row 2 i the relative velocity of a body at the start of its sample, in row 2 i + 1 the velocity of
         the trough there, over a.
-    row : Doubles
+    row : Integers
         Rows of ``Hops``, from 3 i on: the first of each half, and the one behind the last.
     """
 
@@ -92,7 +92,7 @@ class Bodies(NamedTuple):
     gain: Doubles
     swing: Doubles
     start: Doubles
-    row: Doubles
+    row: Integers
 
 
 class _Slid(NamedTuple):
@@ -115,8 +115,9 @@ class _Slid(NamedTuple):
 
 
 def averages(
-    track: Track, restitution: float, length: int, longest: bool, flights: Flights, hops: Hops
-) -> Means:
+    track: Track, restitution: float, length: int, longest: bool, flights: Flights, hops: Hops,
+    bodies: Bodies,
+) -> Means:  # fmt: skip
     """Average the motion of a scene in which no cycle can be told.
 
     Parameters
@@ -131,6 +132,8 @@ def averages(
         Whether no longer samples are to follow.
     flights, hops : Flights, Hops
         Scratch memory; ``BODIES * MOST_HOPS`` rows of ``hops``.
+    bodies : Bodies
+        Written.
 
     Returns
     -------
@@ -145,7 +148,6 @@ def averages(
     the bodies.
     """
     loads = track.loads
-    bodies = bodies_in(flights)
     unresolved = Means(Status.UNRESOLVED, NAN, NAN, NAN, NAN, NAN)
     throw, start = loads.drive_normal / loads.weight_normal, start_of(track)
     total, aloft, impact, lands = 0.0, 0.0, 0.0, False
@@ -205,20 +207,8 @@ def averages(
     if loads.waves.kind != SINE:
         means = _with_captures(track, restitution, means, start, flights, hops)
     if throw < CAPTURED:
-        return _with_single_bounces(track, restitution, means, start, hops, bodies.path)
+        return _with_single_bounces(track, restitution, means, start, hops, flights.speed)
     return means
-
-
-def bodies_in(flights: Flights) -> Bodies:
-    """Return the room for what is known of the bodies: that of the flights of a search that is over."""
-    return Bodies(
-        time=flights.phase,
-        path=flights.speed,
-        gain=flights.length,
-        swing=flights.impact,
-        start=flights.impulse,
-        row=flights.before,
-    )
 
 
 def start_of(track: Track) -> float:
@@ -288,7 +278,7 @@ def _slide(track: Track, hops: Hops, bodies: Bodies) -> _Slid:
         velocity = bodies.start[2 * i]
         for half in range(2):
             row, here = 3 * i + half, 2 * i + half
-            first, last = int(bodies.row[row]), int(bodies.row[row + 1])
+            first, last = bodies.row[row], bodies.row[row + 1]
             leg = return_map(track, hops, first, last, 0.0, 0.0, velocity)
             # without a stop gravity and friction alone act
             gain = leg.friction - loads.weight_tangential * bodies.time[here]

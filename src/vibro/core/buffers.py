@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, TypeAlias
 __all__ = [
     "BODIES", "CLASSES", "ELLIPSE", "EXTREME", "FIELDS", "HARMONICS", "LINE", "LONGEST_CYCLE", "MIXES",
     "MOST_BOUNCES", "MOST_CYCLES", "MOST_HOPS", "MOST_THROW", "PIECES", "ROOM", "Bytes",
-    "Doubles", "Integers", "Moments", "doubles",
+    "Doubles", "Integers", "Moments", "doubles", "integers",
 ]  # fmt: skip
 
 Doubles: TypeAlias = "memoryview[float]"
@@ -50,6 +50,11 @@ EXTREME: Final = 1e50
 def doubles(count: int) -> memoryview[float]:
     """Make an array of zeros; compiled it has a constant length, and ends with the function that makes it."""
     return memoryview(bytearray(8 * count)).cast("d")
+
+
+def integers(count: int) -> memoryview[int]:
+    """Make an array of zeros, as ``doubles``."""
+    return memoryview(bytearray(8 * count)).cast("q")
 
 
 class Moments(NamedTuple):

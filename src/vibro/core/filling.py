@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.averages import CAPTURED, MOST_TURNS, bodies_in, spread_of, start_of
+from vibro.core.averages import CAPTURED, MOST_TURNS, Bodies, spread_of, start_of
 from vibro.core.bounces import Flights, single_bounce
-from vibro.core.buffers import BODIES
+from vibro.core.buffers import BODIES, doubles, integers
 from vibro.core.codes import Mode, Status
 from vibro.core.cycle_slides import SlideLeg, cycle_slides
 from vibro.core.drives import Loads, along_cosine, along_sine, free_along, free_normal, phase_difference
@@ -241,34 +241,36 @@ def mean_reaction(loads: Loads, restitution: float, flights: Flights, hops: Hops
     ``hopping`` tells, as are the stable cycles of one bounce that count as one motion each.
     """
     track = track_of(loads, restitution)
-    if means_of(track, restitution, flights, hops).status != Status.AVERAGED:
+    time, path, gain = doubles(2 * BODIES), doubles(2 * BODIES), doubles(2 * BODIES)
+    swing, start, rows = doubles(2 * BODIES), doubles(2 * BODIES), integers(3 * BODIES)
+    bodies, total, lands = Bodies(time, path, gain, swing, start, rows), 0.0, False
+    if means_of(track, restitution, flights, hops, bodies).status != Status.AVERAGED:
         return Reaction(NAN, NAN, NAN, NAN, NAN, NAN)
-    bodies, total, lands = bodies_in(flights), 0.0, False
-    for row in range(int(bodies.row[3 * BODIES - 1])):
+    for row in range(rows[3 * BODIES - 1]):
         lands = lands or hops.rest[row] > 0.0
     whole, begun = _from_rest(), 0
     for i in range(BODIES):
-        walk = _from_rest()._replace(velocity=bodies.start[2 * i])
+        walk = _from_rest()._replace(velocity=start[2 * i])
         flown = -1.0
         for half in range(2):
             walk = _from_rest()._replace(velocity=walk.velocity)
-            for row in range(int(bodies.row[3 * i + half]), int(bodies.row[3 * i + half + 1])):
+            for row in range(rows[3 * i + half], rows[3 * i + half + 1]):
                 hop = _hop_of_sample(loads, restitution, hops, i, begun, row, flown)
                 flown = hop.impact
                 walk = _with_flight(loads, restitution, hop, landed(hops, row, walk.velocity), walk)
                 if hops.rest[row] > 0.0:
                     walk = _with_contact(track, hops.landing[row], hops.rest[row], walk)
             here = _projected(loads, walk.along, walk.normal)
-            bodies.path[2 * i + half], bodies.gain[2 * i + half] = here.real, here.imaginary
-            total += bodies.time[2 * i + half]
+            path[2 * i + half], gain[2 * i + half] = here.real, here.imaginary
+            total += time[2 * i + half]
             whole = _Walk(_plus(whole.along, walk.along), _plus(whole.normal, walk.normal), 0.0)
-        begun = int(bodies.row[3 * i + 2])
+        begun = rows[3 * i + 2]
     found = _reaction(loads, whole, total)
     # the shares are 2 / (a^2 + b^2) times means per radian
     scale = 2.0 / (loads.drive_tangential * loads.drive_tangential + loads.drive_normal * loads.drive_normal)
     mass_error = scale * math.sqrt(spread_of(bodies, (found.added_mass - 1.0) / scale, total, lands).variance)
     for i in range(2 * BODIES):
-        bodies.path[i] = bodies.gain[i]
+        path[i] = gain[i]
     damping_error = scale * math.sqrt(spread_of(bodies, -found.added_damping / scale, total, lands).variance)
     found = found._replace(mass_error=mass_error, damping_error=damping_error)
     if loads.drive_normal < CAPTURED * loads.weight_normal:

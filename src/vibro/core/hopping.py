@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vibro.core.averages import Means, averages
+from vibro.core.averages import Bodies, Means, averages
 from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces, normal_multiplier
-from vibro.core.buffers import MOST_THROW, Bytes
+from vibro.core.buffers import BODIES, MOST_THROW, Bytes, doubles, integers
 from vibro.core.codes import IRREGULAR, Status
 from vibro.core.drives import Loads
 from vibro.core.elementary import NAN, TURN
@@ -117,7 +117,10 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
     track = track_of(loads, restitution)
     out = _cycle(track, restitution, flights, hops)
     if out.status == Status.UNRESOLVED:
-        out = _irregular(means_of(track, restitution, flights, hops))
+        time, path, gain = doubles(2 * BODIES), doubles(2 * BODIES), doubles(2 * BODIES)
+        swing, start, row = doubles(2 * BODIES), doubles(2 * BODIES), integers(3 * BODIES)
+        bodies = Bodies(time, path, gain, swing, start, row)
+        out = _irregular(means_of(track, restitution, flights, hops, bodies))
     if out.status == Status.OK and is_held_at_limit(loads):
         out = out._replace(status=int(Status.BOUNDARY))
     if out.status <= Status.BOUNDARY or out.status == Status.AVERAGED:
@@ -174,13 +177,13 @@ def write_hopping_letters(
     return spell(cycle, hops, orbit_from(cycle, hops, entry.velocity).velocity, out, room).number
 
 
-def means_of(track: Track, restitution: float, flights: Flights, hops: Hops) -> Means:
-    """Average over samples, over longer ones where shorter ones do not suffice."""
-    means = averages(track, restitution, _SHORT_SAMPLE, False, flights, hops)
+def means_of(track: Track, restitution: float, flights: Flights, hops: Hops, bodies: Bodies) -> Means:
+    """Average over samples, over longer ones where shorter ones do not suffice, and write the bodies."""
+    means = averages(track, restitution, _SHORT_SAMPLE, False, flights, hops, bodies)
     if means.status == Status.UNRESOLVED:
-        means = averages(track, restitution, _MIDDLE_SAMPLE, False, flights, hops)
+        means = averages(track, restitution, _MIDDLE_SAMPLE, False, flights, hops, bodies)
     if means.status == Status.UNRESOLVED:
-        means = averages(track, restitution, _LONG_SAMPLE, True, flights, hops)
+        means = averages(track, restitution, _LONG_SAMPLE, True, flights, hops, bodies)
     return means
 
 
