@@ -1,6 +1,6 @@
 """What the pictures of a map cost that show cells of its table where motion is irregular, or solve all anew.
 
-Usage: python benchmarks/picture_cells.py
+Usage: python benchmarks/picture_cells.py [--only MAP ...]
 
 CPU of all threads, in seconds: of the table; of the cells of pictures, without and with those of the table;
 of drawing the maps of regimes and speeds. "from table" is the share of the cells of pictures that is taken.
@@ -8,6 +8,7 @@ of drawing the maps of regimes and speeds. "from table" is the share of the cell
 
 from __future__ import annotations
 
+import argparse
 import time
 from typing import Any, Final
 
@@ -35,9 +36,13 @@ MAPS: Final[dict[str, dict[str, Any]]] = {
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", choices=MAPS, default=list(MAPS), metavar="MAP")
+    chosen = parser.parse_args().only
     heads = ("cells", "table", "anew", "taken", "from table", "drawing")
     print(f"{'map':20}" + "".join(f"{head:>11}" for head in heads))
-    for name, given in MAPS.items():
+    for name in chosen:
+        given = MAPS[name]
         quantities = {key: value for key, value in given.items() if key != "coexistence"}
         grid = request_of_call(None, quantities).grid(
             Output.EXACT, flight=True, coexistence="coexistence" in given

@@ -1,6 +1,6 @@
 """Which curve through the samples of one period? A cubic spline of the acceleration, or harmonics.
 
-Usage: python benchmarks/samples.py
+Usage: python benchmarks/samples.py [--cycles 12]
 
 Three accelerations whose truth is known, the jumps of the last one between samples: a sine with harmonics 2,
 3 and 5, a trapezoid with ramps of 5 % of the period, and two levels. Each is sampled n times a period, as
@@ -13,6 +13,7 @@ a level trough, mu_s 0.3 and mu_d 0.25, by small time steps; their errors in per
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
 from typing import Final
 
@@ -22,7 +23,6 @@ from scipy.interpolate import CubicSpline
 import vibro
 
 FINE: Final = 16_384  # points of a period, at which all are compared
-CYCLES: Final = 12  # after which the body has settled
 COUNTS: Final = (8, 16, 32, 64, 128, 256, 1024)
 MOST: Final = 16  # harmonics
 FREQUENCY: Final = 2.5  # [Hz]
@@ -92,12 +92,12 @@ def harmonics(samples: Floats, power: int = 0) -> Floats:
     return np.fft.irfft(spectrum, FINE)
 
 
-def speeds(accelerations: Floats) -> Floats:
+def speeds(accelerations: Floats, cycles: int) -> Floats:
     """Return the mean speeds of bodies on troughs (cases, FINE), by small steps from rest [m/s]."""
     step = 1.0 / FREQUENCY / FINE
     speed = np.zeros(accelerations.shape[0])
     moved = np.zeros_like(speed)
-    for _ in range(CYCLES):
+    for _ in range(cycles):
         moved[:] = 0.0
         for a in accelerations.T:
             slides = (speed != 0.0) | (np.abs(a) > MU_S * GRAVITY)
@@ -111,6 +111,9 @@ def speeds(accelerations: Floats) -> Floats:
 
 def main() -> None:
     """Print both tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cycles", type=int, default=12, help="after which the body has settled")
+    cycles = parser.parse_args().cycles
     s = np.arange(FINE) / FINE
     random = np.random.default_rng(7)
     ways: dict[str, tuple[str, Curve]] = {
@@ -132,7 +135,7 @@ def main() -> None:
                     taken = source[:: FINE // n]
                     taken = taken + noise * np.abs(source).max() * random.standard_normal(n)
                     cases.append(way(taken))
-            found = speeds(np.array(cases))
+            found = speeds(np.array(cases), cycles)
             print(f"\n{wave.__name__}, noise {100 * noise:g} %; true speed {1e3 * found[0]:.3f} mm/s")
             print(f"{'n':>36}" + "".join(f"{n:>9}" for n in COUNTS))
             place = 1

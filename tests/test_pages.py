@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -12,6 +13,7 @@ README = DOCS.parent / "README.md"
 TOUR = [README, DOCS / "index.md", *sorted(DOCS.glob("guide/tour*.md"))]
 
 
+@pytest.mark.skipif("VIBRO_SITE" in os.environ, reason="the build of the site has run them")
 @pytest.mark.parametrize("page", tasks(), ids=lambda page: page.stem)
 def test_commands_of_a_task_print_what_it_shows(page: Path, tmp_path: Path) -> None:
     run_page(page, tmp_path / "page")
