@@ -215,7 +215,7 @@ def test_words_say_what_is_held_and_what_is_best() -> None:
     own = drawn(state_of(**BAND, kinetic_friction_band="0.4:0.5"))[0]
     assert own["caption"] == "α = 20°, μ_s = 0.6 to 0.8, μ_d = 0.4 to 0.5, L = 600 mm"
     assert sure["title"] == "guaranteed mean conveying speed"
-    outside = drawn(state_of(static_friction_band="0.3:0.4"))[0]["notes"]
+    outside = drawn(state_of(static_friction_band="0.3:0.4", friction_ratio_band="0.7:0.9"))[0]["notes"]
     assert any("lies outside of its bands" in note for note in outside)
     assert drawn(state_of(restitution="0.5"))[0]["progress"]["text"] == ""  # regimes are exact at once
     flights = drawn(state_of(view="impact", x_range="5:7"))[0]

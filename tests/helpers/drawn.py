@@ -155,8 +155,9 @@ def corners(text: Text) -> Floats:
 
 
 def image_of(axes: Axes) -> Any:
-    """Return the numbers of a map, as the only image on it."""
+    """Return the numbers of a map, as the only image on it, whose first row is the lowest."""
     (image,) = axes.images
+    assert image.origin == "lower"
     return image
 
 

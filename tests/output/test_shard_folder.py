@@ -77,6 +77,14 @@ def test_files_appear_whole(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == [MANIFEST, shard_name(0)]
 
 
+def test_a_manifest_that_changes_meanwhile_is_an_error(tmp_path: Path) -> None:
+    with held(tmp_path) as files:
+        files.write(MANIFEST, "{ }")
+        with pytest.raises(FileError, match=MANIFEST):
+            files.finish("done", "{}", {}, {})
+    assert names(tmp_path) == [MANIFEST]
+
+
 @POSIX
 def test_what_says_that_all_is_there_comes_last_and_all_is_on_the_disk_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
