@@ -6,6 +6,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.commands import Run, rows_of
 from helpers.fed_machines import feeder, other, written
@@ -153,6 +154,12 @@ def test_the_fit_as_json_and_files(run: Run, points: Path, tmp_path: Path) -> No
     assert low < told["natural_frequency_hz"]["estimate"] < high
     assert told["amplitude_error_is"] == "stated"
     assert told["table"]["error_percent"] == pytest.approx([2.0] * 6)
+    measured, fitted, off = (
+        np.array(told["table"][name])
+        for name in ("amplitude_mm", "fitted_amplitude_mm", "difference_percent")
+    )
+    np.testing.assert_allclose(measured / fitted - 1.0, off / 100.0, rtol=1e-9)
+    assert np.abs(off).max() > 0.1
     result = run("drive", "--fit", points, "--law", "constant", "-o", "fit")
     assert result.exit_code == 0, result.stderr
     rows = rows_of((tmp_path / "fit.csv").read_text(encoding="utf-8"))

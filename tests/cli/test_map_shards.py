@@ -79,6 +79,17 @@ def test_a_disk_that_will_be_full_is_told_early(run: Run, monkeypatch: pytest.Mo
         assert re.fullmatch(r"warning: about \d\S* kB more are needed, and 0 B are free", line)
 
 
+@pytest.mark.parametrize(("room", "is_told"), [(1.5, True), (2.2, False)])
+def test_a_disk_with_less_room_than_the_shards_to_come_need_is_told(
+    run: Run, monkeypatch: pytest.MonkeyPatch, room: float, is_told: bool
+) -> None:
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    assert run(*SHARDED, "-o", "out").exit_code == 0
+    one = Path("out", "part-000000.parquet").stat().st_size
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=room * one))
+    assert ("more are needed" in run(*SHARDED, "-o", "again").stderr) is is_told
+
+
 def test_json_is_what_there_is(run: Run) -> None:
     result = run(*SHARDED, "-o", "out", "--json", "-q", "--digits", "4")
     said = json.loads(result.stdout)

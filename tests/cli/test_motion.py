@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from helpers.made_records import EXAMPLES
 
 import vibro
 from vibro.cli.motion_report import _told
+from vibro.records.measured_speeds import Speeds, speeds_of
 
 NUT = EXAMPLES / "data" / "nut_trough_mv.csv"
 SENSORS = ("--trough-along", "Trog längs", "--trough-normal", "Trog normal", "--sensitivity", "100mV/g")
@@ -43,6 +45,14 @@ def scene(path: str) -> dict[str, Any]:
     content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     assert content.keys() == {"scene"}
     return dict(content["scene"])
+
+
+def test_a_motion_whose_speed_is_unresolved_is_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def doubtful(*args: Any) -> Speeds:
+        return replace(speeds_of(*args), status=vibro.Status.UNRESOLVED)
+
+    monkeypatch.setattr("vibro.records.measured_speeds.speeds_of", doubtful)
+    assert run("motion", NUT, *SENSORS, *FRICTION).exit_code == 3
 
 
 def test_the_nut_s_record_becomes_a_scene_that_is_solved(run: Run) -> None:

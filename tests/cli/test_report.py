@@ -53,6 +53,22 @@ def page(run: Run, *args: object, code: int = 0) -> ReadPage:
 
 
 @pytest.mark.usefixtures("unsaved")
+def test_what_is_given_is_not_assumed(run: Run) -> None:
+    read = page(run, *NUT, "--gravity", "9.81")
+    assert "The trough is level" in read.text
+    assert "Gravity is" not in read.text
+
+
+@pytest.mark.usefixtures("unsaved")
+def test_a_point_outside_of_the_map_has_no_circle(run: Run, tmp_path: Path) -> None:
+    scene = (EXAMPLES / "safety_nut.toml").read_text(encoding="utf-8")
+    path = tmp_path / "nut.toml"
+    path.write_text(scene.partition("[map]")[0] + '[map]\namplitude_mm = "0.1:0.5"\n', encoding="utf-8")
+    assert "The operating point lies outside." in page(run, path).text
+    assert "The circle is the operating point." in page(run, *NUT).text
+
+
+@pytest.mark.usefixtures("unsaved")
 def test_the_numbers_are_those_of_the_solver(run: Run) -> None:
     nut = EXAMPLES / "safety_nut.toml"
     read = page(run, nut, "--pitch", "25mm")
@@ -205,6 +221,8 @@ def test_designs(run: Run, tmp_path: Path, speed: float, code: int) -> None:
     fastest = next(d for d in record["designs"] if d["design"] == "fastest")
     assert fastest["highest_regime"] == "forward-slip"
     assert f"{fastest['amplitude_mm']:.15g}" in read.row("fastest")
+    least, per_minute = re.search(r"at least\s+([\d.]+) mm/s\s+([\d.]+) m/min", read.text).groups()  # type: ignore[union-attr]
+    assert float(per_minute) == pytest.approx(0.06 * float(least), rel=1e-4)
     answer = "The goal is met by: a <i>magnet</i>." if code == 0 else "No drive meets the goal."
     assert answer in read.text
     assert ("Why no drive meets the goal" in read.text) is (code == 4)

@@ -64,6 +64,13 @@ def test_of_facets_only_the_fastest_is_marked_and_its_value_told(facets: dict[st
     assert text.endswith(f", {maps_of(figure)[panel].get_title()}")
 
 
+def test_of_facets_the_fastest_backwards_is_marked() -> None:
+    result = sweep(points=61, amplitude="0.2:3", frequency="10:20", trough_angle="12,18")
+    speed = 1e3 * float(np.nanmin(result.cycle.mean_velocity))
+    (text,) = (t for t in told(map_figures(result, ["speed"])["speed"]) if "backwards" in t)
+    assert text.startswith(f"fastest backwards: \N{MINUS SIGN}{-speed:.5g} mm/s at ")
+
+
 def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[str, Figure]) -> None:
     figure = line_pictures["speed"]
     speed = 1e3 * one_axis.cycle.mean_velocity

@@ -66,6 +66,9 @@ def test_amplitude_stands_above_speed_on_one_axis() -> None:
         "natural frequency empty", "natural frequency with 2 kg", "frequency of the drive",
         "operating point empty", "operating point with 2 kg", "bodies hop above", "bodies slip above",
     ]  # fmt: skip
+    for which, axes in enumerate(figure.axes):
+        curves = [line.get_ydata() for line in axes.lines if len(np.asarray(line.get_xdata())) == X.size]
+        np.testing.assert_array_equal(curves[:2], [pair[which] for pair in drive().curves])
     points = [tuple(np.ravel(line.get_xydata())) for line in above.lines if line.get_marker() in ("o", "s")]
     assert (50.0, 0.34) in points
     assert (50.0, 0.15) in points

@@ -9,10 +9,12 @@ import sys
 from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib as mpl
-from helpers.drawn import OWN, sweep
+from helpers.drawn import OWN, lightness, sweep
 
+from vibro import Regime
 from vibro.plots import map_figures, save
-from vibro.plots.style import house_style
+from vibro.plots.phases import PHASE_STYLES
+from vibro.plots.style import REGIME_COLOURS, house_style, ink_on
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -57,6 +59,16 @@ with style.house_style():
 import matplotlib
 print(os.environ["MPLBACKEND"], matplotlib.rcParams["axes.grid"])
 """
+
+
+def test_regimes_and_phases_have_colours_of_their_own_with_legible_words() -> None:
+    assert len({*REGIME_COLOURS.values()}) == len(REGIME_COLOURS)
+    for colour in REGIME_COLOURS.values():
+        assert abs(lightness(colour) - lightness(ink_on(colour))) > 40.0
+    phases = {"F": Regime.FORWARD_SLIP, "B": Regime.BACK_SLIP, "H": Regime.HOPPING, "_": Regime.NO_SLIP}
+    assert {k: style.colour for k, style in PHASE_STYLES.items()} == {
+        k: REGIME_COLOURS[regime] for k, regime in phases.items()
+    }
 
 
 def test_settings_for_other_pictures_change_nothing(tmp_path: Path) -> None:
