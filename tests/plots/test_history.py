@@ -233,9 +233,9 @@ def test_a_comparison_has_a_row_a_signal() -> None:
         measured, computed, fitted = (
             line for line in axes.lines if not str(line.get_label()).startswith("_")
         )
-        x, y = (np.asarray(data) for data in measured.get_data())
+        x, y, at, wanted = (np.asarray(data) for line in (measured, computed) for data in line.get_data())
         assert len(x) == 201
-        assert np.ptp(y - np.interp(x, *map(np.asarray, computed.get_data()))) < noise
+        assert np.ptp(y - np.interp(x, at, wanted)) < noise
     speeds = comparison.observation.signals["velocity"]
     np.testing.assert_allclose(y, 1e3 * speeds)
     np.testing.assert_allclose(np.asarray(fitted.get_ydata()), np.asarray(computed.get_ydata()))
