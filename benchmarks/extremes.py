@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+import vibro
+from vibro.quantities import POSITIVE, QUANTITIES, SHAKEN
 
 Floats = NDArray[np.float64]
 Fields = dict[str, Floats]
@@ -14,6 +17,8 @@ Fields = dict[str, Floats]
 EPS: Final = 2.0**-52
 SMALLEST: Final = 5e-324
 LARGEST: Final = 1.7e308
+#: Kinds of drive that ``corners_of`` knows.
+KINDS: Final = ("line", "ellipse", "harmonics", "steps", "samples")
 _RIGHT_ANGLE: Final = 0.5 * np.pi
 
 
@@ -69,28 +74,33 @@ def extreme_fields(n: int, seed: int) -> Fields:
     )
     beta = np.clip(beta, -np.nextafter(_RIGHT_ANGLE, 0.0), np.nextafter(_RIGHT_ANGLE, 0.0))
     beta = np.where(alpha + beta < _RIGHT_ANGLE, beta, -np.abs(beta))
-    gravity = pick((95, lambda: 9.81), (5, lambda: decades(-20, 20)))
+    gravity = pick((95, lambda: 9.81), (5, lambda: decades(-12, 12)))
     frequency = pick(
         (5, lambda: 15.0),
-        (80, lambda: 15.0 * decades(-12, 12)),
-        (15, lambda: decades(-150, 150)),
+        (90, lambda: 15.0 * decades(-3, 6)),
+        (5, lambda: decades(-12, 12)),
     )
     load = _loads_near_thresholds(rng, alpha, mu_s, beta, pick, decades)
     load *= 1.0 + pick((20, lambda: 0.0), (40, ulps), (40, lambda: sign * decades(-16, -1)))
     with np.errstate(all="ignore"):
         w = 2.0 * np.pi * frequency
-        amplitude = np.nan_to_num((load / w) * (gravity / w), nan=1.0, posinf=LARGEST)
-    wild = rng.random(n) < 0.1
+        amplitude = np.nan_to_num((load / w) * (gravity / w), nan=1.0, posinf=1.0)
+    wild, ends = rng.random(n) < 0.1, {name: ends_of(name) for name in ("amplitude", "frequency", "gravity")}
     amplitude = np.where(
-        wild, pick((80, lambda: 1e-3 * decades(-12, 12)), (20, lambda: decades(-323, 308))), amplitude
+        wild, pick((80, lambda: 1e-3 * decades(-12, 12)), (20, lambda: decades(-15, 6))), amplitude
     )
     frequency = np.where(
-        wild, pick((80, lambda: 15.0 * decades(-12, 12)), (20, lambda: decades(-323, 308))), frequency
+        wild, pick((80, lambda: 15.0 * decades(-12, 12)), (20, lambda: decades(-12, 12))), frequency
     )
+    for name in ends:  # some at the limits, and beside them
+        ends[name] = [*ends[name], *np.nextafter(ends[name], ends[name][::-1])]
+    amplitude = np.where(rng.random(n) < 0.01, rng.choice(ends["amplitude"], n), amplitude)
+    frequency = np.where(rng.random(n) < 0.01, rng.choice(ends["frequency"], n), frequency)
+    gravity = np.where(rng.random(n) < 0.01, rng.choice(ends["gravity"], n), gravity)
     restitution = pick((80, lambda: 0.0), (20, lambda: rng.uniform(0.0, 1.0, n)))
     return {
-        "amplitude": np.clip(amplitude, SMALLEST, LARGEST),
-        "frequency": np.clip(frequency, SMALLEST, LARGEST),
+        "amplitude": np.clip(amplitude, min(ends["amplitude"]), max(ends["amplitude"])),
+        "frequency": np.clip(frequency, min(ends["frequency"]), max(ends["frequency"])),
         "drive_angle": alpha,
         "static_friction": mu_s,
         "kinetic_friction": mu_d,
@@ -125,3 +135,96 @@ def _loads_near_thresholds(
             (54, lambda: between),
         )
     return np.where(np.isfinite(load) & (load > 0.0), load, decades(-3, 3))
+
+
+# ------------------------------------------------------------------------------- corners of the allowed box
+
+
+def ends_of(name: str, *, with_zero: bool = False, with_ulps: bool = False) -> list[float]:
+    """Return the least and the largest value of a quantity in SI units; next to an end that is open.
+
+    ``with_ulps`` adds their neighbours inside, ``with_zero`` 0.
+    """
+    quantity = QUANTITIES[name]
+    allowed = quantity.allowed
+    low, high = float(quantity.to_si(allowed.low)), float(quantity.to_si(allowed.high))
+    low = low if allowed.with_low else float(np.nextafter(low, high))
+    high = high if allowed.with_high else float(np.nextafter(high, low))
+    inside = [float(np.nextafter(low, high)), float(np.nextafter(high, low))]
+    return [low, high, *([0.0] if with_zero else []), *(inside if with_ulps else [])]
+
+
+def corners_of(kind: str, *, with_ulps: bool = False) -> Iterator[vibro.Scene]:
+    """Yield grids of scenes at the corners of the box of all that a kind of drive may be."""
+
+    def ends(name: str) -> list[float]:
+        return ends_of(name, with_ulps=with_ulps)
+
+    least, most = ends_of("amplitude")
+    near, far = ends_of("normal_phase")
+    common = {
+        "static_friction": [0.0, SMALLEST, 0.5, *ends("static_friction")[1:]],
+        "ratio": [0.0, 0.5, 1.0],
+        "trough_angle": ends_of("trough_angle", with_zero=True, with_ulps=with_ulps),
+        "gravity": ends("gravity"),
+        "restitution": ends("restitution"),
+        "frequency": ends("frequency"),
+    }
+    if kind == "line":
+        yield _grid({**common, "amplitude": ends("amplitude"), "drive_angle": ends("drive_angle")})
+    elif kind == "ellipse":
+        sizes = [0.0, SMALLEST, least, most]
+        yield _grid(
+            {**common, "along_amplitude": sizes, "normal_amplitude": sizes, "normal_phase": [near, 0.0, far]}
+        )
+    else:
+        scales = ends("motion_scale")
+        for motion, normal in motions_at_corners(kind, least, most, far):
+            fixed: dict[str, Any] = {"motion": motion}
+            yield _grid({**common, "motion_scale": scales}, fixed)
+            if not normal:
+                clamped = {
+                    **common,
+                    "motion_scale": scales,
+                    "normal_acceleration": ends("normal_acceleration"),
+                }
+                yield _grid(clamped, fixed)
+
+
+def motions_at_corners(
+    kind: str, least: float, most: float, far: float
+) -> Iterator[tuple[vibro.Motion, bool]]:
+    """Yield motions with extreme members, and whether they move the trough normal to itself."""
+    push = float(SHAKEN.to_si(SHAKEN.allowed.high))
+    if kind == "harmonics":
+        last = [(0.0, 0.0)] * 15 + [(most, far)]
+        for along in ([(most, far), (least, -far)], [(least, 0.0), (most, far)], last, [(0.0, 0.0)] * 2):
+            for normal in (None, [(SMALLEST, far), (least, 0.0)], [(most, -far), (most, far)], last):
+                yield vibro.Motion.harmonics(along, normal), normal is not None
+    elif kind == "steps":
+        for size in (POSITIVE.low, 1.0, push):
+            swing = [(0.5, size), (0.5, -size)]
+            brief = [(1e-8, size), (1.0 - 1e-8, -1e-8 * size)]
+            for normal in (None, swing, brief):
+                yield vibro.Motion.steps(swing, normal), normal is not None
+    else:
+        rough = np.resize([1.0, -1.0, 0.5, -0.5, 0.0], 16)
+        for size in (POSITIVE.low, 1.0, push):
+            yield vibro.Motion.samples(size * rough), False
+            yield vibro.Motion.samples(size * rough, size * rough[::-1]), True
+
+
+def _grid(axes: dict[str, list[float]], fixed: dict[str, Any] | None = None) -> vibro.Scene:
+    """Return the scenes of all combinations, in one row."""
+    values = dict(zip(axes, map(np.ravel, np.meshgrid(*axes.values(), indexing="ij")), strict=True))
+    values["kinetic_friction"] = values.pop("ratio") * values["static_friction"]
+    return vibro.Scene(**values, **(fixed or {}))
+
+
+def cells_of(scene: vibro.Scene, count: int, seed: int) -> Iterator[vibro.Scene]:
+    """Yield some scenes of a row, as single operating points."""
+    random = np.random.default_rng(seed)
+    names = [name for name in scene.__dataclass_fields__ if getattr(scene, name) is not None]
+    for i in random.integers(0, scene.shape[0], count):
+        values: dict[str, Any] = {name: getattr(scene, name) for name in names}
+        yield vibro.Scene(**{name: x if name == "motion" else x[i] for name, x in values.items()})

@@ -2,7 +2,8 @@
 
 Usage: python benchmarks/stress.py [--scenes 20000] [--invariants 1000000] [--hopping 200] [--processes 2]
 
-Scenes are drawn where floating point is weakest: amplitudes and frequencies up to what doubles hold,
+First the corners of all that quantities may be, and their neighbours by an ulp, are solved for each kind of
+drive. Then scenes are drawn where floating point is weakest: amplitudes and frequencies up to their limits,
 friction from 0 and 1e-12 to 10, mu_d/mu_s of 0, 1 and all but 1, drive angles of 0, 1e-300 and up to an ulp
 below 90 deg, troughs as steep as the friction angles, loads within a few ulp of each threshold, and
 restitution in every fifth. Hopping has its own: neighbours an ulp apart, slow accumulation, no kinetic
@@ -23,7 +24,7 @@ from typing import Any, Final, NamedTuple
 import hopping_truth
 import mpmath
 import numpy as np
-from extremes import EPS, LARGEST, SMALLEST, Fields, extreme_fields
+from extremes import EPS, KINDS, LARGEST, SMALLEST, Fields, corners_of, ends_of, extreme_fields
 from numpy.typing import NDArray
 
 import vibro
@@ -69,7 +70,8 @@ def broken_invariants(fields: Fields) -> Iterator[tuple[str, NDArray[np.intp]]]:
     with np.errstate(over="ignore"):
         as_long = cycle.displacement_per_cycle == 4.0 * scaled.displacement_per_cycle
     checks = {
-        "unresolved": cycle.status == vibro.Status.UNRESOLVED,
+        "unresolved": (cycle.status == vibro.Status.UNRESOLVED)
+        & (fields["static_friction"] > _LEAST_FRICTION),
         "NaN without a status": answered & nan,
         "a number in spite of its status": ~answered & ~np.isnan(cycle.mean_velocity),
         "speed not finite": answered & representable & ~finite,
@@ -109,16 +111,16 @@ def _complaints(fields: Fields, cells: NDArray[np.intp]) -> Iterator[tuple[str, 
 def _rescaled(fields: Fields) -> Fields:
     """Quarter the length, double the pace: powers of two, so that nothing rounds differently."""
     return fields | {
-        "amplitude": np.maximum(fields["amplitude"] / 4.0, SMALLEST),
-        "frequency": np.minimum(fields["frequency"] * 2.0, LARGEST),
+        "amplitude": np.maximum(fields["amplitude"] / 4.0, ends_of("amplitude")[0]),
+        "frequency": np.minimum(fields["frequency"] * 2.0, ends_of("frequency")[1]),
     }
 
 
 def _moderate(fields: Fields) -> NDArray[np.bool_]:
-    """Scenes whose lengths and rates are far from the ends of what doubles hold."""
+    """Scenes that can be rescaled, and whose drive angles are far from the ends of what doubles hold."""
     moderate = np.ones(fields["amplitude"].shape, np.bool_)
-    for name in ("amplitude", "frequency", "gravity"):
-        moderate &= (fields[name] > 1e-120) & (fields[name] < 1e120)
+    least, most = ends_of("amplitude")[0], ends_of("frequency")[1]
+    moderate &= (fields["amplitude"] >= 4.0 * least) & (fields["frequency"] <= 0.5 * most)
     # A displacement is proportional to the drive angle where both slides nearly cancel.
     moderate &= (fields["drive_angle"] == 0.0) | (fields["drive_angle"] > 1e-120)
     return moderate
@@ -275,6 +277,43 @@ def time_wild(count: int, seed: int) -> None:
         print(f"  {vibro.Status(int(status)).label:22s}{number:8d}")
 
 
+class Corners(NamedTuple):
+    """What solving the corners of one kind of drive has found."""
+
+    scenes: int
+    statuses: dict[str, int]
+    wrong: int  # cells whose status and number disagree
+    seconds: float  # [s] of the processor, of the slowest grid of them
+
+
+def solve_corners(kind: str, *, with_ulps: bool = False) -> Corners:
+    """Solve all scenes at the corners of the box of a kind of drive, with warnings as errors."""
+    scenes, statuses, wrong, seconds = 0, np.zeros(len(vibro.Status), np.int64), 0, 0.0
+    for scene in corners_of(kind, with_ulps=with_ulps):
+        start = time.process_time()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            cycle = vibro.solve(scene, threads=1)
+        seconds = max(seconds, time.process_time() - start)
+        scenes += cycle.status.size
+        statuses += np.bincount(cycle.status, minlength=statuses.size)
+        wrong += int((is_answered(cycle.status) == np.isnan(cycle.mean_velocity)).sum())
+    counts = {vibro.Status(i).label: int(n) for i, n in enumerate(statuses) if n}
+    return Corners(scenes, counts, wrong, seconds)
+
+
+def print_corners() -> int:
+    """Print what the corners of the box of each kind of drive, and their neighbours, give."""
+    wrong = 0
+    print(f"{'drive':10s}{'corners':>9s}{'CPU of slowest grid':>21s}  statuses")
+    for kind in KINDS:
+        found = solve_corners(kind, with_ulps=True)
+        wrong += found.wrong
+        told = ", ".join(f"{label} {number}" for label, number in found.statuses.items())
+        print(f"{kind:10s}{found.scenes:9d}{found.seconds:19.2f} s  {told}")
+    return wrong
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -292,6 +331,7 @@ def main() -> None:
         time_wild(arguments.wild, arguments.seed)
         return
 
+    at_corners = print_corners()
     start = time.perf_counter()
     broken: dict[str, tuple[int, dict[str, float]]] = {}
     block = min(arguments.invariants, 100_000)
@@ -329,7 +369,7 @@ def main() -> None:
         print(f"hopping_truth.py {name}")
         table, _ = hopping_truth.TABLES[name]
         hops &= table(arguments.hopping, arguments.seed, arguments.processes)
-    if broken or wrong or not hops:
+    if at_corners or broken or wrong or not hops:
         raise SystemExit(1)
 
 

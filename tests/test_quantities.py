@@ -227,3 +227,19 @@ def test_no_pattern_of_numbers_takes_other_digits() -> None:
     sources = Path(vibro.__file__).parent.rglob("*.py")
     lines = [line for source in sources for line in source.read_text(encoding="utf-8").splitlines()]
     assert not [line for line in lines if r"\d" in re.sub(r"\\delta|\\W_?\\d", "", line)]
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_squares_of_all_that_a_quantity_may_be_are_doubles(name: str) -> None:
+    """But of what may be 0: next to it all counts as 0."""
+    quantity = QUANTITIES[name]
+    low, high = quantity.allowed.low, quantity.allowed.high
+    for end in (low, high):
+        assert math.isfinite(end)
+        assert end == 0.0 or 0.0 < quantity.to_si(end) ** 2 < math.inf
+    assert not quantity.allows(quantity.to_si(math.nan))
+    assert not quantity.allows(1e155)
+    if low > 0.0:
+        assert not quantity.allows(1e-320)
+    assert quantity.allows(quantity.to_si(low)) == quantity.allowed.with_low
+    assert quantity.allows(quantity.to_si(high)) == quantity.allowed.with_high

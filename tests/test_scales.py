@@ -101,7 +101,7 @@ def test_equal_frictions_start_slipping_without_a_jump() -> None:
     assert equal[1:] / equal[:-1] == pytest.approx(1e6, rel=1e-3)
 
 
-EXTREMES = np.array([5e-324, 1e-300, 1e-160, 1e-30, 1e-8, 1.0, 1e8, 1e30, 1e160, 1e300])
+EXTREMES = np.array([1e-12, 1e-8, 1e-4, 1.0, 1e4, 1e8, 1e12])
 
 
 def spread_out(scene: Scene) -> dict[str, NDArray[np.float64]]:
@@ -113,7 +113,7 @@ def spread_out(scene: Scene) -> dict[str, NDArray[np.float64]]:
 def test_the_largest_and_smallest_numbers_pass_without_a_warning() -> None:
     # warnings are errors here
     scene = Scene(
-        amplitude=EXTREMES[:, None, None, None],
+        amplitude=np.clip(EXTREMES, 1e-15, 1e6)[:, None, None, None],
         frequency=EXTREMES[:, None, None],
         gravity=EXTREMES[:, None],
         drive_angle=[0.0, 5e-324, 1e-160, 1e-8, 0.3, 1.5, math.nextafter(math.pi / 2, 0.0)],
@@ -132,7 +132,7 @@ def test_the_largest_and_smallest_numbers_pass_without_a_warning() -> None:
     assert (cycle.regime[load < -3.0] == Regime.NO_SLIP).all()
 
 
-@pytest.mark.parametrize("mu_s", [1e-300, 1e-100, 1e-30, 1e-16, 1e-8, 1e8, 1e100])
+@pytest.mark.parametrize("mu_s", [1e-300, 1e-100, 1e-30, 1e-16, 1e-8, 1e8, 1e12])
 def test_extreme_friction_passes_without_a_warning(mu_s: float) -> None:
     ratio = np.array([0.0, 1e-300, 1e-100, 1e-30, 1e-16, 1e-8, 0.5, 1.0])[:, None, None]
     angle = np.array([0.0, 1e-300, 1e-30, 1e-16, 1e-8, 0.3])[:, None]
@@ -147,42 +147,49 @@ def test_extreme_friction_passes_without_a_warning(mu_s: float) -> None:
     assert (cycle.status != Status.UNRESOLVED).all()
 
 
-ENDS: list[tuple[str, float]] = [
-    ("amplitude", 1e-320),
-    ("amplitude", 1e300),
-    ("frequency", 5e-324),
-    ("frequency", 1e160),
-]
-ENDS += [
-    ("gravity", 1e-300),
-    ("gravity", 1e300),
-    ("static_friction", 1.7e308),
-    ("kinetic_friction", 5e-324),
+BEYOND: list[tuple[str, float, str]] = [
+    ("amplitude", 1e-320, "[1e-15, 1e+06] m"),
+    ("amplitude", 1e300, "[1e-15, 1e+06] m"),
+    ("frequency", 5e-324, "[1e-12, 1e+12] Hz"),
+    ("frequency", 1e160, "[1e-12, 1e+12] Hz"),
+    ("gravity", 1e-300, "[1e-12, 1e+12] m/s^2"),
+    ("gravity", 1e300, "[1e-12, 1e+12] m/s^2"),
+    ("static_friction", 1.7e308, "[0, 1e+12]"),
 ]
 
 
-@pytest.mark.parametrize(("name", "value"), ENDS)
-def test_motion_at_the_ends_of_the_doubles_is_known_or_refused(name: str, value: float) -> None:
+@pytest.mark.parametrize(("name", "value", "allowed"), BEYOND)
+def test_what_no_trough_reaches_is_refused(name: str, value: float, allowed: str) -> None:
+    """Squares of all that is left are doubles."""
+    with pytest.raises(SceneError) as caught:
+        scene_with(**{name: value})
+    (problem,) = caught.value.problems
+    assert (problem.field, problem.allowed) == (name, f"in {allowed}")
+
+
+def test_friction_that_is_hardly_any_is_known_or_refused() -> None:
     """Solving goes on to the ends; a walk forms products of more groups, and says that it does not know."""
-    scene = scene_with(**{name: value})
+    scene = scene_with(kinetic_friction=5e-324)
     time = float(arrival_time(scene, 0.6))
     assert math.isnan(time) or time > 0.0
     with pytest.raises(VibroError, match="no motion to follow: "):
         simulate(scene, cycles=1)
     assert not any(math.isinf(x) or math.isnan(x) for t in transitions(scene) for x in t[1:])
     assert not np.isnan(critical_loads(scene).hop)
-    assert scene.load >= 0.0
 
 
 def test_lengths_and_starts_at_the_ends_of_the_doubles() -> None:
     scene = scene_with()
     assert np.isfinite(arrival_time(scene, 1e9))
-    assert np.isnan(arrival_time(scene, 1e300))
-    assert solve(scene).traverse_time(1e308) == np.inf
+    for far in (1e-320, 1e300):
+        with pytest.raises(SceneError, match="length = "):
+            arrival_time(scene, far)
+        with pytest.raises(SceneError, match="length = "):
+            solve(scene).traverse_time(far)
     for start in (1e300, -1e60):
         with pytest.raises(SceneError, match="start_velocity = "):
             simulate(scene, cycles=1, start_velocity=start)
-    for wanted in ({"cycles": 1e16}, {"cycles": 5e-324}, {"duration": 1e300}):
-        with pytest.raises(VibroError, match=r"drive cycles: must be above 0 and at most 1e\+15"):
+    for wanted in ({"cycles": 1e16}, {"cycles": 5e-324}, {"duration": 1e300}, {"duration": 1e-300}):
+        with pytest.raises(SceneError, match="must be in "):
             simulate(scene, **wanted)
-    assert simulate(scene, duration=1e-300).phases[0].kind == "_"
+    assert simulate(scene, duration=1e-12).phases[0].kind == "_"

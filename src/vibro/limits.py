@@ -12,6 +12,7 @@ from vibro.core.codes import Regime
 from vibro.core.compiled import doors
 from vibro.drives import Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError
+from vibro.quantities import STAND_RATIO
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.solver import Grid, lasting, over_cells
 from vibro.steady import solve
@@ -440,7 +441,7 @@ def _stand_ratios(value: ArrayLike) -> Floats:
         ratios = real_array(value)
     except NotRealError as exc:
         raise SceneError((Problem("stand_ratio", exc.value, exc.allowed),)) from None
-    bad = ~(ratios > 0.0)
+    bad = ~(STAND_RATIO.allows(ratios) | (ratios == np.inf))
     if bad.any():
-        raise SceneError((Problem("stand_ratio", f"{ratios[bad].flat[0]:.15g}", "> 0"),))
+        raise SceneError((Problem("stand_ratio", f"{ratios[bad].flat[0]:.15g}", STAND_RATIO.range_text),))
     return ratios

@@ -77,6 +77,8 @@ def _legs(grid: Grid, cell: int, scratch: Scratch) -> bytes:
 
 def turned(legs: bytes) -> bytes:
     """Turn the legs of a cycle as ``canonical`` turns the digits of short ones."""
+    if len(legs) < 2:
+        return legs
     if legs[0] == legs[-1] != Mode.FLIGHT:
         legs = legs[:-1]
     return min(legs[i:] + legs[:i] for i in range(len(legs)))

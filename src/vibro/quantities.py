@@ -37,13 +37,13 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
 __all__ = [
-    "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
-    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "LOAD", "MACHINE", "MASS", "MASS_FLOW",
-    "MOST_HARMONICS", "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE",
-    "SIZES", "SPEED",
+    "AMPLITUDES", "BY_COLUMN", "CYCLES", "DEFAULTS", "DRIVES", "DURATION", "EITHER_WAY", "ELLIPTICAL",
+    "HARMONIC", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "LOAD", "MACHINE", "MASS", "MASS_FLOW",
+    "MOST_HARMONICS", "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "POSITIVE", "PURE",
+    "QUANTITIES", "SCALE", "SHAKEN", "SHIFTED", "SIZES", "SPEED",
     "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_HEIGHT", "START_NORMAL_VELOCITY", "START_PHASE",
-    "START_VELOCITY", "SWEPT", "TIME", "TOLD_HARMONICS", "TROUGH_MASS", "TWO_AXIS", "Kind", "Quantity",
-    "as_given",
+    "START_VELOCITY", "SWEPT", "TIME", "TOLD_HARMONICS", "TROUGH_MASS", "TWO_AXIS", "WAY",
+    "ZERO_OR_MORE", "Kind", "Quantity", "as_given",
     "catalogue_hint", "checked_number", "counted_harmonics", "drive_of", "exact_number",
     "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
 ]  # fmt: skip
@@ -134,7 +134,15 @@ class Quantity:
     @property
     def swept(self) -> Quantity:
         """The same with what an axis may hold: a friction ratio above 1, whose cells are infeasible."""
-        return replace(self, allowed=_ZERO_OR_MORE) if self.name == "friction_ratio" else self
+        return replace(self, allowed=ZERO_OR_MORE) if self.name == "friction_ratio" else self
+
+    @property
+    def range_text(self) -> str:
+        """Allowed range as text, in SI units, but angles in degrees."""
+        if self.kind.si_unit == "rad":
+            return self.allowed.text("deg")
+        low, high = self._si_ends
+        return replace(self.allowed, low=low, high=high).text(self.kind.si_unit)
 
     def doubt(self, first: float | Fraction, last: float | Fraction) -> str:
         """Return a warning about an axis, or a single value, that is unusual as a whole; else an empty text.
@@ -174,9 +182,20 @@ class Quantity:
         return above & (values <= high if self.allowed.with_high else values < high)
 
 
-_POSITIVE: Final = Range(0.0, with_low=False)
-_ZERO_OR_MORE: Final = Range(0.0)
-_ANY: Final = Range(-math.inf, with_low=False)
+# Limits far beyond any trough, so that products and squares of all quantities are doubles; in users' units.
+_FEW: Final = 1e-12  # [mm, Hz, m/s^2, kg, %...] least value of what may not be 0: an atom is 1e-7 mm wide
+_MANY: Final = 1e12  # [1, Hz, m/s^2, kg, %...] nothing holds, shakes, pulls or weighs so much
+_FAR: Final = 1e9  # [mm] no trough is as large as a country
+_ROUND: Final = 1e8  # [deg] the rounding of a larger phase would be felt
+
+#: Range of what is positive, and of what may be 0 too.
+POSITIVE: Final = Range(_FEW, _MANY, with_high=True)
+ZERO_OR_MORE: Final = Range(0.0, _MANY, with_high=True)
+#: Range of what may be of either sign.
+EITHER_WAY: Final = Range(-_MANY, _MANY, with_high=True)
+_SIZE: Final = Range(_FEW, _FAR, with_high=True)
+_SIZE_OR_NONE: Final = Range(0.0, _FAR, with_high=True)
+_PHASE: Final = Range(-_ROUND, _ROUND, with_high=True)
 
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
@@ -196,10 +215,10 @@ def _harmonic(n: int) -> tuple[Quantity, ...]:
         for way, size, letter, symbol, where in parts
         for quantity in (
             Quantity(f"{way}_amplitude_{n}", LENGTH, f"{size}{n}", f"{size}_{n}",
-                     (f"--{way}-{n}",) if n == 2 else (), _ZERO_OR_MORE,
+                     (f"--{way}-{n}",) if n == 2 else (), _SIZE_OR_NONE,
                      f"amplitude of harmonic {n} of the motion {where}"),
             Quantity(f"{way}_phase_{n}", ANGLE, f"{letter}{n}", rf"{symbol}_{n}",
-                     (f"--{way}-phase-{n}",) if n == 2 else (), _ANY,
+                     (f"--{way}-phase-{n}",) if n == 2 else (), _PHASE,
                      f"phase of harmonic {n} of the motion {where}"),
         )
     )
@@ -209,61 +228,61 @@ _LENGTHS: Final = ("for metres write {0}m", "for micrometres write {0}um")
 _FRICTIONS: Final = ("", "for {0} % write {1}")
 _PERCENT: Final = ("it is in percent: 100 is all of it", "100 is all of it")
 _ALL: Final = (
-    Quantity("setting", PERCENT, "s", "s", ("--setting",), _POSITIVE,
+    Quantity("setting", PERCENT, "s", "s", ("--setting",), POSITIVE,
              "setting of a machine: its force over that at 100 %", 100.0, Range(2.0, 100.0, with_high=True),
              _PERCENT),
-    Quantity("voltage", PERCENT, "U", "U", ("--voltage",), _POSITIVE,
+    Quantity("voltage", PERCENT, "U", "U", ("--voltage",), POSITIVE,
              "voltage of a machine's supply over its nominal voltage", 100.0, Range(50.0, 150.0), _PERCENT),
-    Quantity("filling", _MASS, "m", "m", ("--filling",), _ZERO_OR_MORE,
+    Quantity("filling", _MASS, "m", "m", ("--filling",), ZERO_OR_MORE,
              "mass of the filling in the trough", 0.0, Range(high=1e5),
              ("", "for grams write {0}g")),
-    Quantity("natural", FREQUENCY, "f0", "f_0", ("--natural",), _POSITIVE,
+    Quantity("natural", FREQUENCY, "f0", "f_0", ("--natural",), POSITIVE,
              "natural frequency of the empty machine", usual=Range(high=1000.0),
              slips=("", "for cycles a minute write {0}rpm"), called="natural frequency"),
-    Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _POSITIVE,
+    Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _SIZE,
              "amplitude of the trough's motion, half of its stroke",
              usual=Range(0.002, 100.0), slips=_LENGTHS),
-    Quantity("stroke", LENGTH, "stroke", "2A", ("--stroke",), _POSITIVE,
+    Quantity("stroke", LENGTH, "stroke", "2A", ("--stroke",), _SIZE,
              "stroke of the trough from peak to peak, twice the amplitude",
              usual=Range(0.004, 200.0), slips=_LENGTHS),
-    Quantity("along_amplitude", LENGTH, "X", "X", ("--along",), _ZERO_OR_MORE,
+    Quantity("along_amplitude", LENGTH, "X", "X", ("--along",), _SIZE_OR_NONE,
              "amplitude of an elliptical motion along the trough",
              usual=Range(high=100.0), slips=_LENGTHS),
-    Quantity("normal_amplitude", LENGTH, "Y", "Y", ("--normal",), _ZERO_OR_MORE,
+    Quantity("normal_amplitude", LENGTH, "Y", "Y", ("--normal",), _SIZE_OR_NONE,
              "amplitude of an elliptical motion normal to the trough",
              usual=Range(high=100.0), slips=_LENGTHS),
-    Quantity("frequency", FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive",
+    Quantity("frequency", FREQUENCY, "f", "f", ("-f", "--frequency"), POSITIVE, "frequency of the drive",
              usual=Range(high=1000.0), slips=("", "for revolutions a minute write {0}rpm")),
     Quantity("drive_angle", ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
              Range(0.0, 90.0), "angle of the drive's line above the trough's surface",
              usual=Range(1.0), slips=("for radians write {0}rad", "")),
-    Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), _ANY,
+    Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), _PHASE,
              "phase lead of the normal motion over the motion along the trough"),
-    Quantity("along_phase", ANGLE, "xi", r"\xi", (), _ANY,
+    Quantity("along_phase", ANGLE, "xi", r"\xi", (), _PHASE,
              "phase of the first harmonic along the trough, where arrays give it; else 0"),
     *(quantity for n in range(2, MOST_HARMONICS + 1) for quantity in _harmonic(n)),
-    Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), _POSITIVE,
+    Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), POSITIVE,
              "factor by which all amplitudes, or accelerations, of a motion are multiplied", 1.0),
-    Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
+    Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), ZERO_OR_MORE,
              "coefficient of friction at rest", usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
              Range(0.0, 1.0, with_high=True), "kinetic over static friction, instead of kinetic friction"),
-    Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _ZERO_OR_MORE,
+    Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), ZERO_OR_MORE,
              "coefficient of friction while sliding, at most the static one",
              usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
              Range(-90.0, 90.0, with_low=False), "inclination of the trough, > 0 uphill", 0.0),
-    Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
+    Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY, Range(1.0, 100.0), 2 * ("it is in m/s^2, 9.81 on Earth",)),
-    Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("--normal-acceleration",), _POSITIVE,
+    Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("--normal-acceleration",), POSITIVE,
              "constant normal force on a clamped part over its mass"),
     Quantity("restitution", PURE, "e", "e", ("--restitution",), Range(0.0, 1.0),
              "normal coefficient of restitution of an impact on the trough", 0.0),
-    Quantity("trough_length", LENGTH, "L", "L", ("-L", "--length"), _POSITIVE, "length of the trough"),
+    Quantity("trough_length", LENGTH, "L", "L", ("-L", "--length"), POSITIVE, "length of the trough"),
 )
 # fmt: on
 #: The normal force on a clamped part, which a scene file may give beside the part's mass.
-NORMAL_FORCE: Final = Quantity("normal_force", FORCE, allowed=_POSITIVE)
+NORMAL_FORCE: Final = Quantity("normal_force", FORCE, allowed=POSITIVE)
 #: Every quantity of a scene by its name, in the order of a table's columns.
 QUANTITIES: Final[Mapping[str, Quantity]] = {q.name: q for q in _ALL}
 #: Those with options by their names with units, the keys of scene files and of ``vibro.sweep``.
@@ -311,18 +330,25 @@ LOAD: Final = Quantity(
     slips=("", "is the amplitude in um (800um), or the frequency in rpm (900rpm)?"),
 )
 
+#: Accelerations and displacements of a motion, as steps and samples have them.
+SHAKEN: Final = Quantity("acceleration", ACCELERATION, allowed=EITHER_WAY)
+SHIFTED: Final = Quantity("displacement", LENGTH, allowed=Range(-_FAR, _FAR, with_high=True))
+
 # Quantities of a run, of a part or of a record, not of a scene.
-MASS: Final = Quantity("mass", _MASS, allowed=_POSITIVE)
+MASS: Final = Quantity("mass", _MASS, allowed=POSITIVE)
 #: Mass of an empty trough and of what moves with it, beside the mass of its filling.
-TROUGH_MASS: Final = Quantity("trough_mass", _MASS, allowed=_POSITIVE)
-PITCH: Final = Quantity("pitch", LENGTH, allowed=_POSITIVE)
-LEAST_SPEED: Final = Quantity("speed", SPEED, allowed=_POSITIVE)
-STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
-DURATION: Final = Quantity("duration", TIME)
-START_PHASE: Final = Quantity("start_phase", ANGLE)
-START_VELOCITY: Final = Quantity("start_velocity", SPEED)
-START_HEIGHT: Final = Quantity("start_height", LENGTH)
-START_NORMAL_VELOCITY: Final = Quantity("start_normal_velocity", SPEED)
+TROUGH_MASS: Final = Quantity("trough_mass", _MASS, allowed=POSITIVE)
+PITCH: Final = Quantity("pitch", LENGTH, allowed=POSITIVE)
+LEAST_SPEED: Final = Quantity("speed", SPEED, allowed=POSITIVE)
+STAND_RATIO: Final = Quantity("stand_ratio", allowed=POSITIVE)
+#: Length that a part moves along the trough.
+WAY: Final = Quantity("length", LENGTH, allowed=POSITIVE)
+CYCLES: Final = Quantity("cycles", allowed=Range(_FEW, 1e15, with_high=True))  # as many as doubles count
+DURATION: Final = Quantity("duration", TIME, allowed=POSITIVE)
+START_PHASE: Final = Quantity("start_phase", ANGLE, allowed=_PHASE)
+START_VELOCITY: Final = Quantity("start_velocity", SPEED, allowed=EITHER_WAY)
+START_HEIGHT: Final = Quantity("start_height", LENGTH, allowed=ZERO_OR_MORE)
+START_NORMAL_VELOCITY: Final = Quantity("start_normal_velocity", SPEED, allowed=EITHER_WAY)
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
 _NUMBER = re.compile(

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.quantities import Quantity
     from vibro.waveforms import Pairs
 
     Floats = NDArray[np.float64]
@@ -47,12 +46,7 @@ def field_text(name: str, value: float) -> str:
 
 def field_range(name: str) -> str:
     """Return the allowed range of a field as text, angles in degrees."""
-    return _range_of(QUANTITIES[name])
-
-
-def _range_of(quantity: Quantity) -> str:
-    unit = quantity.kind.si_unit
-    return quantity.allowed.text("deg" if unit == "rad" else unit)
+    return QUANTITIES[name].range_text
 
 
 def _kind_of(values: dict[str, Any]) -> type[Fields]:
@@ -365,12 +359,12 @@ class Scene:
             if not x.ndim:  # plain numbers take a tenth of the time
                 number = float(x)
                 if not (math.isfinite(number) and quantity.allows(number)):
-                    problems.append(Problem(field, field_text(name, number), _range_of(quantity)))
+                    problems.append(Problem(field, field_text(name, number), quantity.range_text))
                 continue
             good = np.isfinite(x) & quantity.allows(x)
             if np.count_nonzero(good) < x.size:
                 wrong = float(x[~good].flat[0])
-                problems.append(Problem(field, field_text(name, wrong), _range_of(quantity)))
+                problems.append(Problem(field, field_text(name, wrong), quantity.range_text))
         if is_clamped and isinstance(fields, Harmonics | Piecewise) and fields.moves_normal:
             shown_as = field_text("normal_acceleration", float(np.ravel(fields.normal_acceleration)[0]))
             allowed = "left out where the trough moves normal to itself, as then the force on a part changes"

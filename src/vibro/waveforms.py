@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.errors import Problem, SceneError, shown
 from vibro.paths import extremes, farthest, integral, values_at, widest
-from vibro.quantities import MOST_HARMONICS
+from vibro.quantities import MOST_HARMONICS, POSITIVE, SHAKEN, SHIFTED
 from vibro.reals import NotRealError, real_array, shielded
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from os import PathLike
 
     from numpy.typing import ArrayLike, NDArray
+
+    from vibro.quantities import Quantity
 
     Floats = NDArray[np.float64]
     Pairs = tuple[tuple[Floats, Floats], ...]
@@ -331,7 +333,7 @@ def sampled_motion(along: Any, normal: Any, of: str, names: tuple[str, str]) -> 
     if of == "acceleration":
         return _piecewise(along, normal, names, _read_accelerations)
     given = [
-        None if x is None else _harmonics_of(_read_samples(name, x))
+        None if x is None else _harmonics_of(_read_samples(name, x, SHIFTED))
         for name, x in zip(names, (along, normal), strict=True)
     ]
     return harmonic_motion(given, names)
@@ -407,8 +409,7 @@ def _read_steps(name: str, value: Any) -> Pieces:
     shares, accelerations = steps.T
     for share in shares[~(np.isfinite(shares) & (shares > _WHOLE))][:1]:
         raise SceneError((Problem(name, f"a share of {share:.15g}", f"shares above {_WHOLE:g}"),))
-    for acceleration in accelerations[~np.isfinite(accelerations)][:1]:
-        raise SceneError((Problem(name, f"{acceleration} m/s^2", "finite accelerations"),))
+    _check(name, accelerations, SHAKEN)
     total = math.fsum(shares)
     if abs(total - 1.0) > _WHOLE:
         last = 1.0 - math.fsum(shares[:-1])
@@ -426,7 +427,16 @@ def _read_steps(name: str, value: Any) -> Pieces:
     return breaks, np.pad(accelerations[:, np.newaxis], ((0, 0), (0, 3)))
 
 
-def _read_samples(name: str, value: Any) -> Floats:
+def _check(name: str, values: Floats, quantity: Quantity) -> None:
+    """Raise SceneError unless all values are in a range [SI], and not all are next to 0 but for zeros."""
+    unit, least = quantity.kind.si_unit, quantity.to_si(POSITIVE.low)
+    for value in values[~quantity.allows(values)][:1]:
+        raise SceneError((Problem(name, f"{value:.15g} {unit}", quantity.range_text),))
+    if 0.0 < (largest := float(np.abs(values).max())) < least:
+        raise SceneError((Problem(name, f"at most {largest:.15g} {unit}", f"0, or up to {least:g} {unit}"),))
+
+
+def _read_samples(name: str, value: Any, quantity: Quantity) -> Floats:
     try:
         samples = real_array(value)
     except NotRealError as exc:
@@ -436,6 +446,7 @@ def _read_samples(name: str, value: Any) -> Floats:
         raise SceneError((Problem(name, told, _SAMPLES),))
     for sample in samples[~np.isfinite(samples)][:1]:
         raise SceneError((Problem(name, str(sample), _SAMPLES),))
+    _check(name, samples, quantity)
     return samples
 
 
@@ -443,7 +454,7 @@ def _read_accelerations(name: str, value: Any) -> Pieces:
     """Join samples by a periodic cubic spline."""
     from scipy.interpolate import CubicSpline
 
-    samples = _read_samples(name, value)
+    samples = _read_samples(name, value, SHAKEN)
     steps = np.arange(samples.size + 1)  # the spline's unit is a piece, so that its u is ours
     spline = CubicSpline(steps, np.append(samples, samples[0]), bc_type="periodic")
     return np.asarray(steps / samples.size), np.ascontiguousarray(spline.c[::-1].T)

@@ -48,7 +48,7 @@ def test_files_do_not_need_streams(tmp_path: Path, closed: str) -> None:
         ((*SMALL, "-o", "-", "-q"), ">/dev/full", 1, FULL),
         (("--help",), ">/dev/full", 1, FULL),
         ((*TABLE, "--json", "-o", "nut", "-q"), ">&-", 1, LOST),
-        (WRONG, ">&-", 2, "error: amplitude = -1 mm: must be finite and > 0 mm\n"),
+        (WRONG, ">&-", 2, "error: amplitude = -1 mm: must be in [1e-12, 1e+09] mm\n"),
         (WRONG, "2>&-", 2, ""),
         (WRONG, "2>/dev/full", 2, ""),
         (WRONG, ">&- 2>&- <&-", 2, ""),

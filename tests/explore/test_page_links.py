@@ -78,7 +78,7 @@ def test_a_bad_link_says_so_and_shows_the_initial_state(open_page: Open) -> None
     enter(page, AMPLITUDE, "0.9")
     expect(alert).to_be_empty()
     page.evaluate("location.hash = '#frequency_hz=-5&amplitude_mm=2'")
-    expect(alert).to_contain_text("must be finite and > 0 Hz")
+    expect(alert).to_contain_text("must be in ")
     expect(page.locator(AMPLITUDE)).to_have_value("1")
     speed(page, "16.2635 mm/s")
     page.evaluate("location.hash = '#amplitude_mm=2'")

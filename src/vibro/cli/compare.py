@@ -113,7 +113,7 @@ def compare_command(
     from vibro.cli.compare_report import comparison_report
     from vibro.cli.request import question, request_of
     from vibro.cli.series import SeriesOutput, scene_record
-    from vibro.quantities import DRIVES, LOAD, MASS, exact_number
+    from vibro.quantities import DRIVES, LOAD, MASS, checked_number
     from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
     from vibro.records.comparison_tables import ComparisonTables
@@ -128,9 +128,7 @@ def compare_command(
     options, data = scene_and_data(options, data, "compare")
     body = None
     if mass is not None:
-        body = float(exact_number(mass, MASS))
-        if body <= 0.0:
-            raise InputError(f"mass = {cut(mass)}: must be finite and > 0 kg")
+        body = checked_number(mass, MASS)
     if friction is not None and body is None:
         raise InputError("a force needs the mass of the body", hint="give --mass 0.02kg")
     given = {

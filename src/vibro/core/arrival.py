@@ -45,7 +45,7 @@ _SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
 _SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
 _DOUBLINGS: Final = 990  # of a turn, up to 1e299 rad, where the search along a slide without end gives up
 # [1] Stretches of a flight between zeros of the acceleration: the longest flights last some 1e6 turns.
-_MOST_STRETCHES: Final = 10_000_000
+_MOST_STRETCHES: Final = 2_000_000
 
 
 class Memory(NamedTuple):

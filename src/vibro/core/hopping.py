@@ -6,6 +6,7 @@ take-off of the cycle, a fixed point of the return map. Lengths in A, speeds in 
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 from vibro.core.averages import Bodies, Means, averages
@@ -191,6 +192,8 @@ def _irregular(means: Means) -> Hopping:
     """Form the answer of a scene that does not repeat."""
     if means.status != Status.AVERAGED:
         return _unanswered(means.status)
+    if math.isnan(means.displacement + means.deviation):  # friction is beyond what doubles can add up
+        return _unanswered(Status.UNRESOLVED)
     return Hopping(
         status=Status.AVERAGED,
         pattern=IRREGULAR,

@@ -369,7 +369,8 @@ def _usual_range(quantity: Quantity, control: Control, value: float) -> str:
     """Return the range of a newly chosen axis; where it misses the operating point, one around that."""
     text = control.axis
     low, high = map(float, text.split(":"))
-    if not math.isinf(quantity.allowed.high) or not (0.0 < value < low or value > high):
+    outside = 0.0 < value < low or value > high
+    if not outside or not quantity.allows(quantity.to_si(value * _AROUND)):
         return text
     return f"{value / _AROUND:.3g}:{value * _AROUND:.3g}"
 

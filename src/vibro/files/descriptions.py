@@ -15,9 +15,11 @@ from vibro.quantities import (
     MACHINE,
     MASS,
     NORMAL_FORCE,
+    POSITIVE,
     QUANTITIES,
     STANDS_FOR,
     SWEPT,
+    ZERO_OR_MORE,
     Quantity,
     Range,
     of_part,
@@ -88,8 +90,6 @@ EXAMPLES: Final = {
 #: Kinds of machines, as files spell them.
 KINDS: Final = ("unbalance", "magnet", "exciter", "crank", "rod", "measured")
 
-_POSITIVE: Final = Range(0.0, with_low=False)
-_ZERO_OR_MORE: Final = Range(0.0)
 _RELATIVE: Final = Range(0.0, 100.0)
 _ACUTE: Final = Range(0.0, 90.0)
 _HALF_TURN: Final = Range(0.0, 180.0, with_high=True)
@@ -111,7 +111,7 @@ def _entry(
     allowed: Range | None = None,
 ) -> Entry:
     """Describe a key by a quantity of a scene, or by a quantity of its own, which is positive by default."""
-    quantity = Quantity(name, kind, allowed=_POSITIVE) if kind else QUANTITIES[name]
+    quantity = Quantity(name, kind, allowed=POSITIVE) if kind else QUANTITIES[name]
     told = replace(quantity, meaning=meaning or quantity.meaning, allowed=allowed or quantity.allowed)
     return form.Entry(of, told, usual, example)
 
@@ -183,11 +183,11 @@ MACHINE_KEYS: Final = (
     _entry(form.NUMBER, "voltage_exponent", "exponent of the force over the voltage; 1 for a piezo drive",
            "2", kind=PURE),
     _entry(form.NUMBER, "base_stiffness", "stiffness of the counter mass's own mounts", "0", kind=STIFFNESS,
-           allowed=_ZERO_OR_MORE),
+           allowed=ZERO_OR_MORE),
     _entry(form.NUMBER, "gap", "largest relative amplitude of trough and counter mass, at which they strike",
            "no limit", kind=LENGTH),
     _entry(form.NUMBER, "mount", "natural frequency on the mounts", "0: infinitely soft", kind=FREQUENCY,
-           allowed=_ZERO_OR_MORE),
+           allowed=ZERO_OR_MORE),
     _entry(form.COUNT, "motors", "number of motors", "needed with values of one motor", 2, PURE),
     _entry(form.NUMBER, "static_moment", "eccentric mass times its radius, of one motor",
            "needed of unbalance and exciter, or one of the two below", 95, MOMENT),
@@ -213,7 +213,7 @@ MACHINE_KEYS: Final = (
     _entry(form.BAND, "added_mass_share", "share of the filling's mass that moves with the trough",
            "computed", kind=PURE, allowed=Range(-10.0, 10.0)),
     _entry(form.BAND, "added_damping_share", "share of the filling's mass that acts as damping",
-           "computed, or 0 if the mass share is given", kind=PURE, allowed=_ZERO_OR_MORE),
+           "computed, or 0 if the mass share is given", kind=PURE, allowed=ZERO_OR_MORE),
 )
 
 #: Input of the commands that take a scene.
@@ -245,7 +245,7 @@ _IN_DESIGN: Final = _by_key(
 DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a goal", "design", {
     "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
         _entry(form.FRICTION, "static_friction", "static friction of the parts", "needed", "0.3:0.5",
-               allowed=_POSITIVE),
+               allowed=POSITIVE),
         _entry(form.BAND, "kinetic_friction", "kinetic friction; values above static friction are left out",
                "needed, or its ratio, unless a row of the catalogue has it"),
         _entry(form.BAND, "friction_ratio", "kinetic over static friction",

@@ -14,7 +14,7 @@ from vibro.fillings import filling_of
 from vibro.limits import critical_loads_of_lines
 from vibro.machines.linear import transfer
 from vibro.machines.machine import Machine, broadcast, driven
-from vibro.quantities import STANDARD_GRAVITY
+from vibro.quantities import QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.roots import sign_changes
@@ -434,16 +434,17 @@ def _case(
 
     f, s, u, f0, mass = (flat(x) for x in (f, s, u, f0, mass))
     empty, linear = driven(machine, f, s, u, f0)
-    good = (empty > 0.0) & np.isfinite(empty)
+    size = QUANTITIES["amplitude"]
+    good = size.allows(empty)
     unbounded = ~good & allow_unbounded
     if unbounded.any():  # these cells have no answer: a neighbour's numbers stand in for theirs
         f = np.where(unbounded, f * _NEIGHBOUR, f)
         empty, linear = driven(machine, f, s, u, f0)
-        good = (empty > 0.0) & np.isfinite(empty)
+        good = size.allows(empty)
     if not good.all():
         i = int(np.argmin(good))
         raise InputError(
-            f"amplitude = {empty[i]:.6g} m at frequency = {f[i]:.15g} Hz: must be finite and > 0 m",
+            f"amplitude = {empty[i]:.6g} m at frequency = {f[i]:.15g} Hz: must be {size.range_text}",
             hint="damping alone bounds the amplitude at resonance: give a damping_ratio > 0",
         )
     body = {name: flat(x) for name, x in rest.items()}
@@ -462,10 +463,12 @@ def _masses(value: Any) -> Floats:
         mass = real_array(value)
     except NotRealError as exc:
         raise InputError(f"filling = {exc.value}: must be {exc.allowed}", fields=["filling"]) from None
-    good = (mass >= 0.0) & np.isfinite(mass)
+    good = QUANTITIES["filling"].allows(mass)
     if not good.all():
         wrong = float(mass[~good].flat[0])
-        raise InputError(f"filling = {wrong:.15g} kg: must be finite and >= 0 kg", fields=["filling"])
+        raise InputError(
+            f"filling = {wrong:.15g} kg: must be {QUANTITIES['filling'].range_text}", fields=["filling"]
+        )
     return mass
 
 

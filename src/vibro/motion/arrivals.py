@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from vibro.core.buffers import EXTREME
 from vibro.core.compiled import doors
 from vibro.errors import Problem, SceneError
+from vibro.quantities import START_HEIGHT, START_NORMAL_VELOCITY, START_PHASE, START_VELOCITY
 from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.steady import lengths_of
 from vibro.solver import Grid, Scratch, lasting, over_cells
@@ -18,6 +18,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from vibro.quantities import Quantity
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -103,10 +104,10 @@ def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloci
         so late that rounding loses the phase of the trough.
     """
     start = Start(
-        number_of("start_phase", phase, "rad"),
-        number_of("start_velocity", velocity, "m/s"),
-        number_of("start_height", height, "m", least=0.0, strict=False),
-        number_of("start_normal_velocity", normal_velocity, "m/s"),
+        number_of(START_PHASE, phase),
+        number_of(START_VELOCITY, velocity),
+        number_of(START_HEIGHT, height),
+        number_of(START_NORMAL_VELOCITY, normal_velocity),
     )
     if scene.normal_acceleration is not None and (start.height or start.normal_velocity):
         name, given = ("start_height", f"{start.height:.15g} m")
@@ -134,16 +135,15 @@ def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloci
     return start
 
 
-def number_of(name: str, value: Any, unit: str, least: float = -math.inf, *, strict: bool = True) -> float:
-    """Convert an argument to a finite number above ``least``, or equal to it where that is not ``strict``."""
-    above = f" {'>' if strict else '>='} {least:g}" if least == 0.0 else ""
-    allowed = f"a finite number{above} {unit}".rstrip()
+def number_of(quantity: Quantity, value: Any) -> float:
+    """Convert an argument in SI units to a number in the range of its quantity."""
+    unit = quantity.kind.si_unit
     try:
         number = real_number(value)
     except NotRealError as exc:
-        raise SceneError((Problem(name, exc.value, allowed),)) from None
-    if not (math.isfinite(number) and (number > least or (number == least and not strict))):
-        raise SceneError((Problem(name, f"{number:.15g} {unit}".rstrip(), allowed),))
+        raise SceneError((Problem(quantity.name, exc.value, exc.allowed),)) from None
+    if not quantity.allows(number):
+        raise SceneError((Problem(quantity.name, f"{number:.15g} {unit}".rstrip(), quantity.range_text),))
     return number
 
 

@@ -14,6 +14,7 @@ from vibro.core.compiled import doors
 from vibro.core.elementary import TURN
 from vibro.errors import InputError, Problem, SceneError, VibroError
 from vibro.motion.arrivals import Start, arrivals, number_of, start_of
+from vibro.quantities import CYCLES, DURATION, WAY
 from vibro.reals import shielded
 from vibro.results.history import MOST_PHASES, History, Legs, SolvedMotion
 from vibro.solver import Grid, Scratch, lasting
@@ -92,12 +93,8 @@ def simulate(
     _ 38.68329 ms to 66.66667 ms
     """
     given = {
-        name: number_of(name, value, unit, least=0.0)
-        for name, value, unit in (
-            ("cycles", cycles, ""),
-            ("duration", duration, "s"),
-            ("length", length, "m"),
-        )
+        quantity.name: number_of(quantity, value)
+        for quantity, value in ((CYCLES, cycles), (DURATION, duration), (WAY, length))
         if value is not None
     }
     if len(given) != 1:

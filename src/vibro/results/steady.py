@@ -12,7 +12,7 @@ import numpy as np
 
 from vibro.core.codes import MODELS, Regime, Status, pattern_texts
 from vibro.errors import Problem, SceneError
-from vibro.quantities import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, SPEED, TIME, Kind
+from vibro.quantities import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, SPEED, TIME, WAY, Kind
 from vibro.reals import NotRealError, real_array, shielded
 
 if TYPE_CHECKING:
@@ -312,9 +312,9 @@ def lengths_of(value: Any, shape: tuple[int, ...]) -> Floats:
         lengths = real_array(value)
     except NotRealError as exc:
         raise SceneError((Problem("length", exc.value, exc.allowed),)) from None
-    bad = ~(np.isfinite(lengths) & (lengths > 0.0))
+    bad = ~WAY.allows(lengths)
     if bad.any():
-        raise SceneError((Problem("length", f"{lengths[bad].flat[0]:.15g} m", "finite and > 0 m"),))
+        raise SceneError((Problem("length", f"{lengths[bad].flat[0]:.15g} m", WAY.range_text),))
     try:
         return np.broadcast_to(lengths, np.broadcast_shapes(shape, lengths.shape))
     except ValueError:

@@ -1,0 +1,52 @@
+"""Corners of all that quantities may be: each has a value or a status, soon, and nobody is warned."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from extremes import KINDS, cells_of, corners_of
+from stress import solve_corners
+
+import vibro
+from vibro.core.compiled import doors
+
+PATIENCE = 2.0  # [s] of the processor; most take a thousandth of it
+# [s] Without kinetic friction each of a thousand steady cycles of 16 harmonics has many candidates.
+SLOW = {"transitions": 30.0}
+
+pytestmark = pytest.mark.skipif(not doors().compiled, reason="plain Python takes minutes")
+
+ANSWERS = {
+    "history": lambda scene: vibro.simulate(scene, cycles=3),
+    "arrival": lambda scene: vibro.arrival_time(scene, 1e9),
+    "transitions": vibro.transitions,
+    "critical loads": vibro.critical_loads,
+    "search": lambda scene: vibro.solve(scene, coexistence=True),
+    "attractors": vibro.attractors,
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_corner_has_a_value_or_a_status(kind: str) -> None:
+    found = solve_corners(kind)
+    assert found.scenes > 1000
+    assert found.wrong == 0
+    assert found.seconds < PATIENCE
+    assert {"ok", "boundary", "runaway", "indeterminate", "flight-not-modelled"} <= {*found.statuses}
+    assert found.statuses.get("unresolved", 0) <= 4  # hops of bodies whose friction is the least double
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_motions_at_corners_are_followed_or_refused(kind: str) -> None:
+    refused = 0
+    for scene in corners_of(kind):
+        for cell in cells_of(scene, 6, 1):
+            for name, answer in ANSWERS.items():
+                start = time.process_time()
+                try:
+                    answer(cell)
+                except vibro.VibroError:
+                    refused += 1
+                assert time.process_time() - start < SLOW.get(name, PATIENCE), name
+    assert refused
