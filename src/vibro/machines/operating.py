@@ -440,6 +440,7 @@ def _case(
     if unbounded.any():  # these cells have no answer: a neighbour's numbers stand in for theirs
         f = np.where(unbounded, f * _NEIGHBOUR, f)
         empty, linear = driven(machine, f, s, u, f0)
+        empty = np.where(unbounded & (empty > 0.0), np.minimum(empty, 1.0), empty)
         good = size.allows(empty)
     if not good.all():
         i = int(np.argmin(good))
