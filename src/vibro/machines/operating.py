@@ -46,7 +46,7 @@ _LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is computed f
 _ROUNDING: Final = 1e-9  # [1] by which bounds are widened
 _JUMP: Final = 1e-9  # [1] residual over the empty amplitude that only a jump leaves in a closed bracket
 _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  # of what is checked after it
-_NEIGHBOUR: Final = 1.0 + 1e-12  # [1] of a frequency at which an amplitude is infinite
+_NEIGHBOUR: Final = 1.0 + 1e-6  # [1] of a frequency at which no trough is as wide as an amplitude
 _CHUNK: Final = 8192  # [cells] whose amplitudes are held at once
 
 
@@ -436,11 +436,10 @@ def _case(
     empty, linear = driven(machine, f, s, u, f0)
     size = QUANTITIES["amplitude"]
     good = size.allows(empty)
-    unbounded = ~good & allow_unbounded
+    unbounded = ~good & ~(empty < 1.0) & allow_unbounded  # and not too small
     if unbounded.any():  # these cells have no answer: a neighbour's numbers stand in for theirs
         f = np.where(unbounded, f * _NEIGHBOUR, f)
         empty, linear = driven(machine, f, s, u, f0)
-        empty = np.where(unbounded & (empty > 0.0), np.minimum(empty, 1.0), empty)
         good = size.allows(empty)
     if not good.all():
         i = int(np.argmin(good))
