@@ -12,8 +12,9 @@ import vibro
 from vibro.core.compiled import doors
 
 PATIENCE = 2.0  # [s] of the processor; most take a thousandth of it
-# [s] Without kinetic friction each of a thousand steady cycles of 16 harmonics has many candidates.
-SLOW = {"transitions": 30.0}
+# [s] Without kinetic friction each of a thousand steady cycles of 16 harmonics has many candidates, and a
+# body that never rests may take two million slides to where it arrives. Interrupts are heard meanwhile.
+SLOW = {"transitions": 30.0, "critical loads": 30.0, "arrival": 10.0}
 
 pytestmark = pytest.mark.skipif(not doors().compiled, reason="plain Python takes minutes")
 
@@ -41,7 +42,7 @@ def test_every_corner_has_a_value_or_a_status(kind: str) -> None:
 def test_motions_at_corners_are_followed_or_refused(kind: str) -> None:
     refused = 0
     for scene in corners_of(kind):
-        for cell in cells_of(scene, 6, 1):
+        for cell in cells_of(scene, 2, 1):
             for name, answer in ANSWERS.items():
                 start = time.process_time()
                 try:
