@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +14,6 @@ import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.commands import rows_of
-from helpers.explorers import application, guest
 from helpers.packed import state_of, table_of, unpacked
 
 import vibro
@@ -201,23 +199,6 @@ def test_a_history_is_what_simulate_gives(answers: Answers) -> None:
     assert flies.any()
     assert np.isnan(arrays["inertial"][flies]).all()
     assert {curve["array"] for panel in header["panels"] for curve in panel["curves"]} <= {*arrays}
-
-
-@pytest.mark.parametrize(
-    ("query", "said"),
-    [
-        ({"amplitude_mm": "1e39", "frequency_hz": "5e-19"}, r"trough = 3\.\d+e\+38 mm"),
-        ({"drive": "ellipse", "along_amplitude_mm": "1e40", "frequency_hz": "6.6e-24"}, "trough, along"),
-        ({"static_friction": "1e40"}, r"limits of static friction = 9.81e\+40 m/s²"),
-        ({"amplitude_mm": "1e300", "frequency_hz": "1e-150"}, r"time = \S+ ms"),
-    ],
-)
-def test_a_history_beyond_single_precision_is_told(query: dict[str, str], said: str) -> None:
-    client = guest(application(Answers(initial_state()), read=lambda query: state_of(**query)))
-    response = client.get("/history", params=query)
-    assert response.status_code == 400
-    (problem,) = response.json()["problems"]
-    assert re.match(f"the motion is not drawn: {said}.*: at most 3.4e\\+38 can be drawn", problem["text"])
 
 
 def test_histories_of_other_drives(answers: Answers) -> None:

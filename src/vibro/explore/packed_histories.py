@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.errors import VibroError
 from vibro.explore.packing import pack
 from vibro.explore.words import even_ticks
 from vibro.motion.histories import simulate
@@ -23,7 +22,6 @@ __all__ = ["packed_history"]
 
 _MARGIN: Final = 0.06  # of a panel, above and below its curves
 _OTHER_LIMIT: Final = "static_limit_below"
-_LARGEST: Final = float(np.finfo(np.float32).max)
 _SAMPLES: Final = 100  # a drive cycle, beside every event
 _NAMES: Final = "trough,forces,velocity,position"
 
@@ -45,13 +43,13 @@ def packed_history(state: State) -> bytes:
     Raises
     ------
     VibroError
-        If there is no motion to follow, or one of its numbers is beyond single precision.
+        If there is no motion to follow.
     """
     history = simulate(state.point.scene(), cycles=state.cycles)
     phases = history.phases
     rows = trace(history, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
     flies = any(phase.kind == "H" for phase in phases)
-    arrays: dict[str, NDArray[Any]] = {"time": _single("time", 1e3 * rows.time, "ms")}
+    arrays: dict[str, NDArray[Any]] = {"time": _single(1e3 * rows.time)}
     panels = []
     for name, panel in panels_of([*choose_panels(_NAMES, flies=flies), *["gap"] * flies], rows).items():
         most = most_force(rows) if panel is PANELS["forces"] else None
@@ -64,7 +62,7 @@ def packed_history(state: State) -> bytes:
                 "width": curve.width,
                 "array": curve.field,
             }
-            arrays[curve.field] = _single(curve.label, values_of(curve, panel, rows), panel.unit)
+            arrays[curve.field] = _single(values_of(curve, panel, rows))
             if most is not None and (np.abs(arrays[curve.field]) > most).any():
                 described["label"] += " (cut off)"
             curves.append(described)
@@ -114,11 +112,6 @@ def _ends(curves: list[NDArray[np.float32]], most: float | None) -> tuple[float,
     return low - margin, high + margin
 
 
-def _single(name: str, values: NDArray[np.float64], unit: str) -> NDArray[np.float32]:
+def _single(values: NDArray[np.float64]) -> NDArray[np.float32]:
     """Round to single precision, in which the page draws; no point moves visibly."""
-    beyond = np.abs(values) > _LARGEST
-    if beyond.any():
-        told = f"{name} = {values[beyond][0]:.3g} {unit}".rstrip()
-        rule = f"at most {_LARGEST:.1e} can be drawn"
-        raise VibroError(f"the motion is not drawn: {told}: {rule}; choose less extreme values")
     return values.astype(np.float32)
