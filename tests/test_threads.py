@@ -118,6 +118,41 @@ def test_an_interrupt_is_heard_while_a_compiled_function_runs() -> None:
     assert (done.returncode, done.stdout) == (0, "interrupted []\n"), done.stderr
 
 
+ENDING = """
+import os, signal, threading
+import numpy as np
+import vibro
+from vibro.core.compiled import doors
+
+whole, begun, random = doors().solve_hops, threading.Event(), np.random.default_rng(1)
+
+def solve_hops(*values):
+    begun.set()
+    whole(*values)
+
+def interrupt():
+    begun.wait()
+    os.kill(os.getpid(), signal.SIGINT)
+
+doors().solve_hops = solve_hops
+motion = vibro.Motion.samples(*30.0 * random.normal(size=(2, 4096)))
+scales, friction = np.geomspace(0.1, 1.0, 50), {"static_friction": 0.5, "kinetic_friction": 0.3}
+signal.signal(signal.SIGINT, signal.default_int_handler)
+threading.Thread(target=interrupt).start()
+try:
+    vibro.solve(vibro.Scene(motion=motion, motion_scale=scales, frequency=20.0, **friction))
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+@pytest.mark.skipif(not doors().compiled, reason="plain Python hears interrupts by itself")
+@pytest.mark.skipif(sys.platform == "win32", reason="os.kill ends a process of Windows")
+def test_python_may_end_while_an_interrupted_call_runs_on() -> None:
+    done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True, timeout=120.0)
+    assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr
+
+
 def test_what_lasts_hands_over_its_answer_or_its_error() -> None:
     assert heard(lambda: 3) == 3
     with pytest.raises(ZeroDivisionError):

@@ -28,7 +28,9 @@ __all__ = [
 
 _KINK: Final = 0.2  # [1] relative difference of both sides that shows a kink
 _DAMPING_RATIO: Final = 0.015  # [1] of steel springs in feeders
-_RANGE: Final = 1024  # [cells] of a range, so that an interrupt is noticed within a fraction of a second
+# [cells] of a range, so that an interrupt is noticed within a fraction of a second.
+_RANGE: Final = 1024
+_AVERAGED: Final = 16  # each of which takes several ms
 _AMPLITUDE_STEP: Final = (
     0.01  # [1] relative change of the amplitude that speeds of hopping bodies are compared over
 )
@@ -116,7 +118,8 @@ def filling_of(
             grid.scenes, grid.place(), *given, out, scratch.flights, scratch.hops, begin, end, averages
         )
 
-    over_cells(weigh, grid.size, _RANGE, threads, cost=grid.cost)
+    step = _AVERAGED if averages and (status == Status.AVERAGED).any() else _RANGE
+    over_cells(weigh, grid.size, step, threads, cost=grid.cost)
     mass, damping, real, imaginary, mass_error, damping_error, bound = (
         row.reshape(grid.shape)[()] for row in values
     )

@@ -129,8 +129,8 @@ class Scratch(threading.local):
     """Room for the flights of one scene, one a thread, made when it is first needed."""
 
     def __init__(self) -> None:
-        self._kept = np.empty((8, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * MOST_HOPS))
-        self.flights, self.hops = map(doors().rows, self._kept)
+        self.flights = doors().rows(np.empty((8, MOST_BOUNCES + LONGEST_CYCLE)))
+        self.hops = doors().rows(np.empty((8, BODIES * MOST_HOPS)))
 
 
 def lasting(run: Callable[[], _R]) -> _R:

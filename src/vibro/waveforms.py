@@ -323,12 +323,12 @@ def step_motion(along: Any, normal: Any, names: tuple[str, str]) -> PiecewiseMot
 
 def sampled_motion(along: Any, normal: Any, of: str, names: tuple[str, str]) -> Motion:
     """Return ``Motion.samples``; messages call its arguments by these names."""
-    if of not in _QUANTITIES:
+    if not isinstance(of, str) or of not in _QUANTITIES:
         raise SceneError((Problem("of", shown(of), " or ".join(_QUANTITIES)),))
-    sizes = {np.shape(samples) for samples in (along, normal) if samples is not None}
-    if len(sizes) > 1:
+    sizes = [np.shape(samples) for samples in (along, normal) if samples is not None]
+    if [len(size) for size in sizes] == [1, 1] and sizes[0] != sizes[1]:  # else one of them is refused below
         raise SceneError(
-            (Problem(names[1], f"{len(normal)} samples", f"as many as {names[0]}, {len(along)}"),)
+            (Problem(names[1], f"{sizes[1][0]} samples", f"as many as {names[0]}, {sizes[0][0]}"),)
         )
     if of == "acceleration":
         return _piecewise(along, normal, names, _read_accelerations)
@@ -407,8 +407,9 @@ def _read_steps(name: str, value: Any) -> Pieces:
     if steps.ndim != 2 or steps.shape[1] != 2 or not 0 < len(steps) <= MOST_PIECES:
         raise SceneError((Problem(name, shown(value), _STEPS),))
     shares, accelerations = steps.T
-    for share in shares[~(np.isfinite(shares) & (shares > _WHOLE))][:1]:
-        raise SceneError((Problem(name, f"a share of {share:.15g}", f"shares above {_WHOLE:g}"),))
+    for share in shares[~((shares > _WHOLE) & (shares <= POSITIVE.high))][:1]:
+        allowed = f"shares above {_WHOLE:g}, up to {POSITIVE.high:g}"
+        raise SceneError((Problem(name, f"a share of {share:.15g}", allowed),))
     _check(name, accelerations, SHAKEN)
     total = math.fsum(shares)
     if abs(total - 1.0) > _WHOLE:

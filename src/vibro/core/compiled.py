@@ -32,6 +32,16 @@ def library_path() -> Path | None:
     return path if path.is_file() and os.environ.get("VIBRO_SOLVER") != "python" else None
 
 
+class _Rows(tuple[int, ...]):
+    """Addresses of the rows of an array, which lives as long as they do.
+
+    After an interrupt a call runs on in its thread, also while Python ends and drops what threads own: only
+    what the call itself was handed is still there.
+    """
+
+    array: NDArray[Any]
+
+
 class Doors:
     """Functions of ``vibro.core.loop``, called by name with numbers, arrays and tuples of rows.
 
@@ -50,11 +60,13 @@ class Doors:
         return function
 
     def rows(self, array: NDArray[Any]) -> tuple[Any, ...]:
-        """Hand over the rows of a 2-D array in C order, which must outlive the call, as buffers."""
+        """Hand over the rows of a 2-D array in C order as buffers, which keep the array alive."""
         if self._library is None:
             return tuple(map(self.row, array))
         start, step = array.ctypes.data, array.strides[0]
-        return tuple(range(start, start + step * len(array), step)) if step else (start,) * len(array)
+        rows = _Rows(range(start, start + step * len(array), step) if step else (start,) * len(array))
+        rows.array = array
+        return rows
 
     def row(self, array: NDArray[Any]) -> Any:
         """Hand over a contiguous array, which must outlive the call, as one buffer."""
