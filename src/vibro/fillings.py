@@ -188,7 +188,7 @@ def amplitude_exponent(scene: Scene, cycle: SteadyCycle) -> Any:
     found = []
     for factor in (1.0 - _AMPLITUDE_STEP, 1.0 + _AMPLITUDE_STEP):
         changed = {name: factor * value for name, value in given.items() if name in sizes}
-        beside = solve(Scene.allowing_infeasible(**{**given, **changed}))
+        beside = solve(Scene.computed(**{**given, **changed}))
         known = (beside.status <= Status.BOUNDARY) & (beside.regime == cycle.regime)
         with np.errstate(divide="ignore", invalid="ignore"):
             change = np.log(beside.mean_velocity / cycle.mean_velocity) / math.log(factor)

@@ -248,10 +248,16 @@ class Scene:
         >>> scene.infeasible.tolist()
         [False, True]
         """
-        scene = cls.__new__(cls)
-        scene._set({**_SI_DEFAULTS, **values})
+        scene = cls.computed(**values)
         if problems := scene._field_problems():
             raise SceneError(tuple(problems))
+        return scene
+
+    @classmethod
+    def computed(cls, **values: Any) -> Scene:
+        """Return the same of values that a search computes: it may go beyond what users may give."""
+        scene = cls.__new__(cls)
+        scene._set({**_SI_DEFAULTS, **values})
         return scene
 
     @property

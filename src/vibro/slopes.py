@@ -154,7 +154,7 @@ def scale_slope(scene: Scene, cycle: SteadyCycle) -> Floats:
     known = (cycle.regime != Regime.HOPPING) & (cycle.status == Status.OK)
     for steps in (-2, -1, 1, 2):
         scale = scene.motion_scale * np.exp(steps * _STEP)
-        beside = solve(Scene.allowing_infeasible(**{**given, "motion_scale": scale}), flight=False)
+        beside = solve(Scene.computed(**{**given, "motion_scale": scale}), flight=False)
         known = known & (beside.pattern_code == cycle.pattern_code) & (beside.status == Status.OK)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = beside.displacement_per_cycle / cycle.displacement_per_cycle

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -51,20 +50,11 @@ def test_the_sample_time_is_the_usual_one() -> None:
     assert Observation(np.array([0.0, 1.0, 2.0, 3.0, 6.0]), {}, 1.0).sample_time == 1.0
 
 
-@pytest.mark.parametrize("name", ["amplitude", "frequency", "gravity"])
-@pytest.mark.parametrize("limit", [1e-20, 1e20])
-def test_scenes_at_the_ends_of_what_can_be_compared(name: str, limit: float) -> None:
-    check_scene(nut(**{name: limit}))
-    beyond = limit * (1.001 if limit > 1.0 else 0.999)
-    with pytest.raises(InputError, match=re.escape(f"{name} = {beyond:.15g} ")):
-        check_scene(nut(**{name: beyond}))
-
-
-def test_of_an_ellipse_the_larger_amplitude_counts() -> None:
-    check_scene(bowl(along_amplitude=1e-25, normal_amplitude=1e-3))
+def test_a_motion_too_small_to_be_compared_is_refused_by_its_larger_amplitude() -> None:
+    check_scene(bowl(along_amplitude=1e-25, normal_amplitude=1e-20))
     check_scene(bowl(along_amplitude=1e-3, normal_amplitude=0.0))
-    with pytest.raises(InputError, match=r"^normal_amplitude = 1e"):
-        check_scene(bowl(along_amplitude=1e-3, normal_amplitude=1e21))
+    with pytest.raises(InputError, match=r"^normal_amplitude = 9.99e-21 "):
+        check_scene(bowl(along_amplitude=1e-25, normal_amplitude=0.999e-20))
 
 
 # --- the model beside it ------------------------------------------------------------------------------

@@ -227,16 +227,15 @@ def test_a_record_is_aligned_and_compared(label: str, signals: tuple[str, ...]) 
 
 def test_scenes_that_cannot_be_compared_are_refused() -> None:
     observed = Walked(bowl()).observe("velocity", cycles=3)
-    for x, y in ((0.0, 0.0), (1e-21, 1e-22), (1e21, 1e-3)):
+    for x, y in ((0.0, 0.0), (1e-21, 1e-22)):
         with pytest.raises(InputError, match="along_amplitude = "):
             compare(bowl(along_amplitude=x, normal_amplitude=y), observed)
     assert compare(bowl(along_amplitude=0.0, trough_angle=-0.28), observed).passing == ""
     shared = {"frequency": FREQUENCY, "static_friction": 0.4, "kinetic_friction": 0.3}
-    for size in (1e-21, 1e21):
-        waves = vibro.Scene(along_harmonics=[(size, 0.0), (0.3 * size, 1.0)], **shared)
-        for run in (compare, lambda scene, seen: fit(scene, seen, ["static_friction"])):
-            with pytest.raises(InputError, match=r"along_amplitude = 1e.21 m"):
-                run(waves, observed)
+    waves = vibro.Scene(along_harmonics=[(1e-21, 0.0), (0.3e-21, 1.0)], **shared)
+    for run in (compare, lambda scene, seen: fit(scene, seen, ["static_friction"])):
+        with pytest.raises(InputError, match=r"along_amplitude = 1e-21 m"):
+            run(waves, observed)
 
 
 # --- figures ---------------------------------------------------------------------------------------

@@ -127,6 +127,8 @@ def _respond(loads: Loads, change: Change, leg: SlideLeg) -> _Response:
     x = 0.5 * (leg.end - leg.begin)
     u = x - onset.c
     braking = 2.0 * math.sin(u) * math.sin(x) - onset.excess  # k - sin p1
+    if braking == 0.0:  # friction and load balance where it ends, which then has no derivative
+        return _Response(NAN, NAN, NAN, NAN)
     turned = kinetic.phase_rate  # a later phase of the slide's own
     end = -(2.0 * x * kinetic.ratio_rate + onset.excess * turned) / braking - turned
     reach = leg.displacement / onset.load  # with its sign

@@ -125,7 +125,7 @@ def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
     for name in drive:
         changed[name][-1] *= 1.0 + _RAISED
     names = [name + "_deg" * is_angle for name, is_angle in inputs.items()]
-    return [*names, "drive"], solve(Scene.allowing_infeasible(**{**given, **changed}))
+    return [*names, "drive"], solve(Scene.computed(**{**given, **changed}))
 
 
 def _inputs(scene: Scene) -> tuple[bool, Mapping[str, bool]]:
@@ -160,7 +160,7 @@ def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
     fields = _fields(scene)
     value = fields[name]
     step = _STEP if is_angle else _STEP * value
-    cycle = solve(Scene.allowing_infeasible(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
+    cycle = solve(Scene.computed(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
     # at mu_d = mu_s both slopes are taken on the side that can be
     possible = np.asarray(cycle.status) != Status.INFEASIBLE
     first = 1 if possible[1] and possible[3] else 0 if possible[1] else 2

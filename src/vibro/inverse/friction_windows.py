@@ -134,7 +134,7 @@ def _solved(scene: Scene, frictions: Frictions, values: Floats) -> SteadyCycle:
     given = {f.name: getattr(scene, f.name) for f in fields(scene)}
     given["static_friction"], given["kinetic_friction"] = frictions(values)
     given = {name: value for name, value in given.items() if value is not None}
-    return solve(Scene.allowing_infeasible(**given), output="regimes")
+    return solve(Scene.computed(**given), output="regimes")
 
 
 def _end(

@@ -531,7 +531,7 @@ class UncertaintySet:
         factor, frequency = self.space.parts(
             points.load, self.gravity, self.factor, self.frequency, fast=fast
         )
-        return Scene.allowing_infeasible(
+        return Scene.computed(
             **self.space.motion(factor, points.shape),
             frequency=frequency,
             static_friction=points.static_friction,

@@ -105,7 +105,7 @@ def _share(box: UncertaintySet, target: float, highest: Regime, logarithm: int, 
         mu_s, mu_d = _cut(box, points[-2], points[-1])
     motion = box.space.motion(factor, tuple(shape))
     cycle = solve(
-        Scene.allowing_infeasible(
+        Scene.computed(
             **motion, frequency=frequency, trough_angle=beta, static_friction=mu_s, kinetic_friction=mu_d,
             **box.constants,
         )

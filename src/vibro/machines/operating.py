@@ -214,7 +214,7 @@ def with_second_harmonic(scene: Scene, phasor: Complexes) -> Scene:
         along=[(along, still), (along * size, phase)], normal=[(normal, still), (normal * size, phase)]
     )
     other = {"amplitude": None, "drive_angle": None, "motion": motion}
-    return Scene.allowing_infeasible(**{**given, **other})
+    return Scene.computed(**{**given, **other})
 
 
 class _Case(NamedTuple):
@@ -646,7 +646,7 @@ class _Together(NamedTuple):
     def weigh(self, cells: Cells, amplitude: Floats) -> Filling:
         """Weigh the filling of some cells at some amplitudes."""
         fields = {name: x[cells] for name, x in self.fields.items()}
-        scene = Scene.allowing_infeasible(amplitude=amplitude, **fields)
+        scene = Scene.computed(amplitude=amplitude, **fields)
         return filling_of(scene, solve(scene, threads=self.threads), threads=self.threads)
 
     def residual(self, cells: Cells, amplitude: Floats) -> tuple[Floats, NDArray[np.int8]]:
@@ -793,9 +793,7 @@ def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
     if not full.size:
         return
     fields = {"frequency": case.frequency, **case.body}
-    scene = Scene.allowing_infeasible(
-        amplitude=found.solved_at[full], **{name: x[full] for name, x in fields.items()}
-    )
+    scene = Scene.computed(amplitude=found.solved_at[full], **{name: x[full] for name, x in fields.items()})
     filling = filling_of(scene, solve(scene, threads=threads), threads=threads)
     stiff = case.compliance[full] == 0.0  # a filling without any effect on the amplitude
     told = ~stiff & (found.status[full] != int(Status.OK))
@@ -854,7 +852,7 @@ def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool
     def shaped(x: NDArray[Any]) -> Any:
         return x.reshape(case.shape)[()]
 
-    scene = Scene.allowing_infeasible(
+    scene = Scene.computed(
         amplitude=shaped(found.solved_at),
         frequency=shaped(case.frequency),
         **{name: shaped(x) for name, x in case.body.items()},

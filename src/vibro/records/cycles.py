@@ -151,7 +151,7 @@ class SceneCycles:
 
 def labels_of(values: Mapping[str, Any]) -> Labels:
     """Return the labels of scenes as in ``SceneCycles``, from their fields as for ``scene_cycles``."""
-    return _labels(solve(Scene.allowing_infeasible(**values), flight=False))
+    return _labels(solve(Scene.computed(**values), flight=False))
 
 
 def _labels(cycle: SteadyCycle) -> Labels:
@@ -169,7 +169,7 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
     hops : bool
         Whether to solve scenes that hop; else they have their label, and the signals of a body at rest.
     """
-    scene = Scene.allowing_infeasible(**values)
+    scene = Scene.computed(**values)
     cycle = solve(scene, flight=False)
     labels = _labels(cycle)
     one_harmonic = scene.arrays().can(Ability.ONE_HARMONIC)
