@@ -321,7 +321,7 @@ def step_motion(along: Any, normal: Any, names: tuple[str, str]) -> PiecewiseMot
     return _piecewise(along, normal, names, _read_steps)
 
 
-def sampled_motion(along: Any, normal: Any, of: str, names: tuple[str, str]) -> Motion:
+def sampled_motion(along: Any, normal: Any, of: Any, names: tuple[str, str]) -> Motion:
     """Return ``Motion.samples``; messages call its arguments by these names."""
     if not isinstance(of, str) or of not in _QUANTITIES:
         raise SceneError((Problem("of", shown(of), " or ".join(_QUANTITIES)),))
