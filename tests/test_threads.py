@@ -92,8 +92,10 @@ whole, random, begun, ended = doors().class_scales, np.random.default_rng(1), th
 
 def class_scales(*values):
     begun.set()
-    whole(*values)
-    ended.append(True)
+    try:
+        whole(*values)
+    finally:
+        ended.append(True)
 
 def interrupt():
     begun.wait()
