@@ -1,7 +1,8 @@
 """Frozen answers, kept in tests/data/frozen: answers again and compares, or makes them anew (a program).
 
-    python tests/helpers/frozen.py --compare   # each set: cells, equal to the bit, largest difference, beyond
-    python tests/helpers/frozen.py --make      # only where answers are meant to change: CHANGELOG.md says so
+    cd tests
+    python -m helpers.frozen --compare   # each set: cells, equal to the bit, largest difference, beyond
+    python -m helpers.frozen --make      # only where answers are meant to change: CHANGELOG.md says so
 
 Beside the answers, the file of numbers has scales that put scenes next to one of their thresholds, and a byte
 for each number: its condition, the sum over all inputs of its relative change over that of the input, as an
