@@ -306,7 +306,7 @@ def lengths_of(value: Any, shape: tuple[int, ...]) -> Floats:
     Raises
     ------
     SceneError
-        If one is no number, or not finite and positive, or they do not broadcast.
+        If one is no number, or out of its range, or they do not broadcast.
     """
     try:
         lengths = real_array(value)
