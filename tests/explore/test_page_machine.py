@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from helpers.packed import FEEDER
-from helpers.pages import asked, enter, expect, until_asked
+from helpers.pages import asked, enter, expect, until, until_asked
 
 from vibro.explore.state import State, initial_state
 from vibro.sweeps.whole import request_of_call
@@ -15,7 +15,7 @@ from vibro.sweeps.whole import request_of_call
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from playwright.sync_api import Page
+    from playwright.sync_api import Page, Route
 
     Open = Callable[..., Page]
 
@@ -70,6 +70,20 @@ def test_a_wrong_filling_is_told_beside_its_field(open_page: Open) -> None:
     enter(page, "#filling_kg", "500g")
     expect(page.locator("#filling_kg")).to_have_value("0.5")
     expect(page.locator("#note-filling_kg")).to_have_text("")
+
+
+def test_a_refusal_that_comes_after_its_value_was_mended_does_not_stay(open_page: Open) -> None:
+    page = open_page()
+    late: list[Route] = []
+    page.route(re.compile(r"/map\?.*filling_kg=-1"), lambda route: late.append(route))
+    enter(page, "#filling_kg", "-1")
+    enter(page, "#frequency_hz", "51")
+    until(page, lambda: bool(late))
+    enter(page, "#filling_kg", "2")
+    expect(page.locator("#filling_kg")).to_have_attribute("aria-invalid", "false")
+    with page.expect_response(lambda response: "/map" in response.url and "filling_kg=2" in response.url):
+        late[0].continue_()
+    expect(page.locator("#note-filling_kg")).to_be_empty()
 
 
 def test_pointing_at_a_cell_shows_its_amplitude(open_page: Open) -> None:

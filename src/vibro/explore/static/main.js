@@ -52,6 +52,7 @@ function start(/** @type {Schema} */ schema) {
   /** Ask for what the state changed: first a map, then the rest, lest they compete. */
   async function update() {
     changed = performance.now();
+    clearTimeout(searching); // for the state before: of one that is refused its problem would stay
     renderControls();
     view.put();
     refine();
@@ -75,6 +76,8 @@ function start(/** @type {Schema} */ schema) {
     const lanes = [map, past, point, search];
     say(lanes.find((lane) => lane.trouble)?.trouble ?? "", "gone");
     if (map.problems.length) asked = null; // to be asked again once the state is mended
+    // Where it was mended while the refusal was under way, nothing else would ask.
+    if (map.refused && map.refused.replace("&advance=1", "") !== store.query()) map.ask(store.query());
     const problems = new Map(lanes.flatMap((lane) => lane.problems).map((problem) => [problem.text, problem]));
     if (isRefused && isLinked && location.hash.length > 1) {
       badLink = `This link could not be read: ${[...problems.keys()].join("; ")}. The initial state is shown.`;

@@ -18,7 +18,10 @@ export const pause = (/** @type {number} */ time) => new Promise((resume) => set
  * @param {(refused: boolean) => void} tell called when problems appear or disappear
  */
 export function createLane(kind, read, show, tell) {
-  const lane = { problems: /** @type {Problem[]} */ ([]), trouble: "", waiting: /** @type {string?} */ (null), ask };
+  const lane = {
+    problems: /** @type {Problem[]} */ ([]), refused: "", // query that has them
+    trouble: "", waiting: /** @type {string?} */ (null), ask,
+  };
   let work = /** @type {Promise<void> | null} */ (null);
 
   /** Ask, now or after what is under way; resolves once nothing waits. @param {string} query */
@@ -55,6 +58,7 @@ export function createLane(kind, read, show, tell) {
     lane.trouble = "";
     if (!answer && lane.waiting !== null) return () => tell(false);
     lane.problems = told;
+    lane.refused = answer ? "" : query;
     return () => {
       if (isNews) tell(!answer);
       if (answer) show(answer, query);
