@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib
+import importlib.util
 import json
 import os
 import re
@@ -167,14 +167,18 @@ class Copy:
         """Have a fault in the copy."""
         file = self._place / "src/vibro" / mutant.file
         text = file.read_text("utf-8")
-        changes_solver = mutant.file.startswith("core/")
-        self._is_compiled &= not changes_solver
-        file.write_text(mutant.put_into(text), "utf-8")
+        self._write(file, mutant.put_into(text))
         try:
             yield
         finally:
-            file.write_text(text, "utf-8")
-            self._is_compiled &= not changes_solver
+            self._write(file, text)
+
+    def _write(self, file: Path, text: str) -> None:
+        """Write a file of the source, and have what was made from the one before made anew."""
+        file.write_text(text, "utf-8")
+        # Python takes byte code for that of a file of the same length that was written in the same second.
+        Path(importlib.util.cache_from_source(str(file))).unlink(missing_ok=True)
+        self._is_compiled &= "core" not in file.parts
 
     def kill(self, mutant: Mutant, killer: str) -> Outcome:
         """Run the test that killed a fault; if it passes or is gone, those of the room until one fails."""
