@@ -83,7 +83,7 @@ _MARKED: Final = {
         "cli/test_design.py", "cli/test_machines.py", "cli/test_report.py", "cli/test_streams.py",
         "core/test_compiled.py", "explore/test_page", "inverse/test_designs.py",
         "inverse/test_machine_designs.py", "inverse/test_motions.py", "inverse/test_windows.py",
-        "machines/test_fitting.py", "output/test_cluster.py", "output/test_faults.py",
+        "machines/test_fitting.py", "output/test_faults.py",
         "output/test_plan.py", "output/test_stored.py", "output/test_workers.py",
         "records/test_comparison.py", "records/test_fitting.py", "records/test_frames.py",
         "records/test_frequencies.py", "records/test_waveforms.py", "reports/test_printed.py",
@@ -93,7 +93,7 @@ _MARKED: Final = {
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
         "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "explore/test_guards.py",
-        "output/test_cluster.py", "output/test_faults.py", "output/test_hidden.py", "output/test_plan.py",
+        "output/test_faults.py", "output/test_hidden.py", "output/test_plan.py",
         "output/test_readers.py", "output/test_staging.py", "output/test_stored.py",
         "output/test_workers.py", "output/test_xlsx.py", "plots/test_save.py", "plots/test_style.py",
         "sweeps/test_datasets.py", "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",

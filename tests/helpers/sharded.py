@@ -1,4 +1,4 @@
-"""A small sweep in shards, what may happen to it, and programs that make it."""
+"""A small sweep in shards, what may happen to it, and a program that makes it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -39,7 +38,7 @@ AS_ROOT = () if getattr(os, "geteuid", int)() == 0 else ("--user", "--map-root-u
 NAMESPACE = ("unshare", *AS_ROOT, "--mount")
 """In which a process may mount disks of its own."""
 
-PAUSES = """
+AS_COMMAND = """
 import signal, time
 
 # A shell starts what it runs in the background with interrupts ignored, nohup with hang-ups.
@@ -58,19 +57,10 @@ def tell_and_pause(run):
 
 if __name__ == "__main__":
     shards._Run._tell = tell_and_pause
-"""
-AS_COMMAND = f"""{PAUSES}
     from vibro.__main__ import main
     main()
 """
 """The program, which pauses for ever when some shards are there."""
-AS_CALL = f"""{PAUSES}
-    import sys
-    import vibro
-    workers = int(sys.argv[1]) or None
-    vibro.write_sweep("wide", flight=False, shard_cells=200, workers=workers, **{GIVEN})
-"""
-"""A script that has the library write the same, and pauses likewise."""
 
 
 def small_plan(shards: int = 15, **changed: Any) -> Plan:
@@ -124,20 +114,12 @@ def undisturbed(plan: Plan = PLAN) -> str:
         return made(Path(folder) / "wide", Threads(1), plan)
 
 
-def until(happens: Callable[[], bool]) -> None:
-    """Wait until something happens."""
-    end = time.monotonic() + LIMIT
-    while not happens():
-        assert time.monotonic() < end
-        time.sleep(0.01)
-
-
-def paused(folder: Path, *more: str, program: str = AS_COMMAND) -> subprocess.Popen[str]:
-    """Start a program in a session of its own, as a shell does, and wait until it has made some shards."""
+def paused(folder: Path, *more: str) -> subprocess.Popen[str]:
+    """Start the program in a session of its own, as a shell does, and wait until it has made some shards."""
     file = folder / "paused.py"
-    file.write_text(program, encoding="utf-8")
+    file.write_text(AS_COMMAND, encoding="utf-8")
     run = subprocess.Popen(
-        [sys.executable, str(file), *(COMMAND if program == AS_COMMAND else ()), *more],
+        [sys.executable, str(file), *COMMAND, *more],
         cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
     assert run.stdout is not None
@@ -145,12 +127,9 @@ def paused(folder: Path, *more: str, program: str = AS_COMMAND) -> subprocess.Po
     return run
 
 
-def ended_by(number: signal.Signals, run: subprocess.Popen[str], *, group: bool = True) -> tuple[int, str]:
+def ended_by(number: signal.Signals, run: subprocess.Popen[str]) -> tuple[int, str]:
     """Send a signal, as terminals do to a whole group; return the exit code and what was said on stderr."""
-    if group:
-        os.killpg(run.pid, number)
-    else:
-        run.send_signal(number)
+    os.killpg(run.pid, number)
     code = run.wait(LIMIT)
     # Whatever it has started has its stderr too, which ends with the last of them.
     _, said = run.communicate(timeout=LIMIT)

@@ -14,11 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from helpers.commands import POSIX, VIBRO
+from helpers.commands import POSIX
 from helpers.plans import written
 from helpers.sharded import (
-    AS_CALL,
-    COMMAND,
     INTERRUPTED,
     LIMIT,
     NAMESPACE,
@@ -101,83 +99,13 @@ def test_processes_that_end_at_once_change_nothing(tmp_path: Path, monkeypatch: 
     assert not (tmp_path / "wide").exists()
 
 
-def test_processes_that_end_again_and_again_end_the_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def kill_for_good() -> None:
-        monkeypatch.setattr("vibro.output.workers._begin_worker", partial(os._exit, 1))
-        for child in multiprocessing.active_children():
-            child.kill()
-
-    with pytest.raises(FileError, match="again and again") as caught:
-        made(tmp_path / "wide", Processes(1), report=Once(kill_for_good))
-    assert "resume=True" in caught.value.hint
-    monkeypatch.undo()
-    assert resumed(tmp_path / "wide") == undisturbed()
-
-
 @POSIX
-@pytest.mark.parametrize("how", ["kills", "meetings"])
-def test_runs_that_are_killed_and_runs_that_meet_mix_nothing(tmp_path: Path, how: str) -> None:
-    # In a process of its own: one with threads, such as this, must not fork.
-    done = subprocess.run(
-        [sys.executable, "-m", "helpers.shard_writers", how, str(tmp_path)],
-        cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-
-
-@POSIX
-def test_a_killed_command_leaves_no_process_and_is_resumed(tmp_path: Path) -> None:
+def test_interrupts_end_a_command_and_its_processes(tmp_path: Path) -> None:
     run = paused(tmp_path, "--workers", "2")
-    assert ended_by(signal.SIGKILL, run, group=False) == (-signal.SIGKILL, "")
-    assert len(list((tmp_path / "wide").glob(".*"))) == 1
-    assert resumed(tmp_path / "wide") == undisturbed()
-
-
-@POSIX
-@pytest.mark.parametrize(
-    ("workers", "number"), [("", "SIGINT"), ("2", "SIGINT"), ("2", "SIGTERM"), ("2", "SIGHUP")]
-)
-def test_interrupts_end_a_command_and_its_processes(tmp_path: Path, workers: str, number: str) -> None:
-    run = paused(tmp_path, *(("--workers", workers) if workers else ()))
-    assert ended_by(getattr(signal, number), run) == (130, INTERRUPTED)
+    assert ended_by(signal.SIGTERM, run) == (130, INTERRUPTED)
     there = {path.name for path in (tmp_path / "wide").iterdir()}
     assert {MANIFEST} < there < {MANIFEST, *SHARDS}
     assert resumed(tmp_path / "wide") == undisturbed()
-
-
-@POSIX
-@pytest.mark.parametrize("workers", ["0", "2"])
-def test_an_interrupted_call_raises_and_keeps_what_is_whole(tmp_path: Path, workers: str) -> None:
-    run = paused(tmp_path, workers, program=AS_CALL)
-    code, said = ended_by(signal.SIGINT, run)
-    assert code == -signal.SIGINT
-    lines = said.splitlines()
-    assert lines[-2:] == ["KeyboardInterrupt", "the same call with resume=True goes on"]
-    assert [line for line in lines if line.startswith("Traceback")] == ["Traceback (most recent call last):"]
-    there = {path.name for path in (tmp_path / "wide").iterdir()}
-    assert {MANIFEST} < there < {MANIFEST, *SHARDS}
-    assert resumed(tmp_path / "wide") == undisturbed()
-
-
-@POSIX
-def test_the_second_of_two_runs_is_refused_and_harms_nothing(tmp_path: Path) -> None:
-    first, folder = paused(tmp_path), tmp_path / "wide"
-    before, hidden = states(folder), sorted(folder.rglob(".vibro-*/*"))
-    assert len(hidden) == 2  # the lock, and where workers write
-    for how in ({"force": True}, {"resume": True}, {"shards": "0:4"}, {}):
-        with pytest.raises(FileError, match="another run"):
-            made(folder, report=lambda _: pytest.fail("it computes"), **how)
-    second = subprocess.run(
-        [*VIBRO, *COMMAND, "--resume"], cwd=tmp_path, text=True, capture_output=True, check=False
-    )
-    assert second.returncode == 1
-    assert second.stderr.startswith("error: another run is writing wide at this moment\nhint: wait")
-    assert states(folder) == before
-    assert sorted(folder.rglob(".vibro-*/*")) == hidden
-    assert ended_by(signal.SIGINT, first) == (130, INTERRUPTED)
-    assert resumed(folder) == undisturbed()
 
 
 @pytest.fixture(scope="module")
@@ -247,8 +175,9 @@ CHANGES: dict[str, Callable[[Path], object]] = {
 ONE = Threads(1)  # which makes or checks shards in their order
 
 
-@pytest.mark.parametrize("resume", [False, True])
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize(
+    ("change", "resume"), [*((change, False) for change in CHANGES), ("a shard is deleted", True)]
+)
 def test_what_changes_while_a_run_goes_on_is_noticed_before_it_says_that_all_is_there(
     tmp_path: Path, whole: Path, resume: bool, change: str
 ) -> None:
@@ -355,15 +284,16 @@ def test_a_worker_that_sees_other_files_under_the_same_name_is_told(tmp_path: Pa
 FULL_DISK = """
 import sys
 from pathlib import Path
-from helpers.sharded import made, resumed, undisturbed
+from helpers.sharded import made, resumed
 from vibro.errors import FileError
-from vibro.output.workers import Processes, Threads
+from vibro.output.workers import Threads
 
-def check(workers, folder):
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) / "wide"
     ballast = folder.with_name("ballast")
     ballast.write_bytes(bytes(1_350_000))
     try:
-        made(folder, workers)
+        made(folder, Threads(15))
     except FileError as exc:
         assert str(exc) == f"cannot write to {folder}: No space left on device", exc
         assert exc.hint == "free some space; go on", exc.hint
@@ -373,14 +303,7 @@ def check(workers, folder):
     assert "_manifest.json" in names and names - {"_manifest.json"}, names
     assert all(name == "_manifest.json" or name.startswith("part-") for name in names), names
     ballast.unlink()
-    assert resumed(folder, workers) == sys.argv[2]
-    for path in folder.iterdir():
-        path.unlink()
-
-if __name__ == "__main__":
-    folder = Path(sys.argv[1]) / "wide"
-    check(Threads(15), folder)
-    check(Processes(1), folder)
+    assert resumed(folder) == sys.argv[2]
 """
 
 

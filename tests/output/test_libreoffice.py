@@ -56,7 +56,7 @@ def same(found: object, given: object) -> bool:
 def test_libreoffice_reads_every_value(tmp_path: Path) -> None:
     names = "map.xlsx", "line.xlsx"
     grids = [
-        grid_of(amplitude_mm="0.1:3:30", frequency_hz="5:60:31", trough_angle_deg=8),
+        grid_of(amplitude_mm="0.1:3:10", frequency_hz="5:60:11", trough_angle_deg=8),
         grid_of(amplitude_mm="0.3:1.3:11", frequency_hz="15,20"),
     ]
     for name, grid in zip(names, grids, strict=True):
@@ -78,7 +78,7 @@ def test_libreoffice_reads_every_value(tmp_path: Path) -> None:
         table = again["Cells"].tables["Cells"]
         assert table.ref == table.autoFilter.ref == given["Cells"].tables["Cells"].ref
         assert again["Summary"]["A1"].value == "Sweep =1+1"
-    assert numbers > 10_000
+    assert numbers > 1_000
     again = openpyxl.load_workbook(tmp_path / "again" / "map.xlsx")
     ((where, (rule,)),) = again["Speed"].conditional_formatting._cf_rules.items()
-    assert (str(where.sqref), rule.type) == ("B4:AF33", "colorScale")
+    assert (str(where.sqref), rule.type) == ("B4:L13", "colorScale")

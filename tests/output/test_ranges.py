@@ -1,7 +1,4 @@
-"""Ranges of shards: jobs make them one after the other or at once, and a run of all shards finishes them.
-
-Jobs that begin at once, overlap and are killed: tests/output/test_faults.py.
-"""
+"""Ranges of shards: jobs make them one after the other or at once, and a run of all shards finishes them."""
 
 from __future__ import annotations
 

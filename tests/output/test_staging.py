@@ -214,85 +214,39 @@ def test_whatever_step_fails_no_file_is_half_and_no_json_beside_files_of_two_run
 
 
 @POSIX
-@pytest.mark.parametrize("force", [False, True], ids=["new", "force"])
-def test_runs_that_are_killed_at_any_step_leave_whole_files_and_the_next_one_sweeps(
-    tmp_path: Path, force: bool
-) -> None:
+def test_runs_that_are_killed_at_any_step_leave_whole_files_and_the_next_one_sweeps(tmp_path: Path) -> None:
     code = """
 import os, signal, sys
 from pathlib import Path
 import pytest
 from helpers.outputs import at_each_step, put
 
-force = sys.argv[2] == "True"
 put(Path(sys.argv[1]) / "first")  # what children need is imported once, here
 for which in range(1, 100):
     folder = Path(sys.argv[1]) / str(which)
-    if force:
-        put(folder, text="old", pictures=("speed", "flight"))
     child = os.fork()
     if not child:
         at_each_step(pytest.MonkeyPatch(), which, lambda: os.kill(os.getpid(), signal.SIGKILL))
-        put(folder, force=force)
+        put(folder)
         os._exit(0)
     if os.waitpid(child, 0)[1] == 0:
         break
 """
     # In a process of its own: one with threads, such as this, must not fork.
-    subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path), str(force)], cwd=Path(__file__).parents[1], check=True
-    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=Path(__file__).parents[1], check=True)
     folders = list(tmp_path.iterdir())
     assert len(folders) > 8
     for folder in folders:
         left = texts(folder)
-        assert set(left.values()) <= {"old", "new"}
+        assert set(left.values()) <= {"new"}
         if "x.json" in left:
-            assert left in (every("new"), every("old", *NAMES, "x-flight.png"))
-        elif left and not force:
+            assert left == every("new")
+        elif left:
             with pytest.raises(FileError, match="interrupted run"):
                 put(folder)
         put(folder, force=True)
         assert {path.name for path in folder.iterdir()} == {*NAMES}
         assert texts(folder) == every("new")
-
-
-@POSIX
-@pytest.mark.parametrize("force", [False, True], ids=["new", "force"])
-def test_of_runs_that_begin_at_once_one_writes_the_set(tmp_path: Path, force: bool) -> None:
-    code = """
-import sys
-from pathlib import Path
-from helpers.outputs import put
-from vibro.errors import FileError
-
-print("ready", flush=True)
-sys.stdin.readline()
-codes = []
-for i in range(20):
-    try:
-        put(Path(sys.argv[1]) / str(i), text=sys.argv[2], force=sys.argv[3] == "True", pictures=())
-        codes.append("1")
-    except FileError:
-        codes.append("0")
-print("".join(codes))
-"""
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-c", code, str(tmp_path), str(number), str(force)],
-            cwd=Path(__file__).parents[1], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        )
-        for number in range(4)
-    ]  # fmt: skip
-    for run in runs:
-        assert run.stdout is not None
-        assert run.stdout.readline() == "ready\n"
-    ends = [run.communicate("\n")[0].strip() for run in runs]
-    for i in range(20):
-        winners = [number for number, codes in enumerate(ends) if codes[i] == "1"]
-        assert winners
-        assert force or len(winners) == 1
-        assert texts(tmp_path / str(i)) in [every(str(number), "x.csv", "x.json") for number in winners]
 
 
 @POSIX

@@ -89,10 +89,10 @@ def test_every_cell_is_read_back_as_it_was_solved(
 
 
 def test_numbers_have_all_their_digits(tmp_path: Path) -> None:
-    grid = grid_of(amplitude_mm="0.1:3:30", frequency_hz="5:60:31", kinetic_friction=0.1 + 0.2)
+    grid = grid_of(amplitude_mm="0.1:3:11", frequency_hz="5:60:12", kinetic_friction=0.1 + 0.2)
     workbook, rows = written(tmp_path / "x.xlsx", grid)
     numbers = [value for row in rows for value in row.values() if isinstance(value, float)]
-    assert sum(float(f"{x:.16g}") != x for x in numbers) > 1000  # 16 digits would not do
+    assert sum(float(f"{x:.16g}") != x for x in numbers) > 100  # 16 digits would not do
     assert table_rows(workbook["Cells"]) == without_texts_that_are_empty(rows)
     down, across, _ = matrix(workbook["Speed"])
     assert down == list(grid.axes["amplitude"].values)
