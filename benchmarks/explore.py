@@ -156,12 +156,21 @@ def main() -> None:
     )
     parser.add_argument("--changes", type=int, default=30)
     parser.add_argument("--sessions", type=int, default=10)
+    parser.add_argument("--only", default="", metavar="TEXT", help="in the names of what is measured")
     arguments = parser.parse_args()
     program = shutil.which("chromium") or shutil.which("google-chrome")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=list(OPTIONS))
-        measure(browser, CHANGES, REFINED, arguments.changes, arguments.sessions)
-        measure(browser, MACHINE_CHANGES, MACHINE_REFINED, arguments.changes, 0, str(FEEDER))
+        for changes, refined, sessions, *scene in (
+            (CHANGES, REFINED, arguments.sessions),
+            (MACHINE_CHANGES, MACHINE_REFINED, 0, str(FEEDER)),
+        ):
+            chosen = [
+                {name: case for name, case in table.items() if arguments.only in name}
+                for table in (changes, refined)
+            ]
+            if any(chosen):
+                measure(browser, *chosen, arguments.changes, sessions, *scene)
         browser.close()
 
 

@@ -89,11 +89,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--machines", type=int, default=20)
     parser.add_argument("--seed", type=int, default=33)
+    parser.add_argument(
+        "--ratios", type=float, nargs="*", default=[0.90, 0.95, 1.05, 1.10], help="f/f0 of the feeder"
+    )
     options = parser.parse_args()
     head = f"{'':34} {'A [mm]':>8} {'off':>9} {'v [mm/s]':>8} {'off':>8} {'with A2':>8} {'A2/A':>8}"
     head += f" {'followed':>8}"
     print(f"{head} {'speed':>8} {'followed':>8}")
-    for ratio in (0.90, 0.95, 1.05, 1.10):
+    for ratio in options.ratios:
         empty = compare(feeder(ratio, 0.0))
         for filling in FILLINGS:
             found = compare(feeder(ratio, filling))

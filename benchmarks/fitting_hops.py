@@ -1,6 +1,6 @@
 """How long fits of bodies that hop take, and what they find.
 
-Usage: python benchmarks/fitting_hops.py
+Usage: python benchmarks/fitting_hops.py [--only TEXT]
 
 Each record has 8 cycles of 40 samples from an unknown trigger time on, and normal noise of 2 % of its peak;
 the fit begins at coefficients that are 20 % too large. Records are sampled from the package's own motion:
@@ -10,6 +10,7 @@ processor.
 
 from __future__ import annotations
 
+import argparse
 import math
 import time
 from typing import Any, Final, NamedTuple
@@ -62,8 +63,13 @@ CASES: Final = (
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--only", default="", metavar="TEXT", help="in the names of bodies")
+    only = parser.parse_args().only
     print(f"{'body':20} {'signal':12} {'pattern':8} {'s':>6}  found (true)")
     for seed, case in enumerate(CASES):
+        if only not in case.name:
+            continue
         motion = settled_motion(vibro.Scene(**case.scene))
         clock = np.arange(8 * 40) / 40.0 * motion.period
         exact = getattr(motion.sample(clock + 0.3 * motion.period), _FIELDS[case.signal])

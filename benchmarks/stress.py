@@ -17,7 +17,7 @@ import argparse
 import itertools
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any, Final, NamedTuple
 
@@ -302,11 +302,11 @@ def solve_corners(kind: str, *, with_ulps: bool = False) -> Corners:
     return Corners(scenes, counts, wrong, seconds)
 
 
-def print_corners() -> int:
-    """Print what the corners of the box of each kind of drive, and their neighbours, give."""
+def print_corners(kinds: Sequence[str]) -> int:
+    """Print what the corners of the box of kinds of drive, and their neighbours, give."""
     wrong = 0
     print(f"{'drive':10s}{'corners':>9s}{'CPU of slowest grid':>21s}  statuses")
-    for kind in KINDS:
+    for kind in kinds:
         # Of others than lines and ellipses the neighbours are millions, which take minutes.
         found = solve_corners(kind, with_ulps=kind in ("line", "ellipse"))
         wrong += found.wrong
@@ -326,13 +326,14 @@ def main() -> None:
     parser.add_argument("--hopping", type=int, default=200, help="scenes of each kind that hops")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--corners", nargs="*", default=KINDS, metavar="DRIVE", help=", ".join(KINDS))
     parser.add_argument("--wild", type=int, default=0, help="scenes of any size that are timed, and no more")
     arguments = parser.parse_args()
     if arguments.wild:
         time_wild(arguments.wild, arguments.seed)
         return
 
-    at_corners = print_corners()
+    at_corners = print_corners(arguments.corners)
     start = time.perf_counter()
     broken: dict[str, tuple[int, dict[str, float]]] = {}
     block = min(arguments.invariants, 100_000)
