@@ -33,7 +33,7 @@ GUIDE = (EXAMPLES.parent / "docs" / "guide" / "motion.md").read_text(encoding="u
 def made(tmp_path: Path) -> tuple[Path, Feeder]:
     """A record of a feeder with three harmonics, and what it moves like."""
     true = feeder(2)
-    record = true.record(2, seconds=2.0, rate=1600.0)
+    record = true.record(2)
     x, y = record.trough.values()
     path = tmp_path / "feeder.csv"
     table = np.stack([record.time, x, y / 9.80665], axis=1)
@@ -204,7 +204,7 @@ def test_numbers_are_written_to_their_errors(value: float, error: float, told: s
 def test_a_record_in_any_unit_gives_the_same(run: Run, unit: str) -> None:
     true = feeder(2)
     kind = {"mm/s": "velocity", "mm": "displacement", "um": "displacement"}.get(unit, "acceleration")
-    record = true.record(2, seconds=1.0, rate=1600.0, density=0.0, kind=kind)
+    record = true.record(2, seconds=1.0, density=0.0, kind=kind)
     sizes = {"g": 9.80665, "m/s^2": 1.0, "mV": 9.80665 / 98.7, "mm": 1e-3, "um": 1e-6}
     table = np.stack([1e3 * record.time, *record.trough.values()], axis=1)
     table[:, 1:] /= sizes.get(unit, 1e-3)

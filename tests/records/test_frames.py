@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.feeders import feeder
 from helpers.made_records import EXAMPLES, ON_ELLIPSES, PERIOD, Walked, bowl, nut
 
@@ -23,14 +22,11 @@ from vibro.records.frames import of_another_frame
 from vibro.records.problem import Problem
 
 TRIGGER = 0.0137
-CYCLES = 7  # of each record: frames are looked for in four alignments of it
+CYCLES = 4  # of each record: frames are looked for in four alignments of it
 SCENES = {"nut": nut(), "climbing nut": nut(1.3, trough_angle=math.radians(4.0))} | {
     label: scene for label, scene in ON_ELLIPSES.items() if label not in (HOPS, "_")
 }
-SEEN = [
-    *((label, ("displacement", "velocity")) for label in SCENES),
-    *((label, (name,)) for label in ("nut", "FB") for name in ("displacement", "velocity", "acceleration")),
-]
+SEEN = [("nut", ("displacement",)), ("FB", ("displacement", "velocity"))]
 
 
 def rows(comparison: Comparison) -> dict[str, Row]:
@@ -64,11 +60,11 @@ def test_the_trough_moves_as_its_drive_says(hops: bool) -> None:
             assert off < 1e-7 * np.abs(exact).max(), (scene, name)
 
 
-@pytest.mark.parametrize(("label", "signals"), SEEN)
+@pytest.mark.parametrize(("label", "signals"), [*SEEN, ("climbing nut", ("acceleration",))])
 def test_a_track_over_the_ground_gives_the_figures_of_a_relative_one(
     label: str, signals: tuple[str, ...]
 ) -> None:
-    """Of another solver's body; and neither is doubted."""
+    """Of another solver's body."""
     scene = SCENES[label]
     walked = Walked(scene)
     seen = replace(walked.observe(*signals, cycles=CYCLES, over_ground=True), absolute=True)
@@ -95,8 +91,8 @@ def test_errors_of_starts_and_speeds_are_those_of_repeated_noise() -> None:
     off: dict[str, list[float]] = {}
     exact = rows(compare(scene, walked.observe("velocity", noise=0.0)))
     keys = ("forward_slip_start", "forward_slip_end", "peak_speed", "rest_speed")
-    for seed in range(30):
-        seen = walked.observe("velocity", seed=seed, cycles=6, noise=3.0, over_ground=True)
+    for seed in range(10):
+        seen = walked.observe("velocity", seed=seed, cycles=CYCLES, noise=3.0, over_ground=True)
         found = rows(compare(scene, replace(seen, absolute=True)))
         for key in keys:
             value, error = found[key].measured
@@ -131,36 +127,25 @@ def test_a_part_that_sticks_and_the_trough_itself_are_told() -> None:
     """Where the scene says that the part slides; with --absolute a part that sticks is no error of frame."""
     scene, stuck = nut(2.0), Walked(nut(2.0, static_friction=5.0))
     assert stuck.pattern == "_"
-    seen = stuck.observe("displacement", over_ground=True)
+    seen = stuck.observe("displacement", cycles=CYCLES, over_ground=True)
     (said,) = told(scene, seen)
     assert "absolute=True" in said
     assert "trough_along=" in said
     assert told(scene, replace(seen, absolute=True)) == []
-    relative = stuck.observe("displacement")
+    relative = stuck.observe("displacement", cycles=CYCLES)
     assert told(scene, relative) == []
     assert "relative to the trough" in told(scene, replace(relative, absolute=True))[0]
 
 
-@each(  # every pair of values
-    ("friction", "share", "size"),
-    [
-        (0.02, 0.7, 0.8),
-        (0.02, 1.4, 1.25),
-        (0.2, 0.7, 1.25),
-        (0.2, 1.4, 0.8),
-        (0.6, 0.7, 0.8),
-        (0.6, 1.4, 1.25),
-    ],
-)
-def test_wrong_friction_and_amplitude_are_no_wrong_frame(friction: float, share: float, size: float) -> None:
+def test_wrong_friction_and_amplitude_are_no_wrong_frame() -> None:
     """Also of a body that hardly moves over the ground, whose relative motion is as large as the trough's."""
 
     def scene(factor: float, amplitude: float) -> vibro.Scene:
-        mu = friction * factor
+        mu = 0.02 * factor
         return bowl(-90.0, along_amplitude=1e-3 * amplitude, static_friction=1.2 * mu, kinetic_friction=mu)
 
     walked = Walked(scene(1.0, 1.0))
-    given = scene(share, size)
+    given = scene(0.7, 0.8)
     assert told(given, walked.observe("displacement", cycles=CYCLES)) == []
     over_ground = walked.observe("displacement", cycles=CYCLES, over_ground=True)
     assert told(given, replace(over_ground, absolute=True)) == []
@@ -203,7 +188,7 @@ def test_friction_and_amplitude_are_fitted_to_a_track_over_the_ground() -> None:
 
 def test_a_picture_of_a_fit_shows_the_track_relative_to_the_trough_of_the_fit() -> None:
     """That of a scene with wrong friction was aligned, and subtracted, elsewhere."""
-    seen = replace(Walked(nut()).observe("displacement", over_ground=True), absolute=True)
+    seen = replace(Walked(nut()).observe("displacement", cycles=CYCLES, over_ground=True), absolute=True)
     wrong, right = compare(nut(static_friction=0.9, kinetic_friction=0.45), seen), compare(nut(), seen)
     figure = comparison_figure(wrong, "", {}, right)
     dots = np.asarray(figure.axes[0].lines[0].get_ydata(), np.float64)

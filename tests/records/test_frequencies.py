@@ -51,24 +51,25 @@ SCENES = {
 def test_no_other_frequency_is_claimed_of_data_that_repeat_with_the_drive(name: str, signal: str) -> None:
     """Also of records that are short, coarse and noisy, of which no frequency could be told sharply."""
     claims = []
-    for seed, cycles in enumerate((2.0, 2.1, 2.6, 3.3, 4.0, 7.7, 20.0)):
-        for samples, level in ((10, 0.05), (24, 0.2), (60, 0.0)):
-            claim = seen(noisy(SCENES[name], signal, cycles, samples, level, seed))
-            claims += [] if claim is None else [(cycles, samples, level, claim)]
+    turn = SIGNALS.index(signal)
+    for seed, cycles in enumerate((2.0, 2.6, 4.0, 7.7, 20.0)):
+        samples, level = ((10, 0.05), (24, 0.2), (60, 0.0))[(seed + turn) % 3]
+        claim = seen(noisy(SCENES[name], signal, cycles, samples, level, seed))
+        claims += [] if claim is None else [(cycles, samples, level, claim)]
     assert claims == []
 
 
 @each("signal", SIGNALS)
-@each("factor", [0.4, 0.5, 0.7, 0.98, 1.02, 1.3, 2.0, 2.5, 3.0])
-def test_a_wrong_frequency_is_named_with_the_right_one(signal: str, factor: float) -> None:
+@each("name", ["F_", "FB"])
+def test_a_wrong_frequency_is_named_with_the_right_one(signal: str, name: str) -> None:
     """Twice and half the true one too; all within what the record tells."""
-    for name in ("F_", "FB"):
-        observation = noisy(SCENES[name], signal, 20.0, 60, 0.05, 1)
+    observation = noisy(SCENES[name], signal, 20.0, 40, 0.05, 1)
+    for factor in (0.5, 0.7, 1.02, 2.0, 2.5) if name == "F_" else (0.4, 0.98, 1.3, 3.0):
         claim = seen(observation, factor)
-        assert claim is not None, name
+        assert claim is not None, factor
         off = abs(claim.frequency.value - FREQUENCY)
-        assert off < 4.0 * claim.frequency.error, name
-        assert off * 20.0 / FREQUENCY < 0.02, name
+        assert off < 4.0 * claim.frequency.error, factor
+        assert off * 20.0 / FREQUENCY < 0.02, factor
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -86,9 +87,8 @@ def test_a_multiple_of_the_drives_frequency_may_be_off_by_as_many_of_its_errors(
         assert claim.frequency.value == pytest.approx(value, abs=1e-3 * error)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_standard_error_of_a_frequency_is_that_of_repeated_noise(seed: int) -> None:
-    found = [seen(noisy(SCENES["F_"], "velocity", 10.0, 40, 0.1, 100 * seed + k), 1.3) for k in range(20)]
+def test_the_standard_error_of_a_frequency_is_that_of_repeated_noise() -> None:
+    found = [seen(noisy(SCENES["F_"], "velocity", 10.0, 40, 0.1, seed), 1.3) for seed in range(20)]
     off = np.array([claim.frequency.value - FREQUENCY for claim in found if claim])
     told = np.array([claim.frequency.error for claim in found if claim])
     assert off.size == 20

@@ -60,7 +60,7 @@ def test_velocities_and_displacements_give_the_drive_of_accelerations(kind: str)
     true = feeder(2)
     drives = []
     for one, density in (("acceleration", 1e-3), (kind, 1e-9)):
-        drives.append(trough_of(true.record(2, rate=1600.0, density=density, kind=one)))
+        drives.append(trough_of(true.record(2, seconds=4.0, density=density, kind=one)))
     of_accelerations, other = drives
     assert of_accelerations is not None
     assert other is not None
@@ -76,7 +76,7 @@ def test_velocities_and_displacements_give_the_drive_of_accelerations(kind: str)
 def test_errors_are_those_of_repeated_noise(columns: tuple[str, ...]) -> None:
     """Also with rows left out; gated on the root mean square and on the largest of all."""
     off: dict[str, list[float]] = {}
-    for seed in range(60):
+    for seed in range(30):
         record = trough_record(noise=1.5, offset=3.0, columns=columns, seed=seed, lost=0.03)
         drive = measured(record, TRUE["drive_angle"])
         for name, estimate in drive.quantities.items():

@@ -51,9 +51,8 @@ def test_exact_records_give_exact_harmonics(sensors: int, start: float) -> None:
     assert abs(math.remainder(turns, 1.0)) < 1e-6
 
 
-@pytest.mark.parametrize(("kind", "density"), [("velocity", 2e-5), ("displacement", 1e-7)])
-def test_velocities_and_displacements_give_the_same_motion(kind: str, density: float) -> None:
-    """Exact ones to rounding, and noise as large as the errors say."""
+@pytest.mark.parametrize("kind", ["velocity", "displacement"])
+def test_velocities_and_displacements_give_the_same_motion(kind: str) -> None:
     true = feeder(3)
     exact = motion_of(true.record(3, density=0.0, kind=kind))
     assert exact.order == 3
@@ -61,43 +60,49 @@ def test_velocities_and_displacements_give_the_same_motion(kind: str, density: f
     np.testing.assert_allclose(exact.normal, true.on_its_clock.normal, rtol=1e-6)
     of_accelerations = motion_of(true.record(3, density=0.0)).trough
     assert exact.trough.waves[0].harmonics == pytest.approx(of_accelerations.waves[0].harmonics, rel=1e-4)
+
+
+def test_errors_of_velocities_and_displacements_are_those_of_noise() -> None:
     off: list[float] = []
-    for seed in range(40):
+    for seed in range(32):
         true = feeder(seed)
-        off += offs(motion_of(true.record(seed, seconds=1.5, rate=1600.0, density=density, kind=kind)), true)
+        kind, density = (("velocity", 2e-5), ("displacement", 1e-7))[seed % 2]
+        off += offs(motion_of(true.record(seed, seconds=1.0, density=density, kind=kind)), true)
     sizes = np.abs(off)
     assert 0.6 < np.mean(sizes < 1.0) < 0.76
     assert 0.92 < np.mean(sizes < 2.0) < 0.98
 
 
-@pytest.mark.parametrize(("seconds", "rate", "density"), [(2.0, 1600.0, QUIET), (1.0, 3200.0, 10.0 * QUIET)])
-def test_errors_are_those_of_noise_and_the_order_is_right(
-    seconds: float, rate: float, density: float
-) -> None:
-    """Of 60 feeders; frequencies too."""
+def test_errors_are_those_of_noise_and_the_order_is_right() -> None:
+    """Of 40 feeders, in turns quiet and noisy; frequencies too."""
     off: list[float] = []
     late: list[float] = []
     orders = []
-    for seed in range(60):
+    for seed in range(40):
         true = feeder(seed)
-        measured = motion_of(true.record(seed, seconds=seconds, rate=rate, density=density))
+        record = (
+            true.record(seed, seconds=1.0, rate=3200.0, density=10.0 * QUIET)
+            if seed % 2
+            else true.record(seed)
+        )
+        measured = motion_of(record)
         off += offs(measured, true)
         late.append((measured.frequency - true.frequency) / measured.frequency_error)
         orders.append(measured.significant)
     sizes = np.abs(off)
-    assert sizes.size > 600
+    assert sizes.size > 400
     assert 0.60 < np.mean(sizes < 1.0) < 0.74
     assert 0.93 < np.mean(sizes < 2.0) < 0.98
     assert sizes.max() < 5.0
     assert abs(np.mean(off)) < 0.15  # no bias
     assert 0.55 < np.mean(np.abs(late) < 1.0) < 0.82
-    assert orders.count(3) >= 57
+    assert orders.count(3) >= 38
 
 
 def test_errors_hold_in_short_records_and_with_rows_left_out() -> None:
     """Of 12 cycles, in which eight bins give the covariance: draws follow Student's t."""
     within = []
-    for seed in range(120):
+    for seed in range(60):
         true = feeder(seed)
         record = true.record(seed, seconds=12.0 / true.frequency, rate=60.0 * true.frequency, density=QUIET)
         kept = np.random.default_rng(seed).random(record.time.size) > 0.03
@@ -120,8 +125,8 @@ def test_correlated_channels_are_drawn_correlated() -> None:
     """Noise that both sensors share, as of one machine beside the other."""
     true, random = feeder(5), np.random.default_rng(5)
     record = true.record(5, density=0.0)
-    shared = noise(record.time.size, 3200.0, 10.0 * QUIET, random)
-    own = noise(record.time.size, 3200.0, QUIET, random)
+    shared = noise(record.time.size, 1600.0, 10.0 * QUIET, random)
+    own = noise(record.time.size, 1600.0, QUIET, random)
     ways = record.trough
     both = {
         "trough_along": ways["trough_along"] + shared,
@@ -151,11 +156,11 @@ def test_draws_are_fields_of_scenes_and_repeat_by_their_seed() -> None:
 
 
 def test_speeds_are_within_the_errors_of_draws() -> None:
-    """By 40 feeders: the standardised error of the speed is that of a normal distribution."""
+    """By 24 feeders: the standardised error of the speed is that of a normal distribution."""
     off = []
-    for seed in range(40):
+    for seed in range(24):
         true = feeder(seed)
-        measured = motion_of(true.record(seed, seconds=1.0, rate=1600.0, density=10.0 * QUIET))
+        measured = motion_of(true.record(seed, seconds=1.0, density=10.0 * QUIET))
         speeds = vibro.solve(vibro.Scene(**measured.draws(100), **FRICTION)).mean_velocity
         own, exact = (
             float(vibro.solve(vibro.Scene(**drive, **FRICTION)).mean_velocity)
@@ -194,7 +199,7 @@ def test_a_sensor_and_an_angle_tell_both_motions() -> None:
 def test_where_nothing_moves_along_the_normal_motion_sets_the_clock() -> None:
     true = feeder(4)
     record = true.record(4)
-    still = noise(record.time.size, 3200.0, QUIET, np.random.default_rng(4))
+    still = noise(record.time.size, 1600.0, QUIET, np.random.default_rng(4))
     measured = motion_of(replace(record, trough={**record.trough, "trough_along": still}))
     assert measured.normal[0].imag == 0.0
     assert measured.normal[0].real == pytest.approx(abs(true.normal[0]), rel=1e-3)
@@ -220,7 +225,7 @@ def test_a_harmonic_may_be_stronger_than_the_fundamental(strong: int) -> None:
         np.arange(1, 4) == strong, 2.0 * abs(true.along[0] / true.along) / np.arange(1, 4) ** 2, 1.0
     )
     true = true._replace(along=scale * true.along, normal=scale * true.normal)
-    measured = motion_of(true.record(11, seconds=2.0))
+    measured = motion_of(true.record(11))
     assert measured.order == 3
     assert measured.shares[strong - 1] == pytest.approx(2.0, rel=0.2)
     assert measured.frequency == pytest.approx(true.frequency, rel=1e-5)
@@ -229,9 +234,9 @@ def test_a_harmonic_may_be_stronger_than_the_fundamental(strong: int) -> None:
 def test_times_that_are_rounded_do_no_harm() -> None:
     """At 1600 Hz with four digits neighbours are 0.0006 or 0.0007 s apart."""
     off = []
-    for seed in range(30):
+    for seed in range(20):
         true = feeder(seed)
-        record = true.record(seed, seconds=1.0, rate=1600.0, density=30.0 * QUIET)
+        record = true.record(seed, seconds=1.0, density=30.0 * QUIET)
         measured = motion_of(replace(record, time=np.round(record.time, 4)))
         off += offs(measured, true)
     assert 0.60 < np.mean(np.abs(off) < 1.0) < 0.76
@@ -250,7 +255,7 @@ def test_harmonics_beyond_those_of_a_drive_are_counted_and_left_out() -> None:
     rates = math.tau * 25.0 * np.arange(1, 17)
     for count in (MOST_HARMONICS, min(MOST_HARMONICS + 1, 16)):
         sizes = np.where(np.arange(1, 17) <= count, 2.0, 0.0) / rates**2
-        measured = motion_of(Feeder(25.0, sizes + 0j, 0.5 * sizes + 0j).record(1))
+        measured = motion_of(Feeder(25.0, sizes + 0j, 0.5 * sizes + 0j).record(1, seconds=1.0, rate=3200.0))
         assert measured.significant == count
         assert measured.order == min(count, MOST_HARMONICS)
         assert len(measured.warnings) == (count > MOST_HARMONICS)
