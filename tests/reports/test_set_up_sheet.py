@@ -92,14 +92,14 @@ def test_packs_keep_the_force(tmp_path: Path) -> None:
 
 
 def test_bounds_hold_every_body_within_the_bands(tmp_path: Path) -> None:
-    """10 000 random bodies: within the bounds, and near to both of them (0.3 of what docs/theory tells)."""
+    """2000 random bodies are within the bounds, which are 0.3 of what docs/theory tells."""
     request = asked(tmp_path, feeder(), (100.0,), {**BANDS, **FRICTIONS})
     (bounds,) = make_sheet(request, picture=False).bounds
     assert bounds.guarantee is not None
     low, high = 1e3 * bounds.guarantee.speed_min, 1e3 * bounds.guarantee.speed_max
     assert low == pytest.approx(11.6, abs=0.3)
     assert high == pytest.approx(36.1, abs=0.3)
-    rng, count = np.random.default_rng(5), 10_000
+    rng, count = np.random.default_rng(5), 2000
     points = operate(
         request.machine.machine,
         frequency=50.0,
