@@ -41,14 +41,6 @@ def _one_frame() -> Iterator[None]:
 
 
 @pytest.fixture
-def both_frames(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Doubt the frame of records, as vibro does."""
-    from vibro.records.frames import of_another_frame
-
-    monkeypatch.setattr("vibro.records.comparison.of_another_frame", of_another_frame)
-
-
-@pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Run ``vibro`` with arguments, in a folder of its own."""
     monkeypatch.chdir(tmp_path)

@@ -11,6 +11,7 @@ import pytest
 from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
 from helpers.made_records import EXAMPLES, STUDY, STUDY_FILE, Walked, nut
+from matplotlib.figure import Figure
 
 SCENE = EXAMPLES / "safety_nut.toml"
 NAMED = ("--time", "Time [s]", "--displacement", "X [mm]", "--velocity", "V [mm/s]")
@@ -24,6 +25,12 @@ def short_study(folder: Path, changes: Mapping[str, str] | None = None, cycles: 
     path = folder / "short.csv"
     path.write_text("\n".join([header, *rows[: 40 * cycles + 1]]) + "\n", encoding="utf-8")
     return path
+
+
+@pytest.fixture
+def empty_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw nothing into the picture, which takes most of a run's time."""
+    monkeypatch.setattr("vibro.plots.comparison.comparison_figure", lambda *_: Figure())
 
 
 def test_an_exact_record_gives_narrow_intervals(run: Run, tmp_path: Path) -> None:
@@ -51,6 +58,7 @@ def test_what_cannot_be_identified_is_said(run: Run, tmp_path: Path) -> None:
     assert fit["static_friction"]["intervals"] == []
 
 
+@pytest.mark.usefixtures("empty_picture")
 def test_every_file_is_written(run: Run) -> None:
     result = run("compare", SCENE, STUDY_FILE, "-o", "out/cmp", "--format", "png,svg", "--mass", "20g")
     assert result.exit_code == 0, result.stderr
@@ -95,6 +103,7 @@ def test_every_file_is_written(run: Run) -> None:
     assert summary["rms_friction"]["data_columns"].startswith("Time [s]; X [mm]")
 
 
+@pytest.mark.usefixtures("empty_picture")
 def test_headers_that_a_spreadsheet_would_run_are_quoted(run: Run, tmp_path: Path) -> None:
     """A header is text from somewhere else, also the first one of the cell that echoes it."""
     for sign in "=+-@":
@@ -105,6 +114,7 @@ def test_headers_that_a_spreadsheet_would_run_are_quoted(run: Run, tmp_path: Pat
         assert {row["data_columns"][:2] for row in rows} == {f"'{sign}"}
 
 
+@pytest.mark.usefixtures("empty_picture")
 def test_force_replaces_and_names_no_column(run: Run, tmp_path: Path) -> None:
     path = short_study(tmp_path)
     friction = ("--friction", "F [N]", "--mass", "0.02kg")
@@ -113,7 +123,6 @@ def test_force_replaces_and_names_no_column(run: Run, tmp_path: Path) -> None:
     assert again.exit_code == 1
     assert "--force" in again.stderr
     for replacing in (
-        ("compare", SCENE, path, *friction, "-o", "out", "--force"),
         ("compare", SCENE, path, "--force", *friction, "-o", "out"),
         ("compare", "--force", SCENE, path, *friction, "-o", "out"),
     ):
@@ -166,9 +175,15 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("header", ["x [mm]", "v [mm/s]", "a [m/s^2]", "F [N]"])
-@pytest.mark.usefixtures("both_frames")
+@pytest.mark.parametrize(
+    ("header", "shape"),
+    [
+        *(("x [mm]", shape) for shape in SHAPES),
+        ("v [mm/s]", "ramp"),
+        ("a [m/s^2]", "alternating"),
+        *((header, "sine") for header in ("v [mm/s]", "a [m/s^2]", "F [N]")),
+    ],
+)
 def test_records_of_any_size_are_compared(run: Run, tmp_path: Path, shape: str, header: str) -> None:
     for size in (1e-320, 1e-200, 1.0, 2e19) if shape == "sine" else (1e-320, 2e19):
         path = written(tmp_path, header, SHAPES[shape] * size)
@@ -176,9 +191,7 @@ def test_records_of_any_size_are_compared(run: Run, tmp_path: Path, shape: str, 
         assert (result.exit_code, "Warning" in result.stderr) == (0, False), result.stderr
 
 
-@pytest.mark.parametrize(
-    ("header", "size"), [("x [mm]", 0.0), ("x [mm]", 1e-320), ("v [mm/s]", 9e19), ("F [N]", 0.0)]
-)
+@pytest.mark.parametrize(("header", "size"), [("v [mm/s]", 9e19), ("F [N]", 1e-320)])
 def test_records_of_any_size_are_fitted(run: Run, tmp_path: Path, header: str, size: float) -> None:
     path = written(tmp_path, header, SHAPES["sine"] * size)
     result = run("compare", SCENE, path, "--fit", "mu_d", "--mass", "20g", "-q")
@@ -210,11 +223,10 @@ def test_values_of_thousands_of_digits_are_cut(run: Run, args: tuple[str, ...], 
     assert len(result.stderr) < 600
 
 
-@pytest.mark.usefixtures("both_frames")
 def test_a_track_of_a_camera_on_a_tripod(run: Run, tmp_path: Path) -> None:
     """With --absolute it gives the figures of a relative one."""
     walked = Walked(nut())
-    seen, relative = (walked.observe("displacement", over_ground=on) for on in (True, False))
+    seen, relative = (walked.observe("displacement", cycles=8, over_ground=on) for on in (True, False))
     table = np.stack([seen.time, *(1e3 * x.signals["displacement"] for x in (seen, relative))], axis=1)
     np.savetxt("track.csv", table, "%.8g", ",", header="t [s],camera [mm],sensor [mm]", comments="")
     given = ("compare", SCENE, "track.csv", "--displacement")

@@ -18,6 +18,7 @@ from engines.harmonic_flight import Body, Settled
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES, STUDY_FILE, trough_record
 from helpers.measured_drives import Drawn, write_record
+from matplotlib.figure import Figure
 
 from vibro.plots.comparison import comparison_figure
 from vibro.records.signals import read_sensitivities
@@ -79,7 +80,7 @@ def test_without_a_scene_file_the_title_gives_the_values(run: Run, monkeypatch: 
     def drawn(*args: Any) -> Any:
         figure = comparison_figure(*args)
         headings.append((figure.get_label(), figure.get_suptitle()))
-        return figure
+        return Figure()
 
     monkeypatch.setattr("vibro.plots.comparison.comparison_figure", drawn)
     for scene in ((), (SCENE,)):
@@ -200,21 +201,18 @@ def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
 
 def test_intervals_hold_friction_on_troughs_with_harmonics(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """The search begins with a body that would rest, where harmonics make no difference of speed."""
-    few = {"static_friction": (0.25, 0.35, 0.5), "kinetic_friction": (-0.7,)}
+    few = {"static_friction": (0.3, 0.5), "kinetic_friction": (-0.7,)}
     monkeypatch.setattr("vibro.records.problem._GRID", few)
     true = {"static_friction": 0.35, "kinetic_friction": 0.25}
-    for seed, second in enumerate((0.05, 0.4)):
-        waves = 1.5 * np.array([1.0, second * np.exp(0.7j)])
-        along, normal = (part * waves for part in (np.cos(0.35), np.sin(0.35)))
-        settled = Settled(Body(along, normal, *true.values()), cycles=13)
-        drawn = Drawn(
-            25.0, 0.35, 0.0, along, normal, settled, true, "slides", "displacement", "white", 10, False
-        )
-        arguments = write_record(Path("record.csv"), np.random.default_rng(seed), drawn)
-        for option, start in (("--mu-s", "2"), ("--mu-d", "1.5")):
-            arguments[arguments.index(option) + 1] = start
-        result = run("compare", *arguments, "--json")
-        assert result.exit_code == 0, result.stderr
-        ((low, high),) = json.loads(result.stdout)["fit"]["kinetic_friction"]["intervals"]
-        assert high - low < 0.1
-        assert low < 0.25 < high
+    waves = 1.5 * np.array([1.0, 0.4 * np.exp(0.7j)])
+    along, normal = (part * waves for part in (np.cos(0.35), np.sin(0.35)))
+    settled = Settled(Body(along, normal, *true.values()), cycles=11)
+    drawn = Drawn(25.0, 0.35, 0.0, along, normal, settled, true, "slides", "displacement", "white", 8, False)
+    arguments = write_record(Path("record.csv"), np.random.default_rng(1), drawn)
+    for option, start in (("--mu-s", "2"), ("--mu-d", "1.5")):
+        arguments[arguments.index(option) + 1] = start
+    result = run("compare", *arguments, "--json")
+    assert result.exit_code == 0, result.stderr
+    ((low, high),) = json.loads(result.stdout)["fit"]["kinetic_friction"]["intervals"]
+    assert high - low < 0.1
+    assert low < 0.25 < high

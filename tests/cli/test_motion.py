@@ -79,15 +79,9 @@ def test_the_nut_s_record_becomes_a_scene_that_is_solved(run: Run) -> None:
     assert speed == pytest.approx(17.63, abs=0.25)
 
 
-def test_every_command_reads_what_it_writes(run: Run) -> None:
+def test_its_trough_length_is_read(run: Run) -> None:
     assert run("motion", NUT, *SENSORS, *FRICTION, "-L", "600", "-o", "drive.toml").exit_code == 0
-    for args in (
-        ("simulate", "drive.toml"),
-        ("traverse-time", "drive.toml"),
-        ("map", "drive.toml", "-f", "10:20:5", "-o", "map"),
-    ):
-        result = run(*args)
-        assert result.exit_code == 0, result.stderr
+    assert run("traverse-time", "drive.toml").exit_code == 0
 
 
 def test_harmonics_are_written_with_the_digits_that_the_record_tells(

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
 from helpers.wild import AXIS, DIGITS, EXTREME, KEY, PLAUSIBLE, TABLE, TOML_VALUE, WILD, end, exactly
 from hypothesis import given
 from hypothesis import strategies as st
@@ -190,7 +189,6 @@ BYTES = st.one_of(st.binary(max_size=60), st.text(max_size=60).map(str.encode))
 RECORD = st.integers(0, 9).flatmap(lambda place: records() if place else BYTES)
 
 
-@pytest.mark.usefixtures("both_frames")
 @exactly("records")
 @given(RECORD, st.dictionaries(st.sampled_from(OPTIONS), PLAUSIBLE, max_size=1), st.data())
 def test_comparisons_end_well_whatever_a_record_holds(
