@@ -5,13 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from helpers import drawn
 from helpers.drawn import OWN, sweep
 
 from vibro.plots import map_figures
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.figure import Figure
+
+
+@pytest.fixture
+def unarranged() -> Iterator[None]:
+    """Leave the axes of a test's own pictures where they happen to be."""
+    with drawn.unarranged():
+        yield
 
 
 @pytest.fixture(scope="session")
@@ -26,27 +36,31 @@ def pictures(nut: SweepResult) -> dict[str, Figure]:
 
 @pytest.fixture(scope="session")
 def friction() -> SweepResult:
-    return sweep(static_friction="0.2:1", kinetic_friction="0.2:1")
+    return sweep(points=181, static_friction="0.2:1", kinetic_friction="0.2:1")
 
 
 @pytest.fixture(scope="session")
 def friction_pictures(friction: SweepResult) -> dict[str, Figure]:
-    return map_figures(friction)
+    with drawn.unarranged():
+        return map_figures(friction)
 
 
 @pytest.fixture(scope="session")
 def climb() -> SweepResult:
-    return sweep(length=600, amplitude="0.1:3", trough_angle="-15:15")
+    return sweep(points=181, length=600, amplitude="0.1:3", trough_angle="-15:15")
 
 
 @pytest.fixture(scope="session")
 def climb_pictures(climb: SweepResult) -> dict[str, Figure]:
-    return map_figures(climb)
+    with drawn.unarranged():
+        return map_figures(climb)
 
 
 @pytest.fixture(scope="session")
 def facets() -> dict[str, Figure]:
-    return map_figures(sweep(own=OWN, amplitude="0.2:3", frequency="10:50", drive_angle="10,20,30"))
+    return map_figures(
+        sweep(own=OWN, points=121, amplitude="0.2:3", frequency="10:50", drive_angle="10,20,30")
+    )
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import GRAVITY, NUT, OWN, legend, lightness, sweep, words
+from helpers.drawn import GRAVITY, NUT, OWN, legend, lightness, sweep, unarranged, words
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+pytestmark = pytest.mark.usefixtures("unarranged")
+
 FRICTIONS = (0.4, 0.6, 0.74)
 
 
@@ -48,7 +50,8 @@ def curves() -> SweepResult:
 
 @pytest.fixture(scope="module")
 def curve_pictures(curves: SweepResult) -> dict[str, Figure]:
-    return map_figures(curves, ["regime", "speed", "traverse", "impact", "flight"])
+    with unarranged():
+        return map_figures(curves, ["regime", "speed", "traverse", "impact", "flight"])
 
 
 def numbers(axes: Axes) -> list[Line2D]:

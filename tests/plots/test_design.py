@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import corners, curve, legend, only_map, path_of, said, words
+from helpers.drawn import corners, curve, legend, only_map, path_of, said, unarranged, words
 from helpers.questions import answered
 from matplotlib.path import Path as Outline
 
@@ -80,7 +80,9 @@ def design_of(spec: Spec, drive: int, a: float, f: float, angle: float, **more: 
 
 
 def pictures_of(spec: Spec, chosen: Chosen) -> dict[str, Figure]:
-    return design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
+    fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
+    with unarranged():
+        return design_figures(spec, chosen, fields, band)
 
 
 @pytest.fixture(scope="module")

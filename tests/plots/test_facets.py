@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 from helpers.drawn import GRAVITY, curve, legend, maps_of, sweep
 
 from vibro.plots import map_figures
@@ -13,6 +14,8 @@ from vibro.plots.style import CURVES, REGIME_COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+pytestmark = pytest.mark.usefixtures("unarranged")
 
 
 def test_a_map_for_every_value(facets: dict[str, Figure]) -> None:

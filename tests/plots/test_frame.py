@@ -78,7 +78,6 @@ def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
 @pytest.mark.parametrize(
     "changes",
     [
-        {"amplitude": "1:1.001", "frequency": "15:15.01"},
         {"amplitude": "1:1.00001:log", "frequency": "15:15.00001:log"},
         {"amplitude": "1e-6:3e-6", "frequency": "20000:20001"},
         {"amplitude": "1:1.001", "frequency": "15:15.001", "drive_angle": "10,20,30"},

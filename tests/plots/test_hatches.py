@@ -26,6 +26,8 @@ from vibro.results.sweep import SweepResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+pytestmark = pytest.mark.usefixtures("unarranged")
+
 
 def test_infeasible_half_is_cut_along_its_exact_boundary(friction_pictures: dict[str, Figure]) -> None:
     for figure in friction_pictures.values():
@@ -42,7 +44,9 @@ def test_infeasible_half_is_cut_along_its_exact_boundary(friction_pictures: dict
 
 
 def test_beyond_drive_and_trough_angle_of_90_degrees_is_nothing_special() -> None:
-    figure = map_figures(sweep(amplitude=0.7, drive_angle="0:89", trough_angle="-25:25"), ["speed"])["speed"]
+    figure = map_figures(
+        sweep(points=61, amplitude=0.7, drive_angle="0:89", trough_angle="-25:25"), ["speed"]
+    )["speed"]
     assert patch(only_map(figure), "infeasible") is None
 
 
@@ -80,7 +84,8 @@ def test_every_status_without_an_answer_has_a_hatch() -> None:
 
 
 def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
-    result = sweep(amplitude="0.1:3", drive_angle="5:60", static_friction=0.4, kinetic_friction=0.02)
+    ranges: dict[str, object] = {"amplitude": "0.1:3", "drive_angle": "5:60"}
+    result = sweep(points=201, static_friction=0.4, kinetic_friction=0.02, **ranges)
     assert (result.cycle.coexists == 1).any()
     for figure in map_figures(result).values():
         found = patch(only_map(figure), COEXISTS_LABEL)
@@ -123,7 +128,7 @@ def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepR
 
 
 def test_colours_of_irregular_motion_are_read_through_its_texture() -> None:
-    result = sweep(points=31, amplitude="2:3", frequency="40:60", restitution=0.7)
+    result = sweep(points=16, amplitude="2:3", frequency="40:60", restitution=0.7)
     assert (result.cycle.status == Status.AVERAGED).mean() > 0.9
     figure = map_figures(result, ["speed"])["speed"]
     axes = only_map(figure)

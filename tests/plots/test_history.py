@@ -33,9 +33,7 @@ def draw(
     history = vibro.simulate(nut(amplitude), cycles=cycles)
     rows = trace(history, since=since, until=history.end, samples_per_cycle=200, both_sides=True)
     flies = any(p.kind == "H" for p in history.phases)
-    figure = history_figure(history.phases, rows, choose_panels(panels, flies=flies), "title", {})
-    figure.draw_without_rendering()
-    return history, figure
+    return history, history_figure(history.phases, rows, choose_panels(panels, flies=flies), "title", {})
 
 
 def shades(axes: Axes, kind: str) -> list[tuple[float, float]]:
@@ -53,7 +51,7 @@ def shades(axes: Axes, kind: str) -> list[tuple[float, float]]:
     return found
 
 
-@pytest.mark.parametrize("amplitude", [1.0, 1.5, 4.0])
+@pytest.mark.parametrize("amplitude", [1.5, 4.0])
 def test_slides_and_flights_are_shaded_where_the_phases_say(amplitude: float) -> None:
     history, figure = draw(amplitude)
     for axes in figure.axes:
@@ -162,11 +160,10 @@ def test_far_from_the_start_the_position_has_a_scale_of_its_own() -> None:
     assert (bottom, top) == pytest.approx((14 * 1.0842, 20 * 1.0842), rel=0.1)
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "panels"), [(1.0, None), (1.5, "forces"), (4.0, None), (4.0, "velocity")]
-)
+@pytest.mark.parametrize(("amplitude", "panels"), [(1.5, "forces"), (4.0, None)])
 def test_no_words_overlap(amplitude: float, panels: str | None) -> None:
     _, figure = draw(amplitude, cycles=4, panels=panels)
+    figure.draw_without_rendering()
     top = figure.axes[0]
     names = [text.get_window_extent() for text in top.texts]
     times = [t.get_window_extent() for t in top.child_axes[0].get_xticklabels()]
@@ -218,7 +215,6 @@ def test_the_line_at_zero_stretches_no_axis() -> None:
 def test_a_comparison_has_a_row_a_signal() -> None:
     comparison = compare(nut(), Walked(nut()).observe("displacement", "velocity", cycles=5))
     figure = comparison_figure(comparison, "title", {}, comparison)
-    figure.draw_without_rendering()
     assert len(figure.axes) == 4
     assert [axes.get_ylabel() for axes in figure.axes[::2]] == [
         "relative displacement\n[mm]",

@@ -18,6 +18,8 @@ from vibro.results.sweep import SweepResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+pytestmark = pytest.mark.usefixtures("unarranged")
+
 
 def test_speed_and_displacement_over_one_axis(line_pictures: dict[str, Figure]) -> None:
     assert list(line_pictures) == ["speed", "traverse"]

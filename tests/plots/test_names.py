@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 from helpers.cases import each
-from helpers.drawn import OWN, sweep
+from helpers.drawn import OWN, coarse_pictures, sweep
 from helpers.made_records import Walked, nut
 from PIL import Image
 
@@ -102,9 +102,7 @@ def test_what_is_too_long_is_cut_in_the_middle() -> None:
     assert figure_text("W" * 100, 10.5, 25.0) == "W…"
 
 
-@pytest.mark.parametrize(
-    "name", [r"a$\frac{x$ =cmd", "$", "z" + "\u0301\u0489" * 99, "W" * 250, "i$" * 120, "振" * 80]
-)
+@pytest.mark.parametrize("name", ["z" + "\u0301\u0489" * 99, "W" * 250, "i$" * 120])
 def test_headings_are_inside(row: SweepResult, name: str) -> None:
     figure = titled(row, name)
     first, second = figure.get_suptitle().split("\n")
@@ -113,10 +111,10 @@ def test_headings_are_inside(row: SweepResult, name: str) -> None:
     assert_heading_is_inside(figure)
 
 
-@pytest.mark.parametrize("name", ["a$\\frac{x$ =cmd\udce9 振", "W$" * 120])
-def test_every_kind_of_picture(plane: SweepResult, name: str) -> None:
+def test_every_kind_of_picture(plane: SweepResult) -> None:
+    name = "a$\\frac{x$ =cmd\udce9 振" + "W$" * 120
     facets = sweep(points=11, amplitude="0.2:3", frequency="10:50", drive_angle="10,20")
-    figures = [titled(facets, name), *(titled(plane, name, picture) for picture in ("regime", "impact"))]
+    figures = [titled(facets, name), *(titled(plane, name, picture) for picture in ["regime"])]
     history = vibro.simulate(nut(), cycles=1)
     rows = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)
     figures.append(history_figure(history.phases, rows, ["velocity", "position"], name, OWN))
@@ -129,19 +127,17 @@ def test_every_kind_of_picture(plane: SweepResult, name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        (r"a$\frac{x$ =cmd", r"a$\frac{x$ =cmd"),
-        ("<b>&amp; -- ]]> (a\\( %s -", "<b>&amp; -- ]]> (a\\( %s -"),
-        ("nut\x1b[31m\x07\x9b\n\udce9", "nut�[31m����"),
-        ("振动 🔩\u202e\ufffe", "振动 🔩��"),
-        ("long " * 50, "long " * 50),
+        ("<b>&amp; -- ]]> (a\\( %s -\x1b[31m\x07\x9b\n\udce9", "<b>&amp; -- ]]> (a\\( %s -�[31m����"),
+        (r"a$\frac{x$ " + "long " * 50 + "振动 🔩\u202e\ufffe", r"a$\frac{x$ " + "long " * 50 + "振动 🔩��"),
     ],
     ids=ascii,
 )
 def test_names_in_files(row: SweepResult, tmp_path: Path, name: str, told: str) -> None:
-    figure = titled(row, name)
     headline = f"Mean conveying speed – {told}"
-    for form in ("png", "svg", "pdf"):
-        save(figure, tmp_path / form, form, {"Software": "vibro"})
+    with coarse_pictures():
+        figure = titled(row, name)
+        for form in ("png", "svg", "pdf"):
+            save(figure, tmp_path / form, form, {"Software": "vibro"})
     with Image.open(tmp_path / "png") as image:
         image.load()
         assert image.info["Title"] == headline

@@ -20,6 +20,7 @@ from helpers.drawn import (
     said,
     scene_of,
     sweep,
+    unarranged,
     words,
 )
 from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize, to_rgba
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from helpers.drawn import Floats
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+pytestmark = pytest.mark.usefixtures("unarranged")
 
 
 def test_hopping_leaves_colours_to_speeds_in_contact(pictures: dict[str, Figure], nut: SweepResult) -> None:
@@ -269,8 +272,9 @@ def test_a_single_regime_fills_the_map(amplitude: str, frequency: str, name: str
 @pytest.fixture(scope="module")
 def flights() -> tuple[SweepResult, dict[str, Figure]]:
     """Throw numbers up to 10: from rest to flights of several cycles."""
-    result = sweep(amplitude="0.1:8", frequency="5:35", drive_angle=30)
-    return result, map_figures(result, ["speed", "impact", "flight"])
+    result = sweep(points=241, amplitude="0.1:8", frequency="5:35", drive_angle=30)
+    with unarranged():
+        return result, map_figures(result, ["speed", "impact", "flight"])
 
 
 def test_no_speed_is_missing_where_bodies_hop(flights: tuple[SweepResult, dict[str, Figure]]) -> None:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from vibro.results.sweep import SweepResult
 
+pytestmark = pytest.mark.usefixtures("unarranged")
+
 MARKS = ("fastest", "fastest_backwards")
 
 

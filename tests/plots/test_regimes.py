@@ -35,6 +35,8 @@ from vibro.results.sweep import SweepResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+pytestmark = pytest.mark.usefixtures("unarranged")
+
 
 def test_colours_are_apart_in_grey() -> None:
     assert all(colour.startswith("#") and len(colour) == 7 for colour in REGIME_COLOURS.values())

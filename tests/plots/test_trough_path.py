@@ -51,7 +51,7 @@ def path_of(figure: Figure) -> Axes:
     return figure.axes[-2]
 
 
-@pytest.mark.parametrize("degrees", [-60.0, 90.0, 180.0])
+@pytest.mark.parametrize("degrees", [-60.0, 180.0])
 def test_the_path_is_the_ellipse_of_the_last_cycle(degrees: float) -> None:
     _, _, figure = draw(degrees=degrees)
     axes = path_of(figure)
@@ -71,7 +71,7 @@ def test_the_path_is_the_ellipse_of_the_last_cycle(degrees: float) -> None:
     assert np.sign(turns) == (0.0 if degrees == 180.0 else -np.sign(degrees)) or abs(turns) < 1e-12
 
 
-@pytest.mark.parametrize(("normal", "degrees"), [(0.3, -60.0), (0.8, -170.0), (0.8, 40.0)])
+@pytest.mark.parametrize(("normal", "degrees"), [(0.3, -60.0), (0.8, -170.0)])
 def test_phases_and_events_lie_where_the_trough_is_then(normal: float, degrees: float) -> None:
     history, _, figure = draw(normal, degrees)
     axes = path_of(figure)
@@ -127,9 +127,8 @@ def test_the_table_and_the_topmost_panel_have_both_motions_of_the_trough() -> No
     assert curves["trough, normal to itself"] == pytest.approx(normal, abs=1e-12)
 
 
-@pytest.mark.parametrize("panels", [None, "velocity"])
-def test_no_words_overlap(panels: str | None) -> None:
-    _, _, figure = draw(0.8, -170.0, panels)
+def test_no_words_overlap() -> None:
+    _, _, figure = draw(0.8, -170.0)
     figure.draw_without_rendering()
     path, beside = figure.axes[-2:]
     legend = beside.get_legend()

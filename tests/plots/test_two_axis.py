@@ -19,6 +19,8 @@ from vibro.sweeps.grid import scene_of
 if TYPE_CHECKING:
     from vibro.sweeps.whole import Sweep
 
+pytestmark = pytest.mark.usefixtures("unarranged")
+
 FRICTION: dict[str, Any] = {"static_friction": 0.4, "kinetic_friction": 0.3}
 
 
