@@ -13,21 +13,13 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import Browser, BrowserContext, Page
 
-    from vibro.explore.state import State
-
 __all__ = ["axe", "browser"]
 
 
 @pytest.fixture(scope="module")
-def explored() -> State | None:
-    """Return the state at the start; None for that of the nut."""
-    return None
-
-
-@pytest.fixture(scope="module")
-def session(browser: Browser, explored: State | None) -> tuple[str, Any]:
+def session(browser: Browser) -> tuple[str, Any]:
     """Serve the explorer, and return its address with what the browser that opened it first has stored."""
-    url, _ = serve_explorer(explored)
+    url, _ = serve_explorer()
     with browser.new_context() as context:
         page = context.new_page()
         page.goto(url)

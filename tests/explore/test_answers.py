@@ -154,14 +154,15 @@ def test_a_table_may_have_decimal_commas(answers: Answers) -> None:
     assert ";600,5;" in commas
 
 
-def test_maps_are_kept_between_requests(answers: Answers) -> None:
+def test_maps_are_kept_between_requests(answers: Answers, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.explore.answers._KEPT", 3)
     state = state_of(restitution="0.4", x="drive_angle_deg")
     shares = [unpacked(answers.map(state, advance=True))[0]["progress"]["share"] for _ in range(2)]
     others = {"view": "speed", "target": "3", "drive_angle_deg": "7", "cycles": "9"}
     other = state_of(restitution="0.4", x="drive_angle_deg", **others)
     assert 0.0 < shares[0] < shares[1]
     assert unpacked(answers.map(other))[0]["progress"]["share"] == shares[1]
-    for friction in range(20):  # as many as are kept, and more
+    for friction in range(4):  # as many as are kept, and more
         answers.map(state_of(kinetic_friction=str(friction / 40)))
     assert unpacked(answers.map(state))[0]["progress"]["share"] == 0.0
 

@@ -68,9 +68,10 @@ def scene_at(state: State, points: NDArray[Any], **frictions: float) -> vibro.Sc
     return scene_of({name: np.atleast_1d(value).astype(float) for name, value in fixed.items()})
 
 
-@pytest.mark.parametrize("drive", DRIVES)
-@pytest.mark.parametrize("view", VIEWS)
-def test_every_view_of_every_drive_is_drawn(drive: str, view: str) -> None:
+@pytest.mark.parametrize(
+    ("drive", "view"), [*(("line", view) for view in VIEWS), *((drive, "speed") for drive in [*DRIVES][1:])]
+)
+def test_every_view_and_every_drive_is_drawn(drive: str, view: str) -> None:
     header, arrays, cycle = drawn(state_of(drive=drive, view=view, target="20", frequency_hz="35"))
     shape = (HEIGHT, WIDTH)
     names = ["speed"] * (view != "speed") + ["values"] * (view != "regime")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -84,7 +84,7 @@ def test_every_status_without_an_answer_has_a_hatch() -> None:
 
 
 def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
-    ranges: dict[str, object] = {"amplitude": "0.1:3", "drive_angle": "5:60"}
+    ranges: dict[str, Any] = {"amplitude": "0.1:3", "drive_angle": "5:60"}
     result = sweep(points=201, static_friction=0.4, kinetic_friction=0.02, **ranges)
     assert (result.cycle.coexists == 1).any()
     for figure in map_figures(result).values():
