@@ -292,6 +292,7 @@ def test_intervals_hold_the_unknowns_of_an_ellipse(
     assert inside.count(False) <= 1
 
 
+@pytest.mark.usefixtures("own_start_alone")
 def test_an_ellipse_is_found_from_afar() -> None:
     """The valley of the misfit bends: straight steps would end far from its lowest point."""
     true = ON_ELLIPSES["FB"]
@@ -315,6 +316,7 @@ def test_a_phase_is_told_in_the_turn_of_the_scenes(given: float) -> None:
     assert p.low < p.value < p.high
 
 
+@pytest.mark.usefixtures("own_start_alone")
 def test_a_phase_without_a_normal_motion_cannot_be_identified() -> None:
     level = bowl(normal_amplitude=0.0, static_friction=0.3, kinetic_friction=0.2)
     found = fit(level, Walked(level).observe("velocity", cycles=6), ["kinetic_friction", "normal_phase"])
@@ -415,8 +417,11 @@ def test_a_body_that_hops_is_fitted_and_told_so() -> None:
     assert_contains(found, nut(4.0), "kinetic_friction", within=0.01)
 
 
-def test_a_body_that_hops_is_not_taken_for_one_that_slides() -> None:
+def test_a_body_that_hops_is_not_taken_for_one_that_slides(monkeypatch: pytest.MonkeyPatch) -> None:
     """Four quantities let a body in contact follow the record nearly; its intervals took 20 s, and lied."""
+    few = {"static_friction": (0.3, 0.6, 1.0), "kinetic_friction": (-0.4, -0.75)}
+    few |= {"amplitude": (0.7, 1.0), "drive_angle": (0.2, 0.4, 0.6)}
+    monkeypatch.setattr("vibro.records.problem._GRID", few)
     true = {"amplitude": 1.5052e-3, "frequency": 25.0, "drive_angle": math.radians(25.0)}
     true |= {"static_friction": 0.4, "kinetic_friction": 0.3}
     motion = settled_motion(vibro.Scene(**true))
@@ -510,13 +515,13 @@ def fitted_with_its_drive(seed: int, *, carried: bool) -> Fit:
 def test_intervals_carry_the_errors_of_a_measured_drive() -> None:
     """Without them most intervals of mu_d miss its true value, by many of their widths."""
     held = {False: np.zeros(2), True: np.zeros(2)}
-    for carried, seeds in ((True, 10), (False, 5)):
+    for carried, seeds in ((True, 8), (False, 4)):
         for seed in range(seeds):
             static, kinetic = fitted_with_its_drive(seed, carried=carried).parameters
             held[carried] += static.low < 0.74 < static.high, kinetic.low < 0.57 < kinetic.high
             if carried:
                 assert abs(kinetic.value - 0.57) < 1.2 * (kinetic.high - kinetic.low)
-    assert (held[True] >= 9).all()
+    assert (held[True] >= 7).all()
     assert held[False][1] <= 2
 
 
