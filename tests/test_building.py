@@ -89,18 +89,24 @@ FAILS = [f"{sys.executable} -c 'raise SystemExit(7)'", f"{sys.executable} -c ''"
 
 
 @pytest.mark.parametrize("command", FAILS, ids=["ends with 7", "makes nothing", "is none"])
-def test_a_compiler_that_fails_leaves_a_library_of_this_source_alone(
+def test_a_compiler_that_fails_leaves_no_library_of_another_source(
     checkout: Path, monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:
     library = checkout / CORE / LIBRARY
     monkeypatch.setenv("CC", command)
-    for there in (None, f"of another source: {'0' * 64}"):
-        if there:
-            library.write_text(there, encoding="utf-8")
-        said = compile_solver(checkout)
-        assert " failed:" in said or "no-such-compiler cannot be run" in said
-        assert "stays" not in said
-        assert beside(library) == []
+    if command != FAILS[0]:
+        library.write_text(f"of another source: {'0' * 64}", encoding="utf-8")
+    said = compile_solver(checkout)
+    assert " failed:" in said or "no-such-compiler cannot be run" in said
+    assert "stays" not in said
+    assert beside(library) == []
+
+
+def test_a_compiler_that_fails_leaves_a_library_of_this_source_alone(
+    checkout: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = checkout / CORE / LIBRARY
+    monkeypatch.setenv("CC", FAILS[0])
     library.write_text(known(checkout), encoding="utf-8")
     assert compile_solver(checkout).endswith("\nThe library that is there is of this source, and stays")
     assert library.read_text(encoding="utf-8") == known(checkout)

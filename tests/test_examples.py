@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from helpers.commands import rows_of
+from helpers.drawn import coarse_pictures
 from typer.testing import CliRunner, Result
 
 import vibro
@@ -43,7 +44,8 @@ def test_what_people_copy_uses_public_names_alone(name: str) -> None:
 # What README and the tour map is run by .ci/run.
 @pytest.mark.parametrize("name", [name for name in SCENES if f"map examples/{name}" not in TOUR])
 def test_a_map_of_every_scene(name: str, tmp_path: Path) -> None:
-    result = run("map", EXAMPLES / name, "-o", f"{tmp_path}/")
+    with coarse_pictures():
+        result = run("map", EXAMPLES / name, "-o", f"{tmp_path}/")
     assert result.exit_code == 0, result.stderr
     stem = Path(name).stem
     written = {path.name for path in tmp_path.iterdir()}
@@ -93,8 +95,10 @@ def test_half_of_the_friction_grid_is_infeasible() -> None:
     assert status == {"infeasible": 81 * 80 // 2, "ok": 81 * 82 // 2}
 
 
-def test_every_nut_is_conveyed(tmp_path: Path) -> None:
-    result = run("design", EXAMPLES / "design_nut.toml", "--digits", 9, "-o", f"{tmp_path}/")
+def test_every_nut_is_conveyed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.plots.settings._RESOLVED", 121)
+    with coarse_pictures():
+        result = run("design", EXAMPLES / "design_nut.toml", "--digits", 9, "-o", f"{tmp_path}/")
     assert result.exit_code == 0, result.stderr
     names = {f"design_nut-design{end}" for end in (".csv", ".json", "-regime.png", "-speed.png", "-band.png")}
     assert {path.name for path in tmp_path.iterdir()} == names
@@ -107,23 +111,15 @@ def test_every_nut_is_conveyed(tmp_path: Path) -> None:
     assert "safest with forward-slip at most" in result.stdout
 
 
-def closest(*options: object) -> str:
-    """What is said of the feeder's goal, which no drive meets."""
-    result = run("design", EXAMPLES / "design_feeder.toml", *options)
-    assert result.exit_code == 4, result.stderr
-    return result.stdout.split("\n\n")[1]
-
-
 def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets() -> None:
-    said = closest()
+    result = run("design", EXAMPLES / "design_feeder.toml", "--digits", 9)
+    assert result.exit_code == 4, result.stderr
+    said = result.stdout.split("\n\n")[1]
     (shown,) = re.findall(r"```text\n(largest guaranteed.*?)```", TOUR, flags=re.DOTALL)
     number = r"\d+\.\d+"
     assert re.sub(number, "#", " ".join(said.split())) == re.sub(number, "#", " ".join(shown.split()))
-    given, printed, found = (
-        [float(x) for x in re.findall(number, text)] for text in (said, shown, closest("--digits", 9))
-    )
-    assert given == pytest.approx(printed, rel=2e-3)
-    assert given == pytest.approx(found, rel=1e-2)
+    found, printed = ([float(x) for x in re.findall(number, text)] for text in (said, shown))
+    assert printed == pytest.approx(found, rel=1e-2)
     # what sampled optimisers of hopping find may differ by as much; what was published is at least reached
     assert found[:2] == pytest.approx([4.64, 6.22], abs=5e-3)
     assert found[5:7] == pytest.approx([15.48, 20.72], abs=5e-3)

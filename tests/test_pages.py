@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import runpy
 from pathlib import Path
 
 import pytest
-from commands import DOCS, run_page, tasks
+from commands import BLOCK, DOCS, run_page, tasks
+from helpers.drawn import coarse_pictures
 
 README = DOCS.parent / "README.md"
 TOUR = [README, DOCS / "index.md", *sorted(DOCS.glob("guide/tour*.md"))]
@@ -20,8 +22,17 @@ def test_commands_of_a_task_print_what_it_shows(page: Path, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("page", TOUR, ids=lambda page: page.stem)
-def test_outputs_of_the_tour_are_those_shown_and_its_scripts_run(page: Path, tmp_path: Path) -> None:
-    run_page(page, tmp_path / "page", ("console", "python"))
+def test_outputs_of_the_tour_are_those_shown_and_its_scripts_run(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_page(page, tmp_path / "page", ["console"])
+    monkeypatch.chdir(tmp_path / "page")
+    for _, kind, block in BLOCK.findall(page.read_text(encoding="utf-8")):
+        if kind == "python":
+            script = Path("script.py")
+            script.write_text(block, encoding="utf-8")
+            with coarse_pictures():
+                runpy.run_path(str(script))
 
 
 def test_a_wrong_output_and_a_command_that_fails_are_noticed(tmp_path: Path) -> None:
