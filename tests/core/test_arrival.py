@@ -56,7 +56,7 @@ def test_a_body_arrives_when_newtons_law_takes_it_there(name: str, phase: float,
     loads, restitution = ALL[name]
     legs = walked(course_of(loads, restitution), phase, velocity, 12)
     last = legs[-1][0]
-    for length in (1e-3, 0.31, 2.6):
+    for length in (0.31, 2.6):
         found = _arrival(loads, restitution, length, phase=phase, velocity=velocity)
         expected = _first_passage(legs, loads, length)
         if expected < INF:
@@ -103,8 +103,7 @@ def test_whole_cycles_are_added_at_once(
     assert jumped < walks
 
 
-@pytest.mark.parametrize("friction", [(0.05, 0.03), (0.3, 0.05)])
-@pytest.mark.parametrize("drive", [line, ellipse])
+@pytest.mark.parametrize(("friction", "drive"), [((0.05, 0.03), line), ((0.3, 0.05), ellipse)])
 def test_the_end_of_a_slow_transient_is_summed(
     friction: tuple[float, float], drive: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -124,7 +123,7 @@ def test_the_end_of_a_slow_transient_is_summed(
 def test_a_transient_that_is_summed_may_not_have_faded_at_the_arrival(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    loads = line(2.0, 10.0, 0.3, 0.003)
+    loads = line(2.0, 10.0, 0.3, 0.01)
     motion, legs = history_of(loads, 0.0, 1e9)
     lengths = [legs.position[motion.first] + motion.advance * cycles for cycles in (3.4, 50.4)]
     summed = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]

@@ -103,6 +103,7 @@ def own_bound(box: Box) -> float:
     return float(independent_bounds(ends, band, box.way)[0])
 
 
+@examples(15)
 @given(solver_boxes())
 def test_bounds_are_no_higher_than_those_of_another_program(box: Box) -> None:
     assume(strength(box) < 20.0)
@@ -113,8 +114,8 @@ def test_bounds_are_no_higher_than_those_of_another_program(box: Box) -> None:
 def test_terms_that_are_at_their_worst_inside_a_band_count(way: float) -> None:
     """At drive angles about that of friction and its complement, on troughs whose slope is 1 / mu."""
     for drive in ((0.3, 0.8), (0.5, 0.55), (0.9, 1.2), (1.0, 1.1)):
-        for beta in (-0.45, -0.3, 0.0, 0.3, 0.45):
-            for load in (0.3, 0.6, 0.8):
+        for beta in (-0.45, 0.0, 0.45):
+            for load in (0.3, 0.8):
                 box = line(load=(load, load), first=drive, beta=(beta, beta), way=way)
                 assert bound(box) == pytest.approx(own_bound(box), abs=2e-5 * largest_speed(box))
     for slopes in ((0.5, 0.8), (0.6, 0.65), (-0.8, 0.8)):
@@ -197,14 +198,14 @@ def test_a_cycle_that_settles_slowly_is_followed_to_its_end() -> None:
 
 
 @each("way", [1.0, -1.0])
-@each("drive", [0.0, 0.3, math.atan(0.57), math.atan(0.74), 1.2, 0.5 * math.pi - 1e-5])
+@each("drive", [0.0, 0.3, math.atan(0.74), 0.5 * math.pi - 1e-5])
 @each("ratio", [0.0, 0.5, 1.0])
 def test_no_body_is_slower_beside_a_threshold(drive: float, ratio: float, way: float) -> None:
     """Loads about the onsets of both ways, and up to the hop."""
     mu_s, hop = 0.74, 1.0 / max(math.sin(drive), 0.05)
     onsets = [mu_s / abs(math.cos(drive) + sigma * mu_s * math.sin(drive)) for sigma in (1.0, -1.0)]
     for onset in (*onsets, hop):
-        for factor in (1.0 - 1e-3, 1.0 - 1e-12, 1.0, 1.0 + 1e-15, 1.0 + 1e-12, 1.0 + 1e-9, 1.0 + 1e-3):
+        for factor in (1.0 - 1e-12, 1.0, 1.0 + 1e-15, 1.0 + 1e-9, 1.0 + 1e-3):
             load = min(onset * factor, hop)
             low = [load, drive, 0.0, 0.0, 0.0, mu_s, ratio * mu_s]
             assert_none_is_slower(box_of(low, way=way))

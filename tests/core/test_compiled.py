@@ -76,11 +76,11 @@ def ellipses(count: int, seed: int, throw: tuple[float, float]) -> Scene:
 
 
 DRAWN = {
-    "lines": lambda: random_scenes(1500, 1, most_trough_deg=20.0, least_ratio=0.02),
-    "extreme": lambda: Scene.allowing_infeasible(**extreme_fields(1500, seed=3)),
-    "hopping": lambda: hopping_lines(60, 4),
-    "ellipses": lambda: ellipses(1500, 5, (0.01, 0.9999)),
-    "hopping ellipses": lambda: ellipses(60, 6, (1.0001, 6.0)),
+    "lines": lambda: random_scenes(1000, 1, most_trough_deg=20.0, least_ratio=0.02),
+    "extreme": lambda: Scene.allowing_infeasible(**extreme_fields(1000, seed=3)),
+    "hopping": lambda: hopping_lines(40, 4),
+    "ellipses": lambda: ellipses(1000, 5, (0.01, 0.9999)),
+    "hopping ellipses": lambda: ellipses(40, 6, (1.0001, 6.0)),
 }
 
 
@@ -118,14 +118,18 @@ def test_reference_tables_have_the_same_bits(name: str) -> None:
 @pytest.mark.parametrize("name", DRAWN)
 def test_random_scenes_have_the_same_bits(name: str) -> None:
     scene = DRAWN[name]()
-    assert_same(lambda: vibro.solve(scene, flight="extreme" not in name))
-    assert_same(lambda: filling_of(scene, vibro.solve(scene, flight="extreme" not in name)))
+
+    def everything() -> list[Any]:
+        cycle = vibro.solve(scene, flight="extreme" not in name)
+        return [cycle, filling_of(scene, cycle)]
+
+    assert_same(everything)
 
 
 @pytest.mark.parametrize("name", ["lines", "ellipses"])
 def test_limits_slopes_and_slides_have_the_same_bits(name: str) -> None:
     whole = DRAWN[name]()
-    scene = Scene(**{key: x[:500] if np.ndim(x) else x for key, x in whole.arrays()._asdict().items()})
+    scene = Scene(**{key: x[:300] if np.ndim(x) else x for key, x in whole.arrays()._asdict().items()})
     patterns = vibro.solve(scene, flight=False).pattern_code
 
     def everything() -> list[Any]:
@@ -237,20 +241,19 @@ def assert_answered(cycle: vibro.SteadyCycle) -> None:
 
 @WILD
 def test_no_wild_scene_raises_or_divides_by_zero_in_contact(ellipse: bool) -> None:
-    for seed in (1, 2):
-        scene = wild(3000, seed, ellipse=ellipse)
-        with plain():
-            cycle = vibro.solve(scene, flight=False)
-            assert_answered(cycle)
-            vibro.solve(scene, output="regimes")
-            assert_weighed(filling_of(scene, cycle))
-        seen = set(cycle.pattern_code[cycle.status == Status.OK].tolist())
-        assert seen >= {Pattern.R, Pattern.F_, Pattern.B_, Pattern.FB}
+    scene = wild(3000, 1, ellipse=ellipse)
+    with plain():
+        cycle = vibro.solve(scene, flight=False)
+        assert_answered(cycle)
+        vibro.solve(scene, output="regimes")
+        assert_weighed(filling_of(scene, cycle))
+    seen = set(cycle.pattern_code[cycle.status == Status.OK].tolist())
+    assert seen >= {Pattern.R, Pattern.F_, Pattern.B_, Pattern.FB}
 
 
 @WILD
 def test_no_wild_scene_raises_in_limits_slopes_and_slides(ellipse: bool) -> None:
-    scene = wild(1500, 3, ellipse=ellipse)
+    scene = wild(800, 3, ellipse=ellipse)
     with plain():
         patterns = vibro.solve(scene, flight=False).pattern_code
         vibro.critical_loads(scene)
@@ -266,7 +269,7 @@ def test_no_wild_scene_raises_in_limits_slopes_and_slides(ellipse: bool) -> None
 
 @WILD
 def test_no_wild_scene_raises_in_flight(ellipse: bool) -> None:
-    scene = wild(draws(100), 4, ellipse=ellipse)
+    scene = wild(draws(60), 4, ellipse=ellipse)
     with plain():
         cycle = vibro.solve(scene)
         assert_weighed(filling_of(scene, cycle, averages=True))

@@ -78,7 +78,7 @@ def test_the_finite_rule_is_what_a_walk_from_rest_settles_into(
     seed: int, steepest: float, least_ratio: float
 ) -> None:
     patterns = set()
-    for loads in random_loads(100, seed, steepest=steepest, least_ratio=least_ratio):
+    for loads in random_loads(60, seed, steepest=steepest, least_ratio=least_ratio):
         cycle = steady(loads)
         body = body_of(loads)
         try:

@@ -60,9 +60,9 @@ def at(unit: Loads, load: float) -> Steady:
 
 SOME = {
     "level": list(unit_lines(150, 1, 0.0)),
-    "inclined": list(unit_lines(150, 2, 8.0)),
-    "steep": list(unit_lines(150, 3, 30.0, 0.05)),
-    "ellipses": list(unit_ellipses(240, 41)),
+    "inclined": list(unit_lines(80, 2, 8.0)),
+    "steep": list(unit_lines(100, 3, 30.0, 0.05)),
+    "ellipses": list(unit_ellipses(140, 41)),
     "as ellipses": [x._replace(line=False) for x in unit_lines(100, 4, 5.0)],
 }
 

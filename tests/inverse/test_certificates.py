@@ -39,7 +39,7 @@ BOXES: dict[str, tuple[Scene, dict[str, Any]]] = {
     "level, kinetic": (scene_with(**BACK), {"static_friction": (0.6, 0.8), "kinetic_friction": (0.5, 0.7)}),
     "climb": (
         scene_with(**BACK, trough_angle=0.05),
-        {"static_friction": (0.6, 0.8), "friction_ratio": (0.7, 0.9), "amplitude": (1.35e-3, 1.4e-3),
+        {"static_friction": (0.65, 0.75), "friction_ratio": (0.75, 0.85), "amplitude": (1.35e-3, 1.4e-3),
          "frequency": (14.9, 15.1), "drive_angle": (0.33, 0.36)},
     ),
     "decline": (
@@ -49,7 +49,7 @@ BOXES: dict[str, tuple[Scene, dict[str, Any]]] = {
     "a drop inside": (scene_with(), {"amplitude": (1.18e-3, 1.21e-3)}),
     "slowly settled": (scene_with(**SLOWLY_SETTLED), {"static_friction": (0.17, 0.19)}),
     "continuous sliding": (
-        scene_with(**NEVER_AT_REST), {"static_friction": (0.18, 0.2), "kinetic_friction": (0.15, 0.16)},
+        scene_with(**NEVER_AT_REST), {"static_friction": (0.19, 0.2), "kinetic_friction": (0.155, 0.16)},
     ),
     "backward": (
         scene_with(drive_angle=0.05, trough_angle=0.3, static_friction=0.74, kinetic_friction=0.5),
@@ -59,8 +59,8 @@ BOXES: dict[str, tuple[Scene, dict[str, Any]]] = {
     "ellipse, phase": (oval(), {"static_friction": (0.35, 0.45), "normal_phase": (-0.6, -0.4)}),
     "ellipse, all of its motion": (
         oval(),
-        {"along_amplitude": (4.9e-4, 5.1e-4), "normal_amplitude": (1.9e-4, 2.1e-4),
-         "normal_phase": (2.0, 2.1), "frequency": (24.8, 25.0)},
+        {"along_amplitude": (4.95e-4, 5.05e-4), "normal_amplitude": (1.95e-4, 2.05e-4),
+         "normal_phase": (2.0, 2.05), "frequency": (24.9, 25.0)},
     ),
     "ellipse across": (oval(), {"along_amplitude": (0.0, 1e-4), "static_friction": (0.38, 0.4)}),
 }  # fmt: skip
@@ -175,7 +175,7 @@ def test_a_bound_beyond_one_body_of_its_box_is_refused(name: str, fast: bool) ->
 def test_boxes_that_leave_something_out_are_refused(name: str, fast: bool) -> None:
     certificate = proof(name, fast).certificate
     random, count = np.random.default_rng(1), len(certificate.bound)
-    for row in {0, count - 1, *random.integers(0, count, 3)}:
+    for row in {0, count - 1, int(random.integers(0, count))}:
         assert checked(name, fast, kept(certificate, np.arange(count) != row), proved=0.0) == UNCOVERED
         wide = [k for k in certificate.low if certificate.low[k][row] < certificate.high[k][row]]
         axis = wide[random.integers(0, len(wide))]

@@ -380,12 +380,12 @@ def test_either_end_of_the_drive_angles_may_be_the_slowest(
 
 @pytest.mark.parametrize(
     ("frequency", "angle", "restitution", "amplitude"),
-    [(44.0, 34.7, 0.37, 0.507e-3), (39.4, 23.8, 0.45, 0.589e-3)],
+    [(44.0, 34.7, 0.37, 0.507e-3)],
 )
 def test_bouncing_parts_of_other_samples_keep_to_a_sampled_guarantee(
     frequency: float, angle: float, restitution: float, amplitude: float
 ) -> None:
-    """Of 160 samples, in place of 896, the guaranteed speeds were 20 % and 8 % too high."""
+    """Of 160 samples, in place of 896, the guaranteed speed was 20 % too high."""
     bands = {
         "amplitude": (0.98 * amplitude, 1.02 * amplitude),
         "drive_angle": (math.radians(angle - 1.0), math.radians(angle + 1.0)),
@@ -398,7 +398,7 @@ def test_bouncing_parts_of_other_samples_keep_to_a_sampled_guarantee(
     )  # fmt: skip
     found = vibro.guarantee(scene, **bands)
     assert found.proof_min == found.proof_max == "sampled"
-    shares = np.random.default_rng(0).random((4, 2048))
+    shares = np.random.default_rng(0).random((4, 1024))
     values = {
         name: low + share * (high - low)
         for (name, (low, high)), share in zip(bands.items(), shares, strict=True)

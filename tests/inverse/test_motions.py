@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import math
 import re
+import tomllib
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -24,12 +26,13 @@ from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
 from vibro.inverse.rows import find
 from vibro.inverse.spaces import MotionSpace, Scaled, space_of
+from vibro.results.designs import DesignResult
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.specs import Spec
-    from vibro.results.designs import Design, DesignResult
+    from vibro.results.designs import Design
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "design_motion.toml"
 REST: dict[str, Any] = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -73,7 +76,7 @@ def speeds_of(motion: vibro.Motion, bands: dict[str, Any], count: int, seed: int
     return np.asarray(vibro.solve(vibro.Scene(motion=motion, **values)).mean_velocity)
 
 
-@pytest.mark.parametrize("seed", [2, 4, 5, 7, 8, 12, 19])
+@pytest.mark.parametrize("seed", [7, 8, 12])
 def test_no_sampled_body_is_beyond_a_guarantee(seed: int) -> None:
     motion, frequency = drawn(seed)
     bands = {
@@ -119,9 +122,7 @@ def test_one_harmonic_is_an_ellipse() -> None:
 @pytest.mark.parametrize(
     "asked",
     [
-        {},
-        {"static_friction": (0.35, 0.45), "friction_ratio": (0.7, 0.9)},
-        {"amplitude_percent": 2.0},
+        {"static_friction": (0.35, 0.45), "amplitude_percent": 2.0},
         {"highest_regime": "hopping", "limit": 1.5},
     ],
 )
@@ -272,7 +273,7 @@ def designs_of(kind: str, **goal: Any) -> tuple[Design, Design]:
     return finder.row("gentlest"), finder.row("fastest")
 
 
-@pytest.mark.parametrize("goal", [{}, {"highest_regime": "forward-slip"}])
+@pytest.mark.parametrize("goal", [{}])
 def test_designs_of_one_harmonic_are_those_of_the_ellipse(goal: dict[str, Any]) -> None:
     ovals, waves = designs_of("ellipse", **goal), designs_of("harmonic", **goal)
     for oval, wave in zip(ovals, waves, strict=True):
@@ -292,35 +293,52 @@ def test_designs_of_one_harmonic_are_those_of_the_ellipse(goal: dict[str, Any]) 
         assert wave.window == pytest.approx(oval.window, rel=1e-6)  # of an amplitude of 1 mm
 
 
-def servo(**goal: Any) -> dict[str, Any]:
-    drive = {"along_steps": [[0.8, 1.5], [0.2, -6.0]], "motion_scale": "0.5:1.5", "frequency_hz": "1.5:3"}
-    return question(drive, speed_mm_s=60, **goal)
+class Servo(NamedTuple):
+    """The example as the command line answers it, and the designs that it told."""
+
+    output: str
+    folder: Path
+    spec: Spec
+    found: DesignResult
 
 
-@cache
-def servo_designs() -> tuple[Spec, DesignResult]:
-    spec = read_spec(servo())
-    return spec, find_designs(spec, goal_only=True)
+@pytest.fixture(scope="module")
+def servo(tmp_path_factory: pytest.TempPathFactory) -> Servo:
+    folder, found = tmp_path_factory.mktemp("servo"), []
+
+    def kept(*args: Any, **options: Any) -> DesignResult:
+        found.append(find_designs(*args, **options))
+        return found[0]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.cli.design._figures", lambda *_: {})
+        patch.setattr("vibro.inverse.designs.find_designs", kept)
+        run = CliRunner().invoke(app, ["design", str(EXAMPLE), "--only", "goal", "-o", f"{folder}/"])
+    assert run.exit_code == 0, run.output
+    return Servo(run.stdout, folder, read_spec(EXAMPLE), found[0])
 
 
 def slowest(scales: Any, frequencies: Any) -> NDArray[np.float64]:
     """Least speed [mm/s] of a grid of bodies of the servo, over settings."""
-    parts = np.meshgrid([0.98, 1.0, 1.02], np.linspace(0.35, 0.45, 5), np.linspace(0.7, 0.9, 5))
-    drift, mu_s, ratio = (x.reshape(-1) for x in parts)
+    parts = np.meshgrid(
+        [0.97, 1.0, 1.03], [0.995, 1.0, 1.005], np.linspace(0.3, 0.4, 3), np.linspace(0.8, 0.95, 3)
+    )
+    drift, rate, mu_s, ratio = (x.reshape(-1) for x in parts)
     scene = vibro.Scene(
         motion=STEPS, motion_scale=np.asarray(scales)[..., None] * drift,
-        frequency=np.asarray(frequencies)[..., None], static_friction=mu_s, kinetic_friction=ratio * mu_s,
+        frequency=np.asarray(frequencies)[..., None] * rate, static_friction=mu_s,
+        kinetic_friction=ratio * mu_s,
     )  # fmt: skip
     return np.asarray(1e3 * vibro.solve(scene).mean_velocity.min(axis=-1))
 
 
-def test_designs_are_those_of_a_grid() -> None:
-    scale, frequency = np.meshgrid(np.linspace(0.5, 1.5, 51), np.linspace(1.5, 3.0, 7))
+def test_designs_are_those_of_a_grid(servo: Servo) -> None:
+    scale, frequency = np.meshgrid(np.linspace(0.5, 1.5, 51), np.linspace(1.5, 3.0, 3))
     least = slowest(scale, frequency)
-    gentlest, fastest, safest = servo_designs()[1].designs
+    gentlest, fastest, safest = servo.found.designs
     assert fastest.speed_min_mm_s == pytest.approx(least.max(), rel=1e-6)
     assert (fastest.motion_scale, fastest.frequency_hz) == (1.5, 1.5)
-    gentle = scale[least >= 60.0].min()
+    gentle = scale[least >= 100.0].min()
     assert gentlest.motion_scale is not None
     assert gentle - 0.02 <= gentlest.motion_scale <= gentle
     assert gentlest.acceleration_g == pytest.approx(6.0 * gentlest.motion_scale / 9.81, rel=1e-12)
@@ -337,11 +355,11 @@ def test_designs_are_those_of_a_grid() -> None:
         assert design.motion_scale is not None
         assert low <= design.motion_scale <= high
         below, within = slowest([low * (1.0 - 1e-6), low * (1.0 + 1e-6)], design.frequency_hz)
-        assert below < 60.0 <= within
+        assert below < 100.0 <= within
 
 
 def test_the_nearest_drive_meets_the_goal() -> None:
-    asked = servo()
+    asked = tomllib.loads(EXAMPLE.read_text(encoding="utf-8"))
     asked["goal"]["speed_mm_s"] = 400
     result = vibro.design(asked, only="goal")
     assert not result.met
@@ -352,9 +370,9 @@ def test_the_nearest_drive_meets_the_goal() -> None:
     assert slowest(fastest.motion_scale_needed, 1.01 * fastest.frequency_needed_hz) < 400.0
 
 
-def test_pictures_are_over_the_scale() -> None:
-    spec, found = servo_designs()
-    chosen = chosen_of(spec, found)
+def test_pictures_are_over_the_scale(servo: Servo) -> None:
+    spec = servo.spec
+    chosen = chosen_of(spec, servo.found)
     assert chosen is not None
     fields = setting_fields(spec, chosen)
     assert fields.amplitude == "motion_scale"
@@ -363,48 +381,43 @@ def test_pictures_are_over_the_scale() -> None:
     at = np.interp(1.2 * 6.0 / 9.81, fields.load, fields.speed_min) / 2.0
     assert at == pytest.approx(float(slowest(1.2, 2.0)), rel=1e-4)
     first, last = fields.begins[Regime.FORWARD_SLIP]
-    ends = vibro.Scene(motion=STEPS, frequency=2.0, static_friction=[0.35, 0.45], kinetic_friction=0.3)
+    ends = vibro.Scene(motion=STEPS, frequency=2.0, static_friction=[0.3, 0.4], kinetic_friction=0.3)
     onset = change_loads(ends)["forward_onset"]
     # drifts of the scale reach a load before, or after, its nominal value
-    assert (first, last) == pytest.approx((onset[0] / 1.02, onset[1] / 0.98), rel=1e-9)
+    assert (first, last) == pytest.approx((onset[0] / 1.03, onset[1] / 0.97), rel=1e-9)
 
 
-def test_the_example_is_answered_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.plots.settings._RESOLVED", 41)
-    monkeypatch.setattr("vibro.inverse.pictured._POINTS", {False: 41, True: 41})
-    run = CliRunner().invoke(app, ["design", str(EXAMPLE), "--only", "goal", "-o", f"{tmp_path}/"])
-    assert run.exit_code == 0, run.output
-    assert "servo: motion scale 0.5 ... 1.5, frequency 1.5 ... 3 Hz" in run.stdout
+def test_the_example_is_answered_on_the_command_line(servo: Servo) -> None:
+    assert "servo: motion scale 0.5 ... 1.5, frequency 1.5 ... 3 Hz" in servo.output
     assert re.search(
-        r"scale +1\.38032 \.\.\. 1\.5 keep the goal; below, the slowest part gets too slow", run.stdout
+        r"scale +1\.38032 \.\.\. 1\.5 keep the goal; below, the slowest part gets too slow", servo.output
     )
-    names = {path.name for path in tmp_path.iterdir()}
-    assert names == {
-        f"design_motion-design{end}" for end in (".csv", ".json", "-regime.png", "-speed.png", "-band.png")
-    }
-    answer = json.loads((tmp_path / "design_motion-design.json").read_text(encoding="utf-8"))
+    names = {path.name for path in servo.folder.iterdir()}
+    assert names == {"design_motion-design.csv", "design_motion-design.json"}
+    answer = json.loads((servo.folder / "design_motion-design.json").read_text(encoding="utf-8"))
     assert [d["motion_scale"] for d in answer["designs"]] == [1.381, 1.5, 1.5]
     assert "amplitude_mm" not in answer["columns"]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("half_base", "stands"), [(5.0, True), (4.0, False)])
+@pytest.mark.parametrize(
+    ("kind", "half_base", "stands"),
+    [("ellipse", 5.0, True), ("ellipse", 4.0, False), ("harmonic", 4.0, False)],
+)
 def test_designs_of_parts_that_must_stand(kind: str, half_base: float, stands: bool) -> None:
     """A part tips before it slips where its stand ratio is below static friction, of 0.35 to 0.45."""
     asked = question(KINDS[kind])
     spec = read_spec({**asked, "part": {"half_base_mm": half_base, "centre_height_mm": 10}})
-    result = find_designs(spec, digits=9, goal_only=True)
-    found = result.designs
-    if stands:
-        assert found[:2] == designs_of(kind)
-        assert found[2].margin is not None
-        assert found[2].margin <= 2.0  # static friction of 0.5, where bands are twice as wide, tips parts
-    else:
-        assert [design.set_by for design in found] == [None, "tip", None]
-    chosen = chosen_of(spec, result)
-    assert (chosen is not None) == stands
-    if chosen is not None:
-        assert 1.0 < setting_fields(spec, chosen).tips < math.inf
+    one = Question(spec, spec.drives[0], Regime.BACK_SLIP)
+    finder = find(one, {}, 9, until="gentlest")
+    assert bool(finder.found) == stands
+    if not stands:
+        assert finder.row("fastest").set_by == "tip"
+        return
+    assert (finder.row("gentlest"), finder.row("fastest")) == designs_of(kind)
+    fastest = replace(finder.row("fastest"), design="safest")
+    chosen = chosen_of(spec, DesignResult(True, (fastest,), (finder.found["fastest"].setting,)))
+    assert chosen is not None
+    assert 1.0 < setting_fields(spec, chosen).tips < math.inf
 
 
 def test_a_speed_that_does_not_depend_on_the_scale_takes_no_more_scales(

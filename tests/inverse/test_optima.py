@@ -139,9 +139,7 @@ def test_no_setting_is_gentler(name: str) -> None:
     assert np.min(grid.load[enough]) < 1.2 * load  # the grid comes close
 
 
-@pytest.mark.parametrize(
-    ("name", "drifts"), [("fastest-01", False), ("fastest-05", True), ("fastest-27", False)]
-)
+@pytest.mark.parametrize(("name", "drifts"), [("fastest-05", True), ("fastest-27", False)])
 def test_no_setting_is_safer(name: str, drifts: bool) -> None:
     question = row_question(name, **({"amplitude": 0.01, "drive_angle": math.radians(0.5)} if drifts else {}))
     optimiser = LineOptimiser(question)
@@ -159,7 +157,7 @@ def test_no_setting_is_safer(name: str, drifts: bool) -> None:
     grid = grid_of(question, 4000)
     enough = np.flatnonzero(grid.speed >= target)
     assert enough.size
-    for index in enough[:: max(enough.size // 10, 1)]:
+    for index in enough[:: max(enough.size // 6, 1)]:
         other = optimiser.margin(one(grid.setting, index), target)
         assert other is None or other <= margin * (1 + 1e-4)
 
@@ -207,22 +205,22 @@ def test_a_slowest_body_that_moves_along_a_jump_is_not_lost() -> None:
     assert_allowed(question, found)
 
 
-@pytest.mark.parametrize("name", IDS)
-@pytest.mark.parametrize("share", [0.3, 0.7, 0.95])
-def test_loads_near_those_of_neighbours_are_those_of_all_loads(name: str, share: float) -> None:
+@pytest.mark.parametrize("name", IDS[1:3])
+def test_loads_near_those_of_neighbours_are_those_of_all_loads(name: str) -> None:
     """Also where no neighbour reaches the speed, or one reaches it past a jump only."""
     question = row_question(name)
     optimiser = LineOptimiser(question)
     fastest = optimiser.fastest()
     assert fastest is not None
-    target, choice = share * fastest.speed, optimiser._ranges[0]
+    choice = optimiser._ranges[0]
     low, high = choice.drive_angle
     known, between = np.linspace(low, high, 17), np.linspace(low, high, 34)[1:-1]
-    loads = optimiser._first_load(known, target, choice)
-    found = optimiser._first_loads(between, target, choice, known, loads)
-    every = optimiser._first_load(between, target, choice)
-    np.testing.assert_array_equal(np.isfinite(found), np.isfinite(every))
-    np.testing.assert_allclose(found[np.isfinite(every)], every[np.isfinite(every)], rtol=1e-9)
+    for target in (0.3 * fastest.speed, 0.95 * fastest.speed):
+        loads = optimiser._first_load(known, target, choice)
+        found = optimiser._first_loads(between, target, choice, known, loads)
+        every = optimiser._first_load(between, target, choice)
+        np.testing.assert_array_equal(np.isfinite(found), np.isfinite(every))
+        np.testing.assert_allclose(found[np.isfinite(every)], every[np.isfinite(every)], rtol=1e-9)
 
 
 def test_a_load_below_those_of_both_neighbours_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -322,16 +320,15 @@ def test_the_best_phase_of_small_throws_in_closed_form(load: float) -> None:
     assert found == pytest.approx(-90.0 + math.degrees(ahead), abs=0.01)
 
 
-@pytest.mark.parametrize("highest", [Regime.FORWARD_SLIP, Regime.BACK_SLIP])
-def test_no_ellipse_is_faster_or_gentler(highest: Regime) -> None:
-    question = asked(LOOSE, highest)
+def test_no_ellipse_is_faster_or_gentler() -> None:
+    question = asked(LOOSE)
     optimiser = EllipseOptimiser(question)
     fastest = optimiser.fastest()
     assert fastest is not None
     setting = fastest.setting
     assert question.load(setting) <= 1.5
     guarantee = guarantee_of(question.box(setting))
-    assert max(guarantee.regimes) <= highest
+    assert max(guarantee.regimes) <= Regime.BACK_SLIP
     assert guarantee.speed_min == pytest.approx(fastest.speed, rel=1e-6)
     target = 0.7 * fastest.speed
     gentlest = optimiser.least_acceleration(target)

@@ -93,7 +93,7 @@ def units(groups: Groups) -> tuple[float, float]:
     return groups.load * GRAVITY / w**2, w
 
 
-@each(("phase", "velocity"), [(0.0, 0.0), (0.0, 0.6), (4.0, -0.8), (-8.0, 0.5)])
+@each(("phase", "velocity"), [(0.0, 0.0), (4.0, -0.8)])
 @each("name", MOTIONS)
 def test_motion_and_forces_are_those_of_the_integrated_body(name: str, phase: float, velocity: float) -> None:
     motion = MOTIONS[name]
