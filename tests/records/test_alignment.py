@@ -112,7 +112,7 @@ def test_the_rough_search_compares_one_cycle_at_every_shift(signals: tuple[str, 
 # --- errors and rivals --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("signal", "noise"), [("displacement", 30.0), ("velocity", 5.0), ("velocity", 10.0)])
+@pytest.mark.parametrize(("signal", "noise"), [("displacement", 30.0), ("velocity", 10.0)])
 def test_the_error_is_that_of_noise_over_the_slope(signal: str, noise: float) -> None:
     """The root of the sum of squared slopes; of a displacement those beside its growth."""
     walked, motion = Walked(nut()), settled_motion(nut())
@@ -138,7 +138,7 @@ def test_another_position_is_a_rival_within_three_sigma() -> None:
     """Data half of the motion at one position and half at another fit both; the more of one, the less so."""
     walked, motion = Walked(nut()), settled_motion(nut())
     seen = []
-    for share in (0.5, 0.45, 0.35, 0.2, 0.1, 0.05, 0.02, 0.01):
+    for share in (0.5, 0.35, 0.2, 0.05, 0.02):
         values = (1.0 - share) * walked.velocity(TIME + 0.01) + share * walked.velocity(TIME + 0.043)
         observed = Observation(TIME, {"velocity": values}, FREQUENCY)
         found = align(observed, motion)

@@ -26,7 +26,6 @@ CYCLES = 4  # of each record: frames are looked for in four alignments of it
 SCENES = {"nut": nut(), "climbing nut": nut(1.3, trough_angle=math.radians(4.0))} | {
     label: scene for label, scene in ON_ELLIPSES.items() if label not in (HOPS, "_")
 }
-SEEN = [("nut", ("displacement",)), ("FB", ("displacement", "velocity"))]
 
 
 def rows(comparison: Comparison) -> dict[str, Row]:
@@ -60,7 +59,10 @@ def test_the_trough_moves_as_its_drive_says(hops: bool) -> None:
             assert off < 1e-7 * np.abs(exact).max(), (scene, name)
 
 
-@pytest.mark.parametrize(("label", "signals"), [*SEEN, ("climbing nut", ("acceleration",))])
+@pytest.mark.parametrize(
+    ("label", "signals"),
+    [("nut", ("displacement",)), ("FB", ("displacement", "velocity")), ("climbing nut", ("acceleration",))],
+)
 def test_a_track_over_the_ground_gives_the_figures_of_a_relative_one(
     label: str, signals: tuple[str, ...]
 ) -> None:
@@ -101,16 +103,14 @@ def test_errors_of_starts_and_speeds_are_those_of_repeated_noise() -> None:
         assert 0.4 < float(np.sqrt(np.mean(np.square(values)))) < 1.4, key
 
 
-@pytest.mark.parametrize(("label", "signals"), SEEN)
-def test_the_wrong_frame_is_told_either_way(label: str, signals: tuple[str, ...]) -> None:
-    scene = SCENES[label]
+def test_the_wrong_frame_is_told_either_way() -> None:
+    scene, signals = SCENES["FB"], ("displacement", "velocity")
     walked = Walked(scene)
     (said,) = told(scene, walked.observe(*signals, cycles=CYCLES, over_ground=True))
-    names = " and the ".join(signals)
-    assert names in said
+    assert "displacement and the velocity" in said
     assert "over the ground: absolute=True" in said
     (said,) = told(scene, replace(walked.observe(*signals, cycles=CYCLES), absolute=True))
-    assert names in said
+    assert "displacement and the velocity" in said
     assert "leave out absolute=True" in said
 
 

@@ -72,7 +72,7 @@ def test_velocities_and_displacements_give_the_drive_of_accelerations(kind: str)
         assert found.harmonics == pytest.approx(same.harmonics, rel=1e-3)
 
 
-@pytest.mark.parametrize("columns", [ALONG, NORMAL, ALONG + NORMAL])
+@pytest.mark.parametrize("columns", [NORMAL, ALONG + NORMAL])
 def test_errors_are_those_of_repeated_noise(columns: tuple[str, ...]) -> None:
     """Also with rows left out; gated on the root mean square and on the largest of all."""
     off: dict[str, list[float]] = {}
@@ -283,7 +283,7 @@ def on_ellipse(phase: float | None, lead: float, **options: Any) -> MeasuredDriv
     return trough.drive_on_ellipse(phase)
 
 
-@pytest.mark.parametrize("lead_deg", [-179.0, -60.0, 0.0, 90.0])
+@pytest.mark.parametrize("lead_deg", [-179.0, 90.0])
 def test_errors_of_an_ellipse_are_those_of_repeated_noise(lead_deg: float) -> None:
     lead = math.radians(lead_deg)
     x, y = (1.02e-3 * side(math.radians(20.5)) for side in (math.cos, math.sin))

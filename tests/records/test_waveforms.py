@@ -83,7 +83,7 @@ def test_errors_are_those_of_noise_and_the_order_is_right() -> None:
         record = (
             true.record(seed, seconds=1.0, rate=3200.0, density=10.0 * QUIET)
             if seed % 2
-            else true.record(seed)
+            else true.record(seed, seconds=1.0)
         )
         measured = motion_of(record)
         off += offs(measured, true)
@@ -102,7 +102,7 @@ def test_errors_are_those_of_noise_and_the_order_is_right() -> None:
 def test_errors_hold_in_short_records_and_with_rows_left_out() -> None:
     """Of 12 cycles, in which eight bins give the covariance: draws follow Student's t."""
     within = []
-    for seed in range(60):
+    for seed in range(40):
         true = feeder(seed)
         record = true.record(seed, seconds=12.0 / true.frequency, rate=60.0 * true.frequency, density=QUIET)
         kept = np.random.default_rng(seed).random(record.time.size) > 0.03
