@@ -160,12 +160,18 @@ def test_schemas_can_be_taken_along(site: Path, pages: dict[Path, Page]) -> None
         assert [link for link in links if link.endswith(f"vibro-{kind}.schema.json")]
 
 
+@pytest.fixture(scope="module")
+def window(browser: Browser) -> WebPage:
+    return browser.new_page()
+
+
 def assert_accessible_and_as_wide_as_the_window(page: WebPage, axe: str) -> None:
     root = "document.documentElement"
     for width in WIDTHS:
         page.set_viewport_size({"width": width, "height": 844})
         page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
         assert page.evaluate(f"{root}.scrollWidth <= {root}.clientWidth"), width
+    page.emulate_media(color_scheme="light")
     page.evaluate(axe)
     assert page.evaluate(FOUND, {}) == []
     page.emulate_media(color_scheme="dark")
@@ -174,23 +180,19 @@ def assert_accessible_and_as_wide_as_the_window(page: WebPage, axe: str) -> None
 
 @pytest.mark.parametrize("name", SEEN)
 def test_pages_are_accessible_and_as_wide_as_the_window(
-    name: str, site: Path, browser: Browser, axe: str
+    name: str, site: Path, window: WebPage, axe: str
 ) -> None:
     path = next(path for path in sorted(site.glob(name)) if "*" not in name or path.stem != "index")
     asked: list[str] = []
-    page = browser.new_page()
-    page.on("request", lambda request: asked.append(request.url))
-    page.goto(path.as_uri())
-    page.evaluate("window.MathJax?.startup?.promise")
-    assert_accessible_and_as_wide_as_the_window(page, axe)
-    page.close()
+    window.on("request", lambda request: asked.append(request.url))
+    window.goto(path.as_uri())
+    window.evaluate("window.MathJax?.startup?.promise")
+    assert_accessible_and_as_wide_as_the_window(window, axe)
     assert {urlsplit(url).scheme for url in asked} <= {"file", "data"}
 
 
-def test_the_search_finds_a_word_and_is_accessible(site: Path, browser: Browser, axe: str) -> None:
-    page = browser.new_page()
-    page.goto(f"{(site / 'search.html').as_uri()}?q=traverse")
-    page.wait_for_selector("#search-results li a")
-    assert page.get_by_role("link", name="vibro traverse-time").count() >= 1
-    assert_accessible_and_as_wide_as_the_window(page, axe)
-    page.close()
+def test_the_search_finds_a_word_and_is_accessible(site: Path, window: WebPage, axe: str) -> None:
+    window.goto(f"{(site / 'search.html').as_uri()}?q=traverse")
+    window.wait_for_selector("#search-results li a")
+    assert window.get_by_role("link", name="vibro traverse-time").count() >= 1
+    assert_accessible_and_as_wide_as_the_window(window, axe)
