@@ -51,7 +51,10 @@ def test_the_grid_alone_decides_whether_cells_of_the_table_are_fine_enough(
     assert (cells is not None) == takes_some
 
 
-def test_a_picture_shows_the_table_amid_irregular_motion_and_is_exact_elsewhere() -> None:
+def test_a_picture_shows_the_table_amid_irregular_motion_and_is_exact_elsewhere(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("vibro.sweeps.run._RESOLVED", {2: 81})
     grid = grid_of(**MAP)
     (block,) = sweep_blocks(grid)
     result = sweep_picture(grid, {}, None, "", cells_of(grid))

@@ -33,13 +33,13 @@ def whole(t: Sweep) -> SweepResult:
 @pytest.mark.parametrize(
     ("given", "names"),
     [
-        ({"amplitude_mm": "0.1:8:25", "frequency_hz": "5:30:25", **LINE}, ("regime", "traverse")),
-        ({"amplitude_mm": "0.1:8:25", "frequency_hz": [10, 20], **LINE}, ("regime", "speed")),
-        ({"amplitude_mm": "0.1:8:41", "frequency_hz": 15, **LINE, "restitution": 0.2}, ("speed", "impact")),
+        ({"amplitude_mm": "0.1:8:25", "frequency_hz": "5:30:25", **LINE}, ("traverse",)),
+        ({"amplitude_mm": "0.1:8:25", "frequency_hz": [10, 20], **LINE}, ("speed",)),
+        ({"amplitude_mm": "0.1:8:41", "frequency_hz": 15, **LINE, "restitution": 0.2}, ("impact",)),
         (
             {"along_amplitude_mm": "0.1:3:15", "frequency_hz": "5:40:15", **ELLIPSE, "normal_phase_2_deg": 9,
              "normal_amplitude_2_mm": 0.2},
-            ("speed", "flight"),
+            ("flight",),
         ),
     ],
 )  # fmt: skip
