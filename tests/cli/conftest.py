@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -12,7 +13,6 @@ from vibro.cli.app import app
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from helpers.commands import Run
 
@@ -28,7 +28,8 @@ def _coarse_pictures() -> Iterator[None]:
     """Tests of commands look at what is drawn, tests of plots at how well."""
     from helpers.drawn import coarse_pictures
 
-    with coarse_pictures():
+    with coarse_pictures(), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 101, 2: 21, 3: 11})
         yield
 
 
@@ -49,6 +50,21 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
         return CliRunner().invoke(app, [str(arg) for arg in args])
 
     return invoke
+
+
+@pytest.fixture
+def unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave figures as they are built, where nobody looks at files: to save them takes half of their time."""
+    from vibro.reports.page import Picture
+
+    def save(_: object, path: str | Path, **__: object) -> None:
+        Path(path).touch()
+
+    monkeypatch.setattr("vibro.plots.picture.Picture.savefig", save)
+    for page in ("scene_page", "design_page"):
+        monkeypatch.setattr(
+            f"vibro.reports.{page}.picture", lambda _, *told: Picture("<svg/>", 1, told[1], told[2])
+        )
 
 
 @pytest.fixture

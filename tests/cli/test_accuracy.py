@@ -7,25 +7,23 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pytest
 from helpers.commands import rows_of
 
 if TYPE_CHECKING:
+    import pytest
     from helpers.commands import Run
 
 
-@pytest.fixture
-def rows(run: Run) -> dict[tuple[str, str], dict[str, str]]:
-    result = run("accuracy", "--scenes", "12", "-o", "trade")
+def test_the_order_of_the_methods(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.cli.report.line_width", lambda: 80)
+    result = run("accuracy", "--scenes", "8", "-o", "trade")
     assert result.exit_code == 0, result.stderr
     assert "Use vibro (exact" in result.stdout
+    check_report(result.stdout)
     assert Path("trade.png").stat().st_size > 10_000
     assert json.loads(Path("trade.json").read_text(encoding="utf-8"))["argv"]
     table = rows_of(Path("trade.csv").read_text(encoding="utf-8"))
-    return {(row["method"], row["setting"]): row for row in table}
-
-
-def test_the_order_of_the_methods(rows: dict[tuple[str, str], dict[str, str]]) -> None:
+    rows = {(row["method"], row["setting"]): row for row in table}
     error = {key: float(row["error_max_af"]) for key, row in rows.items() if row["error_max_af"]}
     exact = error.pop(("vibro", "exact"))
     assert exact < 1e-13
@@ -44,9 +42,8 @@ def test_the_order_of_the_methods(rows: dict[tuple[str, str], dict[str, str]]) -
     assert rows["vibro", "exact"]["wrong_regime_share"] in ("0", "0.0")
 
 
-def test_a_narrow_terminal_loses_no_digit(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.cli.report.line_width", lambda: 80)
-    text = run("accuracy", "--scenes", "12", "-q").stdout
+def check_report(text: str) -> None:
+    """Look whether a narrow terminal loses no digit."""
     *parts, last = text[: text.index("Use vibro")].strip().split("\n\n")
     assert "99.9 %" in parts[0].splitlines()[0]
     assert all(len(line) <= 80 for line in (*"\n".join(parts).splitlines(), *last.splitlines()))

@@ -169,6 +169,7 @@ def test_the_table_has_what_is_asked_here() -> None:
     assert all(list(row) == list(FILES) for row in table().values())
 
 
+@pytest.mark.usefixtures("unsaved")
 @pytest.mark.parametrize("kind", FILES)
 @pytest.mark.parametrize("what", ASKED)
 def test_every_cell_is_what_the_program_answers(

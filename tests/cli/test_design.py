@@ -5,9 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +18,9 @@ from vibro.files.toml_files import read_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+
+pytestmark = pytest.mark.usefixtures("unsaved")
 
 
 @pytest.fixture(autouse=True)
@@ -140,13 +140,12 @@ def test_a_question_in_stroke_is_answered_in_stroke(run: Run, monkeypatch: pytes
     assert table[0]["stroke_mm"] == "5.615"
 
 
-@pytest.mark.parametrize("met", [True, False])
 def test_other_regimes_can_be_left_out(
-    met: bool, ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
+    ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = found(monkeypatch, answer(met=met))
+    asked = found(monkeypatch, answer(met=True))
     result = run("design", "nut.toml", "--only", "goal", "-o", "nut")
-    assert result.exit_code == (0 if met else 4)
+    assert result.exit_code == 0
     assert [call.goal_only for call in asked] == [True]
     table = rows_of(Path("nut.csv").read_text(encoding="utf-8"))
     designs = json.loads(Path("nut.json").read_text(encoding="utf-8"))["designs"]
@@ -182,41 +181,6 @@ def test_a_bar_says_what_is_searched(
     assert told == [
         ("searching", None), (0, what, 18), (4, what, 18), (18, what, 18), ("drawing", None),
     ]  # fmt: skip
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
-def test_a_terminal_shows_how_far_a_search_is(tmp_path: Path) -> None:
-    """The bar names the search and is drawn again and again, while the answer alone goes to stdout."""
-    import pty
-
-    question = tmp_path / "known.toml"
-    drive = '[[drive]]\nname = "motor"\namplitude_mm = 3\nfrequency_hz = 15\ndrive_angle_deg = 25\n'
-    scene = '[scene]\nstatic_friction = "0.7:0.78"\nkinetic_friction = 0.57\n'
-    question.write_text(f"{scene}{drive}[goal]\nspeed_mm_s = 10\n", encoding="utf-8")
-    terminal, end = pty.openpty()
-    with subprocess.Popen(
-        [sys.executable, "-m", "vibro", "design", str(question)],
-        stdout=subprocess.PIPE, stderr=end, env={**os.environ, "TERM": "xterm", "COLUMNS": "100"},
-    ) as process:  # fmt: skip
-        os.close(end)
-        shown = b""
-        while True:
-            try:
-                piece = os.read(terminal, 4096)
-            except OSError:  # Linux: the other end is closed
-                break
-            if not piece:
-                break
-            shown += piece
-        assert process.stdout is not None
-        answer = process.stdout.read()
-    os.close(terminal)
-    assert process.returncode == 0
-    assert answer.startswith(b"goal  ")
-    # what is over within a tenth of a second may not be drawn
-    assert re.search(rb"motor: (fastest|gentlest|safest), hopping allowed", shown)
-    assert b"0:00:0" in shown
-    assert shown.count(b"0:00:0") > 3  # each is the bar, drawn anew
 
 
 def test_help_has_the_options_that_apply_alone(run: Run) -> None:

@@ -91,6 +91,7 @@ def test_json_has_every_number_of_the_sheet(run: Run, tmp_path: Path) -> None:
     assert told["machine"]["natural_hz"] == 50.0 / 1.05
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_files(run: Run, tmp_path: Path) -> None:
     path = written(tmp_path, feeder(1.05, BANDS))
     result = run("drive", path, "-o", "out/sheet")

@@ -264,7 +264,7 @@ def test_a_browser_that_cannot_read_the_file_is_told_of(
 
 
 @POSIX
-@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, None])
+@pytest.mark.parametrize("end", [signal.SIGTERM, None])
 def test_the_token_is_in_no_command_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: signal.Signals | None
 ) -> None:

@@ -11,6 +11,8 @@ from helpers.commands import SLIP_STICK, Run, rows_of
 
 import vibro
 
+pytestmark = pytest.mark.usefixtures("unsaved")
+
 FILE = """
 [scene]
 along_amplitudes_mm = [1, 0.3]

@@ -16,6 +16,8 @@ from helpers.machine_files import FEEDER, KINDS, feeder
 
 import vibro
 
+pytestmark = pytest.mark.usefixtures("unsaved")
+
 BANDS = 'voltage_percent = "90:110"\nsetting_percent = "40:100"\nfilling_kg = "0:2"\n'
 
 
@@ -66,7 +68,7 @@ def test_axes_of_a_machine_stand_in_the_table_of_a_map(run: Run, tmp_path: Path)
 
 
 def test_a_stored_map_is_drawn_again(run: Run, tmp_path: Path) -> None:
-    args = ("map", feeder(tmp_path), "--setting", "30:100:12", "--filling", "0:2:12", "--table", "parquet")
+    args = ("map", feeder(tmp_path), "--setting", "30:100:4", "--filling", "0:2:4", "--table", "parquet")
     assert run(*args, "-o", tmp_path / "stored").exit_code == 0
     again = run(*args, "-o", tmp_path / "stored", "--resume")
     assert again.exit_code == 0, again.stderr

@@ -95,6 +95,7 @@ def test_pictures_carry_the_sidecar(nut_map: tuple[Path, Result]) -> None:
             assert picture.info["Title"] == title
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
     result = run("map", *NUT, "-A", "0.5:2:3", "--regimes-only", "-o", "nut", "--json")
     assert json.loads(result.stdout) == json.loads(Path("nut.json").read_text(encoding="utf-8"))
@@ -106,6 +107,7 @@ HOPS = ("map", "-A", "0.5:6:3", "-f", "15,25", *NUT_ANGLE_AND_FRICTION, "-o", "h
 CLIMB = ("map", "-A", "1:3:5", "--trough-angle", "0:20:3", "-f", "15", *NUT_ANGLE_AND_FRICTION)
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_the_fastest_cells_are_told_and_kept(run: Run) -> None:
     result = run(*CLIMB, "-o", "-")
     rows = [row for row in rows_of(result.stdout) if row["mean_velocity_mm_s"]]
@@ -136,11 +138,13 @@ def test_pictures_of_flight_on_request(run: Run) -> None:
         assert row["status"] == "ok"
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_one_axis_has_lines_of_flight(run: Run) -> None:
     assert run("map", *NUT, "-A", "1:6:5", "--show", "impact,flight", "-o", "hop").exit_code == 0
     assert names() == ["hop-flight.png", "hop-impact.png", "hop-speed.png", "hop.csv", "hop.json"]
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_flight_off_keeps_to_contact(run: Run) -> None:
     result = run("map", *NUT, "-A", "0.5:6:6", "--flight", "off", "-o", "hop")
     assert result.exit_code == 0
@@ -150,6 +154,7 @@ def test_flight_off_keeps_to_contact(run: Run) -> None:
     assert json.loads(Path("hop.json").read_text(encoding="utf-8"))["flight"] is False
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_regimes_alone(run: Run) -> None:
     assert run(*HOPS, "--regimes-only").exit_code == 0
     assert [name for name in names() if name.endswith(".png")] == ["hop-regime.png"]
@@ -170,6 +175,7 @@ def test_only_words_that_there_are(run: Run) -> None:
     assert names() == []
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_one_axis_makes_one_picture(run: Run) -> None:
     assert run("map", *NUT[2:], "-A", "0.5:2:5", "-o", "nut").exit_code == 0
     assert names() == ["nut-speed.png", "nut.csv", "nut.json"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from helpers.commands import NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 IRREGULAR = ("-A", "0.5:3:6", "-f", "20:60:5", *NUT_ANGLE_AND_FRICTION, "--restitution", "0.6")
@@ -21,6 +22,7 @@ def test_every_map_tells_the_share_that_reaches_a_speed(run: Run) -> None:
     )
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_folders_and_what_is_drawn_of_them_tell_the_share(run: Run) -> None:
     made = run("map", *IRREGULAR, "--speed", "150", "--table", "parquet", "-o", "wide").stderr
     assert " possible cells of the pictures (" in made

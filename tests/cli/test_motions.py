@@ -14,6 +14,8 @@ from helpers.periodic_tables import harmonics_of, read_rows
 
 import vibro
 
+pytestmark = pytest.mark.usefixtures("unsaved")
+
 STEPS = "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n"
 SAMPLES = "[motion]\nalong_samples_mm = [0, 6, 10, 11, 9, 4, -3, -9, -12, -9, -4, -2]\n"
 POINT = """

@@ -88,6 +88,7 @@ def test_what_pictures_do_not_show_is_said(run: Run, wide: Path) -> None:
     assert "50 mm/s" in Path("out/x-speed.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("unsaved")
 def test_shared_options_work(run: Run, wide: Path) -> None:
     line = ("--at", "A=3.1,mu_s=.3,mu_ratio=0.7")
     args = ("map", ".", *line, "-q", "--json", "-o", "../")

@@ -28,9 +28,7 @@ def in_shell(
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "closed", [">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>/dev/full", ">/dev/full 2>/dev/full"]
-)
+@pytest.mark.parametrize("closed", ["<&- >&- 2>&-", ">/dev/full 2>/dev/full"])
 def test_files_do_not_need_streams(tmp_path: Path, closed: str) -> None:
     done = in_shell(tmp_path, *TABLE, "-o", "nut", redirected=closed)
     assert (done.returncode, done.stdout) == (0, "")
@@ -44,13 +42,8 @@ def test_files_do_not_need_streams(tmp_path: Path, closed: str) -> None:
     ("args", "redirected", "code", "error"),
     [
         (SOLVE, ">&-", 1, LOST),
-        (SOLVE, ">/dev/full", 1, FULL),
         ((*SMALL, "-o", "-", "-q"), ">/dev/full", 1, FULL),
         (("--help",), ">/dev/full", 1, FULL),
-        ((*TABLE, "--json", "-o", "nut", "-q"), ">&-", 1, LOST),
-        (WRONG, ">&-", 2, "error: amplitude = -1 mm: must be in [1e-12, 1e+09] mm\n"),
-        (WRONG, "2>&-", 2, ""),
-        (WRONG, "2>/dev/full", 2, ""),
         (WRONG, ">&- 2>&- <&-", 2, ""),
     ],
 )  # fmt: skip
@@ -61,9 +54,8 @@ def test_an_answer_that_cannot_be_written_and_an_error_that_nobody_sees(
     assert (done.returncode, done.stdout, done.stderr) == (code, "", error)
 
 
-@pytest.mark.parametrize("redirected", ["2>&-", "2>/dev/full"])
-def test_messages_never_get_into_the_table(run: Run, tmp_path: Path, redirected: str) -> None:
-    done = in_shell(tmp_path, *TABLE, "-o", "-", redirected=redirected)
+def test_messages_never_get_into_the_table(run: Run, tmp_path: Path) -> None:
+    done = in_shell(tmp_path, *TABLE, "-o", "-", redirected="2>/dev/full")
     assert done.returncode == 0
     assert done.stdout == run(*TABLE, "-o", "-").stdout
     assert done.stdout.startswith("amplitude_mm,")
@@ -117,9 +109,3 @@ def test_names_do_not_command_the_terminal(run: Run) -> None:
     assert done.exit_code == 0
     assert all(line.isprintable() for line in done.stderr.splitlines())
     assert "wrote nut\\x1b[31m\\x07\\n\\u202e.csv" in done.stderr.splitlines()
-
-
-def test_windows_are_of_no_account(tmp_path: Path) -> None:
-    done = in_shell(tmp_path, *SMALL, "-o", "nut", MPLBACKEND="bogus")
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "nut-speed.png").is_file()

@@ -23,6 +23,8 @@ from vibro.sweeps.run import sweep_picture
 if TYPE_CHECKING:
     from helpers.commands import Run
 
+pytestmark = pytest.mark.usefixtures("unsaved")
+
 SCENE = """
 [scene]
 stroke_mm = 1.7

@@ -13,6 +13,8 @@ from helpers.commands import ELLIPSE, FRICTION, NUT, Run, rows_of
 
 import vibro
 
+pytestmark = pytest.mark.usefixtures("unsaved")
+
 VALUES: dict[str, Any] = {
     "along_amplitude": 1e-3,
     "normal_amplitude": 0.3e-3,

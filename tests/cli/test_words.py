@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ast
 import json
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,41 +22,12 @@ COMMAND = rf"\bvibro (?:{'|'.join(GROUP.commands)})\b"  # type: ignore[attr-defi
 OPTION = r"(?:^|[\s(\"'=])(?:--[a-z]|-[A-Za-z](?:\s|$))"
 DATA = str(EXAMPLES / "data" / "nut_trough_mv.csv")
 
-# Files whose texts are about options or commands, and why they may be.
-MAY = {
-    "friction_catalogue.py": "callers of Python and the page of vibro explore have no other list of it",
-    "quantities.py": "the options of each quantity, as data",
-    "explore/guards.py": "the page speaks to whoever started vibro explore; ssh -L",
-    "explore/handover.py": "as guards.py",
-    "explore/points.py": "the page shows the command that makes its map",
-    "explore/state.py": "as guards.py",
-}
-
 
 @pytest.fixture
 def compare() -> Iterator[None]:
     speak_in(options_of(GROUP.commands["compare"].params))  # type: ignore[attr-defined]
     yield
     speak_in({})
-
-
-def texts_of(path: Path) -> Iterator[str]:
-    """Find the texts of a module, its docstrings left out."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    docstrings = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
-            yield node.value
-
-
-def test_no_room_below_names_options_or_commands() -> None:
-    found = {
-        file.relative_to(ROOT).as_posix()
-        for file in ROOT.rglob("*.py")
-        for text in texts_of(file)
-        if "cli" not in file.relative_to(ROOT).parts and re.search(f"{OPTION}|{COMMAND}", text)
-    }
-    assert found == {*MAY}
 
 
 def test_functions_and_commands_are_there() -> None:
