@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from helpers.cases import each
-from helpers.commands import FRICTION, NUT, Run
+from helpers.commands import FRICTION, Run
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SENSORS = ("--trough-along", "Trog längs", "--trough-normal", "Trog normal", "--sensitivity", "100mV/g")
@@ -50,9 +49,3 @@ def test_what_was_measured_is_no_slip(run: Run) -> None:
     result = run("motion", record, *SENSORS[:2], SENSORS[4], SENSORS[5], "-a", "0.5")
     assert warnings(result.stderr)[0].startswith("drive angle = 0.5 deg is below what is usual")
     assert not warnings(run("motion", record, *SENSORS).stderr)
-
-
-def test_the_report_asks_on_its_page_too(run: Run) -> None:
-    pytest.importorskip("jinja2")
-    text = run("report", *NUT, "-a", "0.35").stdout
-    assert "Is this meant? Drive angle = 0.35 deg is below what is usual, 1 deg; for radians" in text

@@ -17,7 +17,7 @@ from vibro.explore.state import initial_state, read_state
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.whole import request_of_call
 
-WIDTH, HEIGHT = 40, 30
+WIDTH, HEIGHT = 24, 20
 NOT_IN_FILES = ("view", "target", "follow", "x", "y", "x_range", "y_range")
 STATES = {
     "nut": {},
@@ -33,7 +33,7 @@ STATES = {
 
 @pytest.fixture(autouse=True)
 def _small_maps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make maps of a twenty-fifth of the cells: each is solved three times, and compared cell by cell."""
+    """Make maps of a hundredth of the cells: each is solved three times, and compared cell by cell."""
     for module in ("state", "points"):
         monkeypatch.setattr(f"vibro.explore.{module}.WIDTH", WIDTH)
         monkeypatch.setattr(f"vibro.explore.{module}.HEIGHT", HEIGHT)
