@@ -79,12 +79,10 @@ _MARKED: Final = {
         "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",
     ),
     "slow": (
-        "cli/test_app.py", "cli/test_capabilities.py", "cli/test_design.py", "cli/test_machines.py",
-        "cli/test_report.py", "cli/test_streams.py", "core/test_compiled.py", "explore/test_page",
-        "inverse/test_designs.py", "inverse/test_machine_designs.py", "inverse/test_motions.py",
-        "inverse/test_windows.py", "output/test_faults.py", "output/test_plan.py", "output/test_stored.py",
-        "output/test_workers.py", "records/test_fitting.py", "reports/test_printed.py", "test_examples.py",
-        "test_frozen.py", "test_gallery.py", "test_pages.py", "test_site.py",
+        "core/test_compiled.py", "explore/test_page", "inverse/test_designs.py",
+        "inverse/test_machine_designs.py", "inverse/test_motions.py", "inverse/test_windows.py",
+        "records/test_fitting.py", "reports/test_printed.py", "test_examples.py", "test_frozen.py",
+        "test_gallery.py", "test_pages.py", "test_site.py",
     ),
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
