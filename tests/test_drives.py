@@ -148,7 +148,7 @@ def test_the_load_is_the_largest_acceleration_and_the_reach_the_farthest_point(h
         (x,), (y,) = size
         drive = {"along_amplitude": x, "normal_amplitude": y, "normal_phase": phase[1, 0]}
     scene = Scene(frequency=frequency, static_friction=0.4, kinetic_friction=0.3, **drive)
-    waves = np.sin(n * np.linspace(0.0, 2.0 * np.pi, 20_001)[:, np.newaxis] + phase[:, :, np.newaxis])
+    waves = np.sin(n * np.linspace(0.0, 2.0 * np.pi, 8_001)[:, np.newaxis] + phase[:, :, np.newaxis])
     for power, got in ((0, scene.reach), (2, scene.load * 9.81 / (2.0 * np.pi * frequency) ** 2)):
         along, normal = (n**power * size[:, :, np.newaxis] * waves).sum(axis=1)
         farthest = np.hypot(along, normal).max(axis=0)

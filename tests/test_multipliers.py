@@ -54,9 +54,7 @@ def strobed(body: Body, groups: Groups, restitution: float, period: int, lead: f
 # two flights in two turns; of an ellipse
 CYCLES = [
     ("FB", Groups(2.2, 20.0, 0.5, 0.3), 0.0, None, 0.3),
-    ("FB", Groups(1.0, 17.0, 0.3, 0.12, 1.0), 0.0, None, 0.3),
     ("HFB", Groups(1.52 / math.sin(0.5), math.degrees(0.5), 0.3, 0.1), 0.0, None, 1.0),
-    ("HFB", Groups(3.0, 25.0, 0.3, 0.05), 0.0, None, 1.0),
     ("H", Groups(2.83 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), 0.1, None, 1.0),
     ("H", Groups(3.05 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), 0.1, None, 1.0),
     ("H", Groups(3.59 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), 0.0, None, 1.0),

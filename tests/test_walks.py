@@ -156,7 +156,7 @@ def test_bouncing_bodies_settle_as_the_walk_does() -> None:
     ids=str,
 )
 def test_random_drives_with_harmonics_settle_as_the_walk_does(harmonics: int, kind: dict[str, Any]) -> None:
-    count = 24
+    count = 16
     scene = random_harmonics(count, 20 + harmonics, harmonics, **kind)
     out = solve(scene, flight=False)
     compared = 0
