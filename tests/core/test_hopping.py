@@ -88,7 +88,7 @@ def test_cycles_are_those_of_walks_from_rest(
 ) -> None:
     seen = aloft = 0
     scenes = draw(
-        15, seed, throw=(1.01, most_throw), ratio=(ratio, 1.0), ellipses=ellipses, restitution=restitution
+        12, seed, throw=(1.01, most_throw), ratio=(ratio, 1.0), ellipses=ellipses, restitution=restitution
     )
     for loads, e in scenes:
         found = _solved(loads, e)

@@ -76,7 +76,7 @@ def speeds_of(motion: vibro.Motion, bands: dict[str, Any], count: int, seed: int
     return np.asarray(vibro.solve(vibro.Scene(motion=motion, **values)).mean_velocity)
 
 
-@pytest.mark.parametrize("seed", [7, 8, 12])
+@pytest.mark.parametrize("seed", [7, 12])
 def test_no_sampled_body_is_beyond_a_guarantee(seed: int) -> None:
     motion, frequency = drawn(seed)
     bands = {

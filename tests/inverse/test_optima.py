@@ -139,7 +139,7 @@ def test_no_setting_is_gentler(name: str) -> None:
     assert np.min(grid.load[enough]) < 1.2 * load  # the grid comes close
 
 
-@pytest.mark.parametrize(("name", "drifts"), [("fastest-05", True), ("fastest-27", False)])
+@pytest.mark.parametrize(("name", "drifts"), [("fastest-05", True)])
 def test_no_setting_is_safer(name: str, drifts: bool) -> None:
     question = row_question(name, **({"amplitude": 0.01, "drive_angle": math.radians(0.5)} if drifts else {}))
     optimiser = LineOptimiser(question)
