@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
 from vibro.errors import Problem, SceneError, shown
 from vibro.inverse.spaces import UncertaintySet, space_of
 from vibro.quantities import QUANTITIES
@@ -97,31 +95,18 @@ def uncertainty_set(
         problems.append(Problem("kinetic_friction", f"{spans['kinetic_friction'][0]:.15g}", limit))
     if "drive_angle" in shape:
         problems += _line_problems(box)
-    elif "motion_scale" in spans:
-        problems += _load_problems(box)
     if problems:
         raise SceneError(tuple(problems))
     return box
 
 
 def _line_problems(box: UncertaintySet) -> list[Problem]:
-    """Return the problems of a drive along a line: too steep an angle, or too large or small a load."""
-    problems = []
+    """Return the problem of a drive along a line with too steep an angle."""
     drive, trough = box.shape["drive_angle"][1], box.trough_angle[1]
-    if drive + trough >= _RIGHT_ANGLE:
-        limit = f"less than 90 deg together with trough_angle = {field_text('trough_angle', trough)}"
-        problems.append(Problem("drive_angle", field_text("drive_angle", drive), limit))
-    return problems + _load_problems(box)
-
-
-def _load_problems(box: UncertaintySet) -> list[Problem]:
-    """Return the problem of a load beyond the range of doubles."""
-    with np.errstate(over="ignore"):
-        loads = [float(load) for load in box.load]
-    if not all(0.0 < load < math.inf for load in loads):
-        beyond = field_text("frequency", box.frequency[loads[0] > 0.0])
-        return [Problem("frequency", beyond, "such that A w^2 / g is within the range of doubles")]
-    return []
+    if drive + trough < _RIGHT_ANGLE:
+        return []
+    limit = f"less than 90 deg together with trough_angle = {field_text('trough_angle', trough)}"
+    return [Problem("drive_angle", field_text("drive_angle", drive), limit)]
 
 
 def _span(name: str, band: Any) -> Span | Problem:
