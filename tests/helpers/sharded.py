@@ -34,10 +34,6 @@ LIMIT = 60.0  # [s] for what takes moments on a machine that is not busy
 
 INTERRUPTED = "error: interrupted\nhint: the same command with --resume goes on\n"
 
-AS_ROOT = () if getattr(os, "geteuid", int)() == 0 else ("--user", "--map-root-user")
-NAMESPACE = ("unshare", *AS_ROOT, "--mount")
-"""In which a process may mount disks of its own."""
-
 AS_COMMAND = """
 import signal, time
 
@@ -116,7 +112,7 @@ def undisturbed(plan: Plan = PLAN) -> str:
 
 def paused(folder: Path, *more: str) -> subprocess.Popen[str]:
     """Start the program in a session of its own, as a shell does, and wait until it has made some shards."""
-    file = folder / "paused.py"
+    file = folder.with_name("paused.py")
     file.write_text(AS_COMMAND, encoding="utf-8")
     run = subprocess.Popen(
         [sys.executable, str(file), *COMMAND, *more],
@@ -134,14 +130,3 @@ def ended_by(number: signal.Signals, run: subprocess.Popen[str]) -> tuple[int, s
     # Whatever it has started has its stderr too, which ends with the last of them.
     _, said = run.communicate(timeout=LIMIT)
     return code, said
-
-
-def mounts(folder: Path) -> bool:
-    """Whether this system lets users mount a small disk for a process; CI must."""
-    mount = [*NAMESPACE, "mount", "-t", "tmpfs", "none", str(folder)]
-    try:
-        works = subprocess.run(mount, capture_output=True, check=False).returncode == 0
-    except FileNotFoundError:
-        works = False
-    assert works or "CI" not in os.environ
-    return works

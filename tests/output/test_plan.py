@@ -294,11 +294,13 @@ def test_its_files_are_those_that_it_lists_under_names_that_vibro_gives() -> Non
 
 
 def test_more_shards_than_names_can_number_are_refused() -> None:
-    grid = grid_of({"amplitude": list(np.arange(1.0, MOST_SHARDS + 2.0))}, drive_angle=20.0)
+    axes = {"amplitude": list(np.arange(1.0, 1001.0)), "frequency": list(np.arange(1.0, 1002.0))}
+    grid = grid_of(axes, drive_angle=20.0)
+    assert grid.size == MOST_SHARDS + 1000
     with pytest.raises(InputError, match="shard_cells=1: ") as caught:
         whole(grid, 1)
     assert "shard_cells=2" in caught.value.hint
-    assert whole(grid, 2).shards == MOST_SHARDS / 2 + 1
+    assert whole(grid, 2).shards == MOST_SHARDS / 2 + 500
 
 
 @each(

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from helpers.plans import NUT, written
-from helpers.sharded import PLAN, SHARDS, Once, made, small_plan, undisturbed
+from helpers.sharded import PLAN, SHARDS, made, small_plan, undisturbed
 
 import vibro
 from vibro.errors import FileError
@@ -44,38 +44,18 @@ def test_ranges_one_after_the_other_are_finished_by_a_run_without_one(tmp_path: 
     assert made(folder, resume=True) == undisturbed()
 
 
-def test_ranges_go_on_beside_others_but_not_beside_themselves_or_a_run_of_all(tmp_path: Path) -> None:
-    folder = tmp_path / "wide"
-
-    def meet() -> None:
-        for shards in ("3:9", "0:15"):
-            written(folder, PLAN, shards=shards)
-        for how in ({"shards": "0:5"}, {"resume": True}, {"force": True}):
-            with pytest.raises(FileError, match="another run is writing"):
-                written(folder, PLAN, report=lambda _: pytest.fail("it computes"), **how)
-
-    met = Once(meet, 1)
-    summary = written(folder, PLAN, report=met, shards="0:5")
-    assert met.done
-    assert sorted(summary.sizes) == [0, 1, 2, 3, 4]
-    assert {path.name for path in folder.iterdir()} == {MANIFEST, *SHARDS}
-    assert made(folder, resume=True) == undisturbed()
-
-
-@pytest.mark.parametrize("moment", ["writing.check_workers", "plan.Plan.manifest"])
 @pytest.mark.parametrize(("plan", "works"), [(PLAN, True), (OTHER, False)])
 def test_of_two_that_begin_at_once_the_later_takes_the_manifest_of_the_first_or_ends(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plan: Any, works: bool, moment: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plan: Any, works: bool
 ) -> None:
     """The first writes it when the later has found none."""
     folder = tmp_path / "wide"
 
-    def begin(*args: Any) -> Any:
+    def begin(*_: Any) -> None:
         monkeypatch.undo()
         written(folder, plan, shards="4:9")
-        return args[0].manifest(args[1]) if moment == "plan.Plan.manifest" else None
 
-    monkeypatch.setattr(f"vibro.output.{moment}", begin)
+    monkeypatch.setattr("vibro.output.writing.check_workers", begin)
     late = partial(written, folder, PLAN, shards="0:4")
     if works:
         late()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -124,21 +123,15 @@ HOPS = {"amplitude_mm": "1:6:4", "frequency_hz": "20,40", "trough_length_mm": 60
 ELLIPSE: dict[str, Any] = {"along_amplitude_mm": 1, "normal_phase_deg": 40, "normal_amplitude_mm": "0.1,1,3"}
 SWEEPS: dict[str, dict[str, Any]] = {
     "lines": {"amplitude_mm": "0.1:3:5", "frequency_hz": "10:60:6", "trough_length_mm": 600},
-    "lists": {"amplitude_mm": [0.1, 1, 1.7], "drive_angle_deg": [10, 45.1], "trough_angle_deg": [-3.3, 0, 4]},
     "logarithmic": {"amplitude_mm": "0.1:3:5:log", "frequency_hz": "10:60:3:log"},
-    "hopping": {**HOPS, "restitution": 0},
     "bouncing": {**HOPS, "restitution": 0.3},
-    "restitutions": {"amplitude_mm": "1:6:3", "restitution": [0, 0.3]},
     "infeasible": {
         "static_friction": "0.2,0.5,0.8",
         "drive_angle_deg": [0, 45, 89],
         "trough_angle_deg": [0, 5],
     },
     "ratios": {"static_friction": "0.2,0.5,0.8", "friction_ratio": "0.5:1.5:5", "amplitude_mm": "1,2"},
-    "a ratio": {"static_friction": "0.2,0.5,0.8", "friction_ratio": 0.77, "amplitude_mm": "1,2"},
-    "ellipses": {**ELLIPSE, "frequency_hz": "10:40:4", "restitution": [0, 0.3]},
     "harmonics": {**ELLIPSE, "frequency_hz": "10:40:4", "along_amplitude_2_mm": [0, 0.2]},
-    "regimes": {**HOPS, "output": "regimes"},
     "no flight": {**HOPS, "flight": False},
     "coexistence": {
         "amplitude_mm": "0.1,6",
@@ -147,7 +140,6 @@ SWEEPS: dict[str, dict[str, Any]] = {
         "coexistence": True,
     },
     "runaway": {"trough_angle_deg": [-40, 0, 40], "amplitude_mm": "0.1,1", "trough_length_mm": 600},
-    "one cell": {},
 }
 
 
@@ -204,7 +196,7 @@ def test_columns_and_digits_are_those_asked_for(
     assert not {*missing} & {*names}
 
 
-@settings(max_examples=4)
+@settings(max_examples=2)
 @given(st.lists(st.integers(2, 5), min_size=1, max_size=4), st.integers(1, 40), st.integers(1, 12))
 def test_shards_and_row_groups_may_cut_axes_anywhere(
     tmp_path_factory: pytest.TempPathFactory, shape: list[int], shard_cells: int, row_group: int
@@ -282,7 +274,7 @@ def test_no_changed_bit_of_a_shard_is_overlooked(tmp_path: Path, sweeps: dict[st
     )  # fmt: skip
     assert made.tally.status.total() == 16
     footer = len(whole) - 8 - int.from_bytes(whole[-8:-4], "little")
-    places = (*range(0, footer, 97), *range(footer, len(whole), 31))
+    places = (*range(0, footer, 397), *range(footer, len(whole), 131))
     bits = [whole[:i] + bytes([whole[i] ^ (1 << i % 8)]) + whole[i + 1 :] for i in places]
     edited = whole.replace(b'"first_cell": 0', b'"first_cell": 1')
     assert edited != whole
@@ -329,22 +321,3 @@ def test_a_worker_refuses_other_versions_and_other_files(tmp_path: Path, sweeps:
         with pytest.raises(FileError, match=r"a worker finds no folder .*nowhere") as caught:
             work(elsewhere)
         assert "same files" in caught.value.hint
-
-
-def test_nobody_makes_what_nobody_wants(
-    tmp_path: Path, sweeps: dict[str, Sweep], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A run that has ended has removed its hidden folder, maybe while a worker solves cells of a shard."""
-    job = job_of(plan_of(sweeps["lines"]), tmp_path)
-    solve, solved = type(job.plan.grid).solve_cells, []
-
-    def solve_and_end(*args: Any) -> Any:
-        solved.append(args)
-        shutil.rmtree(job.hidden)
-        return solve(*args)
-
-    monkeypatch.setattr("vibro.sweeps.grid.Grid.solve_cells", solve_and_end)
-    assert make_shard(job, 0) is None
-    assert make_shard(job, 0) is None
-    assert len(solved) == 1
-    assert [path.name for path in tmp_path.rglob("*")] == [".vibro-hidden"]

@@ -145,29 +145,6 @@ def test_what_is_not_a_regular_file_is_never_replaced(tmp_path: Path, name: str,
     assert other.read_text(encoding="utf-8") == "mine"
 
 
-def test_folders_and_files_in_the_way_and_names_that_are_too_long(tmp_path: Path) -> None:
-    (tmp_path / "x.csv").mkdir()
-    with pytest.raises(FileError, match=r"x\.csv"):
-        put(tmp_path, force=True)
-    (tmp_path / "out").write_text("", encoding="utf-8")
-    for folder in (tmp_path / "out", tmp_path / "out" / "deeper"):
-        with pytest.raises(FileError, match="out"):
-            put(folder)
-    with pytest.raises(FileError, match=r"cannot write .*y{250}"):
-        Staging(tmp_path / (252 * "y"), force=False).__enter__()
-    assert {path.name for path in tmp_path.iterdir()} == {"x.csv", "out"}
-
-
-def test_a_folder_that_cannot_be_written_to(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(path: Path, *_: object) -> None:
-        raise PermissionError(errno.EACCES, "Permission denied", str(path))
-
-    monkeypatch.setattr(Path, "mkdir", refuse)
-    with pytest.raises(FileError, match="Permission denied"):
-        put(tmp_path / "new")
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize(("number", "way_out"), [(errno.ENOSPC, "space"), (errno.EIO, "place")])
 def test_a_disk_that_fails_leaves_nothing(tmp_path: Path, number: int, way_out: str) -> None:
     with pytest.raises(FileError, match=os.strerror(number)) as caught:
@@ -177,16 +154,12 @@ def test_a_disk_that_fails_leaves_nothing(tmp_path: Path, number: int, way_out: 
 
 
 @POSIX
-@pytest.mark.parametrize("links", [True, False])
 @pytest.mark.parametrize("force", [False, True], ids=["new", "force"])
 def test_whatever_step_fails_no_file_is_half_and_no_json_beside_files_of_two_runs(
-    tmp_path: Path, force: bool, links: bool
+    tmp_path: Path, force: bool
 ) -> None:
     def fail() -> None:
         raise OSError(errno.EIO, os.strerror(errno.EIO))
-
-    def refuse(*_: object) -> None:
-        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
 
     failures = 0
     for which in range(1, 100):
@@ -194,8 +167,6 @@ def test_whatever_step_fails_no_file_is_half_and_no_json_beside_files_of_two_run
         if force:
             put(folder, text="old", pictures=("speed", "flight"))
         with pytest.MonkeyPatch.context() as patch:
-            if not links:
-                patch.setattr("os.link", refuse)
             taken = at_each_step(patch, which, fail)
             try:
                 put(folder, force=force)
@@ -211,42 +182,6 @@ def test_whatever_step_fails_no_file_is_half_and_no_json_beside_files_of_two_run
         if len(taken) < which:
             break
     assert failures >= 5
-
-
-@POSIX
-def test_runs_that_are_killed_at_any_step_leave_whole_files_and_the_next_one_sweeps(tmp_path: Path) -> None:
-    code = """
-import os, signal, sys
-from pathlib import Path
-import pytest
-from helpers.outputs import at_each_step, put
-
-put(Path(sys.argv[1]) / "first")  # what children need is imported once, here
-for which in range(1, 100):
-    folder = Path(sys.argv[1]) / str(which)
-    child = os.fork()
-    if not child:
-        at_each_step(pytest.MonkeyPatch(), which, lambda: os.kill(os.getpid(), signal.SIGKILL))
-        put(folder)
-        os._exit(0)
-    if os.waitpid(child, 0)[1] == 0:
-        break
-"""
-    # In a process of its own: one with threads, such as this, must not fork.
-    subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=Path(__file__).parents[1], check=True)
-    folders = list(tmp_path.iterdir())
-    assert len(folders) > 8
-    for folder in folders:
-        left = texts(folder)
-        assert set(left.values()) <= {"new"}
-        if "x.json" in left:
-            assert left == every("new")
-        elif left:
-            with pytest.raises(FileError, match="interrupted run"):
-                put(folder)
-        put(folder, force=True)
-        assert {path.name for path in folder.iterdir()} == {*NAMES}
-        assert texts(folder) == every("new")
 
 
 @POSIX
