@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import ast
 import re
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import dask.dataframe
-import duckdb
 import numpy as np
 import pandas as pd
-import polars
 import pytest
-import xarray as xr
-from pyarrow import dataset, parquet
+from pyarrow import parquet
 from typer.testing import CliRunner
 
 import vibro
@@ -32,23 +29,23 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sweeps") / "wide"
     axes = ("-A", "0.2:6:5", "-f", "5:25:3", "-a", "20,70", "--trough-angle=-4:4:3")
     friction = ("--mu-s", "0.74", "--mu-d", "0.57")
-    table = ("--table", "parquet", "--shard-cells", "20", "--format", "png,svg", "-o", folder)
+    table = ("--table", "parquet", "--shard-cells", "20", "-o", folder)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 501, 2: 61, 3: 41})
+        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 101, 2: 21, 3: 11})
         result = CliRunner().invoke(app, [str(arg) for arg in ("map", *axes, *friction, *table)])
     assert result.exit_code == 0, result.output
-    pictures = {f"_{name}.{form}" for name in ("regime", "speed") for form in ("png", "svg")}
+    pictures = {"_regime.png", "_speed.png"}
     shards = {f"part-{shard:06d}.parquet" for shard in range(5)}
     assert {path.name for path in folder.iterdir()} == {"_SUCCESS", "_manifest.json", *pictures, *shards}
     return folder
 
 
-READERS: dict[str, Callable[[Path], pd.DataFrame]] = {
-    "pandas": pd.read_parquet,
-    "pyarrow": lambda folder: dataset.dataset(folder).to_table().to_pandas(),
-    "dask": lambda folder: dask.dataframe.read_parquet(folder).compute(),
-    "duckdb": lambda folder: duckdb.sql(f"from '{folder}/*.parquet'").df(),
-    "polars": lambda folder: polars.scan_parquet(f"{folder}/*.parquet").collect().to_pandas(),
+READERS: dict[str, Callable[[Any, str], pd.DataFrame]] = {
+    "pandas": lambda pandas, folder: pandas.read_parquet(folder),
+    "pyarrow.dataset": lambda dataset, folder: dataset.dataset(folder).to_table().to_pandas(),
+    "dask.dataframe": lambda dataframe, folder: dataframe.read_parquet(folder).compute(),
+    "duckdb": lambda duckdb, folder: duckdb.sql(f"from '{folder}/*.parquet'").df(),
+    "polars": lambda polars, folder: polars.scan_parquet(f"{folder}/*.parquet").collect().to_pandas(),
 }
 
 
@@ -61,7 +58,7 @@ def test_other_programs_read_all_rows_beside_pictures(folder: Path, reader: str)
         for path in folder.glob("*.parquet")
     }
     assert len(dictionaries) > 2
-    whole, frame = vibro.open_sweep(folder).to_frame(), READERS[reader](folder)
+    whole, frame = vibro.open_sweep(folder).to_frame(), READERS[reader](import_module(reader), str(folder))
     assert len(frame) == len(whole) == 90
     assert list(frame.columns) == list(whole.columns)
     for name, column in whole.items():
@@ -91,17 +88,17 @@ def test_what_the_docs_say_of_readers_runs(
     found = eval(compile(ast.Expression(answer.value), "docs/guide/scale.md", "eval"), names)
     if isinstance(found, pd.DataFrame):
         assert len(found) == np.sum(frame["amplitude_mm"] < 1) > 0
-    elif isinstance(found, polars.DataFrame):
+    elif "polars" in names:
         assert found["throw_number"].to_list() == [k for k in frame["throw_number"] if k > 1] != []
-    elif isinstance(found, duckdb.DuckDBPyRelation):
+    elif "duckdb" in names:
         most = frame[frame["amplitude_mm"] < 1].groupby("regime", observed=True)["throw_number"].max()
         assert dict(found.fetchall()) == most.to_dict()
-    elif isinstance(found, xr.DataArray):
+    elif hasattr(found, "values"):
         hops = frame["regime"].astype("str") == "hopping"
         shares = hops.groupby([frame["amplitude_mm"], frame["static_friction"]]).mean()
         np.testing.assert_allclose(found.values.ravel(), shares, rtol=1e-12)
         assert 0 < found.mean() < 1
-        with xr.open_dataset("wide.nc", engine="h5netcdf") as cells:
+        with import_module("xarray").open_dataset("wide.nc", engine="h5netcdf") as cells:
             assert cells.regime.size == len(frame)
     else:
         assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
@@ -117,6 +114,6 @@ def test_the_drives_that_the_docs_rank(tmp_path: Path, monkeypatch: pytest.Monke
     for _, parts in frame.groupby(["amplitude_mm", "frequency_hz", "drive_angle_deg"]):
         if not (parts["regime"] == "hopping").any():
             slowest.append(parts["mean_velocity_mm_s"].min())
-    ranked = [row[-1] for row in duckdb.sql(query).fetchall()]
+    ranked = [row[-1] for row in import_module("duckdb").sql(query).fetchall()]
     assert ranked == sorted(slowest, reverse=True)[:10]
     assert 10 < len(slowest) < len(frame) / 4

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -161,14 +160,6 @@ def test_pictures_are_those_of_a_sweep_that_is_held(held: Sweep, stored: StoredS
     np.testing.assert_array_equal(pixels(stored.draw("speed", **how)), pixels(held.draw("speed", **how)))
 
 
-def test_pictures_of_harmonics(tmp_path: Path) -> None:
-    normal = {"normal_amplitude_mm": 0.4, "normal_phase_deg": 40}
-    normal |= {"normal_amplitude_2_mm": 0.2, "normal_phase_2_deg": 9}
-    held = vibro.sweep(along_amplitude_mm="0.1:3:9", frequency_hz=20, **normal, **NUT)
-    stored = vibro.open_sweep(store(held, tmp_path / "sweep"))
-    np.testing.assert_array_equal(pixels(stored.draw("speed")), pixels(held.draw("speed")))
-
-
 def test_a_drive_of_listed_harmonics_is_read_whole(tmp_path: Path) -> None:
     scene = tmp_path / "shaker.toml"
     scene.write_text(
@@ -285,15 +276,6 @@ def test_a_filter_may_have_an_open_end(folder: Path) -> None:
     assert sorted(set(found)) == list(amplitudes[3:])
     found = stored.to_frame({"A": (None, amplitudes[3])})["amplitude_mm"]
     assert sorted(set(found)) == list(amplitudes[:4])
-
-
-def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
-    code = (
-        "import sys; sys.modules['pyarrow'] = None; import vibro\n"
-        f"try: vibro.open_sweep({str(folder)!r})\nexcept vibro.FileError as exc: print(exc, exc.hint)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "Parquet needs pyarrow pip install '.[parquet]' in the project's folder\n"
 
 
 @pytest.mark.parametrize("name", ["~", "file:x", "s3:"])

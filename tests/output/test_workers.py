@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import logging
 import threading
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,8 @@ from vibro.output.workers import Cluster
 if TYPE_CHECKING:
     pass
 
-distributed = pytest.importorskip("distributed")
+if find_spec("distributed") is None:
+    pytest.skip("Dask is not installed", allow_module_level=True)
 
 """What pip makes of the command."""
 
@@ -54,5 +56,7 @@ def test_an_address_without_a_scheduler_is_told_and_nothing_remains(
 
 def test_a_cluster_makes_the_same_shards(tmp_path: Path) -> None:
     how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "protocol": "tcp"}
-    with distributed.LocalCluster(**how, dashboard_address=None) as dask:
+    from distributed import LocalCluster
+
+    with LocalCluster(**how, dashboard_address=None) as dask:
         assert made(tmp_path / "wide", Cluster(dask.scheduler_address)) == undisturbed()
