@@ -306,7 +306,7 @@ def test_corrections_of_paths_cancel_and_follow_the_gains() -> None:
 
 
 def test_bodies_that_gravity_drives_on_without_a_stop_run_away() -> None:
-    for throw in (1.5, 2.45, 4.0):
+    for throw in (1.5, 4.0):
         for trough in (-15.0, 15.0):
             for longest in (False, True):
                 means = _averaged(line(throw, 30.0, 0.5, 0.2, trough), 0.3, 24, longest=longest)

@@ -57,7 +57,7 @@ def volume(low: Any, high: Any, box: Box) -> Any:
 
 
 @each("name", BOXES)
-@each("most", [1, 2, 3, 100])
+@each("most", [1, 2, 3, 60])
 def test_boxes_fill_the_box(name: str, most: int) -> None:
     """Disjoint, of the whole volume; each with a bound that is its own, or that of a box around it."""
     box = BOXES[name]
@@ -76,7 +76,7 @@ def test_boxes_fill_the_box(name: str, most: int) -> None:
 
 @pytest.mark.parametrize("name", BOXES)
 def test_the_first_of_the_heap_has_the_least_bound(name: str) -> None:
-    for most in (1, 2, 3, 7, 100):
+    for most in (1, 2, 3, 60):
         found = covered(BOXES[name], most, gap=0.0)
         assert sorted(found.heap) == list(range(len(found.bound)))
         assert found.bound[found.heap[0]] == found.bound.min()
@@ -103,15 +103,15 @@ def test_a_heap_stays_one(bounds: list[int], changed: int) -> None:
 @pytest.mark.parametrize("name", BOXES)
 def test_the_slowest_body_that_is_met_is_one_of_the_box(name: str) -> None:
     box = BOXES[name]
-    found = covered(box, 100)
+    found = covered(box, 60)
     assert found.speed == speed_at(box, found.point, 0)
     assert np.all((np.array(box.low) <= found.point) & (found.point <= np.array(box.high)))
     middles = [speed_at(box, 0.5 * (low + high), 0) for low, high in zip(found.low, found.high, strict=True)]
     assert found.speed <= np.nanmin(middles)
-    assert covered(box, 100, speed=-9.0).speed == -9.0  # a slower one that is known stays
+    assert covered(box, 20, speed=-9.0).speed == -9.0  # a slower one that is known stays
 
 
-@pytest.mark.parametrize(("gap", "least"), [(1e-1, 0.0), (1e-2, 0.0), (1e-2, 1.0)])
+@pytest.mark.parametrize(("gap", "least"), [(1e-1, 0.0), (3e-2, 0.0), (2e-2, 1.0)])
 def test_boxes_are_divided_until_the_gap_is_closed(gap: float, least: float) -> None:
     found = covered(BOXES["line"], 8000, gap, least)
     closed = found.speed - gap * max(abs(found.speed), least)
@@ -122,7 +122,7 @@ def test_boxes_are_divided_until_the_gap_is_closed(gap: float, least: float) -> 
 
 
 def test_narrower_gaps_take_more_boxes() -> None:
-    counts = [len(covered(BOXES["line"], 8000, gap).bound) for gap in (1e-1, 3e-2, 1e-2)]
+    counts = [len(covered(BOXES["line"], 8000, gap).bound) for gap in (1e-1, 6e-2, 3e-2)]
     assert 1 <= counts[0] < counts[1] < counts[2] < 8000
 
 
@@ -148,7 +148,7 @@ def test_no_body_that_is_met_is_slower_than_the_bounds(box: Box) -> None:
 
 @pytest.mark.parametrize("name", BOXES)
 def test_compiled_and_plain_bounds_have_the_same_bits(name: str) -> None:
-    box, most, found = BOXES[name], 100, []
+    box, most, found = BOXES[name], 60, []
     for kind in (compiled, plain):
         with kind() as solver:
             low, high, lows, highs, bounds, heap, met, speed = arrays = [

@@ -71,9 +71,9 @@ def _agree(one: list[float], other: list[float], within: float) -> bool:
 
 @pytest.mark.parametrize("harmonics", range(1, 17))
 def test_zeros_are_the_roots_on_the_unit_circle(harmonics: int) -> None:
-    """In 640 waves; roots next to the circle are looked at with 50 digits."""
+    """In 400 waves; roots next to the circle are looked at with 50 digits."""
     rng = np.random.default_rng(harmonics)
-    for _ in range(draws(40)):
+    for _ in range(draws(25)):
         waves = harmonic_waves(drawn_harmonics(rng, harmonics), np.zeros(harmonics, complex))
         c = coefficients_of(waves, normal=False)
         size = float(np.abs(c).sum())
@@ -103,10 +103,10 @@ def test_zeros_are_the_roots_on_the_unit_circle(harmonics: int) -> None:
 @pytest.mark.parametrize("harmonics", [2, 5, 10, 16])
 @pytest.mark.parametrize("side", [-1, 0, 1], ids=["below", "at", "above"])
 def test_zeros_that_nearly_touch_are_two_or_none(harmonics: int, side: int) -> None:
-    """Waves (1 - cos(p - a)) g(p) + gap, g of degree H - 1: 250 of them, gaps of 1e-12 to 1e-8."""
+    """Waves (1 - cos(p - a)) g(p) + gap, g of degree H - 1: 156 of them, gaps of 1e-12 to 1e-8."""
     rng = np.random.default_rng(100 * harmonics + side)
     checked = 0
-    for _ in range(21):
+    for _ in range(13):
         a = rng.uniform(0.0, TURN)
         g = drawn_harmonics(rng, harmonics - 1)
         mean = float(rng.uniform(-1.0, 1.0)) * float(np.abs(g).sum())
@@ -139,13 +139,13 @@ def test_zeros_that_nearly_touch_are_two_or_none(harmonics: int, side: int) -> N
         checked += 1
         others = [x for x, y in zip(found, apart, strict=True) if y > window]
         assert _agree(others, _turn_of(roots[away & (np.abs(np.abs(roots) - 1.0) < 1e-7)]), 1e-6)
-    assert checked >= 10
+    assert checked >= 6
 
 
 @pytest.mark.parametrize("harmonics", range(1, 17))
 def test_the_largest_value_is_that_of_the_highest_turning_point(harmonics: int) -> None:
     rng = np.random.default_rng(200 + harmonics)
-    for _ in range(20):
+    for _ in range(12):
         waves = harmonic_waves(drawn_harmonics(rng, harmonics), drawn_harmonics(rng, harmonics))
         mix = Mix(*rng.normal(size=3))
         c = mix.along * coefficients_of(waves, normal=False)
@@ -165,7 +165,7 @@ def test_a_wave_alone_of_its_order_has_its_amplitude() -> None:
 
 def test_jumps_are_zeros_where_the_sign_changes() -> None:
     rng = np.random.default_rng(9)
-    for i in range(144):
+    for i in range(96):
         count = 1 + i % 12
         breaks, pieces = drawn_pieces(rng, count)
         waves = piecewise_waves(breaks, pieces)

@@ -134,7 +134,7 @@ def _ends(cycle: HoppingCycle) -> list[float]:
 @pytest.mark.parametrize(("ellipses", "seed"), [(False, 7), (True, 8)])
 def test_all_other_sliding_is_found(ellipses: bool, seed: int) -> None:
     several = alone = 0
-    for loads, e in draw(42, seed, throw=(1.01, 2.0), ratio=(0.02, 0.2), ellipses=ellipses):
+    for loads, e in draw(32, seed, throw=(1.01, 2.0), ratio=(0.02, 0.2), ellipses=ellipses):
         entry = enter(track_of(loads, e), e, FLIGHTS, HOPS)
         motion = entry.motion
         if not motion.repeats:
@@ -149,7 +149,7 @@ def test_all_other_sliding_is_found(ellipses: bool, seed: int) -> None:
         several += apart
         alone += not apart
     assert several > 1
-    assert alone > 15
+    assert alone > 11
 
 
 @pytest.mark.parametrize(

@@ -29,15 +29,15 @@ def bound(box: Box) -> float:
     return least_speed(box, box.low, box.high, 0)
 
 
-def assert_none_is_slower(box: Box) -> None:
-    """Each of the bodies, unless it has no steady motion."""
-    cycle, least = bodies(box, SHARES), bound(box)
+def assert_none_is_slower(box: Box, every: int = 1) -> None:
+    """Each of the bodies, or every so many, unless it has no steady motion."""
+    cycle, least = bodies(box, SHARES[:, ::every]), bound(box)
     speed = box.way * np.asarray(cycle.mean_velocity)
     speed = speed[np.isfinite(speed) & (np.asarray(cycle.regime) < 3)]
     assert np.all(least <= speed + ROUNDING * largest_speed(box))
 
 
-@examples(60)
+@examples(40)
 @given(solver_boxes())
 def test_no_body_is_slower_than_the_bound_of_its_box(box: Box) -> None:
     assert_none_is_slower(box)
@@ -103,7 +103,7 @@ def own_bound(box: Box) -> float:
     return float(independent_bounds(ends, band, box.way)[0])
 
 
-@examples(15)
+@examples(10)
 @given(solver_boxes())
 def test_bounds_are_no_higher_than_those_of_another_program(box: Box) -> None:
     assume(strength(box) < 20.0)
@@ -208,12 +208,12 @@ def test_no_body_is_slower_beside_a_threshold(drive: float, ratio: float, way: f
         for factor in (1.0 - 1e-12, 1.0, 1.0 + 1e-15, 1.0 + 1e-9, 1.0 + 1e-3):
             load = min(onset * factor, hop)
             low = [load, drive, 0.0, 0.0, 0.0, mu_s, ratio * mu_s]
-            assert_none_is_slower(box_of(low, way=way))
+            assert_none_is_slower(box_of(low, way=way), 12)
             for axis in (0, 1, 4, 5, 6):
                 high = list(low)
                 high[axis] = min(low[axis] + 1e-6, hop if axis == 0 else mu_s if axis == 6 else INF)
                 if drive + high[4] < 0.5 * math.pi and high[0] * math.sin(high[1]) <= math.cos(high[4]):
-                    assert_none_is_slower(box_of(low, high, way=way))
+                    assert_none_is_slower(box_of(low, high, way=way), 12)
 
 
 @pytest.mark.parametrize("load", [14.4, 15.0, 20.0])

@@ -59,10 +59,10 @@ def at(unit: Loads, load: float) -> Steady:
 
 
 SOME = {
-    "level": list(unit_lines(150, 1, 0.0)),
-    "inclined": list(unit_lines(80, 2, 8.0)),
+    "level": list(unit_lines(100, 1, 0.0)),
+    "inclined": list(unit_lines(70, 2, 8.0)),
     "steep": list(unit_lines(100, 3, 30.0, 0.05)),
-    "ellipses": list(unit_ellipses(140, 41)),
+    "ellipses": list(unit_ellipses(110, 41)),
     "as ellipses": [x._replace(line=False) for x in unit_lines(100, 4, 5.0)],
 }
 

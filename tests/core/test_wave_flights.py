@@ -111,8 +111,8 @@ def _drawn(seed: int, count: int, *, pieces: bool = False) -> list[tuple[Trough,
 
 @pytest.mark.parametrize(("seed", "pieces"), [(1, False), (2, False), (3, True), (4, True)])
 def test_the_landing_is_the_first_return_to_the_trough(seed: int, pieces: bool) -> None:
-    """480 flights, over harmonics to H = 16 and over pieces with jumps."""
-    for trough, phase, speed, lifted in _drawn(seed, 120, pieces=pieces):
+    """320 flights, over harmonics to H = 16 and over pieces with jumps."""
+    for trough, phase, speed, lifted in _drawn(seed, 80, pieces=pieces):
         length, impact = fly_over_waves(trough.waves, trough.lift, phase, speed, lifted)
         assert 0.0 < length < math.inf
         throw = 1.0 + float(np.abs(trough.pieces).sum())

@@ -149,7 +149,7 @@ class Walked:
         *signals: str,
         noise: float = 1.0,
         trigger: float = 0.0137,
-        cycles: int = 20,
+        cycles: int = 10,
         seed: int = 1,
         over_ground: bool = False,
     ) -> Observation:

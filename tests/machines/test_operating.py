@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from helpers.draws import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 import vibro
@@ -139,7 +140,6 @@ def cases(draw: st.DrawFn, most_throw: float = 1.0) -> tuple[Machine, dict[str, 
     }
 
 
-@settings(deadline=None)
 @given(cases(2.5))
 def test_an_operating_point_satisfies_the_equation_within_its_bounds(
     drawn: tuple[Machine, dict[str, Any]],
@@ -163,7 +163,7 @@ def test_an_operating_point_satisfies_the_equation_within_its_bounds(
         assert points.filled_frequency_ratio == pytest.approx(ratio, rel=1e-12)
 
 
-@settings(deadline=None)
+@examples(25)
 @given(cases())
 def test_a_dense_search_finds_no_smaller_point(drawn: tuple[Machine, dict[str, Any]]) -> None:
     machine, case = drawn
@@ -171,7 +171,7 @@ def test_a_dense_search_finds_no_smaller_point(drawn: tuple[Machine, dict[str, A
     body = {name: value for name, value in case.items() if name != "filling"}
     pull = case["filling"] * machine.response(case["frequency"]).compliance
     reach = points.amplitude * vibro.filling(points.scene).bound * abs(pull)
-    amplitude = np.linspace(1e-3 * points.amplitude_empty, points.amplitude_empty + reach, 4001)
+    amplitude = np.linspace(1e-3 * points.amplitude_empty, points.amplitude_empty + reach, 2001)
     share = vibro.filling(vibro.Scene(amplitude=amplitude, **body)).share
     residual = amplitude * np.abs(1.0 + pull * share) - points.amplitude_empty
     step = amplitude[1] - amplitude[0]

@@ -131,7 +131,7 @@ def test_a_scene_whose_motion_is_not_known_is_told_or_left_out() -> None:
 
 def observed(noise: float = 2e-6) -> Observation:
     """Record a body on the drive, its displacement alone."""
-    walked = stepped(0.5, 0.4, 8)
+    walked = stepped(0.5, 0.4, 4)
     random = np.random.default_rng(3)
     way = walked["displacement"] + noise * random.standard_normal(walked["time"].size)
     return Observation(walked["time"], {"displacement": way}, FREQUENCY)
