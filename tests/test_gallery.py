@@ -21,7 +21,7 @@ from vibro.output.names import PICTURES
 
 SITE = os.environ.get("VIBRO_SITE")  # path of the site, where it is built already
 SCRIPTS = sorted((EXAMPLES / "gallery").glob("plot_*.py"))
-KINDS = ("curves", "facets", "friction_band", "impact", "one_axis", "regimes")  # compared
+KINDS = ("curves", "facets", "one_axis", "regimes", "speed")  # compared
 
 
 def test_every_picture_that_has_a_name_has_a_page() -> None:
@@ -38,32 +38,42 @@ def shows_picture_of_its_command(script: Path) -> bool:
     return f"/images/sphx_glr_{script.stem}_001.png" in script.read_text(encoding="utf-8")
 
 
+def by_command() -> dict[str, list[Path]]:
+    """List the pages that show each command."""
+    pages: dict[str, list[Path]] = {}
+    for script in SCRIPTS:
+        if not (SITE and shows_picture_of_its_command(script)):
+            pages.setdefault(commands_of(script), []).append(script)
+    return pages
+
+
 @pytest.mark.parametrize(
-    "script",
-    [script for script in SCRIPTS if not (SITE and shows_picture_of_its_command(script))],
-    ids=lambda script: script.stem.removeprefix("plot_"),
+    "scripts", by_command().values(), ids=lambda scripts: scripts[0].stem.removeprefix("plot_")
 )
-def test_the_command_writes_what_the_script_draws(
-    script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_command_writes_what_the_scripts_draw(
+    scripts: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = tmp_path / "drawn.png"
-    is_compared = script.stem.removeprefix("plot_") in KINDS
-    if SITE:  # its build has run the script
-        drawn = Path(SITE, "_images", f"sphx_glr_{script.stem}_001.png").resolve()
-    elif is_compared:
-        monkeypatch.chdir(script.parent)
-        runpy.run_path(str(script))["figure"].savefig(drawn)
-    names = pictures_of(script)
+    compared = {
+        script: tmp_path / f"{script.stem}.png"
+        for script in scripts
+        if script.stem.removeprefix("plot_") in KINDS
+    }
+    for script, drawn in compared.items():
+        if SITE:  # its build has run the script
+            compared[script] = Path(SITE, "_images", f"sphx_glr_{script.stem}_001.png").resolve()
+        else:
+            monkeypatch.chdir(script.parent)
+            runpy.run_path(str(script))["figure"].savefig(drawn)
     copy_examples(tmp_path)
     monkeypatch.chdir(tmp_path)
-    for line in commands_of(script).replace("\\\n", " ").splitlines():
+    for line in commands_of(scripts[0]).replace("\\\n", " ").splitlines():
         program, *args = shlex.split(line)
         assert program == "vibro"
-        with nullcontext() if is_compared else coarse_pictures():
+        with nullcontext() if compared else coarse_pictures():
             result = CliRunner().invoke(app, args)
         assert result.exit_code == 0, result.stderr
-    assert all(Path(name).is_file() for name in names)
-    if is_compared:
-        python, command = (np.asarray(Image.open(file), float) for file in (drawn, names[0]))
+    assert all(Path(name).is_file() for script in scripts for name in pictures_of(script))
+    for script, drawn in compared.items():
+        python, command = (np.asarray(Image.open(file), float) for file in (drawn, pictures_of(script)[0]))
         # Values of an axis may differ by rounding, and a colour then by one step.
         np.testing.assert_allclose(python, command, rtol=0.0, atol=1.0)
