@@ -789,7 +789,7 @@ def zero_of(f: Callable[[Pair, float], float], of: Pair, x: float) -> float:
     ],
 )
 def test_what_has_no_translation_is_refused_with_its_place(tmp_path: Path, body: str, why: str) -> None:
-    source = OTHERS + f"def wrong(x: float, n: int, values: Doubles) -> float:\n    {body}\n"
+    source = f"def wrong(x: float, n: int, values: Doubles) -> float:\n    {body}\n" + OTHERS
     said = refusal(tmp_path, source)
     assert why in said
     assert said.startswith("wrong, line ")
