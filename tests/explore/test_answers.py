@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -136,43 +133,12 @@ def test_a_table_of_a_map_that_is_not_done_is_exact(answers: Answers) -> None:
     assert table_of(answers, state) == before
 
 
-def test_a_table_is_solved_in_turns(answers: Answers) -> None:
-    """Between which others have theirs, and those who left are noticed."""
-    state = state_of(restitution="0.5", x="drive_angle_deg", y="static_friction", frequency_hz="30")
-    pieces = answers.table(state)
-    assert next(pieces).startswith(b"amplitude_mm,")
-    assert [next(pieces) for _ in range(2)] == [b"", b""]
-    share = unpacked(answers.map(state))[0]["progress"]["share"]  # what is solved is not solved again
-    assert 0.0 < share < 1.0
-
-
 def test_a_table_may_have_decimal_commas(answers: Answers) -> None:
     state = state_of(trough_length_mm="600.5", x_range="5:14")  # in contact: no pattern has points
     plain = table_of(answers, state)
     commas = b"".join(answers.table(state, decimal_comma=True)).decode()
     assert commas == plain.replace(",", ";").replace(".", ",")
     assert ";600,5;" in commas
-
-
-def test_maps_are_kept_between_requests(answers: Answers, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.explore.answers._KEPT", 3)
-    state = state_of(restitution="0.4", x="drive_angle_deg")
-    shares = [unpacked(answers.map(state, advance=True))[0]["progress"]["share"] for _ in range(2)]
-    others = {"view": "speed", "target": "3", "drive_angle_deg": "7", "cycles": "9"}
-    other = state_of(restitution="0.4", x="drive_angle_deg", **others)
-    assert 0.0 < shares[0] < shares[1]
-    assert unpacked(answers.map(other))[0]["progress"]["share"] == shares[1]
-    for friction in range(4):  # as many as are kept, and more
-        answers.map(state_of(kinetic_friction=str(friction / 40)))
-    assert unpacked(answers.map(state))[0]["progress"]["share"] == 0.0
-
-
-def test_several_may_ask_at_once(answers: Answers) -> None:
-    states = [state_of(drive_angle_deg=str(angle)) for angle in (10, 20, 30)] * 4
-    wanted = [Answers(initial_state()).map(state) for state in states[:3]] * 4
-    with ThreadPoolExecutor(8) as threads:
-        found = list(threads.map(answers.map, states))
-    assert found == wanted
 
 
 def test_a_history_is_what_simulate_gives(answers: Answers) -> None:
@@ -265,18 +231,3 @@ def test_the_ends_of_sliders_and_axes_are_taken(name: str, clamped: State) -> No
     if name in SWEPT:
         other = {"y": "restitution" if name != "restitution" else "frequency_hz"}
         state_of(x=column, x_range=control.axis, **other, **drive)
-
-
-def test_what_threads_need_is_imported_before_they_start() -> None:
-    """Threads that import one module at once may see half of it."""
-    tells_new = (
-        "import sys; from helpers.packed import state_of; from vibro.explore.answers import Answers;"
-        "from vibro.explore.state import initial_state; answers = Answers(initial_state());"
-        "known = {*sys.modules}; answers.map(state_of(view='speed')); answers.map(state_of(view='traverse'));"
-        "print(*sorted(name for name in {*sys.modules} - known if name.startswith('matplotlib')))"
-    )
-    folder = Path(__file__).parents[1]
-    done = subprocess.run(
-        [sys.executable, "-c", tells_new], cwd=folder, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.split() == []

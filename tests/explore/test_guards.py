@@ -27,7 +27,7 @@ from vibro.explore.guards import LONGEST_QUERY
 if TYPE_CHECKING:
     from starlette.testclient import TestClient
 
-EVERYWHERE = (*ROUTES, "/nowhere", "/static/nothing.js", "/session")
+EVERYWHERE = ("/", "/static/index.html", "/map?advance=1", "/nowhere", "/session")
 HEADERS = {
     "referrer-policy": "no-referrer",
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self';"
@@ -245,7 +245,7 @@ def test_every_response_has_the_headers() -> None:
     responses = [stranger(app).get("/schema"), stranger(app).get("/session", headers=bearer(TOKEN))]
     client = stranger(app)
     client.headers.update(bearer(responses[1].text))
-    responses += [client.get(path) for path in (*EVERYWHERE, "/map?a=1&a=1", "/map?wrong=1")]
+    responses += [client.get(path) for path in (*EVERYWHERE, "/point", "/map?a=1&a=1", "/map?wrong=1")]
     responses += [client.post("/"), client.get("/", headers={"Host": "evil.example"})]
     assert {response.status_code for response in responses} == {200, 400, 403, 404, 405, 500}
     for response in responses:

@@ -99,50 +99,6 @@ def test_contact_is_exact_at_once() -> None:
         assert same(shown.cycle, contact, answered)
 
 
-@pytest.mark.parametrize("restitution", ["0", "0.3"])
-def test_over_amplitude_and_frequency_a_preview_has_the_nearest_load(restitution: str) -> None:
-    grid = grid_of(LINE | {"restitution": restitution})
-    cells = MapCells(grid)
-    if float(restitution):
-        assert not cells.shown.known.all()  # of those that hop nothing is known yet
-        cells.advance(1e-9)
-    shown = cells.shown
-    assert shown.known.all()
-    assert not shown.is_done
-    scene = scene_of(grid.values())
-    hops = np.argwhere(~shown.exact)
-    assert len(hops) > 100
-    load = np.broadcast_to(scene.load, grid.shape)
-    where = load[~shown.exact]
-    loads = np.geomspace(where.min(), where.max(), LOADS)
-    assert scene.amplitude is not None
-    amplitude, frequency = (np.broadcast_to(x, grid.shape) for x in (scene.amplitude, scene.frequency))
-    for i, j in hops[:: len(hops) // 40]:
-        # A body of such a load, at the frequency of the cell; lengths go with the amplitude.
-        found = [
-            k
-            for k in range(LOADS)
-            if abs(loads[k] / load[i, j] - 1.0) < 0.15 and k % (1 if restitution == "0" else 8) == 0
-        ]
-        best = min(found, key=lambda k: abs(np.log(loads[k] / load[i, j])))
-        near = [k for k in found if abs(k - best) <= 8]
-        at = amplitude[i, j] * loads[near] / load[i, j]
-        body = vibro.solve(
-            vibro.Scene(
-                amplitude=at,
-                frequency=frequency[i, j],
-                drive_angle=scene.drive_angle,
-                static_friction=scene.static_friction,
-                kinetic_friction=scene.kinetic_friction,
-                restitution=float(restitution),
-            )
-        )
-        told = shown.cycle.mean_velocity[i, j]
-        scaled = body.mean_velocity * amplitude[i, j] / at
-        error = shown.cycle.mean_velocity_error[i, j] + body.mean_velocity_error
-        assert np.min(np.abs(scaled - told) - 5.0 * error) < 1e-9 * abs(told), (i, j)
-
-
 def test_a_line_of_loads_comes_before_exact_cells() -> None:
     grid = grid_of(LINE | {"restitution": "0.3"})
     cells = MapCells(grid)
@@ -156,22 +112,6 @@ def test_a_line_of_loads_comes_before_exact_cells() -> None:
     spread = float(told.split("within ")[1].split()[0])
     half_a_step = 0.5 * np.log(load.max() / load.min()) / (LOADS - 1)
     assert 0.0 <= spread - 100.0 * np.expm1(half_a_step) < 0.01 + 1e-9  # [%], rounded up
-
-
-def test_cells_between_show_a_solved_neighbour() -> None:
-    grid = grid_of(STEEP)
-    cells = MapCells(grid)
-    assert not cells.shown.known.all()
-    cells.advance(1e-9)
-    shown = cells.shown
-    borrowed = shown.known & ~shown.exact
-    assert borrowed.any()
-    solved = {row.tobytes() for row in _rows(shown.cycle, shown.exact)}
-    assert {row.tobytes() for row in _rows(shown.cycle, borrowed)} <= solved
-
-
-def _rows(cycle: SteadyCycle, where: NDArray[np.bool_]) -> NDArray[np.float64]:
-    return np.column_stack([getattr(cycle, name)[where] for name in NUMBERS])
 
 
 def test_ellipses_have_critical_loads_after_a_while_and_harmonics_never() -> None:
@@ -191,15 +131,14 @@ def test_ellipses_have_critical_loads_after_a_while_and_harmonics_never() -> Non
     assert MapCells(grid_of({})).shown.limits is not None
 
 
-@pytest.mark.parametrize("name", ["third harmonic", "samples", "displacements"])
 def test_drives_beyond_one_harmonic_come_coarse_to_fine(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Their contact is solved cell by cell: a first picture waits for the widest lattice alone."""
     monkeypatch.setattr("vibro.explore.state.WIDTH", 90)
     monkeypatch.setattr("vibro.explore.state.HEIGHT", 70)
     file = tmp_path / "given.toml"
-    file.write_text(GIVEN_DRIVES[name], encoding="utf-8")
+    file.write_text(GIVEN_DRIVES["samples"], encoding="utf-8")
     grid = initial_state(request_of_call(file, {})).grid()
     cells = MapCells(grid, patience=0.0)
     first = cells.shown
@@ -223,16 +162,3 @@ def test_what_was_seen_stays_as_it_was() -> None:
     followed(cells)
     assert np.array_equal(first.exact, exact)
     assert np.array_equal(first.cycle.mean_velocity, speed, equal_nan=True)
-
-
-def test_loads_that_took_long_are_left_for_later() -> None:
-    grid = grid_of(LINE)
-    quick = MapCells(grid)
-    assert quick.shown.known.all()
-    assert quick.took is not None
-    slow = MapCells(grid, patience=0.05, expected=0.06)
-    assert slow.took is None, slow.took
-    assert np.array_equal(slow.shown.known, slow.shown.exact)
-    seen = followed(slow)
-    assert seen[1].known.all()
-    assert MapCells(grid_of(STEEP)).took is None

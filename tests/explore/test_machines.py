@@ -17,7 +17,6 @@ from helpers.packed import FEEDER, table_of, unpacked
 
 import vibro
 from vibro.axes import Axis
-from vibro.core.codes import Status
 from vibro.errors import InputError
 from vibro.explore.answers import Answers
 from vibro.explore.controls import CONTROLS
@@ -25,7 +24,6 @@ from vibro.explore.form import form_html
 from vibro.explore.levels import MapCells
 from vibro.explore.state import State, initial_state, read_state
 from vibro.quantities import MACHINE, QUANTITIES
-from vibro.results.steady import RESULTS
 from vibro.sweeps.grid import Grid, scene_of
 from vibro.sweeps.whole import request_of_call
 
@@ -181,48 +179,6 @@ def test_empty_machines_are_as_quick_as_drives_without_one(feeder: State) -> Non
     assert shown.exact.all()
     wanted = state.grid().solve(state.grid().values())
     assert np.array_equal(shown.cycle.mean_velocity, wanted.mean_velocity, equal_nan=True)
-
-
-def test_with_a_filling_cells_come_coarse_to_fine(feeder: State) -> None:
-    grid = small(read_state({**FULL}, feeder), (20, 37))
-    cells = MapCells(grid, patience=0.0)
-    first = cells.shown
-    assert first.exact[0, 0]
-    assert first.exact.sum() == 1  # of a lattice of 64 cells
-    assert first.limits is not None
-    values = grid.values()
-    wanted = grid.solve(values)
-    amplitude = np.broadcast_to(values["amplitude"], grid.shape)
-    seen = [first]
-    while not cells.shown.is_done:
-        cells.advance(1e-9)
-        seen.append(cells.shown)
-    for shown in seen:
-        assert np.array_equal(shown.values["amplitude"][shown.exact], amplitude[shown.exact], equal_nan=True)
-        for result in RESULTS:
-            found = getattr(shown.cycle, result.name)[shown.exact]
-            assert np.array_equal(
-                found, getattr(wanted, result.name)[shown.exact], equal_nan=found.dtype.kind == "f"
-            )
-    assert seen[-1].exact.all()
-    assert seen[-1].values.keys() == values.keys()
-
-
-def test_between_exact_cells_the_weight_of_the_filling_is_interpolated(feeder: State) -> None:
-    """The amplitude follows, with its peak at resonance, so that the first picture is nearly right."""
-    grid = read_state({**FULL, "x_range": "30:80"}, feeder).grid()
-    cells = MapCells(grid, patience=0.0)
-    while not cells.shown.exact[::16, ::16].all():
-        cells.advance(1e-9)
-    first = cells.shown
-    assert first.exact.mean() < 0.05
-    picked = np.flatnonzero(~first.exact)[::97]
-    values = grid.picked(picked)
-    foreseen = first.values["amplitude"].reshape(-1)[picked]
-    assert np.median(np.abs(foreseen / values["amplitude"] - 1.0)) < 2e-3
-    assert np.mean(first.cycle.regime.reshape(-1)[picked] != grid.solve(values).regime) < 0.02
-    lost = first.cycle.status == int(Status.FLIGHT_NOT_MODELLED)
-    assert not (lost & first.known).any()
 
 
 def test_a_map_tells_the_amplitude_of_each_cell(feeder: State) -> None:

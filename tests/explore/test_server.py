@@ -11,16 +11,13 @@ from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit
 
-import httpx
 import pytest
 from helpers.cases import each
-from helpers.explorers import HOST, ROUTES, FakeAnswers, application, bearer, guest, serve_explorer
+from helpers.explorers import HOST, ROUTES, FakeAnswers, application, guest
 
 from vibro.errors import FileError
 from vibro.explore import server
-from vibro.explore.answers import Answers
 from vibro.explore.server import MOST_WAITING, bind
 
 if TYPE_CHECKING:
@@ -356,38 +353,3 @@ def test_small_answers_are_sent_at_once() -> None:
                 return int(await delays)
 
     assert asyncio.run(connect()) != 0
-
-
-@pytest.mark.parametrize(
-    "said",
-    [
-        b"",
-        b"GET /schema HT",
-        b"GET /static/draw.js HTTP/1.1\r\nHost: %s\r\n\r\nGET /sch",
-        b"POST / HTTP/1.1\r\nHost: %s\r\nContent-Length: 9\r\n\r\n",
-    ],
-    ids=["nothing", "the beginning of a request", "that of a second one", "a request without its body"],
-)
-def test_a_socket_that_asks_nothing_is_closed(said: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server, "_KEPT_ALIVE", 0.1)
-    url, _ = serve_explorer()
-    host = urlsplit(url).netloc
-    with socket.create_connection(tuple(host.split(":")), timeout=60) as client:  # type: ignore[arg-type]
-        client.sendall(said.replace(b"%s", host.encode()))
-        client.makefile("rb").read()  # to its end
-
-
-def test_a_socket_that_waits_for_its_answer_is_not_closed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server, "_KEPT_ALIVE", 0.1)
-    go = threading.Event()
-
-    def schema(self: Answers) -> dict[str, Any]:
-        assert go.wait(timeout=60)
-        return {"late": 1}
-
-    monkeypatch.setattr(Answers, "schema", schema)
-    url, _ = serve_explorer()
-    address, _, token = url.partition("#token=")
-    secret = httpx.get(f"{address}session", headers=bearer(token)).text
-    threading.Timer(1.0, go.set).start()
-    assert httpx.get(f"{address}schema", headers=bearer(secret), timeout=60).json() == {"late": 1}
