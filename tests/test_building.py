@@ -41,7 +41,7 @@ def turned(angle: float) -> float:
 
 @pytest.fixture
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Copy the checkout, but no library and a small solver, and name no compiler; only the digest goes to C."""
+    """Copy the checkout with a small solver, no library, no compiler by name; only the digest goes to C."""
     monkeypatch.setattr(compiling, "translate", lambda core: translate.digest(translate.sources(core)))
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.delenv("VIBRO_CC", raising=False)
