@@ -84,7 +84,8 @@ def test_a_picture_shows_the_table_amid_irregular_motion_and_is_exact_elsewhere(
         assert off.max() <= 0.5001 * np.diff(axis.on_paper).max()
 
 
-def test_the_fastest_is_marked_where_it_was_solved() -> None:
+def test_the_fastest_is_marked_where_it_was_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.sweeps.run._RESOLVED", {2: 201})
     grid = grid_of(**MAP)
     figure = map_figures(sweep_picture(grid, {}, None, "", cells_of(grid)), ["speed"])["speed"]
     marks = {line.get_gid(): line for line in figure.axes[0].lines}
@@ -101,6 +102,7 @@ def test_the_fastest_is_marked_where_it_was_solved() -> None:
 
 def test_other_motions_are_searched_for_in_the_table_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     changes = {"amplitude_mm": "0.5:3:25", "frequency_hz": "15:40:25", "restitution": 0}
+    monkeypatch.setattr("vibro.sweeps.run._RESOLVED", {2: 81})
     grid = grid_of(**{**MAP, **changes}, coexistence=True)
     (block,) = sweep_blocks(grid)
     cells = cells_of(grid)
@@ -121,7 +123,8 @@ def test_other_motions_are_searched_for_in_the_table_alone(monkeypatch: pytest.M
         assert result.cycle.coexists[corner] == block.cycle.coexists[corner]
 
 
-def test_facets_take_cells_of_their_own_value() -> None:
+def test_facets_take_cells_of_their_own_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.sweeps.run._RESOLVED", {3: 41})
     grid = grid_of(**{**MAP, "amplitude_mm": "1:3:20", "frequency_hz": "25:60:20", "restitution": [0.4, 0.7]})
     drawn = choose_view(grid.axes).drawn
     result = sweep_picture(grid, drawn, None, "", cells_of(grid))

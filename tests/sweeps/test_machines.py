@@ -134,18 +134,11 @@ def test_files_hold_what_memory_holds(tmp_path: Path) -> None:
         "setting_percent": "50:90:3",
     }
     frame = vibro.sweep(path, **axes).to_frame()
-    one, two = (
-        vibro.write_sweep(tmp_path / name, path, shard_cells=10, workers=workers, **axes)
-        for name, workers in (("one", None), ("two", 1))
-    )
-    for sweep in (one, two, *(vibro.open_sweep(tmp_path / name) for name in ("one", "two"))):
+    written = vibro.write_sweep(tmp_path / "one", path, shard_cells=10, **axes)
+    for sweep in (written, vibro.open_sweep(tmp_path / "one")):
         assert sweep.to_frame().equals(frame)
         assert sweep.fixed["voltage_percent"] == 100.0
-    shards = sorted(p.name for p in (tmp_path / "one").glob("*.parquet"))
-    assert len(shards) == 6
-    for name in shards:
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
-    assert one.draw("speed", at={"natural": 55.6})
+    assert len([*(tmp_path / "one").glob("*.parquet")]) == 6
 
 
 def test_a_spring_pack_is_called_by_its_name(tmp_path: Path) -> None:
@@ -195,14 +188,14 @@ def test_masses_that_strike_leave_a_cell_without_numbers(tmp_path: Path) -> None
 def test_pictures_have_the_critical_loads_of_the_amplitudes_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("vibro.sweeps.run._RESOLVED", {1: 81, 2: 61, 3: 21})
+    monkeypatch.setattr("vibro.sweeps.run._RESOLVED", {1: 41, 2: 31, 3: 21})
     path = feeder(tmp_path)
     grid = grid_of(path, setting_percent="10:100", filling_kg="0:2")
     result = sweep_picture(grid, {}, {"setting": 100.0, "filling": 0.0}, "")
     assert result.amplitude is not None
-    assert result.shape == result.amplitude.shape == (31, 31)  # half as fine as without a filling
+    assert result.shape == result.amplitude.shape == (16, 16)  # half as fine as without a filling
     empty = grid_of(path, setting_percent="10:100", voltage_percent="90:110")
-    assert sweep_picture(empty, {}, None, "").shape == (61, 61)
+    assert sweep_picture(empty, {}, None, "").shape == (31, 31)
     ((panel,),) = panels(result, choose_view(result.axes))
     fields = Fields(panel)
     hops = panel.cycle["regime"] == Regime.HOPPING
@@ -213,7 +206,7 @@ def test_pictures_have_the_critical_loads_of_the_amplitudes_found(
 
 def test_pictures_name_the_axes_of_machines(tmp_path: Path) -> None:
     path = feeder(tmp_path, "gap_mm = 0.4\n")
-    t = vibro.sweep(path, setting_percent="10:100:30", natural_hz="52:60:30")
+    t = vibro.sweep(path, setting_percent="10:100:12", natural_hz="52:60:12")
     for name in ("regime", "speed"):
         figure = t.draw(name)
         axes = figure.axes[0]

@@ -153,11 +153,10 @@ def test_restitution_is_an_axis() -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude $A$ [mm]", "restitution $e$")
     (hop,) = [line for line in axes.lines if line.get_gid() == "hop"]
     np.testing.assert_allclose(np.asarray(hop.get_xdata(), float)[:-1], 3.22905, rtol=1e-5)
-    assert t.draw("speed", at={"e": 0.1}).axes[-1].get_xlabel() == "amplitude $A$ [mm]"
 
 
 def test_pictures_of_the_cells_held() -> None:
-    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:30", frequency_hz="5:60:40", drive_angle_deg="10,20")
+    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:10", frequency_hz="5:60:10", drive_angle_deg="10,20")
     figure = t.draw("speed", at={"alpha": 20}, x="A", y="frequency_hz")
     axes = figure.axes[0]
     assert axes.get_xlabel().startswith("amplitude")
@@ -228,7 +227,6 @@ def test_the_operating_point_is_the_scene_that_the_file_gives() -> None:
 
     assert marked()
     assert not marked(drive_angle_deg=40)
-    assert not marked(friction_ratio=0.5)
 
 
 def test_one_operating_point_of_a_file(tmp_path: Path) -> None:
