@@ -178,6 +178,7 @@ def test_the_end_of_a_slide_is_reached_and_what_lies_behind_it_is_not() -> None:
     assert 1.0 + at.phase / TURN < later < 1.02 + at.phase / TURN
 
 
+@pytest.mark.timeout(10)  # where one is followed to the end, it takes a minute
 def test_bodies_at_rest_and_to_and_fro_never_arrive() -> None:
     assert _arrival(line(0.4, 20.0, 0.5, 0.4), 0.0, 1e-9) == INF
     level = line(3.0, 0.0, 0.74, 0.57)

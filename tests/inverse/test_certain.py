@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Span = tuple[float, float]
 
 FREQUENCY, GRAVITY = 25.0, 9.81
-CELLS, BODIES = 40, 300
+CELLS, BODIES = 40, 180
 SLOPES = {"level": 0.0, "climb": 1.0, "decline": -1.0}
 # Widths of bands, of static friction over its lower end and of the rest over what there is.
 WIDTHS = (0.0, 1e-9, 0.02, 0.3, 2.0)

@@ -279,11 +279,11 @@ KNOWN: dict[str, Any] = {
 
 
 @cache
-def known(digits: int = DIGITS) -> DesignResult:
+def known(digits: int) -> DesignResult:
     return vibro.design(KNOWN, digits=digits, only="goal")
 
 
-@pytest.mark.parametrize("digits", [4])
+@pytest.mark.parametrize("digits", [DIGITS])
 def test_few_digits_hold_as_printed(digits: int) -> None:
     """With no more than were asked for here, and a guarantee that is of the printed setting."""
     result = known(digits)
@@ -313,7 +313,7 @@ def test_few_digits_hold_as_printed(digits: int) -> None:
 
 def test_fewer_digits_lose_little() -> None:
     """Of acceleration and speed about as much as one step of the last digit is worth."""
-    fine, coarse = (known(n).designs for n in (9, 4))
+    fine, coarse = (known(n).designs for n in (9, DIGITS))
     for best, printed in zip(fine, coarse, strict=True):
         assert (best.drive, best.design, best.set_by) == (printed.drive, printed.design, printed.set_by)
         name = "acceleration_g" if best.design == "gentlest" else "speed_min_mm_s"
@@ -323,7 +323,7 @@ def test_fewer_digits_lose_little() -> None:
 
 
 def test_with_known_frictions_the_gentlest_of_all_drives_is_shown() -> None:
-    result = known()
+    result = known(DIGITS)
     chosen = chosen_of(read_spec(KNOWN), result)
     assert chosen is not None
     least = min(d.acceleration_g or math.inf for d in result.designs if d.design == "gentlest")
@@ -334,7 +334,7 @@ def test_with_known_frictions_the_gentlest_of_all_drives_is_shown() -> None:
 
 def test_a_question_in_stroke_is_answered_in_stroke() -> None:
     """The drive that was given an amplitude keeps it; the same question in amplitude has the same answer."""
-    result = known()
+    result = known(DIGITS)
     magnet, motor = result.designs[0], result.designs[3]
     for design, other in ((magnet, "amplitude"), (motor, "stroke")):
         assert [getattr(design, f"{other}{end}_mm") for end in ("", "_low", "_high", "_needed")] == [None] * 4

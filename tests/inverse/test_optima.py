@@ -111,7 +111,7 @@ def test_no_setting_is_faster(name: str) -> None:
     found = LineOptimiser(question).fastest()
     assert found is not None
     assert_allowed(question, found)
-    grid = grid_of(question, 8000)
+    grid = grid_of(question, 4000)
     better = np.flatnonzero(grid.speed > found.speed * (1 + 1e-6))
     for index in better[np.argsort(-grid.speed[better])][:3]:  # of few frictions, which may promise too much
         assert guaranteed(question, one(grid.setting, index)) <= found.speed * (1 + 1e-6)
@@ -130,7 +130,7 @@ def test_no_setting_is_gentler(name: str) -> None:
     assert_allowed(question, found)
     assert found.speed >= target * (1 - 1e-12)
     load = float(question.load(found.setting))
-    grid = grid_of(question, 6000)
+    grid = grid_of(question, 3000)
     enough = np.flatnonzero(grid.speed >= target)
     better = enough[grid.load[enough] < load * (1 - 1e-6)]
     for index in better[np.argsort(grid.load[better])][:3]:
@@ -336,8 +336,8 @@ def test_no_ellipse_is_faster_or_gentler() -> None:
     assert gentlest.speed >= target
     rng = np.random.default_rng(1)
     knobs = ("along_amplitude", "normal_amplitude", "normal_phase")
-    along, normal, phase = (rng.uniform(*question.drive.span(knob), 20000) for knob in knobs)
-    drawn = Setting(along, normal, phase, np.full(20000, 25.0))
+    along, normal, phase = (rng.uniform(*question.drive.span(knob), 8000) for knob in knobs)
+    drawn = Setting(along, normal, phase, np.full(8000, 25.0))
     allowed = question.load(drawn) <= 1.5
     drawn = Setting(*(x[allowed] for x in drawn))
     speed = optimiser.least(drawn, 1.0)
