@@ -80,7 +80,7 @@ _MARKED: Final = {
         "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "explore/test_guards.py",
         "output/test_faults.py", "output/test_hidden.py", "output/test_plan.py",
         "output/test_readers.py", "output/test_staging.py", "output/test_stored.py",
-        "output/test_workers.py", "output/test_xlsx.py", "plots/test_save.py", "plots/test_style.py",
+        "output/test_workers.py", "output/test_xlsx.py", "plots/test_style.py",
         "sweeps/test_datasets.py", "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
         "test_site.py", "test_threads.py", "test_translate.py",
     ),

@@ -79,8 +79,7 @@ def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
     "changes",
     [
         {"amplitude": "1:1.00001:log", "frequency": "15:15.00001:log"},
-        {"amplitude": "1e-6:3e-6", "frequency": "20000:20001"},
-        {"amplitude": "1:1.001", "frequency": "15:15.001", "drive_angle": "10,20,30"},
+        {"amplitude": "1:1.001", "frequency": "15:15.001", "drive_angle": "10,20"},
         {"frequency": "15:15.00001"},
     ],
     ids=str,
@@ -123,6 +122,7 @@ def test_the_operating_point_is_marked(pictures: dict[str, Figure]) -> None:
     [None, OWN | {"static_friction": 0.8}, OWN | {"amplitude": 4.0}],
     ids=["none", "held", "outside"],
 )
+@pytest.mark.usefixtures("unarranged")
 def test_no_operating_point_elsewhere(nut: SweepResult, own: dict[str, float] | None) -> None:
     figure = map_figures(dataclasses.replace(nut, operating_point=own, length=None), ["regime"])["regime"]
     assert "operating point" not in said(figure)
@@ -156,8 +156,8 @@ def test_the_heading_of_a_drive_with_harmonics_fits_its_picture() -> None:
 
 def test_a_long_legend_takes_nothing_from_the_map() -> None:
     ranges: dict[str, Any] = {"amplitude": "0.1:6", "trough_angle": "-15:15"}
-    plain = map_figures(sweep(points=41, **ranges), ["regime"])["regime"]
-    result = sweep(points=41, frequency=20, drive_angle=85, restitution=0.3, **ranges)
+    plain = map_figures(sweep(points=21, **ranges), ["regime"])["regime"]
+    result = sweep(points=21, frequency=20, drive_angle=85, restitution=0.3, **ranges)
     busy = map_figures(result, ["speed"], target_speed=100.0)["speed"]
     assert len(busy.legends[0].get_texts()) > 5
     assert busy.axes[0].bbox.height > 0.88 * plain.axes[0].bbox.height

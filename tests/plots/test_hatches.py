@@ -85,7 +85,7 @@ def test_every_status_without_an_answer_has_a_hatch() -> None:
 
 def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
     ranges: dict[str, Any] = {"amplitude": "0.1:3", "drive_angle": "5:60"}
-    result = sweep(points=201, static_friction=0.4, kinetic_friction=0.02, **ranges)
+    result = sweep(points=101, static_friction=0.4, kinetic_friction=0.02, **ranges)
     assert (result.cycle.coexists == 1).any()
     for figure in map_figures(result).values():
         found = patch(only_map(figure), COEXISTS_LABEL)
@@ -128,7 +128,7 @@ def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepR
 
 
 def test_colours_of_irregular_motion_are_read_through_its_texture() -> None:
-    result = sweep(points=16, amplitude="2:3", frequency="40:60", restitution=0.7)
+    result = sweep(points=11, amplitude="2:3", frequency="40:60", restitution=0.7)
     assert (result.cycle.status == Status.AVERAGED).mean() > 0.9
     figure = map_figures(result, ["speed"])["speed"]
     axes = only_map(figure)

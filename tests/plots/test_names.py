@@ -124,15 +124,10 @@ def test_every_kind_of_picture(plane: SweepResult) -> None:
         assert_heading_is_inside(figure)
 
 
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("<b>&amp; -- ]]> (a\\( %s -\x1b[31m\x07\x9b\n\udce9", "<b>&amp; -- ]]> (a\\( %s -�[31m����"),
-        (r"a$\frac{x$ " + "long " * 50 + "振动 🔩\u202e\ufffe", r"a$\frac{x$ " + "long " * 50 + "振动 🔩��"),
-    ],
-    ids=ascii,
-)
-def test_names_in_files(row: SweepResult, tmp_path: Path, name: str, told: str) -> None:
+def test_names_in_files(row: SweepResult, tmp_path: Path) -> None:
+    name = "<b>&amp; -- ]]> (a\\( %s -\x1b[31m\x07\x9b\n\udce9"
+    name += r"a$\frac{x$ " + "long " * 50 + "振动 🔩\u202e\ufffe"
+    told = r"<b>&amp; -- ]]> (a\( %s -�[31m����a$\frac{x$ " + "long " * 50 + "振动 🔩��"
     headline = f"Mean conveying speed – {told}"
     with coarse_pictures():
         figure = titled(row, name)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from helpers.drawn import GRAVITY, words
+from helpers.drawn import GRAVITY, coarse_pictures, words
 
 if TYPE_CHECKING:
     pass
@@ -20,7 +20,8 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 def test_the_papers_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     monkeypatch.setattr(sys, "argv", ["paper_maps.py", str(tmp_path / "new")])
-    names = runpy.run_path(str(EXAMPLES / "paper_maps.py"), run_name="__main__")
+    with coarse_pictures():
+        names = runpy.run_path(str(EXAMPLES / "paper_maps.py"), run_name="__main__")
     assert sorted(p.name for p in (tmp_path / "new").iterdir()) == [
         "paper-figure-3.png",
         "paper-figure-5.png",

@@ -79,7 +79,7 @@ def test_settings_for_other_pictures_change_nothing(tmp_path: Path) -> None:
         folder.mkdir()
         (line,) = map_figures(one, ["speed"]).values()
         (plane,) = map_figures(two, ["regime"]).values()
-        for figure, form in ((line, "svg"), (line, "pdf"), (plane, "png")):
+        for figure, form in ((line, "pdf"), (line, "png"), (plane, "svg")):
             save(figure, folder / form, form, {})
         return [path.read_bytes() for path in sorted(folder.iterdir())]
 
@@ -113,10 +113,23 @@ def test_neither_an_unknown_backend_nor_a_bad_configuration_matters(tmp_path: Pa
     assert done.stdout.splitlines() == [r"'\u25a1'", "bogus True"]
 
 
-def test_a_backend_that_is_known_reaches_other_pictures(tmp_path: Path) -> None:
-    done = run(DRAWS + "print(matplotlib.get_backend())", tmp_path, MPLBACKEND="svg")
+def test_no_window_is_asked_for_and_other_pictures_have_their_backend(tmp_path: Path) -> None:
+    code = (
+        "import sys, numpy as np\n"
+        "from vibro.axes import Axis\n"
+        "from vibro.sweeps.grid import Grid\n"
+        "from vibro.sweeps.run import sweep_picture\n"
+        "from vibro.plots import map_figures\n"
+        "axes = {'amplitude': Axis('amplitude', np.linspace(.1, 3, 5), 'linear')}\n"
+        "fixed = dict(frequency=15., drive_angle=20., static_friction=.74, kinetic_friction=.57,\n"
+        "             trough_angle=0., gravity=9.81, restitution=0.)\n"
+        "map_figures(sweep_picture(Grid(axes, fixed, None), {}, None, ''))\n"
+        "print([m for m in ('matplotlib.pyplot', 'tkinter', 'PyQt6') if m in sys.modules])\n"
+        "import matplotlib; print(matplotlib.rcParams['axes.grid'], matplotlib.get_backend())\n"
+    )
+    done = run(code, tmp_path, MPLBACKEND="svg")
     assert done.stderr == ""
-    assert done.stdout.splitlines()[1:] == ["svg False", "svg"]
+    assert done.stdout.splitlines() == ["[]", "False svg"]
 
 
 def test_a_configuration_that_stops_matplotlib_is_named(tmp_path: Path) -> None:

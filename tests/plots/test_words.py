@@ -116,9 +116,8 @@ def drawn(figure: Figure) -> Any:
     return np.asarray(figure.canvas.buffer_rgba()).copy()  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("name", ["pictures", "joined"])
-def test_the_legend_explains_what_is_to_be_seen(name: str, request: pytest.FixtureRequest) -> None:
-    for figure in list(request.getfixturevalue(name).values())[-1:]:
+def test_the_legend_explains_what_is_to_be_seen(joined: dict[str, Figure]) -> None:
+    for figure in list(joined.values())[-1:]:
         whole = drawn(figure)
         for text in legend(figure):
             names = {text, *text.split(", ")}
