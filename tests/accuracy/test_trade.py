@@ -103,7 +103,7 @@ def test_a_simulation_reports_slides_that_never_end() -> None:
     assert math.isnan(simulate_by_events(next(motions(scene)), "DOP853", 1e-9).displacement)
 
 
-@pytest.mark.parametrize("amplitude", [0.6, 1.0, 2.0])
+@pytest.mark.parametrize("amplitude", [1.0, 2.0])
 def test_time_stepping_converges_with_the_step(amplitude: float) -> None:
     known, slides = KNOWN[amplitude]
     arrays = motion_arrays(nut(amplitude))
@@ -214,7 +214,7 @@ def test_a_small_grid_is_taken_whole_and_without_what_cannot_be() -> None:
     assert draw_scenes(small, 50, 50).shape == (0,)
 
 
-SCENES = 16
+SCENES = 12
 
 
 @pytest.fixture(scope="module")

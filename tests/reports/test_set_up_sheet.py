@@ -48,10 +48,10 @@ def change(sheet: Sheet) -> float:
 
 @pytest.mark.parametrize(
     ("ratio", "percents"),
-    [(0.9, (7, 14, 28)), (0.95, (12, 23, 35)), (1.05, (-19, -32, -56)), (1.1, (-12, -20, -34))],
+    [(0.9, (7, 14, 28)), (1.05, (-19, -32, -56))],
 )
 def test_the_worked_feeder(tmp_path: Path, ratio: float, percents: tuple[int, ...]) -> None:
-    """The table of docs/theory, to its printed digits."""
+    """Rows of the table of docs/theory, all of which tests/machines has."""
     for filling, percent in zip((1.0, 2.0, 4.0), percents, strict=True):
         sheet = sheet_of(tmp_path, feeder(ratio), (100.0,), {"filling": (filling, filling)})
         assert sheet.settings[0][0].speed == pytest.approx(24.2, abs=0.05)
@@ -227,17 +227,6 @@ def test_several_operating_points_are_all_told(tmp_path: Path) -> None:
     around = sheet_of(tmp_path, feeder(), (47.0,), {"filling": (2.6, 2.8)})
     assert around.bounds[0].low <= full.amplitudes[0]
     assert full.amplitudes[-1] <= around.bounds[0].high
-
-
-def test_irregular_hops_leave_an_interval(tmp_path: Path) -> None:
-    text = other("unbalance").replace("static_moment_kg_mm = 150", "static_moment_kg_mm = 225")
-    text = text.replace("kinetic_friction = 0.4", "kinetic_friction = 0.4\nrestitution = 0.4")
-    sheet = sheet_of(tmp_path, text, (100.0,), {"filling": (20.0, 20.0)})
-    full = sheet.settings[0][1]
-    assert full.status is Status.AVERAGED
-    assert full.amplitude_low < full.amplitude < full.amplitude_high
-    assert full.speed_error > 0.0
-    assert any("motion is irregular" in text for text in sheet.warnings)
 
 
 def test_the_speed_with_the_second_harmonic(tmp_path: Path) -> None:
