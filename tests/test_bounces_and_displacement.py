@@ -12,6 +12,7 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
+from helpers.draws import examples
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -84,6 +85,7 @@ def _motion(
     }
 
 
+@examples(25)
 @given(
     kind=st.sampled_from(["line", "ellipse", "harmonics", "harmonics"]),
     throw=st.floats(1.01, 1.25),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import bouncing_runs
 import numpy as np
@@ -58,8 +59,9 @@ def fields(amplitude: Floats, *others: ArrayLike) -> Fields:
     return dict(zip(NAMES, values, strict=True))
 
 
-def exactly(values: tuple[float, ...], digits: int = 40) -> Settled:
-    found = follow([field.item() for field in scenes(values).values()], digits)
+@cache
+def exactly(values: tuple[float, ...]) -> Settled:
+    found = follow([field.item() for field in scenes(values).values()], 40)
     assert found is not None
     return found
 

@@ -50,7 +50,7 @@ def replaced(drawn: Scene, **values: Any) -> Scene:
 @pytest.mark.parametrize("harmonics", [2, 3, 8])
 def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
     """The motion along the trough is turned round, that off it stays; in contact and above it."""
-    count = 600 if doors().compiled else 40
+    count = 400 if doors().compiled else 40
     drawn = random_harmonics(count, 6, harmonics)
     assert drawn.along_harmonics is not None
     turned = replaced(
@@ -171,7 +171,7 @@ def test_other_cycles_are_told_where_bodies_reach_them() -> None:
     slips = (found.status == Status.OK) & (found.regime != Regime.NO_SLIP)
     for told in (0, 1):
         several = 0
-        cells = np.flatnonzero(slips & (found.coexists == told))[:6]
+        cells = np.flatnonzero(slips & (found.coexists == told))[:5]
         for i in cells:
             drive = drive_of(drawn, int(i))
             ends = {round(float(found.displacement_per_cycle[i]), 6)}
@@ -181,5 +181,5 @@ def test_other_cycles_are_told_where_bodies_reach_them() -> None:
                 with contextlib.suppress(ArithmeticError):  # a walk that settles too slowly decides nothing
                     ends.add(round(drive.settle(400, float(phase), way).displacement, 6))
             several += len(ends) > 1
-        assert cells.size == 6
-        assert several == 0 if told == 0 else several >= 4
+        assert cells.size == 5
+        assert several == 0 if told == 0 else several >= 3

@@ -94,10 +94,10 @@ def test_the_peak_of_a_hop_is_no_speed_from_before_its_take_off() -> None:
 @pytest.mark.parametrize(("most_restitution", "seed"), [(0.0, 1), (0.5, 2)])
 def test_peaks_are_those_of_the_motion_sampled_finely(most_restitution: float, seed: int) -> None:
     random = np.random.default_rng(seed)
-    throw = np.concatenate((1.0 + 10.0 ** random.uniform(-4.0, -1.5, 10), random.uniform(1.0, 3.2, 10)))
-    drive, mu_s = random.uniform(10.0, 80.0, 20), random.uniform(0.2, 1.2, 20)
-    load, mu_d = throw / np.sin(np.radians(drive)), mu_s * random.uniform(0.6, 1.0, 20)
-    restitution = most_restitution * random.random(20)
+    throw = np.concatenate((1.0 + 10.0 ** random.uniform(-4.0, -1.5, 6), random.uniform(1.0, 3.2, 6)))
+    drive, mu_s = random.uniform(10.0, 80.0, 12), random.uniform(0.2, 1.2, 12)
+    load, mu_d = throw / np.sin(np.radians(drive)), mu_s * random.uniform(0.6, 1.0, 12)
+    restitution = most_restitution * random.random(12)
     seen = 0
     for row in zip(load, drive, mu_s, mu_d, restitution, strict=True):
         scene = replaced(at_load(*row[:4]), restitution=row[4])
@@ -116,7 +116,7 @@ def test_peaks_are_those_of_the_motion_sampled_finely(most_restitution: float, s
         phases = [p for p in history.phases if history.settles_at <= p.start < end]
         ends = max(max(abs(p.start_velocity), abs(p.end_velocity)) for p in phases)
         assert float(cycle.peak_velocity) == pytest.approx(max(sampled, ends), rel=1e-5), row
-    assert seen >= 14
+    assert seen >= 8
 
 
 # --- chains of bounces ------------------------------------------------------------------------------

@@ -109,7 +109,7 @@ def most_friction(stands: Stands, load: Floats) -> tuple[Floats, Floats]:
 
 
 def test_an_edge_lifts_above_the_tipping_load_and_never_below() -> None:
-    stands = some_stands(4000, seed=12)
+    stands = some_stands(1500, seed=12)
     random = np.random.default_rng(13)
     anywhere = stands.hop * np.exp(random.uniform(np.log(0.01), np.log(0.999), stands.hop.shape))
     tips = np.isfinite(stands.tip) & (stands.tip > 0.0)

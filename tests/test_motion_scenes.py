@@ -113,7 +113,7 @@ def test_a_clamped_body_has_the_loads_of_its_force() -> None:
 def test_the_stroke_of_harmonics_is_the_widest_pair_of_points(count: int) -> None:
     rng = np.random.default_rng(count)
     n = np.arange(1, count + 1)[:, np.newaxis, np.newaxis]
-    size, phase = rng.uniform(0.0, 1e-3, (2, count, 12)) / n[:, 0], rng.uniform(-4.0, 4.0, (2, count, 12))
+    size, phase = rng.uniform(0.0, 1e-3, (2, count, 6)) / n[:, 0], rng.uniform(-4.0, 4.0, (2, count, 6))
     size[1, :, :2] = 0.0  # along a line
     along, normal = (list(zip(*part, strict=True)) for part in zip(size, phase, strict=True))
     drive = Scene(along_harmonics=along, normal_harmonics=normal, **REST).arrays()

@@ -56,7 +56,7 @@ CYCLES = [
     ("FB", Groups(2.2, 20.0, 0.5, 0.3), 0.0, None, 0.3),
     ("HFB", Groups(1.52 / math.sin(0.5), math.degrees(0.5), 0.3, 0.1), 0.0, None, 1.0),
     ("H", Groups(2.83 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), 0.1, None, 1.0),
-    ("H", Groups(3.05 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), 0.1, None, 1.0),
+    ("H", Groups(2.95 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), 0.1, None, 1.0),
     ("H", Groups(3.59 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), 0.0, None, 1.0),
     ("HH", Groups(3.768 / math.sin(0.6), math.degrees(0.6), 0.5, 0.1), 0.0, None, 1.0),
     ("FB", Groups(1.6, 25.0, 0.5, 0.2), 0.0, 50.0, 0.3),

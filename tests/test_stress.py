@@ -13,7 +13,7 @@ import vibro
 from vibro.accuracy.reference import exact_cycle
 
 SCENES = 2_000
-REFERENCE_SCENES = 250
+REFERENCE_SCENES = 180
 
 # [eps (condition |d| + S)] error of a displacement that rounding alone may cause
 TOLERANCE = 16.0

@@ -151,7 +151,7 @@ def test_a_full_machine_does_what_trough_and_body_do_together(case: Case) -> Non
     assert abs(found.motion.relative) == pytest.approx(float(found.points.relative_amplitude), rel=0.018)
 
 
-@pytest.mark.parametrize("case", CASES[::2], ids=lambda case: case.name)
+@pytest.mark.parametrize("case", CASES[::4], ids=lambda case: case.name)
 def test_the_difference_goes_with_the_filling(case: Case) -> None:
     """Of the amplitude with its square, as the first harmonic of the filling's force is exact."""
     some, few = (off(replace(case, filling=share * case.machine.trough_mass)) for share in (0.01, 0.0025))

@@ -136,9 +136,9 @@ def test_random_hops_settle_as_the_walk_does(seed: int, steepest: float, least_r
 
 
 def test_bouncing_bodies_settle_as_the_walk_does() -> None:
-    some = random_drives(30, 4, steepest=0.3, throw=(1.01, 1.9))
-    seen = compare(some.changed(e=np.linspace(0.02, 0.3, 30)), tolerance=1e-9)
-    assert seen.get("irregular", 0) <= 3
+    some = random_drives(20, 4, steepest=0.3, throw=(1.01, 1.9))
+    seen = compare(some.changed(e=np.linspace(0.02, 0.3, 20)), tolerance=1e-9)
+    assert seen.get("irregular", 0) <= 2
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_bouncing_bodies_settle_as_the_walk_does() -> None:
     ids=str,
 )
 def test_random_drives_with_harmonics_settle_as_the_walk_does(harmonics: int, kind: dict[str, Any]) -> None:
-    count = 16
+    count = 10
     scene = random_harmonics(count, 20 + harmonics, harmonics, **kind)
     out = solve(scene, flight=False)
     compared = 0
@@ -175,17 +175,17 @@ def test_random_drives_with_harmonics_settle_as_the_walk_does(harmonics: int, ki
         assert out.pattern[i] == cycle.pattern
         assert abs(out.displacement_per_cycle[i] - cycle.displacement) < 1e-8 * scene.scale[i]
         compared += 1
-    assert compared > 10
+    assert compared > 6
 
 
 def test_slow_approaches_end_where_they_lead() -> None:
     # bodies that are followed for hundreds of cycles before they settle: into cycles that begin only on the
     # way, past jumps of the return map, into a rest that none of the first cycles has
-    count = 3000
+    count = 1500
     scene = random_harmonics(count, 4, ratio=(0.02, 0.2), along_only=True, steep=0.0)
     out = solve(scene, flight=False)
     assert np.count_nonzero(out.status == Status.UNRESOLVED) <= 1
-    rare = np.flatnonzero(np.isin(out.pattern, ["F_B", "FB_B", "FBF_", "FBF_B", "B_", "F_"]))[:12]
+    rare = np.flatnonzero(np.isin(out.pattern, ["F_B", "FB_B", "FBF_", "FBF_B", "B_", "F_"]))[:8]
     for i in rare.tolist():
         cycle = drive_of(scene, i).settle(20_000)
         assert out.pattern[i] == cycle.pattern

@@ -80,7 +80,7 @@ def test_bodies_from_anywhere_end_in_one_of_them(
         body = Body(groups, restitution, phase=random.uniform(0.0, TURN), velocity=random.uniform(-3.0, 3.0))
         if restitution:
             body.aloft, body.state[2:] = True, (0.0, random.uniform(0.5, 1.5))
-        body.until(body.p + (24.0 if restitution else 80.0) * TURN)
+        body.until(body.p + (20.0 if restitution else 80.0) * TURN)
         before = body.state[0]
         body.until(body.p + TURN)
         ends = [abs(scale * (body.state[0] - before) - one.displacement_per_cycle) for one in found]

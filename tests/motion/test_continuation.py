@@ -109,8 +109,6 @@ def test_a_branch_agrees_with_what_bodies_do() -> None:
     [
         ("frequency", 12.0, lambda: 15.0 * math.sqrt(folds(0.5) / 1.3)),
         ("restitution", 0.2, lambda: (math.pi - 1.3) / (math.pi + 1.3)),
-        ("drive_angle", 0.3, lambda: math.asin(math.sin(DRIVE) * folds(0.5) / 1.3)),
-        ("gravity", 14.0, lambda: GRAVITY * 1.3 / folds(0.5)),
     ],
 )
 def test_any_quantity_may_be_followed(name: str, last: float, fold) -> None:  # type: ignore[no-untyped-def]
@@ -176,10 +174,5 @@ def test_the_picture_and_the_table() -> None:
     assert texts[:2] == ["stable", "unstable"]
     assert texts[2].startswith("period doubling: ")
     assert axes.get_xlabel() == "amplitude $A$ [mm]"
-    turned = branch(1.3, 1.0001)
-    assert np.size(turned.draw("phase").axes[0].lines[0].get_xdata()) > 10
-    low, high = turned.draw("landing").axes[0].get_ylim()
-    assert high - low > 0.1 * high  # the landing speed is constant
-    assert "conveying speed" in found.draw("speed").axes[0].get_ylabel()
     with pytest.raises(vibro.InputError, match="no picture"):
         found.draw("regime")  # type: ignore[arg-type]

@@ -34,7 +34,7 @@ class Motion(NamedTuple):
     groups: Groups  # load of the hypotenuse of both amplitudes and its angle, as a line has them
     phase_deg: float | None = None  # of an ellipse
     restitution: float = 0.0
-    cycles: int = 4
+    cycles: int = 3
 
     @property
     def scene(self) -> vibro.Scene:
@@ -59,7 +59,7 @@ LINES = {
     "hops uphill": Motion(Groups(4.5, 25.0, 0.6, 0.45, 5.0)),
     "hops high": Motion(Groups(8.6, 30.0, 0.5, 0.4)),
     "bounces": Motion(Groups(3.0, 30.0, 0.5, 0.4), restitution=0.3),
-    "bounces, high friction": Motion(Groups(5.8, 20.0, 0.74, 0.57), restitution=0.3, cycles=3),
+    "bounces, high friction": Motion(Groups(5.8, 20.0, 0.74, 0.57), restitution=0.3),
     "bounces high uphill": Motion(Groups(8.0, 20.0, 0.3, 0.2, 3.0), restitution=0.3, cycles=2),
 }
 ELLIPSES = {
@@ -246,12 +246,11 @@ def test_from_the_other_end_the_motion_is_reversed(values: tuple[Groups, float])
     assert forth.trough_along == pytest.approx(-back.trough_along, abs=1e-13 * a)
 
 
-@each("turns", [0, -3])
 @each("motion", MOTIONS.values())
-def test_a_line_given_by_both_amplitudes_is_that_line(motion: Motion, turns: int) -> None:
+def test_a_line_given_by_both_amplitudes_is_that_line(motion: Motion) -> None:
     groups = motion.groups
     a, w = units(groups)
-    scenes = [driven(groups, phase, motion.restitution) for phase in (None, 360.0 * turns)]
+    scenes = [driven(groups, phase, motion.restitution) for phase in (None, -3.0 * 360.0)]
     start = {"start_phase": 2.0, "start_velocity": 0.3 * a * w}
     histories = [vibro.simulate(scene, cycles=5, **start) for scene in scenes]
     times = np.linspace(0.0, histories[0].end, 101)
