@@ -168,7 +168,6 @@ def written(folder: Path, header: str, values: np.ndarray[tuple[int], np.dtype[n
 TURNS = np.arange(161) / 40.0
 SHAPES = {
     "zeros": np.zeros(161),
-    "ones": np.ones(161),
     "ramp": TURNS,
     "sine": np.sin(2.0 * np.pi * TURNS),
     "alternating": (-1.0) ** np.arange(161),
@@ -178,14 +177,14 @@ SHAPES = {
 @pytest.mark.parametrize(
     ("header", "shape"),
     [
-        *(("x [mm]", shape) for shape in SHAPES),
+        ("x [mm]", "zeros"),
         ("v [mm/s]", "ramp"),
         ("a [m/s^2]", "alternating"),
-        *((header, "sine") for header in ("v [mm/s]", "a [m/s^2]", "F [N]")),
+        *((header, "sine") for header in ("x [mm]", "F [N]")),
     ],
 )
 def test_records_of_any_size_are_compared(run: Run, tmp_path: Path, shape: str, header: str) -> None:
-    for size in (1e-320, 1e-200, 1.0, 2e19) if shape == "sine" else (1e-320, 2e19):
+    for size in (1e-320, 2e19):
         path = written(tmp_path, header, SHAPES[shape] * size)
         result = run("compare", SCENE, path, "--mass", "1kg")
         assert (result.exit_code, "Warning" in result.stderr) == (0, False), result.stderr

@@ -192,16 +192,14 @@ def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
     assert (result.exit_code, result.stdout) == (2, "")
 
     one = ("--trough-along", "trough_along", "--normal", "0.3mm", "--phase=-60deg", *FRICTION)
-    for harmonic, code in ((0.0, 0), (0.2, 2)):
-        data = feeder_file(harmonic, ellipse=-1.0)
-        assert run("compare", data, *one).exit_code == 0
-        result = run("compare", data, *one, "--fit", "mu_d")
-        assert result.exit_code == code, result.stderr
+    data = feeder_file(0.2, ellipse=-1.0)
+    assert run("compare", data, *one).exit_code == 0
+    assert run("compare", data, *one, "--fit", "mu_d").exit_code == 2
 
 
 def test_intervals_hold_friction_on_troughs_with_harmonics(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """The search begins with a body that would rest, where harmonics make no difference of speed."""
-    few = {"static_friction": (0.3, 0.5), "kinetic_friction": (-0.7,)}
+    few = {"static_friction": (0.3,), "kinetic_friction": (-0.7,)}
     monkeypatch.setattr("vibro.records.problem._GRID", few)
     true = {"static_friction": 0.35, "kinetic_friction": 0.25}
     waves = 1.5 * np.array([1.0, 0.4 * np.exp(0.7j)])

@@ -28,8 +28,6 @@ def test_a_size_that_is_asked_for_is_no_slip(run: Run) -> None:
         ("map", "odd.toml", "-A", "0.5:2:3", "-f", "10:30:3", "-o", "-"),
         ("simulate", "odd.toml"),
         ("traverse-time", "odd.toml"),
-        ("report", "odd.toml"),
-        ("accuracy", "odd.toml", "--scenes", "2", "-o", "-"),
         ("compare", "odd.toml", EXAMPLES / "data" / "nut_smoothed_600hz.csv"),
         ("motion", "odd.toml", EXAMPLES / "data" / "nut_trough_mv.csv", *SENSORS),
     ],

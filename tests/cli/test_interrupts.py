@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from helpers.commands import LONG, POSIX, TABLE, VIBRO, Run, started
+from helpers.commands import LONG, POSIX, VIBRO, started
 
 pytestmark = POSIX
 
@@ -65,7 +65,7 @@ def test_while_bodies_hop_for_minutes(tmp_path: Path) -> None:
     interrupted(run, tmp_path)
 
 
-@pytest.mark.parametrize(("number", "milliseconds"), [("SIGINT", 0), ("SIGTERM", 60), ("SIGHUP", 250)])
+@pytest.mark.parametrize(("number", "milliseconds"), [("SIGINT", 0), ("SIGHUP", 60)])
 def test_from_the_first_moment_on_and_again_and_again(tmp_path: Path, number: str, milliseconds: int) -> None:
     run = started(*LONG, "-o", "big", cwd=tmp_path, program=READY)
     assert run.stdout is not None
@@ -118,15 +118,3 @@ def test_the_cursor_is_shown_again(tmp_path: Path) -> None:
     assert seen.rindex(b"\x1b[?25h") > seen.rindex(b"\x1b[?25l")
     assert seen.endswith(b"error: interrupted\r\n")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_killed_run_is_swept_by_the_next_at_its_stem(run: Run, tmp_path: Path) -> None:
-    killed = started(*LONG, "-o", "big", cwd=tmp_path)
-    wait_until_it_writes(killed, tmp_path)
-    killed.kill()
-    killed.communicate()
-    assert {path.name for path in tmp_path.glob(".vibro-*/*/*")} == {"big.csv"}
-    assert run(*TABLE, "-o", "nut").exit_code == 0
-    assert len(list(tmp_path.glob(".vibro-*"))) == 1
-    assert run(*TABLE, "-o", "big").exit_code == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"big.csv", "big.json", "nut.csv", "nut.json"}

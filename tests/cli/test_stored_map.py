@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 GIVEN: dict[str, Any] = {
     "static_friction": "0.3,0.74",
     "friction_ratio": "0.5:0.9:5",
-    "trough_length_mm": 600,
 }
 
 
@@ -57,7 +56,7 @@ def test_pictures_are_drawn_of_what_is_stored(run: Run, wide: Path, held: Sweep)
     result = run("map", "wide", "--at", "mu_s=.3,mu_ratio=0.7", "--show", "flight")
     assert result.exit_code == 0, result.stderr
     assert result.stdout == ""
-    written = ["wide-flight.png", "wide-regime.png", "wide-speed.png", "wide-traverse.png", "wide.json"]
+    written = ["wide-flight.png", "wide-regime.png", "wide-speed.png", "wide.json"]
     assert names() == written
     assert [line for line in result.stderr.splitlines() if line.startswith("pictures")] == []
     assert "amplitude: 11 values, 0.2 ... 6 mm, step 0.58\n" in result.stderr
@@ -83,7 +82,7 @@ def test_what_pictures_do_not_show_is_said(run: Run, wide: Path) -> None:
         "pictures: amplitude held at 3.1 mm; --at A=VALUE chooses"
     ]
     assert sorted(path.name for path in Path("out").iterdir()) == [
-        "x-regime.svg", "x-speed.svg", "x-traverse.svg", "x.json",
+        "x-regime.svg", "x-speed.svg", "x.json",
     ]  # fmt: skip
     assert "50 mm/s" in Path("out/x-speed.svg").read_text(encoding="utf-8")
 

@@ -1,6 +1,6 @@
 """Options, scene files and records of every kind: whatever a command is given, it ends as it promises.
 
-On a hundred of them, or on four thousand with --hypothesis-profile=thorough.
+On fifty of them, or on four thousand with --hypothesis-profile=thorough.
 """
 
 from __future__ import annotations

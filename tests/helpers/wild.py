@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from helpers.commands import Run
 
 # Of the profile's number of examples.
-SHARES = {"axes": 3.0, "texts": 2.0, "tables": 2.0, "commands": 0.25, "wild": 0.8, "records": 0.6}
+SHARES = {"axes": 2.0, "texts": 1.5, "tables": 1.5, "commands": 0.25, "wild": 0.5, "records": 0.4}
 
 QUANTITY = st.sampled_from(list(QUANTITIES.values()))
 NUMBER = st.sampled_from(
