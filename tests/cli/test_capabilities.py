@@ -84,7 +84,7 @@ def explored(_: Run, file: Path) -> str:
     return "yes"
 
 
-RECORD = str(EXAMPLES / "data" / "nut_trough_mv.csv")
+RECORD = "record.csv"  # the beginning of that of examples/data
 TROUGH = (
     *("--trough-along", "Trog l\u00e4ngs", "--trough-normal", "Trog normal"),
     *("--sensitivity", "100mV/g"),
@@ -176,6 +176,8 @@ def test_every_cell_is_what_the_program_answers(
         monkeypatch.setattr(f"vibro.records.{module}.TOL", few)
     monkeypatch.setattr("vibro.inverse.yields._FIRST", 8)
     monkeypatch.setattr("vibro.inverse.yields._ERROR", 1.0)
+    lines = (EXAMPLES / "data" / "nut_trough_mv.csv").read_text(encoding="utf-8").splitlines()
+    (tmp_path / RECORD).write_text("\n".join(lines[:242]) + "\n", encoding="utf-8")
     for i, text in enumerate(FILES[kind][:1] if what.startswith(OF_ONE_SCENE) else FILES[kind]):
         file = tmp_path / f"scene{i}.toml"
         file.write_text(text, encoding="utf-8")

@@ -125,9 +125,9 @@ def test_the_fastest_cells_are_told_and_kept(run: Run) -> None:
 def test_pictures_of_flight_on_request(run: Run) -> None:
     from PIL import Image
 
-    assert run(*HOPS, "--show", "impact", "--show", "flight").exit_code == 0
+    assert run(*HOPS, "--show", "impact").exit_code == 0
     pictures = [name for name in names() if name.endswith(".png")]
-    assert pictures == ["hop-flight.png", "hop-impact.png", "hop-regime.png", "hop-speed.png"]
+    assert pictures == ["hop-impact.png", "hop-regime.png", "hop-speed.png"]
     with Image.open("hop-impact.png") as picture:
         assert picture.info["Title"] == "Impact speed"
     for row in rows_of(Path("hop.csv").read_text(encoding="utf-8")):

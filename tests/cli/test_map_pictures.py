@@ -94,22 +94,19 @@ def test_a_stroke_is_chosen_among_strokes(run: Run) -> None:
 def test_pictures_go_into_the_folder_of_a_table_in_shards(run: Run) -> None:
     from PIL import Image
 
-    asked = (*sharded_maps.AXES, "-L", "600", "--table", "parquet", "-o", "out")
+    asked = (*sharded_maps.AXES, "--table", "parquet", "-o", "out")
     result = run(*asked)
     assert result.exit_code == 0
-    drawn = ["_regime.png", "_speed.png", "_traverse.png"]
+    drawn = ["_regime.png", "_speed.png"]
     assert sharded_maps.names() == ["_SUCCESS", "_manifest.json", *drawn, "part-000000.parquet"]
-    assert [f"wrote {Path('out', name)}" in result.stderr for name in drawn] == [True] * 3
-    for name, title in zip(
-        drawn, ("Steady regimes", "Mean conveying speed", "Traverse time over 600 mm"), strict=True
-    ):
+    assert [f"wrote {Path('out', name)}" in result.stderr for name in drawn] == [True] * 2
+    for name, title in zip(drawn, ("Steady regimes", "Mean conveying speed"), strict=True):
         with Image.open(Path("out", name)) as picture:
             picture.load()
             assert picture.info["Title"] == title
             assert picture.info["Software"].startswith("vibro ")
             said = json.loads(picture.info["Description"])
         assert (said["digest"], said["cells"]) == (sharded_maps.told()["digest"], 9)
-        assert said["scene"]["trough_length_mm"] == 600
 
 
 @pytest.mark.usefixtures("unsaved")
