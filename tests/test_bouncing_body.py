@@ -151,7 +151,8 @@ def test_without_kinetic_friction_a_body_keeps_the_speed_of_its_onset() -> None:
 
 
 def test_noise_shows_where_rounding_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bouncing_runs, "FIRST_WINDOW", 32)
+    for name in ("FIRST_WINDOW", "MOST_PERIOD"):
+        monkeypatch.setattr(bouncing_runs, name, 32)
     both = scenes(CHAOTIC, (0.002, 0.5, 0.5, 0.4, 0.0))
     means, size = long_run(both, copies=8, last=32), both["amplitude"]
     assert means.error[0] > 1e-3 * size[0]

@@ -117,7 +117,7 @@ def test_a_filling_weighs_what_its_force_says(drawn: dict[str, float]) -> None:
 
 # --- machine and filling together -----------------------------------------------------------------------
 
-CASES = [case for case in drawn(10, seed=33) if case.share > 0.05]
+CASES = [case for case in drawn(10, seed=33) if case.share > 0.05][:7]
 
 
 class Off(NamedTuple):
@@ -151,7 +151,7 @@ def test_a_full_machine_does_what_trough_and_body_do_together(case: Case) -> Non
     assert abs(found.motion.relative) == pytest.approx(float(found.points.relative_amplitude), rel=0.018)
 
 
-@pytest.mark.parametrize("case", CASES[::4], ids=lambda case: case.name)
+@pytest.mark.parametrize("case", CASES[::3], ids=lambda case: case.name)
 def test_the_difference_goes_with_the_filling(case: Case) -> None:
     """Of the amplitude with its square, as the first harmonic of the filling's force is exact."""
     some, few = (off(replace(case, filling=share * case.machine.trough_mass)) for share in (0.01, 0.0025))
@@ -168,4 +168,7 @@ def test_the_machines_are_of_all_kinds_and_both_sides_of_resonance() -> None:
     assert {case.machine.kind for case in CASES} == {"magnet", "exciter", "unbalance"}
     ratios = [case.frequency / case.machine.natural_frequency for case in CASES]
     assert {ratio > 1.0 for ratio in ratios if ratio < 1.2} == {True, False}
-    assert {bool("H" in str(vibro.solve(case.operate().scene).pattern)) for case in CASES} == {True, False}
+    assert {bool("H" in str(vibro.solve(case.operate().scene).pattern)) for case in CASES} == {
+        True,
+        False,
+    }

@@ -80,11 +80,16 @@ def assert_same(found: DesignResult, by_hand: DesignResult) -> None:
             assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-9), name
 
 
+@pytest.fixture(autouse=True)
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Search fewer settings: few suffice here."""
+    monkeypatch.setattr(lines, "_IN_CONTACT", replace(lines._IN_CONTACT, loads=33, generations=20))
+
+
 @pytest.fixture
 def fastest_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Search the fastest design of a full trough alone: the two others take twice as long."""
     monkeypatch.setattr(machine_designs, "SEARCHED", ("fastest",))
-    monkeypatch.setattr(lines, "_IN_CONTACT", replace(lines._IN_CONTACT, loads=33, generations=20))
 
 
 def test_unbalance_on_soft_mounts_is_a_drive_of_its_static_moment_over_its_mass() -> None:

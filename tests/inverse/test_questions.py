@@ -397,12 +397,12 @@ def test_speeds_of_any_number_of_settings_are_those_of_each(kind: str) -> None:
         spec = read_spec(asked)
         drive = spec.drives[0]
         question = Question(spec, drive, Regime.HOPPING)
-        knobs = {knob: rng.uniform(*drive.choices[knob][0], 3) for knob in drive.space.knobs}
+        knobs = {knob: rng.uniform(*drive.choices[knob][0], 2) for knob in drive.space.knobs}
         setting: Any = drive.space.setting(**knobs)
         axes = question.box(setting._make(x[:1] for x in setting)).axes
         follow = np.array([-1, -1, 0, axes.index("static_friction"), axes.index("second_friction")])
         bodies = Scenarios(rng.random((len(axes), follow.size)), follow, np.full(follow.size, 1.1))
-        for number in (0, 1, 3):
+        for number in (0, 2):
             some = setting._make(x[:number] for x in setting)
             speeds = question.speeds(some, bodies)
             assert speeds.shape == (number, bodies.size)
