@@ -1,4 +1,4 @@
-"""Commands of the gallery run, and of each kind of picture command and Python make one."""
+"""Commands of the gallery run, and of maps and curves command and Python make the same pictures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from vibro.output.names import PICTURES
 
 SITE = os.environ.get("VIBRO_SITE")  # path of the site, where it is built already
 SCRIPTS = sorted((EXAMPLES / "gallery").glob("plot_*.py"))
-KINDS = ("curves", "facets", "one_axis", "regimes", "speed")  # compared
+KINDS = ("curves", "one_axis", "regimes", "speed")  # compared
 
 
 def test_every_picture_that_has_a_name_has_a_page() -> None:

@@ -19,7 +19,7 @@ __all__ = ["axe", "browser"]
 @pytest.fixture(scope="module")
 def session(browser: Browser) -> tuple[str, Any]:
     """Serve the explorer, and return its address with what the browser that opened it first has stored."""
-    url, _ = serve_explorer()
+    url = serve_explorer()
     with browser.new_context() as context:
         page = context.new_page()
         page.goto(url)

@@ -320,7 +320,7 @@ def test_pictures_texts_and_the_command_line_can_be_taken_along(open_page: Open,
 def test_a_machine_has_knobs_and_packs_in_place_of_the_amplitude(browser: Browser, tmp_path: Path) -> None:
     file = tmp_path / "feeder.toml"
     file.write_text(FEEDER, encoding="utf-8")
-    url, _ = serve_explorer(initial_state(request_of_call(file, {})))
+    url = serve_explorer(initial_state(request_of_call(file, {})))
     with browser.new_context() as context:
         context.set_default_timeout(PATIENCE)
         page = context.new_page()

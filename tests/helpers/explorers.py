@@ -88,13 +88,13 @@ def bearer(secret: str) -> dict[str, str]:
     return {"Authorization": f"Bearer {secret}"}
 
 
-def serve_explorer(initial: State | None = None) -> tuple[str, threading.Event]:
-    """Serve the explorer; return its first address, and what is set once that was used."""
-    announced: Queue[tuple[str, threading.Event]] = Queue()
+def serve_explorer(initial: State | None = None) -> str:
+    """Serve the explorer; return its first address."""
+    announced: Queue[str] = Queue()
     reported: list[Exception] = []
     job = {
         "port": 8800,
-        "announce": lambda url, port, begun: announced.put((url, begun)),
+        "announce": lambda url, port, begun: announced.put(url),
         "report": reported.append,
     }
     threading.Thread(target=serve, args=(initial or initial_state(),), kwargs=job, daemon=True).start()
