@@ -165,7 +165,7 @@ def test_the_reference_agrees_with_the_tables(table: Path) -> None:
 
 def test_the_sensitivity_is_the_condition_of_the_tables() -> None:
     with (DATA / "contact_regular.csv").open(encoding="utf-8", newline="") as stream:
-        rows = [row for row in csv.DictReader(stream) if row["displacement_per_cycle_mm"] != "0"][:20]
+        rows = [row for row in csv.DictReader(stream) if row["displacement_per_cycle_mm"] != "0"][:10]
     for row in rows:
         amplitude = 1e-3 * float(row["amplitude_mm"])
         values = (
@@ -219,9 +219,9 @@ SCENES = 12
 
 @pytest.fixture(scope="module")
 def trade() -> Iterator[Trade]:
-    """Run slow methods on eight scenes."""
+    """Run slow methods on seven scenes."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.accuracy.trade._FEWEST", 8)
+        patch.setattr("vibro.accuracy.trade._FEWEST", 7)
         yield run_methods(grid(), SCENES, tolerance=1e-3, reference=best_reference())
 
 

@@ -142,7 +142,7 @@ def test_friction_that_holds_gravity_by_a_hair_leaves_no_mean() -> None:
     """Samples seemed to balance at two million times the speed of the trough, with a small standard error."""
     slope = math.degrees(math.atan(0.3 * (1.0 - 1e-10)))
     assert _averaged(line(2.45, 30.0, 0.3, 0.3, -slope), 0.6, 60).status != Status.AVERAGED
-    assert _averaged(line(2.45, 30.0, 0.3, 0.3, -0.5 * slope), 0.6, 60).status == Status.AVERAGED
+    assert _averaged(line(2.45, 30.0, 0.3, 0.3, -0.5 * slope), 0.6, 12).status == Status.AVERAGED
 
 
 def test_a_body_with_too_many_bounces_leaves_no_mean(monkeypatch: pytest.MonkeyPatch) -> None:
