@@ -59,7 +59,7 @@ def climb_pictures(climb: SweepResult) -> dict[str, Figure]:
 @pytest.fixture(scope="session")
 def facets() -> dict[str, Figure]:
     return map_figures(
-        sweep(own=OWN, points=121, amplitude="0.2:3", frequency="10:50", drive_angle="10,20,30")
+        sweep(own=OWN, points=81, amplitude="0.2:3", frequency="10:50", drive_angle="10,20,30")
     )
 
 
