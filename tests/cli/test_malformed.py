@@ -1,6 +1,6 @@
 """Axes and scene files, most of them wrong: each is understood, or refused in clear lines.
 
-On a thousand of them, or on ten thousand with --hypothesis-profile=thorough.
+On some hundreds of them, or on some thousands with --hypothesis-profile=thorough.
 """
 
 from __future__ import annotations
