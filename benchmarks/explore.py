@@ -165,12 +165,10 @@ def main() -> None:
             (CHANGES, REFINED, arguments.sessions),
             (MACHINE_CHANGES, MACHINE_REFINED, 0, str(FEEDER)),
         ):
-            chosen = [
-                {name: case for name, case in table.items() if arguments.only in name}
-                for table in (changes, refined)
-            ]
-            if any(chosen):
-                measure(browser, *chosen, arguments.changes, sessions, *scene)
+            some = {name: case for name, case in changes.items() if arguments.only in name}
+            finer = {name: case for name, case in refined.items() if arguments.only in name}
+            if some or finer:
+                measure(browser, some, finer, arguments.changes, sessions, *scene)
         browser.close()
 
 
