@@ -78,9 +78,9 @@ def ellipses(count: int, seed: int, throw: tuple[float, float]) -> Scene:
 DRAWN = {
     "lines": lambda: random_scenes(600, 1, most_trough_deg=20.0, least_ratio=0.02),
     "extreme": lambda: Scene.allowing_infeasible(**extreme_fields(600, seed=3)),
-    "hopping": lambda: hopping_lines(24, 4),
+    "hopping": lambda: hopping_lines(16, 4),
     "ellipses": lambda: ellipses(600, 5, (0.01, 0.9999)),
-    "hopping ellipses": lambda: ellipses(24, 6, (1.0001, 6.0)),
+    "hopping ellipses": lambda: ellipses(16, 6, (1.0001, 6.0)),
 }
 
 
