@@ -78,7 +78,7 @@ def test_a_box_without_width_is_a_scene(box: Boxed) -> None:
         assert found.min_at == found.max_at == {n: float(x) for n, x in box.scene.arrays()._asdict().items()}
 
 
-@examples(25)
+@examples(15)
 @given(boxes(forward=True, drifts=True))
 def test_no_sample_beats_corners(box: Boxed) -> None:
     found = vibro.guarantee(box.scene, **box.bands)
@@ -109,7 +109,7 @@ def test_no_sample_beats_a_box_of_everything(trough: float) -> None:
     assert_not_beaten(Boxed(scene, bands), found)
 
 
-@examples(25)
+@examples(15)
 @given(boxes(forward=True, drifts=True), st.floats(1.0, 3.0))
 def test_wider_bands_never_help(box: Boxed, factor: float) -> None:
     wider = {}
@@ -140,7 +140,7 @@ def test_bands_that_grow_together_never_help_where_parts_slip_back() -> None:
         assert outer.regimes >= inner.regimes
 
 
-@examples(25)
+@examples(15)
 @given(boxes(forward=True, drifts=True), st.floats(0.2, 5.0))
 def test_speeds_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
     small, large = (

@@ -67,6 +67,7 @@ def assert_least(cap: Floats, loads: Floats) -> None:
     assert cap >= least * 0.98
 
 
+@examples(25)
 @given(drawn)
 def test_hop_and_onset(box: Boxed) -> None:
     one = uncertainty_set(box.scene, box.bands)
@@ -75,6 +76,7 @@ def test_hop_and_onset(box: Boxed) -> None:
     assert float(onset_load(one)) == pytest.approx(np.max(loads.forward_onset), rel=1e-12)
 
 
+@examples(25)
 @given(drawn)
 def test_back_slip(box: Boxed) -> None:
     one = uncertainty_set(box.scene, box.bands)
@@ -84,6 +86,7 @@ def test_back_slip(box: Boxed) -> None:
     assert np.max(loads) * (1 - 1e-12) <= last <= np.max(loads) * 1.02
 
 
+@examples(25)
 @given(drawn, st.floats(0.1, 1.5))
 def test_tip(box: Boxed, stand_ratio: float) -> None:
     one = uncertainty_set(box.scene, box.bands)
