@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from helpers.commands import NUT_ANGLE_AND_FRICTION, Run, rows_of
 
@@ -28,10 +26,3 @@ def test_folders_and_what_is_drawn_of_them_tell_the_share(run: Run) -> None:
     assert " possible cells of the pictures (" in made
     read = run("map", "wide", "--speed", "150", "-o", "read").stderr.splitlines()[-1]
     assert read == run("map", *IRREGULAR, "--speed", "150", "-o", "-").stderr.splitlines()[-1]
-
-
-def test_a_speed_is_drawn_where_it_is_reached(run: Run) -> None:
-    line = ("-A", "0.5:1.5:9", "-f", "15", *NUT_ANGLE_AND_FRICTION)
-    assert run("map", *line, "--speed", "20", "-o", "with", "--format", "svg").exit_code == 0
-    assert run("map", *line, "-o", "without", "--format", "svg").exit_code == 0
-    assert Path("with-speed.svg").stat().st_size > Path("without-speed.svg").stat().st_size

@@ -37,12 +37,6 @@ def titles(stem: str) -> list[str]:
     return found + [e.text or "" for e in elements if e.tag.endswith("}title")][:1]
 
 
-def test_maps(run: Run, scene: Path) -> None:
-    result = run("map", scene, "-f", "15", "-A", "0.5:2:5", "-o", "out", "--format", "png,svg", "-q")
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert titles("out-speed") == [f"Mean conveying speed – {TOLD}"] * 2
-
-
 def test_comparisons(run: Run, scene: Path) -> None:
     data = scene.with_suffix(".csv")
     header, *rows = STUDY_FILE.read_text(encoding="utf-8").splitlines()

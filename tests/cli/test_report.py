@@ -118,13 +118,6 @@ def test_no_number_is_told_that_is_not_known(run: Run, args: tuple[str, ...], to
     assert "peak speed" not in {row[0] for row in read.rows} or told.startswith("0")
 
 
-def test_a_mean_has_its_standard_error(run: Run) -> None:
-    read = page(run, *NUT, "-A", "3", "-f", "45", "--restitution", "0.62")
-    assert re.match(r"494\.\d+ mm/s \+- \d+ mm/s \(standard error\) = ", read.row("mean speed")[0])
-    assert read.row("status")[0] == "averaged"
-    assert read.row("restitution") == ["0.62", "given"]
-
-
 def test_a_given_motion_is_listed_and_its_regime_stays_at_any_frequency(run: Run) -> None:
     read = page(run, EXAMPLES / "slip_stick.toml")
     assert read.row("steps along the trough")[0].endswith("0.2 of the period at -9.6 m/s²")
@@ -140,13 +133,6 @@ def test_a_runaway_has_no_regime_to_keep_and_it_says_so(run: Run) -> None:
     read = page(run, *NUT, "--trough-angle=-50")
     assert "There is no steady motion that could be kept: the part gains speed in every cycle." in read.text
     assert "Positive in the conveying direction" not in read.text
-
-
-def test_what_is_likely_a_slip_is_questioned_on_the_page_too(run: Run) -> None:
-    result = run("report", *NUT, "-L", "1")
-    doubt = "rough length = 1 mm is less than the stroke, 2 mm"
-    assert doubt in result.stderr
-    assert f"Is this meant? T{doubt}; for metres write -L 1m." in ReadPage(result.stdout).text
 
 
 @pytest.mark.usefixtures("saved")
