@@ -45,7 +45,7 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 2)
 
 
-# What the markers pick (CONTRIBUTING.md), by the beginnings of paths. Files of ``slow`` take ten seconds
+# What the markers pick (CONTRIBUTING.md), by the beginnings of paths. Files of ``slow`` take six seconds
 # or more on a core, those of ``process`` start programs, workers or clusters.
 _MARKED: Final = {
     "fast": (
@@ -70,10 +70,12 @@ _MARKED: Final = {
         "test_scales.py", "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",
     ),
     "slow": (
-        "core/test_compiled.py", "explore/test_page", "inverse/test_designs.py",
+        "accuracy/test_trade.py", "cli/test_capabilities.py", "cli/test_compare_trough.py",
+        "cli/test_report.py", "explore/test_page", "inverse/test_designs.py",
         "inverse/test_machine_designs.py", "inverse/test_motions.py", "inverse/test_windows.py",
-        "records/test_fitting.py", "reports/test_printed.py", "test_examples.py", "test_frozen.py",
-        "test_gallery.py", "test_pages.py", "test_site.py",
+        "messages/", "records/test_comparison.py", "records/test_fitting.py", "records/test_waveforms.py",
+        "reports/test_printed.py", "test_frozen.py", "test_gallery.py", "test_pages.py", "test_site.py",
+        "test_walks.py",
     ),
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
