@@ -1,6 +1,6 @@
 """Are guarantees what they say, and what do they cost? Boxes, references and whole questions.
 
-Usage: python benchmarks/design.py REFERENCE.json QUESTION.toml... [--boxes 100] [--seed 0]
+Usage: python benchmarks/design.py REFERENCE.json QUESTION.toml... [--rows N] [--boxes 100] [--seed 0]
        python benchmarks/design.py --random 300 [--seed 0]
 
 REFERENCE.json is tests/data/design_specs.json, the questions those of examples/. The slowest and the fastest

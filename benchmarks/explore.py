@@ -1,6 +1,6 @@
 """How long after a change is a map seen, and when is it exact? In a browser.
 
-Usage: python benchmarks/explore.py [--changes 30] [--sessions 10]
+Usage: python benchmarks/explore.py [--changes 30] [--sessions 10] [--only TEXT]
 
 Starts ``vibro explore`` and Chromium, moves a slider, and waits until the page has drawn the answer and the
 browser a frame. Needs the extra ``test`` and a Chromium.

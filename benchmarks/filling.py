@@ -1,6 +1,6 @@
 """How far is the motion of a full feeder from what ``vibro.operate`` says? Both masses are followed in time.
 
-Usage: python benchmarks/filling.py [--machines 20] [--seed 33]
+Usage: python benchmarks/filling.py [--machines 20] [--seed 33] [--ratios 0.9 0.95 1.05 1.1]
 
 First the worked feeder of docs/guide/machines.md on both sides of resonance: trough 6 kg, counter mass 12 kg,
 damping ratio 0.015, 50 Hz, 20 deg, friction 0.35/0.28, 0.35 mm when empty. Then random machines: magnets

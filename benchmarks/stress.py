@@ -1,6 +1,7 @@
 """Does the steady solve hold at the extremes? Invariants on many scenes, arbitrary precision on some.
 
-Usage: python benchmarks/stress.py [--scenes 20000] [--invariants 1000000] [--hopping 200] [--processes 2]
+Usage: python benchmarks/stress.py [--corners DRIVE ...] [--scenes 20000] [--invariants 1000000]
+           [--hopping 200] [--processes 2]
 
 First the corners of all that quantities may be, and their neighbours by an ulp, are solved for each kind of
 drive. Then scenes are drawn where floating point is weakest: amplitudes and frequencies up to their limits,
