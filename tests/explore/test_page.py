@@ -26,6 +26,7 @@ from helpers.pages import (
     middle,
     point,
     speed,
+    until,
     until_asked,
 )
 from PIL import Image
@@ -36,7 +37,7 @@ from vibro.sweeps.whole import request_of_call
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser, Page, Route
 
     Open = Callable[..., Page]
 
@@ -351,6 +352,17 @@ def test_a_machine_has_knobs_and_packs_in_place_of_the_amplitude(browser: Browse
         assert "natural_hz=50.3" in page.url
         page.go_back()
         expect(page.locator("#pack")).to_have_value("4 & a half")
+        # A refusal that comes after its value was mended does not stay.
+        late: list[Route] = []
+        page.route(re.compile(r"/map\?.*filling_kg=-1"), lambda route: late.append(route), times=1)
+        enter(page, "#filling_kg", "-1")
+        enter(page, "#frequency_hz", "51")
+        until(page, lambda: bool(late))
+        enter(page, "#filling_kg", "2")
+        expect(page.locator("#filling_kg")).to_have_attribute("aria-invalid", "false")
+        with page.expect_response(lambda response: "/map" in response.url and "filling_kg=2" in response.url):
+            late[0].continue_()
+        expect(page.locator("#note-filling_kg")).to_be_empty()
         page.evaluate("location.hash = '#x=setting_percent&y=voltage_percent&filling_kg=0'")
         expect(page.get_by_role("group", name="over setting")).to_be_visible()
         box = page.locator("#cells").bounding_box()
