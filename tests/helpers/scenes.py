@@ -102,20 +102,6 @@ def random_scenes(count: int, seed: int, *, most_trough_deg: float = 0.0, least_
     return at_load(load, drive, mu_s, mu_s * random.uniform(least_ratio, 1.0, count), trough)
 
 
-def groups_of(scene: Scene) -> list[Groups]:
-    """List the groups of scenes, one by one."""
-    load = scene.scale * (2.0 * np.pi * scene.frequency) ** 2 / scene.gravity
-    fields = (
-        load,
-        np.degrees(line_of(scene).drive_angle),
-        scene.static_friction,
-        scene.kinetic_friction,
-        np.degrees(scene.trough_angle),
-    )
-    columns = (np.broadcast_to(x, scene.shape).tolist() for x in fields)
-    return [Groups(*row) for row in zip(*columns, strict=True)]
-
-
 def solve_one(groups: Groups) -> SteadyCycle:
     """Solve the scene of some groups."""
     return solve(at_load(*groups))
