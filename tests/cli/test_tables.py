@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
-from vibro.files import csv_tables
-
 MAP = ("map", "-A", "0.1,1,1.15,4", "-f", "14.9876,15", *NUT_ANGLE_AND_FRICTION)
 TRAVERSE = ("traverse-time", *MAP[1:], "-L", "600")
 NAMES = "mean_velocity_mm_s,amplitude_mm,regime,acceleration_g,frequency_hz"
@@ -28,13 +26,8 @@ def test_columns_in_the_order_asked_for(run: Run) -> None:
     assert cells[3] == {"strokes": 550, "regime": "forward-slip"}
 
 
-@pytest.mark.parametrize("fast", [False, True])
 @pytest.mark.parametrize("command", [MAP, TRAVERSE])
-def test_digits_are_significant_ones(
-    run: Run, command: tuple[str, ...], fast: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert csv_tables._arrow() is not None
-    monkeypatch.setattr("vibro.files.csv_tables._WORTH_ARROW", 1 if fast else 100)
+def test_digits_are_significant_ones(run: Run, command: tuple[str, ...]) -> None:
     exact = rows_of(run(*command, "-o", "-").stdout)
     text = run(*command, "-o", "-", "--digits", "4", "--decimal-comma", "--excel").stdout
     header, *lines = text.removeprefix("\ufeff").splitlines()

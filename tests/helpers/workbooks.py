@@ -10,7 +10,7 @@ import openpyxl
 import vibro
 from vibro.output.record import sweep_record
 from vibro.output.xlsx import Xlsx
-from vibro.sweeps.columns import Table, columns_of, records
+from vibro.sweeps.columns import Table, arrow_table, columns_of
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
 
@@ -49,7 +49,7 @@ def write(
     for block in sweep_blocks(grid):
         tally.add(block)
         sink.write(block)
-        rows += records(table, block)
+        rows += arrow_table(table.columns, block, table.digits).to_pylist()
     run = {"version": vibro.__version__, "argv": list(argv)}
     sink.close({**sweep_record(grid, table, tally.told()), **run})
     return rows

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,13 +18,12 @@ from hypothesis import strategies as st
 import vibro
 from vibro.axes import parse_axis
 from vibro.core.codes import Status
-from vibro.files import csv_tables
 from vibro.files.csv_tables import CsvFormat
 from vibro.quantities import DRIVES, QUANTITIES, SWEPT
 from vibro.results.operating import FIELDS, OPERATING
 from vibro.results.sweep import Block, Column
 from vibro.sweeps import derived
-from vibro.sweeps.columns import Table, chosen, column_names, columns_of, records, to_frame
+from vibro.sweeps.columns import arrow_table, chosen, column_names, columns_of, to_frame
 from vibro.sweeps.derived import WITH_STROKES
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
@@ -55,8 +55,9 @@ def one_block(length: float | None = 600.0, **texts: str) -> Block:
     return block
 
 
-def csv_of(block: Block, form: CsvFormat) -> str:
-    return form.header(COLUMNS) + form.rows(COLUMNS, block)
+def csv_of(block: Block, form: CsvFormat, digits: int | None = None) -> str:
+    cells = arrow_table(COLUMNS, block, digits)
+    return (form.header(cells.column_names) + form.rows(cells)).decode()
 
 
 def read(text: str, form: CsvFormat) -> dict[str, list[str]]:
@@ -70,7 +71,7 @@ def floats(texts: list[str]) -> list[float]:
 
 
 def test_the_columns_are_the_documented_ones() -> None:
-    assert CsvFormat().header(COLUMNS) == HEADER + "\n"
+    assert CsvFormat().header(column.name for column in COLUMNS).decode() == HEADER + "\n"
     names = [column.name for column in columns_of((), WITH_STROKES)]
     assert names[-3:] == ["strokes", "model", "status"]
 
@@ -123,7 +124,7 @@ def test_the_table_is_the_librarys_answer_scene_by_scene() -> None:
 def test_numbers_are_short_plain_ascii_without_negative_zero() -> None:
     text = csv_of(one_block(amplitude="0.0000001,1,2", frequency="15"), CsvFormat())
     rows = [line.split(",") for line in text.splitlines()[1:]]
-    assert [row[0] for row in rows] == ["1e-07", "1", "2"]
+    assert [row[0] for row in rows] == ["1e-7", "1", "2"]
     assert rows[0][8:12] == ["0", "0", "0", ""]
     assert "-0," not in text
     assert text.isascii()
@@ -135,51 +136,52 @@ def test_decimal_commas_reach_every_number() -> None:
     assert "." not in text
 
 
-@pytest.mark.parametrize(
-    "form",
-    [CsvFormat(), CsvFormat(excel=True, decimal_comma=True), CsvFormat(digits=3), CsvFormat(False, True, 16)],
-)
-@pytest.mark.parametrize(
-    "texts",
-    [
-        {},
-        {"amplitude": "0.0000001,1,2,30,4e8", "frequency": "1e-4,15,1e5"},
-        {"amplitude": "1,9", "frequency": "15", "kinetic_friction": "0.5,0.9"},
-    ],
-)
-def test_large_tables_are_written_faster_but_not_otherwise(
-    form: CsvFormat, texts: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    block = one_block(600.0, **texts)
-    plain = form.rows(COLUMNS, block)
-    assert csv_tables._arrow() is not None
-    monkeypatch.setattr("vibro.files.csv_tables._WORTH_ARROW", 1)
-    assert form.rows(COLUMNS, block) == plain
-    monkeypatch.setattr("vibro.files.csv_tables._arrow", lambda: None)
-    assert form.rows(COLUMNS, block) == plain
+@given(st.lists(st.floats()), st.booleans())
+def test_every_double_is_read_back(values: list[float], decimal_comma: bool) -> None:
+    form = CsvFormat(decimal_comma=decimal_comma)
+    lines = form.rows(pa.table({"x": values, "y": values})).decode().splitlines()
+    read_back = [floats(line.split(form.separator)) for line in lines]
+    np.testing.assert_array_equal(
+        read_back, [[x if math.isfinite(x) else math.nan] * 2 for x in values] or []
+    )
 
 
-@given(st.lists(st.floats()), st.integers(-20, 20))
-def test_both_ways_write_the_same_numbers(values: list[float], power: int) -> None:
-    near = np.array([1e-4, 1e10, 1e16, 9999999999.5, 9.9999999999999e-5]) * 10.0**power
-    numbers = np.array([*values, *near, *-near, *np.nextafter(near, 0.0), 0.0, -0.0, 3.0])
-    form = CsvFormat()
-    assert form._arrow_numbers(numbers, csv_tables._arrow()).to_pylist() == form._numbers(numbers)
+def test_texts_are_quoted_where_they_must_be_and_no_formulas() -> None:
+    texts = ["plain", "", 'a "b"', "1;2", "1,2", "two\nlines", "=1+1", "@a", "-x", "+49", "\u00e4"]
+    for form in (CsvFormat(), CsvFormat(decimal_comma=True)):
+        text = form.table({"=head": texts, "x": np.arange(11.0)}).decode()
+        table = read(text, form)
+        assert table.pop("x") == [str(i) for i in range(11)]
+        assert table == {"'=head": [*texts[:6], "'=1+1", "'@a", "'-x", "'+49", "\u00e4"]}
+        assert text.splitlines()[1] == f"plain{form.separator}0"
+
+
+def test_an_arrow_table_has_nulls_texts_and_units() -> None:
+    block = one_block(length=None, amplitude="1,9", frequency="15", kinetic_friction="0.5,0.9")
+    table = arrow_table(COLUMNS, block)
+    assert table["mean_velocity_mm_s"].null_count == 2
+    assert table["traverse_time_s"].null_count == 4
+    assert table["amplitude_mm"].null_count == 0
+    assert table["coexists"].type == pa.int8()
+    assert table["regime"].chunk(0).dictionary.to_pylist() == [*(r.label for r in vibro.Regime if r >= 0), ""]
+    assert table.schema.field("mean_velocity_mm_s").metadata[b"unit"] == b"mm/s"
 
 
 @pytest.mark.parametrize("digits", [1, 6, 16, 17])
 def test_digits_are_those_of_python(digits: int) -> None:
     block = one_block(600.0, amplitude="0.0000001,1,2,30,4e8", frequency="1e-4,15,1e5")
-    exact, form = read(csv_of(block, CsvFormat()), CsvFormat()), CsvFormat(digits=digits)
+    form = CsvFormat()
+    exact = read(csv_of(block, form), form)
     numbers = 0
-    for name, texts in read(csv_of(block, form), form).items():
+    for name, texts in read(csv_of(block, form, digits), form).items():
         for text, whole in zip(texts, exact[name], strict=True):
             try:
-                expected = repr(float(format(float(whole), f".{digits}g"))).removesuffix(".0")
+                expected = float(format(float(whole), f".{digits}g"))
             except ValueError:  # no number
-                expected = whole
-            assert text == expected
-            numbers += expected != whole
+                assert text == whole
+            else:
+                assert float(text) == expected
+                numbers += text != whole
     assert (numbers > 20) == (digits < 17)
 
 
@@ -196,7 +198,6 @@ def test_columns_by_name() -> None:
     )
     np.testing.assert_array_equal(frame["strokes"], usual["frequency_hz"] * usual["traverse_time_s"])
     assert (frame["regime"] == usual["regime"]).all()
-    assert CsvFormat().header(columns) == ",".join(names) + "\n"
 
 
 def test_no_number_is_an_empty_cell_and_null() -> None:
@@ -207,7 +208,7 @@ def test_no_number_is_an_empty_cell_and_null() -> None:
     ]
     assert [row["status"] for row in rows] == ["ok", "infeasible", "ok", "infeasible"]
     assert rows[1]["mean_velocity_mm_s"] == rows[1]["throw_number"] == rows[0]["traverse_time_s"] == ""
-    infeasible = list(records(Table(COLUMNS), block))[1]
+    infeasible = arrow_table(COLUMNS, block).to_pylist()[1]
     assert infeasible["mean_velocity_mm_s"] is None
     assert infeasible["regime"] == ""
     assert infeasible["throw_number"] is None
@@ -217,7 +218,7 @@ def test_no_number_is_an_empty_cell_and_null() -> None:
 def test_record_frame_and_csv_agree(length: float | None) -> None:
     block = one_block(length, amplitude="0.2:4:7", frequency="15")
     frame, table = to_frame(COLUMNS, block), read(csv_of(block, CsvFormat()), CsvFormat())
-    for i, record in enumerate(records(Table(COLUMNS), block)):
+    for i, record in enumerate(arrow_table(COLUMNS, block).to_pylist()):
         for name, value in record.items():
             if value is None:
                 assert pd.isna(frame[name].iloc[i])
@@ -253,9 +254,9 @@ def test_patterns_are_codes_until_they_are_texts() -> None:
     np.testing.assert_array_equal(texts[which], block.cycle.pattern)
     # codes of long patterns have more digits than numbers are rounded to
     assert abs(column.values(block)).max() > 1e9
-    rows = CsvFormat(digits=1).rows([column], block)
-    assert rows.splitlines() == block.cycle.pattern.ravel().tolist()
-    assert [record["pattern"] for record in records(Table([column], 1), block)] == rows.splitlines()
+    assert (
+        arrow_table([column], block, digits=1)["pattern"].to_pylist() == block.cycle.pattern.ravel().tolist()
+    )
 
 
 def test_every_status_has_its_words() -> None:

@@ -23,7 +23,7 @@ from vibro.output.sinks import new_sink
 from vibro.output.staging import Staging
 from vibro.quantities import QUANTITIES, as_given
 from vibro.results.steady import NO_REGIME, RESULTS
-from vibro.sweeps.columns import records
+from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.one_scene import OneScene, bounce_text, estimate, number
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
@@ -231,7 +231,7 @@ def answer_sweep(
     between = "[\n"
     for block in sweep_blocks(grid):
         tally.add(block)
-        for cell in records(table, block):
+        for cell in arrow_table(table.columns, block, table.digits).to_pylist():
             print(between, json.dumps(cell, allow_nan=False), sep="", end="")
             between = ",\n"
     print("\n]")
@@ -295,7 +295,8 @@ def answer_one(
             return code
     (block,) = blocks
     if options.json:
-        print(json_text(next(records(answer or table, block))))
+        answer = answer or table
+        print(json_text(arrow_table(answer.columns, block, answer.digits).to_pylist()[0]))
     else:
         print(report(OneScene(block)))
     return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE

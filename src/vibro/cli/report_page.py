@@ -78,7 +78,7 @@ def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, floa
     from vibro.quantities import STANDS_FOR
     from vibro.reports.page import page_html
     from vibro.reports.scene_page import SceneReport, scene_page
-    from vibro.sweeps.columns import Table, columns_of, records
+    from vibro.sweeps.columns import arrow_table, columns_of
     from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
     from vibro.sweeps.machines import check_operating
     from vibro.sweeps.request import RANGES
@@ -97,9 +97,8 @@ def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, floa
         with console.progress("drawing", None):
             html = page_html(scene_page(SceneReport(request, swept, given, part, grid, block, command)))
         more = (*throughput_of(part), WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
-        result = next(
-            records(Table(columns_of((), *more, drive=grid.drive, machine=grid.machine is not None)), block)
-        )
+        columns = columns_of((), *more, drive=grid.drive, machine=grid.machine is not None)
+        (result,) = arrow_table(columns, block).to_pylist()
         motion = {} if request.motion is None else {"motion": dict(request.motion.table)}
         write(html, {"scene": {**scene_record(request), **motion}, "part": dict(part), "result": result})
     return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE

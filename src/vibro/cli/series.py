@@ -116,11 +116,11 @@ class SeriesOutput:
             What the sidecar says beside version, arguments and files.
         """
         if self.takes_stdout:
-            sys.stdout.buffer.write(self._form.table(next(iter(tables().values()))).encode())
+            sys.stdout.buffer.write(self._form.table(next(iter(tables().values()))))
         if not self._files:
             return
         for name, columns in tables().items():
-            self._files.table(name).write_text(self._form.table(columns), encoding="utf-8", newline="")
+            self._files.table(name).write_bytes(self._form.table(columns))
         self._files.finish(self._argv, content, draw())
         self._console.echo_all(self._files.told)
 

@@ -20,7 +20,7 @@ from vibro.explore.points import point_of
 from vibro.files.csv_tables import CsvFormat
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block, Column
-from vibro.sweeps.columns import columns_of
+from vibro.sweeps.columns import arrow_table, columns_of
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -115,10 +115,10 @@ class Answers:
                 Column("guaranteed_speed_mm_s", "mm/s", lambda block: np.asarray(1e3 * found.speed_min)),
             )
         form = CsvFormat(decimal_comma=decimal_comma)
-        yield form.header(columns).encode()
+        yield form.header(column.name for column in columns)
         while not (shown := kept.cells(_REQUEST_TIME).shown).exact.all():
             yield b""
-        yield form.rows(columns, Block(shown.values, shown.cycle, grid.length)).encode()
+        yield form.rows(arrow_table(columns, Block(shown.values, shown.cycle, grid.length)))
 
     def _kept(self, state: State) -> _Kept:
         """Return the cells of a state's map, partly solved if it was requested before."""

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import FileError, shown
-from vibro.sweeps.columns import categorical
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from vibro.results.sweep import Column
@@ -98,7 +99,7 @@ class Texts:
 
     def of_frame(self, column: Column) -> Any:
         """Return what a data frame holds."""
-        return categorical(column, self.texts, self.codes)
+        return _categorical(column, self.texts, self.codes)
 
 
 Gathered = Numbers | Flags | Texts
@@ -107,3 +108,29 @@ Gathered = Numbers | Flags | Texts
 def gathering(column: Column) -> type[Gathered]:
     """Return the object that gathers a column."""
     return Numbers if column.is_number else Flags if column.is_flag else Texts
+
+
+def _categorical(column: Column, texts: Iterable[str], which: NDArray[np.integer[Any]]) -> Any:
+    """Return texts as data frames have them.
+
+    Parameters
+    ----------
+    column : Column
+        If it lists its texts, all of them are categories, in the order of their codes, and behind them those
+        that only another version of vibro knows; else those that occur, in the order of the alphabet.
+    texts : iterable of str
+        Those that occur, each once, or more.
+    which : int array
+        Which of ``texts`` each cell has.
+
+    Returns
+    -------
+    pandas.Categorical
+    """
+    import pandas as pd
+
+    texts = list(texts)
+    categories = sorted(texts) if column.texts is None else list(dict.fromkeys([*column.texts, *texts]))
+    codes = {text: code for code, text in enumerate(categories)}
+    places = np.array([codes[text] for text in texts], np.intp)
+    return pd.Categorical.from_codes(places[which], dtype=pd.CategoricalDtype(categories))

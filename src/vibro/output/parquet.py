@@ -7,16 +7,12 @@ import json
 from inspect import signature
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
-import numpy as np
-
-from vibro.files.csv_tables import rounded_cells
 from vibro.output.plan import ROW_GROUP
 from vibro.quantities import BY_COLUMN, DRIVES, QUANTITIES, SWEPT
+from vibro.sweeps.columns import arrow_table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from numpy.typing import NDArray
 
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
@@ -92,8 +88,8 @@ class Parquet:
         """Write cells as one row group."""
         import pyarrow as arrow
 
-        arrays = [_array(column, block, self._table.digits, arrow) for column in self._table.columns]
-        self.copy(arrow.table(arrays, schema=self._schema))
+        cells = arrow_table(self._table.columns, block, self._table.digits)
+        self.copy(arrow.Table.from_arrays(cells.columns, schema=self._schema))
 
     def copy(self, cells: Any) -> None:
         """Write cells that pyarrow has read as one row group."""
@@ -146,31 +142,3 @@ def _field(column: Column, arrow: Any) -> Any:
     if column.is_flag:
         return arrow.field(column.name, arrow.int8())
     return arrow.field(column.name, arrow.dictionary(arrow.int32(), arrow.string()), nullable=False)
-
-
-def _array(column: Column, block: Block, digits: int | None, arrow: Any) -> Any:
-    if column.is_number:
-        numbers = rounded_cells(column, block, digits)
-        return _masked(numbers, np.isfinite(numbers), block.shape, arrow)
-    codes = column.values(block)
-    if column.is_flag:
-        return _masked(codes.astype(np.int8, copy=False), codes >= 0, block.shape, arrow)
-    if column.decode is not None:
-        found = arrow.array(codes).dictionary_encode()  # it hashes where NumPy sorts
-        which = found.indices.to_numpy()
-        texts = column.decode(found.dictionary.to_numpy(), block.cycle.long_patterns).tolist()
-    else:
-        texts = list(column.texts or ())
-        which = np.where(codes < 0, np.int8(len(texts) - 1), codes)  # a remainder would take longer
-    indices = np.broadcast_to(which, block.shape).astype(np.int32)
-    return arrow.DictionaryArray.from_arrays(indices, arrow.array(texts, arrow.string()))
-
-
-def _masked(values: NDArray[Any], known: NDArray[np.bool_], shape: tuple[int, ...], arrow: Any) -> Any:
-    """Return cells with nulls where they are unknown, without a mask where none is."""
-    cells = np.ascontiguousarray(np.broadcast_to(values, shape))
-    mask = None
-    if not known.all():  # packed here, in a fraction of pyarrow's time
-        mask = arrow.py_buffer(np.packbits(np.broadcast_to(known, shape), bitorder="little"))
-    kind = arrow.from_numpy_dtype(cells.dtype)
-    return arrow.Array.from_buffers(kind, cells.size, [mask, arrow.py_buffer(cells)])

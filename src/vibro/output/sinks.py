@@ -61,13 +61,15 @@ class Csv:
         """Write the header."""
         from vibro.files.csv_tables import CsvFormat  # late: listing the forms must not load NumPy
 
-        self._file, self._columns = file, table.columns
-        self._format = CsvFormat(*self._style, table.digits)
-        self._file.write(self._format.header(self._columns).encode())
+        self._file, self._table = file, table
+        self._format = CsvFormat(*self._style)
+        self._file.write(self._format.header(column.name for column in table.columns))
 
     def write(self, block: Block) -> None:
         """Write a row a cell."""
-        self._file.write(self._format.rows(self._columns, block).encode())
+        from vibro.sweeps.columns import arrow_table
+
+        self._file.write(self._format.rows(arrow_table(self._table.columns, block, self._table.digits)))
 
     def close(self, record: Mapping[str, Any]) -> None:
         """Ignore the record, which has its own file."""

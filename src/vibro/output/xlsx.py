@@ -16,7 +16,6 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError, InputError, how_to_install
-from vibro.files.csv_tables import rounded_cells
 from vibro.files.rounding import rounded
 from vibro.plots.style import INK, NO_ANSWER_FACE, REGIME_COLOURS, visible
 from vibro.plots.view import choose_view, is_discrete, value_of
@@ -260,7 +259,7 @@ class _Workbook:
     def _column_format(self, column: Column, blocks: Sequence[Block]) -> str:
         if column.is_flag:
             return "0"
-        numbers = [rounded_cells(column, block, self.digits) for block in blocks]
+        numbers = [_rounded(column, block, self.digits) for block in blocks]
         if column.name in _QUANTITIES:
             return _input_format(numbers)
         return _number_format(numbers, self.digits or _SIGNIFICANT)[0]
@@ -272,7 +271,7 @@ class _Workbook:
             row = []
             for column, style in zip(columns, styles, strict=True):
                 if column.is_number:
-                    row.append(sheet.numbers(rounded_cells(column, block, self.digits), block.shape, style))
+                    row.append(sheet.numbers(_rounded(column, block, self.digits), block.shape, style))
                 elif column.is_flag:
                     flags = column.values(block)
                     row.append(sheet.numbers(np.where(flags < 0, np.nan, flags), block.shape, style))
@@ -681,3 +680,8 @@ def _ink_on(regime: Regime) -> str:
 def _text(text: str) -> str:
     """Make a user's text that of a cell: visible characters, and not too many."""
     return visible(text)[:_MOST_CHARACTERS]
+
+
+def _rounded(column: Column, block: Block, digits: int | None) -> NDArray[np.float64]:
+    values = column.values(block)
+    return values if digits is None else rounded(values, digits)

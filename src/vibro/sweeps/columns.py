@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError, did_you_mean, shown
-from vibro.files.csv_tables import rounded_cells
+from vibro.files.rounding import rounded
 from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, SWEPT
 from vibro.results.operating import MACHINE_RESULTS, OPERATING
 from vibro.results.steady import RESULTS, Result
@@ -29,12 +28,13 @@ from vibro.sweeps.derived import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     import pandas as pd
+    import pyarrow as pa
     from numpy.typing import NDArray
 
-__all__ = ["Table", "categorical", "chosen", "column_names", "columns_of", "listed", "records", "to_frame"]
+__all__ = ["Table", "arrow_table", "chosen", "column_names", "columns_of", "frame_of", "listed", "to_frame"]
 
 
 @dataclass(frozen=True)
@@ -185,36 +185,65 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     return tuple(known[name] for name in names)
 
 
-def records(table: Table, block: Block) -> Iterator[dict[str, float | int | str | None]]:
-    """Return cells as mappings, for JSON.
+def arrow_table(columns: Sequence[Column], block: Block, digits: int | None = None) -> pa.Table:
+    """Return cells as an Arrow table, one row a cell: all tables are made of it.
 
     Parameters
     ----------
-    table : Table
-        The keys, and the digits of numbers.
+    columns : sequence of Column
+        What it holds.
     block : Block
         Solved cells.
+    digits : int, optional
+        Significant digits of numbers, which are exact without.
 
-    Yields
-    ------
-    dict
-        One a cell, in their order; None for missing numbers.
+    Returns
+    -------
+    pyarrow.Table
+        Numbers are doubles, flags are int8, both null where unknown; texts are dictionaries: of a column that
+        lists its texts all of them, in the order of their codes, else those that occur, in the order of the
+        alphabet. The metadata of a field are its unit and its meaning.
     """
-    names = [column.name for column in table.columns]
-    for row in zip(*(_plain(column, block, table.digits) for column in table.columns), strict=True):
-        yield dict(zip(names, row, strict=True))
+    import pyarrow as pa
+
+    arrays = [_array(column, block, digits) for column in columns]
+    fields = [
+        pa.field(column.name, array.type, metadata={"unit": column.unit, "meaning": column.meaning})
+        for column, array in zip(columns, arrays, strict=True)
+    ]
+    return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
 
 
-def _plain(column: Column, block: Block, digits: int | None) -> list[float | int | str | None]:
+def _array(column: Column, block: Block, digits: int | None) -> pa.Array:
+    import pyarrow as pa
+
+    values = column.values(block)
     if column.is_number:
-        numbers = np.broadcast_to(rounded_cells(column, block, digits), block.shape).ravel()
-        return [value if math.isfinite(value) else None for value in numbers.tolist()]
+        exact = values if digits is None else rounded(values, digits)
+        return _masked(exact, np.isfinite(exact), block.shape)
     if column.is_flag:
-        flags = np.broadcast_to(column.values(block), block.shape).ravel()
-        return [value if value >= 0 else None for value in flags.tolist()]
-    which, texts = column.coded(block)
-    known: list[str] = texts.tolist()
-    return [known[i] for i in np.broadcast_to(which, block.shape).ravel().tolist()]
+        return _masked(values.astype(np.int8, copy=False), values >= 0, block.shape)
+    if column.decode is None:
+        texts: Any = column.texts
+        which = np.where(values < 0, np.int8(len(texts) - 1), values)  # a remainder would take longer
+    else:
+        found = pa.array(values.ravel()).dictionary_encode()  # it hashes where NumPy sorts
+        unsorted = column.decode(found.dictionary.to_numpy(), block.cycle.long_patterns)
+        texts, place = np.unique(unsorted.astype(str), return_inverse=True)
+        which = place[found.indices.to_numpy()].reshape(values.shape)
+    indices = np.broadcast_to(which, block.shape).ravel().astype(np.int32)
+    return pa.DictionaryArray.from_arrays(indices, pa.array(texts, pa.string()))
+
+
+def _masked(values: NDArray[Any], known: NDArray[np.bool_], shape: tuple[int, ...]) -> pa.Array:
+    """Return cells with nulls where they are unknown, without a mask where none is."""
+    import pyarrow as pa
+
+    cells = np.ascontiguousarray(np.broadcast_to(values, shape))
+    mask = None
+    if not known.all():  # packed here, in a fraction of pyarrow's time
+        mask = pa.py_buffer(np.packbits(np.broadcast_to(known, shape), bitorder="little"))
+    return pa.Array.from_buffers(pa.from_numpy_dtype(cells.dtype), cells.size, [mask, pa.py_buffer(cells)])
 
 
 def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
@@ -230,46 +259,16 @@ def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Texts are categorical, as ``categorical`` makes them; missing numbers are NaN.
+        Texts are categorical, with the texts of ``arrow_table`` as categories; flags are nullable integers,
+        and missing numbers are NaN.
     """
+    return frame_of(arrow_table(columns, block))
+
+
+def frame_of(cells: pa.Table) -> pd.DataFrame:
+    """Return the data frame of ``to_frame`` of an Arrow table."""
     import pandas as pd
+    import pyarrow as pa
 
-    data: dict[str, Any] = {}
-    for column in columns:
-        if column.is_number or column.is_flag:
-            values = np.broadcast_to(column.values(block), block.shape).ravel()
-            if column.is_flag:
-                data[column.name] = pd.arrays.IntegerArray(values, values < 0)
-            else:
-                data[column.name] = np.where(np.isfinite(values), values, np.nan)
-        else:
-            which, texts = column.coded(block)
-            cells = np.broadcast_to(which, block.shape).ravel()
-            data[column.name] = categorical(column, texts.tolist(), cells)
-    return pd.DataFrame(data)
-
-
-def categorical(column: Column, texts: Iterable[str], which: NDArray[np.integer[Any]]) -> Any:
-    """Return texts as data frames have them.
-
-    Parameters
-    ----------
-    column : Column
-        If it lists its texts, all of them are categories, in the order of their codes, and behind them those
-        that only another version of vibro knows; else those that occur, in the order of the alphabet.
-    texts : iterable of str
-        Those that occur, each once, or more.
-    which : int array
-        Which of ``texts`` each cell has.
-
-    Returns
-    -------
-    pandas.Categorical
-    """
-    import pandas as pd
-
-    texts = list(texts)
-    categories = sorted(texts) if column.texts is None else list(dict.fromkeys([*column.texts, *texts]))
-    codes = {text: code for code, text in enumerate(categories)}
-    places = np.array([codes[text] for text in texts], np.intp)
-    return pd.Categorical.from_codes(places[which], dtype=pd.CategoricalDtype(categories))
+    found: pd.DataFrame = cells.to_pandas(types_mapper={pa.int8(): pd.Int8Dtype()}.get)
+    return found
