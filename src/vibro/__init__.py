@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from vibro.motion.branches import Branch, BranchEvent
     from vibro.motion.continuation import follow
     from vibro.motion.histories import simulate
-    from vibro.output.stored import open_sweep
-    from vibro.output.writing import write_sweep
     from vibro.records.waveforms import MeasuredMotion, measured_motion
     from vibro.results.attractors import Attractor, Attractors
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
@@ -35,6 +33,8 @@ if TYPE_CHECKING:
     from vibro.scene import Scene
     from vibro.steady import solve
     from vibro.sweeps.whole import read_scene, sweep
+    from vibro.tables.stored import open_sweep
+    from vibro.tables.writing import write_sweep
     from vibro.waveforms import Motion
 
 __all__ = [
@@ -116,7 +116,7 @@ _HOMES = {
     "follow": "vibro.motion.continuation",
     "guarantee": "vibro.inverse.guarantees",
     "measured_motion": "vibro.records.waveforms",
-    "open_sweep": "vibro.output.stored",
+    "open_sweep": "vibro.tables.stored",
     "operate": "vibro.machines.operating",
     "operating_points": "vibro.machines.operating",
     "read_scene": "vibro.sweeps.whole",
@@ -124,7 +124,7 @@ _HOMES = {
     "solve": "vibro.steady",
     "sweep": "vibro.sweeps.whole",
     "transitions": "vibro.limits",
-    "write_sweep": "vibro.output.writing",
+    "write_sweep": "vibro.tables.writing",
     "yield_share": "vibro.inverse.yields",
 }
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import FormatOption, Options, picture_formats  # typer reads the annotations
+from vibro.cli.options import Options  # typer reads the annotations
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -55,7 +55,6 @@ def accuracy_command(
     tolerance: Annotated[
         str, typer.Option("--tolerance", metavar="E", help="Tolerated error in mean speed [A f].")
     ] = "0.001",
-    formats: FormatOption = "png",
 ) -> int:
     """Run several methods on the same scenes: time a scene against error in mean speed.
 
@@ -67,12 +66,11 @@ def accuracy_command(
     """
     from vibro.cli.answer import count
     from vibro.cli.console import Console
+    from vibro.cli.outputs import Outputs
     from vibro.cli.request import plain_number, question, whole_number
-    from vibro.cli.series import SeriesOutput
-    from vibro.output.record import json_text
+    from vibro.tables.record import json_text
 
     console = Console(quiet=options.quiet)
-    wanted = picture_formats(formats)
     number = whole_number("--scenes", scenes)
     if number < 1:
         raise InputError(f"--scenes {number}: must be at least 1")
@@ -81,15 +79,8 @@ def accuracy_command(
         raise InputError(f"--tolerance {limit:g}: must be > 0")
     request = _request(options, context.obj)
     question(request, options)
-    with SeriesOutput(
-        f"{request.name or 'vibro'}-accuracy",
-        ("",),
-        formats=wanted,
-        options=options,
-        argv=context.obj,
-        console=console,
-        reads=[options.scene],
-    ) as output:
+    name = f"{request.name or 'vibro'}-accuracy"
+    with Outputs(options, name, context.obj, console, reads=[options.scene]) as output:
         grid = _grid(request, console)
         trade = _run(grid, number, limit, console)
         content = _content(trade, grid)

@@ -19,7 +19,6 @@ from vibro.inverse.extremes import counted
 from vibro.inverse.questions import MOST_DESIGN_THROW
 from vibro.inverse.windows import HOPS_SAMPLED, feasible_amplitudes
 from vibro.limits import critical_loads
-from vibro.output.record import json_text
 from vibro.quantities import (
     DEFAULTS,
     LEAST_SPEED,
@@ -37,6 +36,7 @@ from vibro.quantities import (
 from vibro.scene import Scene
 from vibro.steady import solve
 from vibro.sweeps.one_scene import bounce_text, bound, motion_text
+from vibro.tables.record import json_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -2,60 +2,45 @@
 
 from __future__ import annotations
 
+import io
 import json
-import math
+import shutil
 import sys
-from bisect import bisect_right
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Flight
-from vibro.cli.stems import output_stem
+from vibro.cli.outputs import Outputs
 from vibro.core.codes import Output, Regime, Status
-from vibro.errors import FileError, InputError
-from vibro.output.record import json_text, sweep_record
-from vibro.output.run import write_table
-from vibro.output.sinks import new_sink
-from vibro.output.staging import Staging
+from vibro.errors import FileError
 from vibro.quantities import QUANTITIES, as_given
 from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.one_scene import OneScene, bounce_text, estimate, number
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
+from vibro.tables.record import json_text, sweep_record
+from vibro.tables.sinks import Csv, Sink, write_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
-    from typing import BinaryIO
+    from pathlib import Path
 
     from matplotlib.figure import Figure
 
     from vibro.axes import Axis
     from vibro.cli.options import Options
+    from vibro.plots.view import View
     from vibro.results.sweep import Block, Peak
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
+    from vibro.tables.xlsx import Xlsx
 
-__all__ = [
-    "Pictures",
-    "answer_one",
-    "answer_sweep",
-    "byte_count",
-    "check_stdout",
-    "conclude",
-    "count",
-    "drawn",
-    "make_grid",
-    "peak_text",
-    "tell_peaks",
-    "write_sweep",
-]
-
+TABLES: Final = ("csv", "xlsx", "json")  # endings of tables alone
 _ROWS_OF_A_SHEET: Final = 1_048_576
 # [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
 # vary, and those that do where bodies hop alone.
@@ -70,22 +55,12 @@ class Pictures:
     ----------
     names : sequence of str
         What ``draw`` returns.
-    formats : sequence of str
-        Such as ``png``.
     draw : callable
         Returns the figures by name; called with what shows how many are drawn, and a note beside.
     """
 
     names: Sequence[str]
-    formats: Sequence[str]
     draw: Callable[[Callable[..., None]], Mapping[str, Figure]]
-
-    @property
-    def files(self) -> dict[str, tuple[str, str]]:
-        """Name and format of each, by its file in a folder of shards."""
-        from vibro.output.names import picture_file
-
-        return {picture_file(*which): which for which in product(self.names, self.formats)}
 
 
 @contextmanager
@@ -125,14 +100,12 @@ def make_grid(
 def write_sweep(
     grid: Grid,
     table: Table,
+    outputs: Outputs,
     options: Options,
-    argv: Sequence[str],
     console: Console,
-    name: str,
     pictures: Pictures | None = None,
     look: Callable[[Block], None] = lambda block: None,
-    form: str = "csv",
-    style: Mapping[str, Any] | None = None,
+    view: View | None = None,
 ) -> int:
     """Solve a grid and write its table, pictures and JSON.
 
@@ -142,20 +115,18 @@ def write_sweep(
         What to solve.
     table : Table
         What is written of it.
+    outputs : Outputs
+        Where to.
     options : Options
-        Where to write, and how.
-    argv : sequence of str
-        The arguments as typed.
+        How.
     console : Console
         For progress and messages.
-    name : str
-        The files' name where the options name none, or a folder.
     pictures : Pictures, optional
         What to draw.
     look : callable, optional
         Called with every block of solved cells, in their order.
-    form, style : optional
-        Form of the table, and options of its class.
+    view : View, optional
+        What the pictures show.
 
     Returns
     -------
@@ -167,71 +138,62 @@ def write_sweep(
     InputError, FileError
         If the grid is too large, or the files cannot be written.
     """
-    if style is None:
-        style = {"excel": options.excel, "decimal_comma": options.decimal_comma}
-    sink = new_sink(form, **style)
-    if form == "csv" and grid.size > _ROWS_OF_A_SHEET:
-        console.warn(
-            f"{count(grid.size)} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet;"
-            " --table parquet suits them better"
-        )
+    from vibro.files.csv_tables import CsvFormat
+    from vibro.tables.files import hidden_folder
 
-    def write(file: BinaryIO) -> Tally:
+    with outputs, ExitStack() as stack:
+        form = CsvFormat(decimal_comma=options.decimal_comma)
+        sinks: list[Sink] = []
+        books: list[Xlsx] = []
+        for path, (_, ending) in outputs.tables.items():
+            if ending == "csv":
+                _check_size(grid, _row_bytes(grid, table), path.parent, console)
+                sinks.append(Csv(stack.enter_context(outputs.waiting[path].open("wb")), table, form))
+            else:
+                from vibro.tables.xlsx import Xlsx
+
+                scratch = stack.enter_context(hidden_folder(path.parent))
+                books.append(Xlsx(outputs.waiting[path], scratch, grid, table, view))
+        if outputs.takes_stdout:
+            sinks.append(Csv(sys.stdout.buffer, table, form))
         with console.progress("solving", grid.size) as bar:
-
-            def report(done: int) -> None:
-                bar(done)
-                if form != "csv" and done == grid.size:
-                    console.echo(f"writing the table as {form}")
-
-            return write_table(grid, table, sink, file, argv, report=report, look=look)
-
-    if options.output == "-":
-        check_stdout(json=options.json)
-        return conclude(write(sys.stdout.buffer), grid, console)
-
-    with Staging(
-        output_stem(options.output, name, form),
-        force=options.force,
-        tables={"": form},
-        pictures=pictures.names if pictures else (),
-        formats=pictures.formats if pictures else (),
-        reads=[options.scene],
-    ) as files:
-        if form == "csv":
-            _check_size(grid, _row_bytes(grid, table), files)
-        with files.table().open("wb") as file:
-            tally = write(file)
+            tally = write_table(grid, table, [*sinks, *books], report=bar, look=look)
         content = sweep_record(grid, table, tally.told())
-        with drawn(pictures, console) as figures:
-            record = files.finish(argv, content, figures)
-    console.echo_all(files.told)
+        with drawn(pictures if outputs.pictures or books else None, console) as figures:
+            record = outputs.finish(content, figures)
+            if books:
+                console.echo("writing the workbook")
+            for book in books:
+                book.close(record, {name: _png(figure, record) for name, figure in figures.items()})
     if options.json:
         print(json_text(record))
     return conclude(tally, grid, console)
 
 
+def _png(figure: Figure, record: Mapping[str, Any]) -> bytes:
+    from vibro.plots import save
+    from vibro.tables.record import picture_metadata
+
+    stream = io.BytesIO()
+    save(figure, stream, "png", picture_metadata(record))
+    return stream.getvalue()
+
+
 def answer_sweep(
-    grid: Grid,
-    table: Table,
-    options: Options,
-    argv: Sequence[str],
-    console: Console,
-    name: str,
+    grid: Grid, table: Table, options: Options, argv: Sequence[str], console: Console, name: str
 ) -> int:
     """Solve a grid and print its table, as CSV or as JSON; write files if the options name an output.
 
-    Parameters and errors are those of ``write_sweep``.
+    Parameters and errors are those of ``write_sweep`` and ``Outputs``.
     """
-    if options.output is not None:
-        return write_sweep(grid, table, options, argv, console, name)
-    if not options.json:
-        return write_sweep(grid, table, replace(options, output="-"), argv, console, name)
+    if options.output or not options.json:
+        outputs = Outputs(options, name, argv, console, forms=TABLES, pictures=(), default="-")
+        return write_sweep(grid, table, outputs, options, console)
     tally = Tally()
     between = "[\n"
     for block in sweep_blocks(grid):
         tally.add(block)
-        for cell in arrow_table(table.columns, block, table.digits).to_pylist():
+        for cell in arrow_table(table.columns, block).to_pylist():
             print(between, json.dumps(cell, allow_nan=False), sep="", end="")
             between = ",\n"
     print("\n]")
@@ -285,61 +247,44 @@ def answer_one(
         for text in machine_warnings(grid.machine, values):
             Console(quiet=options.quiet).warn(text)
     blocks: list[Block] = []
-    if options.output is None:
+    if not options.output:
         blocks += sweep_blocks(grid)
     else:
+        console = Console(quiet=options.quiet)
+        outputs = Outputs(options, name, argv, console, forms=TABLES, pictures=(), reads=[options.scene])
         # JSON on stdout is the answer here, not the description of the files.
-        quiet = replace(options, json=options.json and options.output == "-")
-        code = write_sweep(grid, table, quiet, argv, Console(quiet=options.quiet), name, look=blocks.append)
-        if options.output == "-":
+        quiet = replace(options, json=False)
+        code = write_sweep(grid, table, outputs, quiet, console, look=blocks.append)
+        if outputs.takes_stdout:
             return code
     (block,) = blocks
     if options.json:
-        answer = answer or table
-        print(json_text(arrow_table(answer.columns, block, answer.digits).to_pylist()[0]))
+        print(json_text(arrow_table((answer or table).columns, block).to_pylist()[0]))
     else:
         print(report(OneScene(block)))
     return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE
-
-
-def check_stdout(*, json: bool) -> None:
-    """Refuse JSON on stdout beside a table."""
-    if json:
-        raise InputError("--json and -o - both want stdout", hint="leave one of them out")
 
 
 def _row_bytes(grid: Grid, table: Table) -> int:
     """Estimate what a row of a table comes to [B]."""
     short = {QUANTITIES[name].column for name in (*grid.fixed, "trough_length")}
     short |= {result.column for result in RESULTS if result.in_contact is not None or not result.is_number}
-    long = _LONG if table.digits is None else min(_LONG, table.digits + 2)  # a point, a separator
-    return sum(_SHORT if column.name in short else long for column in table.columns)
+    return sum(_SHORT if column.name in short else _LONG for column in table.columns)
 
 
-def _check_size(grid: Grid, row_bytes: int, files: Staging) -> None:
-    free, needed = files.free_space(), grid.size * row_bytes
+def _check_size(grid: Grid, row_bytes: int, folder: Path, console: Console) -> None:
+    """Refuse a CSV for which there is no space, and warn of one that no spreadsheet opens."""
+    cells, free, needed = count(grid.size), shutil.disk_usage(folder).free, grid.size * row_bytes
     if needed > free:
-        sizes = f"about {byte_count(needed)}, but only {byte_count(free)} are free"
-        product = f"{' x '.join(map(str, grid.shape))} = " if len(grid.shape) > 1 else ""
-        cells = f"{product}{count(grid.size)} cells are" if grid.size > 1 else "one cell is"
         raise FileError(
-            f"{cells} {sizes} in {files.folder}",
-            hint=f"free some space, {_fewer(grid.shape, free // row_bytes)}, or write --table parquet",
+            f"{cells} cells are about {byte_count(needed)}, but only {byte_count(free)} are free in {folder}",
+            hint="free some space, ask for fewer values, or write a folder, such as -o wide.parquet",
         )
-
-
-def _fewer(counts: Sequence[int], room: int) -> str:
-    """Say how many values would fit into so many cells, by shortening the longest axes."""
-    most = (
-        bisect_right(range(max(counts, default=1)), room, key=lambda n: math.prod(min(n, m) for m in counts))
-        - 1
-    )
-    most -= most % 10 ** max(0, len(str(most)) - 2)  # two digits are enough
-    fitting = [min(most, m) for m in counts]
-    if most < 2:
-        return "ask for fewer values"
-    example = " x ".join(map(str, fitting))
-    return f"ask for at most {count(room)} cells{f', such as {example}' if len(counts) > 1 else ''}"
+    if grid.size > _ROWS_OF_A_SHEET:
+        console.warn(
+            f"{cells} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet;"
+            " a folder suits them better, such as -o wide.parquet"
+        )
 
 
 def byte_count(number: float) -> str:

@@ -12,7 +12,7 @@ import typer
 from vibro.cli.completion import complete_fitted
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import FormatOption, Options, picture_formats
+from vibro.cli.options import Options
 from vibro.cli.record_options import (
     ReverseOption,
     SensitivityOption,
@@ -102,7 +102,6 @@ def compare_command(
             autocompletion=complete_fitted,
         ),
     ] = None,
-    formats: FormatOption = "png",
 ) -> int:
     """Compare a record of a sensor, or of a CAD motion study, with the exact steady motion of a scene.
 
@@ -111,8 +110,8 @@ def compare_command(
     STEM-summary.csv, STEM.json and a picture.
     """
     from vibro.cli.compare_report import comparison_report
+    from vibro.cli.outputs import Outputs, scene_record
     from vibro.cli.request import question, request_of
-    from vibro.cli.series import SeriesOutput, scene_record
     from vibro.quantities import DRIVES, LOAD, MASS, checked_number
     from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
@@ -123,7 +122,6 @@ def compare_command(
     from vibro.records.trough import trough_of
 
     console = Console(quiet=options.quiet)
-    wanted = picture_formats(formats)
     names = _fitted_names(fit)
     options, data = scene_and_data(options, data, "compare")
     body = None
@@ -179,15 +177,8 @@ def compare_command(
         clock=drive.clock if drive else None,
         absolute=absolute,
     )
-    with SeriesOutput(
-        f"{data.stem}-compare",
-        ("", "summary"),
-        formats=wanted,
-        options=options,
-        argv=context.obj,
-        console=console,
-        reads=(data, options.scene),
-    ) as output:
+    name, kinds = f"{data.stem}-compare", ("", "summary")
+    with Outputs(options, name, context.obj, console, tables=kinds, reads=(data, options.scene)) as output:
         comparison = compare(scene, observation)
         if observation.middle is not observation:
             rows = observation.middle.time.size
@@ -227,7 +218,7 @@ def compare_command(
     if output.takes_stdout:
         return ExitCode.DONE
     if options.json:
-        from vibro.output.record import json_text
+        from vibro.tables.record import json_text
 
         print(json_text(content))
     else:

@@ -7,23 +7,10 @@ import sys
 from typing import TYPE_CHECKING, Final
 
 from vibro.errors import InputError
-from vibro.output.names import PICTURE_FORMATS
 from vibro.quantities import QUANTITIES, SWEPT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-
-__all__ = [
-    "check_shell",
-    "complete_axes",
-    "complete_columns",
-    "complete_fitted",
-    "complete_formats",
-    "complete_held_axes",
-    "complete_in_plain_text",
-    "complete_panels",
-    "listed",
-]
 
 _ASKED_BY: Final = "_VIBRO_COMPLETE"  # variable of the environment
 _SHELLS: Final = ("bash", "zsh", "fish", "powershell", "pwsh")
@@ -103,5 +90,4 @@ def _fitted() -> Iterable[str]:
 
 complete_columns = listed(_columns)
 complete_fitted = listed(_fitted)
-complete_formats = listed(lambda: PICTURE_FORMATS)
 complete_panels = listed(_panels)

@@ -10,7 +10,7 @@ import typer
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import FormatOption, Options, picture_formats
+from vibro.cli.options import Options
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,7 +52,6 @@ def design_command(
     source: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="The question.", show_default=False)],
     only: OnlyOption = None,
     digits: DigitsOption = None,
-    formats: FormatOption = "png",
 ) -> int:
     """Find drive settings that convey every part at least at a required speed, for all its frictions.
 
@@ -64,30 +63,21 @@ def design_command(
     and the exit code is 4.
     """
     from vibro.cli.design_report import design_report
+    from vibro.cli.outputs import Outputs
     from vibro.cli.request import whole_number
-    from vibro.cli.series import SeriesOutput
     from vibro.inverse.designs import checked_digits, chosen_of, find_designs
     from vibro.inverse.reading import read_spec
     from vibro.inverse.rounding import DIGITS
-    from vibro.output.record import json_text
     from vibro.plots.design import DESIGN_PICTURES
+    from vibro.tables.record import json_text
 
     console = Console(quiet=options.quiet)
-    wanted = picture_formats(formats)
     count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))
     spec = read_spec(source)
     for doubt in spec.doubts():
         console.warn(doubt)
-    with SeriesOutput(
-        f"{spec.name}-design",
-        ("",),
-        pictures=DESIGN_PICTURES,
-        formats=wanted,
-        options=options,
-        argv=context.obj,
-        console=console,
-        reads=[source],
-    ) as output:
+    name = f"{spec.name}-design"
+    with Outputs(options, name, context.obj, console, pictures=DESIGN_PICTURES, reads=[source]) as output:
         with console.progress("searching", None) as report:
             result = find_designs(
                 spec,

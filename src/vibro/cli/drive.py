@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.options import FormatOption, Options, picture_formats
+from vibro.cli.options import Options
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import QUANTITIES, kinetic_friction, nearest_double
 
@@ -59,7 +59,6 @@ def drive_command(
             show_default=False,
         ),
     ] = None,
-    formats: FormatOption = "png",
 ) -> int:
     """Print the set-up sheet of a machine and its filling, or fit the machine to measured amplitudes.
 
@@ -69,13 +68,12 @@ def drive_command(
     bands, such as 90:110.
     With -o the operating points go to STEM.csv, and amplitude and speed over frequency to STEM-response.png.
     """
-    wanted = picture_formats(formats)
     console = Console(quiet=options.quiet)
     if fit is None:
         for option, value in (("--law", law), ("--amplitude-error", amplitude_error)):
             if value is not None:
                 raise InputError(f"{option} belongs to --fit", hint="add --fit POINTS.csv, or leave it out")
-        return _sheet(wanted, options, context.obj, console)
+        return _sheet(options, context.obj, console)
     if law not in (None, "constant", "square"):
         raise InputError(
             f"--law {shown(law)}: must be constant or square", hint="constant is that of magnets"
@@ -92,7 +90,6 @@ def drive_command(
         file.machine if file else None,
         law=law,
         amplitude_error=amplitude_error,
-        formats=wanted,
         options=options,
         argv=context.obj,
         console=console,
@@ -112,16 +109,16 @@ def _scene_file(path: Path | None) -> SceneFile | None:
     return file
 
 
-def _sheet(formats: Sequence[str], options: Options, argv: Sequence[str], console: Console) -> int:
+def _sheet(options: Options, argv: Sequence[str], console: Console) -> int:
     """Print the set-up sheet, and write its files where they are wanted."""
     from vibro.cli.drive_report import columns, content, picture_texts, report
     from vibro.cli.exit_codes import ExitCode
+    from vibro.cli.outputs import Outputs
     from vibro.cli.request import question, request_of
-    from vibro.cli.series import SeriesOutput
     from vibro.cli.words import in_options
     from vibro.core.codes import Status
-    from vibro.output.record import json_text
     from vibro.reports.set_up_sheet import SheetRequest, make_sheet
+    from vibro.tables.record import json_text
 
     if options.scene is None:
         hint = "vibro drive feeder.toml; or vibro drive --fit POINTS.csv fits a machine to amplitudes"
@@ -145,19 +142,12 @@ def _sheet(formats: Sequence[str], options: Options, argv: Sequence[str], consol
             )
         values.setdefault("kinetic_friction", float(kinetic_friction(ratio, values["static_friction"])))
     values["filling"] = 0.0
-    with SeriesOutput(
-        f"{file.name}-drive",
-        ("",),
-        pictures=("response",),
-        formats=formats,
-        options=options,
-        argv=argv,
-        console=console,
-        reads=(options.scene,),
+    with Outputs(
+        options, f"{file.name}-drive", argv, console, pictures=("response",), reads=(options.scene,)
     ) as output:
         with console.progress("guaranteeing", len(settings)) as bar:
             asked = SheetRequest(given, values, settings, bands)
-            sheet = make_sheet(asked, picture=output.writes_files, progress=bar)
+            sheet = make_sheet(asked, picture=bool(output.pictures), progress=bar)
         for warning in sheet.warnings:
             console.warn(warning)
         told = content(sheet)

@@ -10,8 +10,8 @@ import numpy as np
 
 from vibro.cli.compare_report import uncertain
 from vibro.cli.exit_codes import ExitCode
+from vibro.cli.outputs import Outputs
 from vibro.cli.report import aligned
-from vibro.cli.series import SeriesOutput
 from vibro.errors import InputError, SceneError, printable
 from vibro.quantities import LENGTH, PERCENT, Quantity, Range, checked_number
 
@@ -50,7 +50,6 @@ def fit_points(
     *,
     law: str | None,
     amplitude_error: str | None,
-    formats: Sequence[str],
     options: Options,
     argv: Sequence[str],
     console: Console,
@@ -65,7 +64,7 @@ def fit_points(
         The machine of the scene file, whose masses the new table has.
     law, amplitude_error : str or None
         As typed.
-    formats, options, argv, console
+    options, argv, console
         Shared options of commands that write files.
 
     Returns
@@ -80,21 +79,14 @@ def fit_points(
     """
     from vibro.files.points import read_points
     from vibro.machines.fitting import LEAST_POINTS, POINTS_FOR_ERROR, fit_response
-    from vibro.output.record import json_text
+    from vibro.tables.record import json_text
 
     law = _law(law, given)
     stated = None
     if amplitude_error is not None:
         stated = float(_ERROR.kind.to_si(checked_number(amplitude_error, _ERROR)))
-    with SeriesOutput(
-        f"{path.stem}-fit",
-        ("",),
-        pictures=("response",),
-        formats=formats,
-        options=options,
-        argv=argv,
-        console=console,
-        reads=(path, options.scene),
+    with Outputs(
+        options, f"{path.stem}-fit", argv, console, pictures=("response",), reads=(path, options.scene)
     ) as output:
         points = read_points(path)
         if (count := np.unique(points.frequency).size) < LEAST_POINTS:

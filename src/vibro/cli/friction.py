@@ -34,7 +34,7 @@ def friction_command(
     In a question of vibro design a row is named static_friction = "steel on steel, dry, Lust".
     """
     from vibro.friction_catalogue import find
-    from vibro.output.record import json_text
+    from vibro.tables.record import json_text
 
     found = find(" ".join(pair or ()))
     if json:

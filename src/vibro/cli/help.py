@@ -31,9 +31,9 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = {
         "cycles", "duration", "start_phase", "start_velocity", "start_height", "start_normal_velocity",
         "every",
     ),
-    "Pictures": ("show", "panels", "begin", "end", "formats"),
+    "Pictures": ("show", "panels", "begin", "end"),
     "Tables": (
-        "columns", "digits", "samples", "excel", "decimal_comma", "table", "shard_cells", "shards", "workers",
+        "columns", "digits", "samples", "decimal_comma", "workers",
         "scheduler", "resume",
     ),
     "Run": (

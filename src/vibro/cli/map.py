@@ -12,34 +12,20 @@ from vibro.cli.options import (
     CoexistOption,
     Flight,
     FlightOption,
-    FormatOption,
     Options,
     RegimesOnlyOption,
-    picture_formats,
     refuse_without_flight,
-)
-from vibro.cli.shards import (
-    CSV,
-    ResumeOption,
-    SchedulerOption,
-    ShardCellsOption,
-    ShardsOption,
-    TableOption,
-    WorkersOption,
-    sharding_of,
-    write_sharded,
 )
 from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
-    DigitsOption,
     MassOption,
     PitchOption,
     part_of,
     table_of,
     throughput_of,
 )
-from vibro.cli.views import SHOWN, axis_name, held_axes, shown_pictures, tell_choices
+from vibro.cli.views import SHOWN, names_of, shown_pictures, tell_choices, view_of
 from vibro.core.codes import Output
 from vibro.errors import FileError, InputError
 from vibro.files.nearby import suggestion
@@ -49,9 +35,19 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from vibro.cli.outputs import Outputs
     from vibro.results.sweep import Block
 
-__all__ = ["map_command"]
+WorkersOption = Annotated[
+    str | None,
+    typer.Option(
+        "--workers",
+        metavar="NUMBER|ADDRESS",
+        help="With -o NAME.parquet: number of processes that make it, or the address of a Dask cluster,"
+        " such as tcp://host:8786; by default threads of one process.",
+        show_default=False,
+    ),
+]
 
 
 def map_command(
@@ -109,34 +105,27 @@ def map_command(
             show_default=False,
         ),
     ] = None,
-    formats: FormatOption = "png",
     flight: FlightOption = Flight.ON,
     regimes_only: RegimesOnlyOption = False,
     coexist: CoexistOption = False,
     columns: ColumnsOption = None,
-    digits: DigitsOption = None,
     pitch: PitchOption = None,
     mass: MassOption = None,
-    table: TableOption = CSV,
-    shard_cells: ShardCellsOption = None,
-    shards: ShardsOption = None,
     workers: WorkersOption = None,
-    scheduler: SchedulerOption = None,
-    resume: ResumeOption = False,
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
     An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log;
     without a count a range has 200 values, 100 beside another axis and 20 beside more. Numbers may carry
     units: 800um, 900rpm, 0.35rad. Without amplitude or frequency the map covers 0.1:3 mm and 5:60 Hz. The
-    results go to STEM.csv, STEM.json and pictures; with --table xlsx to a workbook, with --table parquet to a
-    folder. Give such a folder instead of a scene file to draw its pictures. A list of at most 12 values is
-    drawn as curves beside one range, and as several maps beside two.
+    results go to NAME.csv, NAME.json and pictures; with -o NAME.xlsx to a workbook, with -o NAME.parquet to a
+    folder, in which the same command goes on. Give such a folder instead of a scene file to draw its
+    pictures. A list of at most 12 values is drawn as curves beside one range, and as several maps beside two.
     """
     if options.scene is not None and options.scene.is_dir():
         from vibro.cli.stored_map import map_stored
 
-        return map_stored(context, options, x, y, at or [], show or [], speed, formats)
+        return map_stored(context, options, x, y, at or [], show or [], speed)
     if options.scene is not None and not options.scene.exists():
         raise FileError(
             f"cannot read {options.scene}: there is no such file or folder",
@@ -145,10 +134,10 @@ def map_command(
     if options.scene is not None and options.scene.suffix == ".parquet":
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.answer import Pictures, make_grid, write_sweep
+    from vibro.cli.outputs import PICTURES, Outputs
     from vibro.cli.request import question, request_of
     from vibro.cli.target_speed import TargetSpeed, target_in_pictures
-    from vibro.plots import picture_names
-    from vibro.plots.view import check_drawable, choose_view
+    from vibro.plots.view import check_drawable
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC, bent
     from vibro.results.sweep import at_rest, where_motion_begins
@@ -157,7 +146,6 @@ def map_command(
     from vibro.sweeps.run import DrawnCells, limits_of
 
     console = Console(quiet=options.quiet)
-    wanted = picture_formats(formats)
     shown = shown_pictures(show or [])
     output = Output.REGIMES if regimes_only else Output.EXACT
     if shown:
@@ -168,15 +156,6 @@ def map_command(
     if target_speed is not None and output is not Output.EXACT:
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
-    sharding = sharding_of(
-        table,
-        options,
-        shard_cells=shard_cells,
-        shards=shards,
-        workers=workers,
-        scheduler=scheduler,
-        resume=resume,
-    )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question(request, options)
     grid = make_grid(request, console, output=output, flight=flight, coexistence=coexist)
@@ -187,16 +166,22 @@ def map_command(
         made_with=grid.made_with,
         machine=grid.machine is not None,
     )
-    written = table_of(
-        usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part
-    )
-    axes, fixed = grid.told_axes, grid.told(grid.fixed)
-    held = grid.told(held_axes(at or [], axes))
-    view = choose_view(axes, x and axis_name(x), y and axis_name(y), held, fixed)
+    written = table_of(usual, columns, needed=NEEDS_PART, has_length=grid.length is not None, part=part)
+    axes = grid.told_axes
+    view, held = view_of(grid, x, y, at or [])
+    names = names_of(view, grid, shown)
     name = request.name or "vibro-map"
-
+    outputs = Outputs(
+        options, name, context.obj, console, forms=("csv", "xlsx", "parquet", "json", *PICTURES),
+        pictures=names, reads=[options.scene], default=name,
+    )  # fmt: skip
+    number = _workers(workers, outputs)
+    draws = bool(outputs.pictures) or any(form == "xlsx" for _, form in outputs.tables.values())
+    if draws:
+        check_drawable(view)
+        tell_choices(view, axes, held, console)
     target = None if target_speed is None else TargetSpeed(axes, target_speed)
-    cells = None if sharding or options.output == "-" else DrawnCells.of(grid, view.drawn)
+    cells = None if outputs.folder or not draws else DrawnCells.of(grid, view.drawn)
     reached = ""
 
     def draw(show: Callable[..., None]) -> dict[str, Figure]:
@@ -208,44 +193,31 @@ def map_command(
             grid, view.drawn, request.own, request.name or "", cells,
             lambda done, size: show(0, f"solving {done / size:.0%}"),
         )  # fmt: skip
-        if target and sharding:
+        if target and outputs.folder:
             reached = target_in_pictures(result, axes, target.speed)
-        y_name = view.y.name if view.y else None
         return map_figures(
             result,
             names,
             x=view.x.name,
-            y=y_name,
+            y=view.y.name if view.y else None,
             target_speed=target_speed,
             progress=lambda done, size: show(done),
         )
 
-    names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
-    if grid.output is not Output.EXACT:
-        names = [name for name in names if name == "regime"]
-    pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
-    if pictures:
-        check_drawable(view)
-        tell_choices(view, axes, held, console)
-    if sharding is not None:
-        if target and target.is_of_frictions:
-            raise InputError(
-                "--speed: which frictions reach it is not known for a folder",
-                hint="leave it out, or --table parquet",
-            )
-        files = list(pictures.files) if pictures else []
-        plan = sharding.plan(grid, written, request.name or "", request.own, files)
-        code, tally = write_sharded(plan, sharding, options, context.obj, console, name, pictures)
+    pictures = Pictures(names, draw) if draws else None
+    if outputs.folder:
+        from vibro.cli.folders import write_stored
+
+        if target and (target.is_of_frictions or not draws):
+            raise InputError("--speed: not known of a folder alone", hint="leave it out, or add -o NAME.png")
+        code, rests = write_stored(
+            grid, written, request.name or "", request.own, outputs, number, options, console, pictures
+        )
         if reached:
             console.echo(reached)
-        if tally.at_rest and shards is None:
-            console.echo(where_motion_begins(axes, fixed, limits_of(grid.values())))
+        if rests:
+            console.echo(where_motion_begins(axes, grid.told(grid.fixed), limits_of(grid.values())))
         return code
-    style = None
-    if table != CSV:  # a workbook has maps of its own
-        style = {
-            "name": request.name or "", "x": x and axis_name(x), "y": y and axis_name(y), "at": held,
-        }  # fmt: skip
     moves, bends = False, 0
 
     def look(block: Block) -> None:
@@ -257,7 +229,7 @@ def map_command(
         if cells:
             cells.add(block)
 
-    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table, style)
+    code = write_sweep(grid, written, outputs, options, console, pictures, look, view)
     if target:
         console.echo(target.text())
     if bends:
@@ -267,5 +239,19 @@ def map_command(
             f" {BENT_SPEED.column} of --columns"
         )
     if not moves:
-        console.echo(where_motion_begins(axes, fixed, limits_of(grid.values())))
+        console.echo(where_motion_begins(axes, grid.told(grid.fixed), limits_of(grid.values())))
     return code
+
+
+def _workers(text: str | None, outputs: Outputs) -> int | str | None:
+    """Read who makes a folder; a table in one file is made by this process."""
+    from vibro.cli.request import whole_number
+    from vibro.tables.writing import checked_workers
+
+    if outputs.folder and (outputs.tables or outputs.takes_stdout):
+        raise InputError("a folder and another table are asked for at once", hint="leave one -o out")
+    if text is None:
+        return None
+    if not outputs.folder:
+        raise InputError("--workers: only a folder is made by workers", hint="add -o NAME.parquet")
+    return checked_workers(text if "://" in text else whole_number("--workers", text))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Self
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -56,7 +56,7 @@ def motion_command(
         ),
     ] = None,
     output: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             "-o",
             "--output",
@@ -76,18 +76,22 @@ def motion_command(
     scene file, for vibro solve, vibro map and others.
     """
     from vibro.cli.motion_report import MotionReport
+    from vibro.cli.outputs import Outputs
     from vibro.cli.request import question
-    from vibro.output.record import json_text
     from vibro.quantities import DRIVES, LOAD, QUANTITIES, checked_number, scene_fields
     from vibro.records.measured_speeds import hop_onset, speeds_of
     from vibro.records.reading import read_record
     from vibro.records.signals import read_sensitivities
     from vibro.records.waveforms import motion_of
+    from vibro.tables.record import json_text
 
     console = Console(quiet=options.quiet)
     options, data = scene_and_data(options, data, "motion", "RECORD.csv")
-    if json and output == "-":
-        raise InputError("--json and -o - both want stdout", hint="leave one of them out")
+    options = replace(options, output=output, json=json, force=force)
+    files = Outputs(
+        options, f"{data.stem}-drive", context.obj, console,
+        forms=("toml",), pictures=(), reads=(data, options.scene),
+    )  # fmt: skip
     angle = None
     if drive_angle is not None:
         quantity = QUANTITIES["drive_angle"]
@@ -98,7 +102,7 @@ def motion_command(
     request, has_friction = _rest_of_scene(options, context.obj)
     given = {"time": time, "trough_along": trough_along, "trough_normal": trough_normal}
     columns = {name: text for name, text in given.items() if text is not None}
-    with _Target(output, data, options, console, force=force) as target:
+    with files:
         record = read_record(data, columns, read_sensitivities(sensitivity or ()), body=False)
         for note in record.notes:
             console.echo(note)
@@ -115,8 +119,8 @@ def motion_command(
         onset = hop_onset(measured, others)
         lengths = {} if request.length is None else {"trough_length": request.length}
         report = MotionReport(data, measured, onset, speeds, rest | lengths)
-        target.write(report.scene_file())
-    if output != "-":
+        files.write_text(report.scene_file())
+    if not files.takes_stdout:
         print(json_text(report.content()) if json else report.text())
     return ExitCode.UNRESOLVED if report.unresolved else ExitCode.DONE
 
@@ -137,42 +141,3 @@ def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool
     given = {**options.given, **_HARMLESS, **frictions}
     why = "the record is what the machine does"
     return request_of(replace(options, given=given), argv, without_machine=why), has_friction
-
-
-class _Target:
-    """Where the scene file goes: a file, whose name is held from the beginning, stdout or nowhere."""
-
-    def __init__(
-        self, output: str | None, data: Path, options: Options, console: Console, *, force: bool
-    ) -> None:
-        from vibro.cli.stems import output_stem
-        from vibro.output.staging import Staging
-
-        self._takes_stdout = output == "-"
-        self._console = console
-        self._files: Staging | None = None
-        if output is not None and not self._takes_stdout:
-            path = Path(output)
-            is_named = output.casefold().endswith(".toml") and not path.is_dir()
-            stem = path.with_suffix("") if is_named else output_stem(output, f"{data.stem}-drive")
-            tables = {"": path.suffix[1:] if is_named else "toml"}
-            reads = (data, options.scene)
-            self._files = Staging(stem, force=force, tables=tables, reads=reads, described=False)
-
-    def write(self, text: str) -> None:
-        """Write the scene file, if it is wanted."""
-        if self._takes_stdout:
-            print(text, end="")
-        elif self._files:
-            self._files.table().write_text(text, encoding="utf-8")
-            self._files.finish()
-            self._console.echo_all(self._files.told)
-
-    def __enter__(self) -> Self:
-        if self._files:
-            self._files.__enter__()
-        return self
-
-    def __exit__(self, *raised: Any) -> None:
-        if self._files:
-            self._files.__exit__(*raised)

@@ -12,35 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
 import typer
 
-from vibro.cli.completion import complete_formats
 from vibro.core.codes import Output
-from vibro.errors import InputError, cut, shown
-from vibro.output.names import PICTURE_FORMATS
+from vibro.errors import InputError
 from vibro.quantities import DRIVES, MACHINE, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from vibro.quantities import Quantity
-
-__all__ = [
-    "CoexistOption",
-    "DebugOption",
-    "Flight",
-    "FlightOption",
-    "ForceOption",
-    "FormatOption",
-    "JsonOption",
-    "Options",
-    "OutputOption",
-    "QuietOption",
-    "RegimesOnlyOption",
-    "VersionOption",
-    "picture_formats",
-    "print_version",
-    "refuse_without_flight",
-    "shares_options",
-]
 
 
 class Flight(StrEnum):
@@ -86,34 +65,14 @@ def print_version(context: typer.Context, wanted: bool) -> None:
         raise typer.Exit
 
 
-def picture_formats(text: str) -> list[str]:
-    """Read the formats that pictures are to have, such as ``png,svg``."""
-    names = list(dict.fromkeys(name.strip().casefold() for name in text.split(",")))
-    for name in names:
-        if name not in PICTURE_FORMATS:
-            raise InputError(
-                f"--format {cut(text)}: {shown(name)} is not a format of pictures",
-                hint=f"they are {', '.join(PICTURE_FORMATS)}",
-            )
-    return names
-
-
-FormatOption = Annotated[
-    str,
-    typer.Option(
-        "--format",
-        metavar=",".join(PICTURE_FORMATS),
-        help="Formats of pictures.",
-        autocompletion=complete_formats,
-    ),
-]
 OutputOption = Annotated[
-    str | None,
+    list[str] | None,
     typer.Option(
         "-o",
         "--output",
-        metavar="STEM",
-        help="Stem or folder of the files to write; - for stdout.",
+        metavar="PATH",
+        help="A file to write; its ending says what, .csv .json .png ...; a name without an ending is that of"
+        " all usual ones; - is CSV on stdout. Repeatable.",
         show_default=False,
     ),
 ]
@@ -147,7 +106,6 @@ class Options:
     ] = None
     output: OutputOption = None
     json: JsonOption = False
-    excel: Annotated[bool, typer.Option("--excel", help="Begin CSV with a byte order mark.")] = False
     decimal_comma: Annotated[
         bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.")
     ] = False
@@ -157,7 +115,7 @@ class Options:
     version: VersionOption = False
 
 
-_OF_TABLE: Final = ("json", "excel", "decimal_comma")
+_OF_TABLE: Final = ("json", "decimal_comma")
 _OF_ANSWER: Final = ("output", *_OF_TABLE, "force")
 
 

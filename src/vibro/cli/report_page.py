@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import typer  # typer reads the annotations
@@ -13,6 +14,7 @@ from vibro.cli.console import Console
 from vibro.cli.design import design_record
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options
+from vibro.cli.outputs import Outputs
 from vibro.cli.table_options import MassOption, PitchOption, part_of, throughput_of
 from vibro.errors import InputError
 
@@ -72,8 +74,8 @@ def _remedy(given: Iterable[str], part: Mapping[str, float]) -> str:
 
 def _report_scene(options: Options, argv: Sequence[str], part: Mapping[str, float], console: Console) -> int:
     from vibro.cli.answer import make_grid
+    from vibro.cli.outputs import scene_record
     from vibro.cli.request import question, request_of
-    from vibro.cli.series import scene_record
     from vibro.core.codes import Status
     from vibro.quantities import STANDS_FOR
     from vibro.reports.page import page_html
@@ -127,20 +129,10 @@ def _report_design(source: Path, options: Options, argv: Sequence[str], console:
 
 @contextmanager
 def _placed(name: str, options: Options, argv: Sequence[str], console: Console) -> Iterator[Write]:
-    """Hold the files before anything is computed, and give what writes a page and its record."""
-    if options.output in (None, "-"):
+    """Check the files before anything is computed, and give what writes a page and its record."""
+    if not options.output or "-" in options.output:
         sys.stdout.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
-        yield lambda html, record: print(html, end="")
-        return
-    from vibro.cli.stems import output_stem
-    from vibro.output.staging import Staging
-
-    stem = output_stem(options.output, name)
-    with Staging(stem, force=options.force, tables={"": "html"}, reads=[options.scene]) as files:
-
-        def write(html: str, record: Mapping[str, Any]) -> None:
-            files.table().write_text(html, encoding="utf-8")
-            files.finish(argv, record)
-
-        yield write
-    console.echo_all(files.told)
+    told = replace(options, output=options.output or ["-"])
+    reads = [options.scene]
+    with Outputs(told, name, argv, console, forms=("html", "json"), pictures=(), reads=reads) as files:
+        yield files.write_text

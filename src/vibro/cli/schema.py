@@ -8,9 +8,7 @@ from typing import Annotated
 import typer
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import DebugOption, ForceOption, OutputOption, QuietOption, VersionOption
-
-__all__ = ["SchemaOf", "schema_command"]
+from vibro.cli.options import DebugOption, ForceOption, Options, OutputOption, QuietOption, VersionOption
 
 
 class SchemaOf(StrEnum):
@@ -36,19 +34,14 @@ def schema_command(
     goes to STEM.json.
     """
     from vibro.cli.console import Console
-    from vibro.cli.stems import output_stem
+    from vibro.cli.outputs import Outputs
     from vibro.files.descriptions import FILES
     from vibro.files.json_schema import schema_of
-    from vibro.output.record import json_text
-    from vibro.output.staging import Staging
+    from vibro.tables.record import json_text
 
-    text = json_text(schema_of(FILES[kind]))
-    if output in (None, "-"):
-        print(text)
-        return ExitCode.DONE
-    stem = output_stem(output, f"vibro-{kind}.schema")
-    with Staging(stem, force=force, tables={"": "json"}, described=False) as files:
-        files.table().write_text(text + "\n", encoding="utf-8")
-        files.finish()
-    Console(quiet=quiet).echo_all(files.told)
+    text = json_text(schema_of(FILES[kind])) + "\n"
+    options = Options(output=output or ["-"], force=force)
+    console = Console(quiet=quiet)
+    with Outputs(options, f"vibro-{kind}.schema", (), console, forms=("json",), pictures=()) as files:
+        files.write_text(text)
     return ExitCode.DONE

@@ -12,7 +12,7 @@ import typer
 from vibro.cli.completion import complete_panels
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import FormatOption, Options, picture_formats
+from vibro.cli.options import Options
 from vibro.errors import InputError, cut, shown
 
 if TYPE_CHECKING:
@@ -108,15 +108,14 @@ def simulate_command(
         bool,
         typer.Option("--all", help="Print all phases and every bounce, not only the first 24 rows."),
     ] = False,
-    formats: FormatOption = "png",
 ) -> int:
     """Simulate the motion of one body: phases, motion and forces, exact at any time.
 
     The first 24 phases are printed; bounces that die out count as one. With -o all phases go to
     STEM-phases.csv, the motion and the forces per unit mass to STEM.csv, and their picture to STEM.png.
     """
+    from vibro.cli.outputs import Outputs, scene_record
     from vibro.cli.request import plain_number, question, request_of, warn_of_machine, whole_number
-    from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
     from vibro.quantities import (
@@ -131,7 +130,6 @@ def simulate_command(
     )
 
     console = Console(quiet=options.quiet)
-    wanted = picture_formats(formats)
     choose_panels(panels, flies=True)
     request = request_of(options, context.obj)
     question(request, options)
@@ -158,15 +156,8 @@ def simulate_command(
         START_NORMAL_VELOCITY.column: rate,
         "samples_per_cycle": rows,
     }
-    with SeriesOutput(
-        f"{request.name or 'vibro'}-history",
-        ("", "phases"),
-        formats=wanted,
-        options=options,
-        argv=context.obj,
-        console=console,
-        reads=[options.scene],
-    ) as output:
+    name, tables = f"{request.name or 'vibro'}-history", ("", "phases")
+    with Outputs(options, name, context.obj, console, tables=tables, reads=[options.scene]) as output:
         follow = partial(
             simulate,
             scene,

@@ -20,7 +20,6 @@ from vibro.cli.options import (
 from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
-    DigitsOption,
     MassOption,
     PitchOption,
     part_of,
@@ -77,7 +76,6 @@ def solve_command(
         typer.Option("--hopping", help="With --speed: the body may hop, up to a throw number of 10."),
     ] = False,
     columns: ColumnsOption = None,
-    digits: DigitsOption = None,
     pitch: PitchOption = None,
     mass: MassOption = None,
     trough_mass: Annotated[
@@ -116,13 +114,12 @@ def solve_command(
         refuse_without_flight("--coexist", flight, output)
     if speed is not None:
         others = {
-            "-o": options.output is not None,
+            "-o": bool(options.output),
             "--flight": flight is not Flight.ON,
             "--regimes-only": output is not Output.EXACT,
             "--coexist": coexist,
             "--stand-ratio": stand_ratio is not None,
             "--columns": columns is not None,
-            "--digits": digits is not None,
             "--pitch": pitch is not None,
             "--mass": mass is not None,
             "--filling": "filling" in options.given,
@@ -140,7 +137,7 @@ def solve_command(
     if stand_ratio is not None:
         part[STAND_RATIO.column] = checked_number(stand_ratio, STAND_RATIO)
         extra += standing(part[STAND_RATIO.column])
-    refuse_without_table(options, columns, digits)
+    refuse_without_table(options, columns)
     request = request_of(options, context.obj)
     question(request, options)
     grid = make_grid(request, output=output, flight=flight, coexistence=coexist)
@@ -148,7 +145,7 @@ def solve_command(
         "drive": grid.drive, "made_with": grid.made_with, "machine": grid.machine is not None,
     }  # fmt: skip
     usual = columns_of((), *extra, **described)
-    table = table_of(usual, columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part)
+    table = table_of(usual, columns, needed=_NEEDS, has_length=grid.length is not None, part=part)
     answer = table
     if columns is None:
         more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER)

@@ -1,12 +1,11 @@
-"""``vibro map DIR``: pictures of a stored sweep, without solving it again."""
+"""``vibro map FOLDER.parquet``: pictures of a stored sweep, without solving it again."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
 from vibro.cli.console import Console
-from vibro.cli.options import picture_formats
-from vibro.cli.views import axis_name, held_axes, shown_pictures, tell_choices
+from vibro.cli.views import names_of, shown_pictures, tell_choices, view_of
 from vibro.core.codes import Output
 from vibro.errors import InputError
 
@@ -20,12 +19,9 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.sweeps.grid import Grid
 
-__all__ = ["map_stored"]
-
 #: What says which pictures there are to be, and where; all other options are of solving and tables.
 _OF_PICTURES: Final = {
-    "scene", "output", "json", "force", "quiet", "debug", "version",
-    "x", "y", "at", "show", "speed", "formats",
+    "scene", "output", "json", "force", "quiet", "debug", "version", "x", "y", "at", "show", "speed",
 }  # fmt: skip
 
 
@@ -37,9 +33,8 @@ def map_stored(
     at: list[str],
     show: list[str],
     speed: str | None,
-    formats: str,
 ) -> int:
-    """Draw pictures of the cells in a folder that ``vibro map --table parquet`` has written.
+    """Draw pictures of the cells in a folder that ``vibro map -o FOLDER.parquet`` has written.
 
     Parameters
     ----------
@@ -47,7 +42,7 @@ def map_stored(
         Of ``vibro map``.
     options : Options
         The folder in place of a scene file, and where to write.
-    x, y, at, show, speed, formats
+    x, y, at, show, speed
         As of ``vibro map``.
 
     Returns
@@ -63,69 +58,59 @@ def map_stored(
         If the folder cannot be read, or the files cannot be written.
     """
     from vibro.cli.answer import Pictures, drawn, tell_peaks
-    from vibro.cli.stems import output_stem
+    from vibro.cli.outputs import PICTURES, Outputs
     from vibro.cli.target_speed import target_in_pictures
-    from vibro.output.record import json_text, sweep_record
-    from vibro.output.shard_files import open_shards
-    from vibro.output.shard_folder import MANIFEST
-    from vibro.output.staging import Staging
-    from vibro.output.stored import stored_picture
-    from vibro.plots import map_figures, picture_names
-    from vibro.plots.view import check_drawable, choose_view
+    from vibro.plots import map_figures
+    from vibro.plots.view import check_drawable
     from vibro.quantities import LEAST_SPEED, checked_number
+    from vibro.tables.plan import MANIFEST
+    from vibro.tables.record import json_text, sweep_record
+    from vibro.tables.shard_files import open_shards
+    from vibro.tables.stored import stored_picture
 
     folder = options.scene
     assert folder is not None
-    _refuse_others(context, folder, options.output)
+    _refuse_others(context, folder)
     console = Console(quiet=options.quiet)
-    wanted, shown = picture_formats(formats), shown_pictures(show)
+    shown = shown_pictures(show)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
     shards = open_shards(folder)
-    plan, grid = shards.plan, shards.plan.grid
+    plan, grid, tally = shards.plan, shards.plan.grid, shards.summary.tally
     _refuse_unsolved(grid, folder, shown, speed)
     for axis in grid.told_axes.values():
         console.echo(str(axis))
-    axes, held = grid.told_axes, grid.told(held_axes(at, grid.told_axes))
-    view = choose_view(axes, x and axis_name(x), y and axis_name(y), held, grid.told(grid.fixed))
-    names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
-    if grid.output is not Output.EXACT:
-        names = [name for name in names if name == "regime"]
+    view, held = view_of(grid, x, y, at)
+    names = names_of(view, grid, shown)
     if not names:
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
     check_drawable(view)
-    tell_choices(view, axes, held, console)
-
-    said = ""
+    tell_choices(view, grid.told_axes, held, console)
+    name, said = folder.resolve().stem, ""
+    outputs = Outputs(
+        options, name, context.obj, console,
+        forms=("json", *PICTURES), pictures=names, reads=[folder / MANIFEST], default=name,
+    )  # fmt: skip
 
     def draw(show: Callable[..., None]) -> dict[str, Figure]:
         nonlocal said
         result = stored_picture(shards, view.drawn, names)
         if target_speed is not None:
-            said = target_in_pictures(result, axes, target_speed)
-        y_name = view.y.name if view.y else None
+            said = target_in_pictures(result, grid.told_axes, target_speed)
         return map_figures(
             result,
             names,
             x=view.x.name,
-            y=y_name,
+            y=view.y.name if view.y else None,
             target_speed=target_speed,
             progress=lambda done, size: show(done),
         )
 
-    with Staging(
-        output_stem(options.output, folder.resolve().name),
-        force=options.force,
-        tables={},
-        pictures=names,
-        formats=wanted,
-        reads=[folder / MANIFEST],
-    ) as files:
+    with outputs:
         origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
-        content = {"sweep": origin, **sweep_record(grid, plan.table, shards.tally.told())}
-        with drawn(Pictures(names, wanted, draw), console) as figures:
-            record = files.finish(context.obj, content, figures)
-    console.echo_all(files.told)
-    tell_peaks(shards.tally, grid, console)
+        content = {"sweep": origin, **sweep_record(grid, plan.table, tally.told())}
+        with drawn(Pictures(names, draw), console) as figures:
+            record = outputs.finish(content, figures)
+    tell_peaks(tally, grid, console)
     if said:
         console.echo(said)
     if options.json:
@@ -133,7 +118,7 @@ def map_stored(
     return 0
 
 
-def _refuse_others(context: typer.Context, folder: Path, output: str | None) -> None:
+def _refuse_others(context: typer.Context, folder: Path) -> None:
     """Refuse options about solving cells, or about their table."""
     typed = [
         parameter.opts[0]
@@ -141,7 +126,6 @@ def _refuse_others(context: typer.Context, folder: Path, output: str | None) -> 
         if parameter.name not in _OF_PICTURES
         and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
     ]
-    typed += ["-o -"] if output == "-" else []
     if typed:
         hint = f"leave {'it' if len(typed) == 1 else 'them'} out, or give a scene file"
         raise InputError(

@@ -1,4 +1,4 @@
-"""The options about tables that several commands share: columns, digits, and parts in a row."""
+"""The options about tables that several commands share: columns, and parts in a row."""
 
 from __future__ import annotations
 
@@ -16,18 +16,6 @@ if TYPE_CHECKING:
     from vibro.results.sweep import Column
     from vibro.sweeps.columns import Table
 
-__all__ = [
-    "NEEDS_PART",
-    "ColumnsOption",
-    "DigitsOption",
-    "MassOption",
-    "PitchOption",
-    "part_of",
-    "refuse_without_table",
-    "table_of",
-    "throughput_of",
-]
-
 ColumnsOption = Annotated[
     str | None,
     typer.Option(
@@ -37,15 +25,6 @@ ColumnsOption = Annotated[
         " restitution, acceleration_g, speed_amplitude_exponent and strokes.",
         show_default=False,
         autocompletion=complete_columns,
-    ),
-]
-DigitsOption = Annotated[
-    str | None,
-    typer.Option(
-        "--digits",
-        metavar="1...17",
-        help="Significant digits of the table's numbers; by default they are exact.",
-        show_default=False,
     ),
 ]
 PitchOption = Annotated[
@@ -96,7 +75,6 @@ def throughput_of(part: Mapping[str, float]) -> tuple[Column, ...]:
 def table_of(
     usual: Sequence[Column],
     columns: str | None,
-    digits: str | None,
     *,
     needed: Mapping[str, str],
     has_length: bool,
@@ -110,8 +88,6 @@ def table_of(
         Its columns by default.
     columns : str or None
         The names of columns, as typed.
-    digits : str or None
-        Significant digits, as typed; None for exact numbers.
     needed : mapping of str to str
         Columns that are there with options alone, and an example of these.
     has_length : bool
@@ -122,18 +98,10 @@ def table_of(
     Raises
     ------
     InputError
-        If there is no such column, one is named twice, one needs an option that is not there, or there are no
-        doubles of so many digits.
+        If there is no such column, one is named twice, or one needs an option that is not there.
     """
-    from vibro.cli.request import whole_number
-    from vibro.files.rounding import MOST_DIGITS
     from vibro.sweeps.columns import Table, chosen
 
-    number = None if digits is None else whole_number("--digits", digits)
-    if number is not None and not 1 <= number <= MOST_DIGITS:
-        raise InputError(
-            f"--digits {number}: must be from 1 to {MOST_DIGITS}", hint="without it numbers are exact"
-        )
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         there = {column.name for column in usual}
@@ -145,12 +113,10 @@ def table_of(
                     f"column {name}: an option that it needs is missing", hint=f"add {missing[name]}"
                 )
         usual = chosen(names, usual)
-    return Table(usual, number, part or {})
+    return Table(usual, part or {})
 
 
-def refuse_without_table(options: Options, columns: str | None, digits: str | None) -> None:
-    """Refuse options about a table where a report is printed."""
-    if options.output is None and not options.json:
-        for option, value in (("--columns", columns), ("--digits", digits)):
-            if value is not None:
-                raise InputError(f"{option}: the report is no table", hint="add --json, -o - or -o STEM")
+def refuse_without_table(options: Options, columns: str | None) -> None:
+    """Refuse to choose columns where a report is printed."""
+    if not options.output and not options.json and columns is not None:
+        raise InputError("--columns: the report is no table", hint="add --json, -o - or -o STEM")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibro.cli.options import Flight, FlightOption, Options  # typer reads the annotations
-from vibro.cli.table_options import ColumnsOption, DigitsOption, refuse_without_table, table_of
+from vibro.cli.table_options import ColumnsOption, refuse_without_table, table_of
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -33,7 +33,6 @@ def traverse_time_command(
     ] = False,
     flight: FlightOption = Flight.ON,
     columns: ColumnsOption = None,
-    digits: DigitsOption = None,
 ) -> int:
     """Compute the time over the trough's length, or say why the body never arrives.
 
@@ -61,9 +60,9 @@ def traverse_time_command(
     usual = columns_of(
         grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
     )
-    table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
+    table = table_of(usual, columns, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
     if not request.varying:
-        refuse_without_table(options, columns, digits)
+        refuse_without_table(options, columns)
         return answer_one(grid, table, options, context.obj, name, partial(_report, grid=grid))
     return answer_sweep(grid, table, options, context.obj, console, name)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from vibro.core.codes import Output
 from vibro.errors import InputError, cut, shown
 
 if TYPE_CHECKING:
@@ -12,11 +13,27 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.cli.console import Console
     from vibro.plots import View
-
-__all__ = ["SHOWN", "axis_name", "held_axes", "shown_pictures", "tell_choices"]
+    from vibro.sweeps.grid import Grid
 
 #: Pictures on request.
 SHOWN: Final = ("impact", "flight")
+
+
+def view_of(grid: Grid, x: str | None, y: str | None, at: list[str]) -> tuple[View, dict[str, float]]:
+    """Choose what the pictures of a sweep show; return the axes that are held on request, too."""
+    from vibro.plots.view import choose_view
+
+    axes = grid.told_axes
+    held = grid.told(held_axes(at, axes))
+    return choose_view(axes, x and axis_name(x), y and axis_name(y), held, grid.told(grid.fixed)), held
+
+
+def names_of(view: View, grid: Grid, shown: list[str]) -> list[str]:
+    """Name the pictures of a sweep, with those that are asked for."""
+    from vibro.plots import picture_names
+
+    names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
+    return names if grid.output is Output.EXACT else [name for name in names if name == "regime"]
 
 
 def tell_choices(view: View, axes: Mapping[str, Axis], asked: Mapping[str, float], console: Console) -> None:

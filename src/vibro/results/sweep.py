@@ -74,28 +74,6 @@ class Column:
         texts = self.texts or ()
         return {text: i if text or i + 1 < len(texts) else -1 for i, text in enumerate(texts)}
 
-    def coded(self, block: Block) -> tuple[NDArray[np.integer[Any]], NDArray[np.object_]]:
-        """Return a column of codes as texts, each of them once.
-
-        Parameters
-        ----------
-        block : Block
-            Solved cells.
-
-        Returns
-        -------
-        which : int array
-            Broadcastable to the block's shape: which of the texts each cell has, from 0 on.
-        texts : object array
-            Of str: all of ``texts``, or those that ``decode`` finds in this block.
-        """
-        codes = self.values(block)
-        if self.decode is not None:
-            different, which = np.unique(codes, return_inverse=True)
-            return which.reshape(codes.shape), self.decode(different, block.cycle.long_patterns)
-        texts = np.array(self.texts, dtype=object)
-        return codes % texts.size, texts  # code -1 picks the last text
-
 
 @dataclass(frozen=True, eq=False)
 class Block:

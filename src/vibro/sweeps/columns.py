@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError, did_you_mean, shown
-from vibro.files.rounding import rounded
 from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, SWEPT
 from vibro.results.operating import MACHINE_RESULTS, OPERATING
 from vibro.results.steady import RESULTS, Result
@@ -45,14 +44,11 @@ class Table:
     ----------
     columns : sequence of Column
         In their order.
-    digits : int or None
-        Significant digits of numbers; None where they are exact.
     part : mapping of str to float
         Quantities of the conveyed part that columns use, by name with unit.
     """
 
     columns: Sequence[Column]
-    digits: int | None = None
     part: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -185,7 +181,7 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     return tuple(known[name] for name in names)
 
 
-def arrow_table(columns: Sequence[Column], block: Block, digits: int | None = None) -> pa.Table:
+def arrow_table(columns: Sequence[Column], block: Block) -> pa.Table:
     """Return cells as an Arrow table, one row a cell: all tables are made of it.
 
     Parameters
@@ -194,8 +190,6 @@ def arrow_table(columns: Sequence[Column], block: Block, digits: int | None = No
         What it holds.
     block : Block
         Solved cells.
-    digits : int, optional
-        Significant digits of numbers, which are exact without.
 
     Returns
     -------
@@ -206,7 +200,7 @@ def arrow_table(columns: Sequence[Column], block: Block, digits: int | None = No
     """
     import pyarrow as pa
 
-    arrays = [_array(column, block, digits) for column in columns]
+    arrays = [_array(column, block) for column in columns]
     fields = [
         pa.field(column.name, array.type, metadata={"unit": column.unit, "meaning": column.meaning})
         for column, array in zip(columns, arrays, strict=True)
@@ -214,13 +208,12 @@ def arrow_table(columns: Sequence[Column], block: Block, digits: int | None = No
     return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
 
 
-def _array(column: Column, block: Block, digits: int | None) -> pa.Array:
+def _array(column: Column, block: Block) -> pa.Array:
     import pyarrow as pa
 
     values = column.values(block)
     if column.is_number:
-        exact = values if digits is None else rounded(values, digits)
-        return _masked(exact, np.isfinite(exact), block.shape)
+        return _masked(values, np.isfinite(values), block.shape)
     if column.is_flag:
         return _masked(values.astype(np.int8, copy=False), values >= 0, block.shape)
     if column.decode is None:

@@ -22,22 +22,19 @@ from vibro.units import CF_UNITS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
+    import pyarrow as pa
     import xarray as xr
     from numpy.typing import NDArray
 
-    from vibro.results.sweep import Block, Column
+    from vibro.results.sweep import Column
     from vibro.sweeps.grid import Grid
 
     Values = Callable[[Column], Any]
 
-__all__ = [
-    "block_sizes",
-    "check_xarray",
-    "dataset",
-    "results_among",
-    "values_of_block",
-]
+__all__ = ["TEXT", "block_sizes", "check_xarray", "dataset", "results_among", "values_of"]
 
+#: Texts of any length. The metadata, by which xarray knows its own, has it write blocks of them one by one.
+TEXT: Final = np.dtype("O", metadata={"element_type": str})
 _CONVENTIONS: Final = "CF-1.11"
 _FLAGS: Final = {"unknown": -1, "no": 0, "yes": 1}
 _BLOCK: Final = 1_000_000  # [cells] 8 MB of numbers; dask takes some 0.1 ms a block
@@ -165,15 +162,20 @@ def _word(text: str) -> str:
     return text.replace("-", "_") or "none"
 
 
-def values_of_block(block: Block) -> Values:
-    """Return the callable of ``dataset`` for cells in memory."""
+def values_of(cells: pa.Table, shape: Sequence[int]) -> Values:
+    """Return the callable of ``dataset`` for the cells of an Arrow table, as ``arrow_table`` makes it."""
 
     def values(column: Column) -> NDArray[Any]:
+        found = cells[column.name]
+        if column.is_number:
+            return np.asarray(found.to_numpy()).reshape(shape)
+        if column.is_flag:
+            return np.asarray(found.fill_null(-1).to_numpy()).reshape(shape)
+        whole = found.combine_chunks()
+        texts, which = whole.dictionary.to_pylist(), whole.indices.to_numpy().reshape(shape)
         if column.decode is not None:
-            which, texts = column.coded(block)
-            return np.broadcast_to(texts[which], block.shape).copy()
-        found = np.broadcast_to(column.values(block), block.shape)
-        return np.where(np.isfinite(found), found, np.nan) if column.is_number else found.astype(np.int8)
+            return np.asarray(np.array(texts, TEXT)[which])
+        return np.asarray(np.array([column.codes[text] for text in texts], np.int8)[which])
 
     return values
 

@@ -20,8 +20,8 @@ from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
 from vibro.steady import check_switch, output_of
-from vibro.sweeps.columns import chosen, columns_of, to_frame
-from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of_block
+from vibro.sweeps.columns import arrow_table, chosen, columns_of, to_frame
+from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of
 from vibro.sweeps.request import RANGES, gather
 from vibro.sweeps.solved import SolvedGrid, check_memory
 
@@ -152,7 +152,7 @@ class Sweep(SolvedGrid):
         """
         check_xarray()
         found = results_among(self._columns(columns), self._grid)
-        return dataset(self._grid, self._title, found, values_of_block(self._block))
+        return dataset(self._grid, self._title, found, values_of(arrow_table(found, self._block), self.shape))
 
     @cached_property
     def _block(self) -> Block:

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
 
-__all__ = ["json_text", "picture_metadata", "run_record", "sweep_record"]
-
 
 def sweep_record(
     grid: Grid, table: Table, counts: Mapping[str, Any] | None = None, *, every_value: bool = False
@@ -44,7 +42,6 @@ def sweep_record(
         "cells": grid.size,
         **(counts or {}),
         "columns": {column.name: column.unit for column in table.columns},
-        "digits": table.digits,
     }
 
 

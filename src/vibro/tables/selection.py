@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Selection"]
-
 
 @dataclass(frozen=True, eq=False)
 class Selection:

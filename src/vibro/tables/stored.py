@@ -1,32 +1,30 @@
-"""Sweeps stored as Parquet files: their cells as data frames and as pictures."""
+"""Sweeps stored as Parquet files: their cells as data frames, as labelled arrays and as pictures."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
 from vibro.axes import axis_of
-from vibro.errors import InputError, shown
+from vibro.errors import FileError, InputError, how_to_install, shown
 from vibro.html_tables import amount, in_numbers
-from vibro.output.gathered import Texts, gathering
-from vibro.output.lazy import values_in_blocks, values_of_files
-from vibro.output.selection import Selection
-from vibro.output.shard_files import ShardFiles, open_shards
 from vibro.plots.view import index_of
 from vibro.quantities import QUANTITIES, SPEED
 from vibro.reals import shielded
 from vibro.results.steady import NO_REGIME, RESULTS
-from vibro.sweeps.columns import listed
-from vibro.sweeps.datasets import block_sizes, check_xarray, dataset, results_among
+from vibro.sweeps.columns import frame_of, listed
+from vibro.sweeps.datasets import TEXT, block_sizes, check_xarray, dataset, results_among, values_of
 from vibro.sweeps.run import solved_picture
 from vibro.sweeps.solved import SolvedGrid, axis_called, check_memory, one_value
+from vibro.tables.selection import Selection
+from vibro.tables.shard_files import ShardFiles, open_shards
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -37,12 +35,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.output.gathered import Gathered
-    from vibro.results.steady import Result
     from vibro.results.sweep import Column, Peak, SweepResult
+    from vibro.sweeps.datasets import Values
     from vibro.sweeps.grid import Grid
 
-__all__ = ["StoredSweep", "open_sweep", "stored_picture"]
+_BYTES_PER_CELL: Final = 10  # of a column, about
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,16 +94,10 @@ class StoredSweep(SolvedGrid):
         FileError
             If a file cannot be read, or its checksums show damage.
         """
-        import pandas as pd
-
-        shards = self._shards
-        names = self.columns if columns is None else _checked(columns, self.columns)
-        cells = _selection(self._grid, {} if filters is None else filters)
-        per_cell = sum(gathering(shards.columns[name]).bytes_per_cell for name in names)
+        names, cells = self._wanted(filters, columns)
         hint = "filter the cells, name fewer columns, or let another reader of Parquet, such as DuckDB, do it"
-        check_memory(cells.shape, per_cell, hint)
-        found = shards.read(names, cells)
-        return pd.DataFrame({name: found[name].of_frame(shards.columns[name]) for name in names})
+        check_memory(cells.shape, _BYTES_PER_CELL * len(names), hint)
+        return frame_of(self._shards.read(names, cells))
 
     @shielded
     def to_xarray(
@@ -154,26 +145,27 @@ class StoredSweep(SolvedGrid):
         """
         check_xarray()
         shards = self._shards
-        names = self.columns if columns is None else _checked(columns, self.columns)
+        names, cells = self._wanted(filters, columns)
         found = results_among((shards.columns[name] for name in names), self._grid)
-        cells = _selection(self._grid, {} if filters is None else filters)
         if chunks is None:
-            per_cell = sum(gathering(column).bytes_per_cell for column in found)
             hint = 'filter the cells, name fewer columns, or read them when they are needed: chunks="auto"'
-            check_memory(cells.shape, per_cell, hint)
-            values = values_of_files(shards, [column.name for column in found], cells)
+            check_memory(cells.shape, _BYTES_PER_CELL * len(found), hint)
+            values = values_of(shards.read([column.name for column in found], cells), cells.shape)
         else:
-            values = values_in_blocks(shards, cells, block_sizes(chunks, self._grid, cells.shape))
-        plan = shards.plan
-        digits = {} if plan.table.digits is None else {"significant_digits": plan.table.digits}
-        more = {**plan.table.part, **digits}
-        version = plan.content["versions"]["vibro"]
+            values = _values_in_blocks(shards, cells, block_sizes(chunks, self._grid, cells.shape))
+        version, part = shards.plan.content["made_by"]["vibro"], shards.plan.table.part
         return dataset(
-            self._grid, self._title, found, values, indices=cells.indices, version=version, more=more
+            self._grid, self._title, found, values, indices=cells.indices, version=version, more=part
         )
 
+    def _wanted(
+        self, filters: Mapping[str, Any] | None, columns: Sequence[str] | None
+    ) -> tuple[Sequence[str], Selection]:
+        names = self.columns if columns is None else _checked(columns, self.columns)
+        return names, _selection(self._grid, {} if filters is None else filters)
+
     def _summary(self) -> list[tuple[str, str]]:
-        tally = self._shards.tally
+        tally = self._shards.summary.tally
         return [
             (
                 "folder",
@@ -199,7 +191,7 @@ class StoredSweep(SolvedGrid):
 
 @shielded
 def open_sweep(path: str | PathLike[str]) -> StoredSweep:
-    """Open a folder that ``vibro map --table parquet`` or ``vibro.write_sweep`` has written.
+    """Open a folder that ``vibro map -o NAME.parquet`` or ``vibro.write_sweep`` has written.
 
     Parameters
     ----------
@@ -214,8 +206,7 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
     Raises
     ------
     FileError
-        If the folder does not exist, is not finished, lacks a file or is damaged, or pyarrow is not
-        installed.
+        If the folder does not exist, is not finished, lacks a file or is damaged.
 
     Examples
     --------
@@ -274,18 +265,44 @@ def _cells(
             hint="write them too: name them in columns, or leave that out",
         )
     cells = Selection(shards.plan.grid.shape, indices)
-    found = shards.read([result.column for result in wanted], cells)
-    return {
-        result.name: _values(result, shards.columns[result.column], found[result.column]).reshape(cells.shape)
-        for result in wanted
-    }
+    values = values_of(shards.read([result.column for result in wanted], cells), cells.shape)
+    found = {}
+    for result in wanted:
+        there = values(shards.columns[result.column])
+        found[result.name] = np.asarray(result.kind.to_si(there)) if result.is_number else there
+    return found
 
 
-def _values(result: Result, column: Column, found: Gathered) -> NDArray[Any]:
-    """Convert a column of a table to the values of ``SteadyCycle``."""
-    if isinstance(found, Texts):
-        return found.coded(column)
-    return np.asarray(result.kind.to_si(found.values)) if result.is_number else found.values
+def _values_in_blocks(shards: ShardFiles, cells: Selection, sizes: Sequence[int]) -> Values:
+    """Return the callable of ``dataset`` for cells that are read when they are computed with.
+
+    Each block of each column is a task of dask of its own, which opens those files alone that hold its cells.
+    """
+    try:
+        import dask.array as da
+    except ImportError:
+        raise FileError("to_xarray(chunks=...) needs dask", hint=how_to_install("xarray")) from None
+    chunks = da.core.normalize_chunks(tuple(sizes), cells.shape)
+    there = replace(shards, folder=shards.folder.absolute())  # the current folder may have changed by then
+
+    def values(column: Column) -> Any:
+        kind = np.dtype(np.float64 if column.is_number else np.int8) if column.decode is None else TEXT
+        return da.map_blocks(
+            _read_block, there, column.name, cells, chunks=chunks, dtype=kind,
+            meta=np.empty((0,) * len(cells.shape), kind),
+        )  # fmt: skip
+
+    return values
+
+
+def _read_block(shards: ShardFiles, name: str, cells: Selection, block_info: Any = None) -> NDArray[Any]:
+    """Read a column of the cells of one block, which ``block_info`` places among ``cells``."""
+    places = block_info[None]["array-location"]
+    block = Selection(
+        cells.grid, [kept[slice(*place)] for kept, place in zip(cells.indices, places, strict=True)]
+    )
+    found: NDArray[Any] = values_of(shards.read([name], block), block.shape)(shards.columns[name])
+    return found
 
 
 def _checked(names: object, known: Sequence[str]) -> list[str]:

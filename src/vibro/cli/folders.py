@@ -1,0 +1,118 @@
+"""Sweeps that ``vibro map -o NAME.parquet`` writes into a folder, and the messages of such a run."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+    from pathlib import Path
+
+    from vibro.cli.answer import Pictures
+    from vibro.cli.console import Console
+    from vibro.cli.options import Options
+    from vibro.cli.outputs import Outputs
+    from vibro.sweeps.columns import Table
+    from vibro.sweeps.grid import Grid
+    from vibro.tables.plan import Plan
+    from vibro.tables.shards import Progress
+
+_TENTHS: Final = 10  # lines of progress where nobody watches
+
+
+def write_stored(
+    grid: Grid,
+    table: Table,
+    name: str,
+    own: Mapping[str, float],
+    outputs: Outputs,
+    workers: int | str | None,
+    options: Options,
+    console: Console,
+    pictures: Pictures | None,
+) -> tuple[int, bool]:
+    """Solve a sweep into a folder, and write its pictures and its record beside, if they are wanted.
+
+    Parameters
+    ----------
+    grid, table : Grid, Table
+        What is solved, and written of it.
+    name : str
+        Of the scene.
+    own : mapping of str to float
+        The scene's own values, for pictures.
+    outputs : Outputs
+        Where to.
+    workers : int, str or None
+        As of ``vibro.write_sweep``.
+    options, console, pictures
+        As for ``write_sweep``.
+
+    Returns
+    -------
+    tuple of int and bool
+        The exit code, and whether all bodies rest.
+
+    Raises
+    ------
+    InputError, FileError
+        If the files cannot be written, or the folder holds something else.
+    """
+    from vibro.cli.answer import byte_count, conclude, drawn
+    from vibro.tables.plan import Plan
+    from vibro.tables.record import json_text, sweep_record
+    from vibro.tables.writing import write_folder
+
+    folder = outputs.folder
+    assert folder is not None
+    plan = Plan.of(grid, table, name, own)
+    with outputs:
+        with _progress(console, folder, plan) as report:
+            summary = write_folder(folder, plan, workers, outputs.argv, force=options.force, report=report)
+        content = {**sweep_record(grid, table, summary.tally.told()), "digest": summary.digest}
+        with drawn(pictures, console) as figures:
+            record = outputs.finish(content, figures)
+    shards = f"{plan.shards} shard{'' if plan.shards == 1 else 's'}"
+    size = f"{byte_count(summary.size)}, {summary.size / grid.size:.1f} bytes a cell"
+    is_new = any(made.is_new for made in summary.made.values())
+    said = "wrote" if is_new else "complete already:"
+    console.echo(f"{said} {folder}: {shards}, {size}; digest {summary.digest}")
+    if options.json:
+        print(json_text({"folder": str(folder), "shards": plan.shards, "bytes": summary.size, **record}))
+    return conclude(summary.tally, grid, console), summary.tally.at_rest
+
+
+@contextmanager
+def _progress(console: Console, folder: Path, plan: Plan) -> Iterator[Callable[[Progress], None]]:
+    """Print the progress of a run: a bar on a terminal, else a line for every tenth."""
+    from vibro.cli.answer import byte_count, count
+
+    said = seen = 0
+    cells = plan.grid.size
+
+    with console.progress("solving", cells) as bar:
+
+        def report(progress: Progress) -> None:
+            nonlocal said, seen
+            if progress.shards and not seen:  # once, when it is known how large a shard is
+                seen = progress.shards
+                needed = progress.size * (plan.shards / progress.shards - 1.0)
+                free = shutil.disk_usage(folder).free
+                if needed > free:
+                    console.warn(
+                        f"about {byte_count(needed)} more are needed, and {byte_count(free)} are free"
+                    )
+            speed = progress.solved / progress.seconds if progress.seconds else 0.0
+            note = f"{progress.shards} of {plan.shards} shards" + (f", {speed:.3g} cells/s" if speed else "")
+            bar(progress.cells, note)
+            tenths = _TENTHS * progress.cells // cells
+            if said < tenths < _TENTHS and not console.is_terminal:
+                said = tenths
+                left = (cells - progress.cells) / speed if speed else math.inf
+                time_left = f", about {left:.0f} s left" if math.isfinite(left) else ""
+                console.echo(f"{100 * tenths // _TENTHS} % of {count(cells)} cells: {note}{time_left}")
+
+        yield report

@@ -1,0 +1,256 @@
+"""What a run writes: ``-o`` names files, and their endings say what goes into them."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Self
+
+from vibro.errors import FileError, InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from matplotlib.figure import Figure
+
+    from vibro.cli.console import Console
+    from vibro.cli.options import Options
+    from vibro.files.csv_tables import TableColumns
+    from vibro.sweeps.request import Request
+
+#: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
+PICTURES: Final = ("png", "svg", "pdf")
+SERIES: Final = ("csv", "json", *PICTURES)
+_OF_A_STEM: Final = ("csv", "html", "toml", "json", "png")  # as far as a command can write them
+_DESCRIBED: Final = ("csv", "xlsx")  # by a JSON of the same stem
+_GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
+_NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+
+
+class Outputs:
+    """Where tables, pictures and the record of a run go: files, all or none, and the table to stdout.
+
+    To be entered before anything is computed: that refuses files that exist.
+
+    Parameters
+    ----------
+    options : Options
+        What ``-o`` says, and whether files are replaced.
+    name : str
+        The files' name where the options name a folder.
+    argv : sequence of str
+        The arguments as typed.
+    console : Console
+        For messages.
+    forms : sequence of str
+        Endings of what the command can write.
+    tables, pictures : sequence of str
+        What is appended to a stem for each table, and for each picture; the first table bears the stem alone.
+    reads : sequence of Path or None
+        Files that are never replaced: the run's own input.
+    default : str, optional
+        What is written without ``-o``.
+
+    Attributes
+    ----------
+    takes_stdout : bool
+        Whether stdout is for the table alone.
+    folder : Path or None
+        A folder of Parquet files.
+    tables, pictures : dict of Path to tuple of str
+        Name and form of each file.
+    records : dict of Path to None
+        Files that describe the run.
+
+    Raises
+    ------
+    InputError, FileError
+        If a path is no name of a file, or its ending none that the command can write.
+    """
+
+    def __init__(
+        self,
+        options: Options,
+        name: str,
+        argv: Sequence[str],
+        console: Console,
+        *,
+        forms: Sequence[str] = SERIES,
+        tables: Sequence[str] = ("",),
+        pictures: Sequence[str] = ("",),
+        reads: Sequence[Path | None] = (),
+        default: str | None = None,
+    ) -> None:
+        self.takes_stdout, self.folder = False, None
+        self.tables: dict[Path, tuple[str, str]] = {}
+        self.pictures: dict[Path, tuple[str, str]] = {}
+        self.records: dict[Path, None] = {}
+        self._written: list[Path] = []
+        self.argv, self._console, self._force = argv, console, options.force
+        self._reads = [path for path in reads if path is not None]
+        self._has_record = len(forms) > 1  # a JSON alone is the answer itself
+        self._decimal_comma = options.decimal_comma
+        given = options.output or ([] if default is None else [default])
+        for text in given:
+            if text == "-":
+                if options.json:
+                    raise InputError("--json and -o - both want stdout", hint="leave one of them out")
+                self.takes_stdout = True
+                continue
+            path, form = _place(text, name, forms)
+            if form == "parquet":
+                self.folder = path
+            for kind in [form] if form else [form for form in _OF_A_STEM if form in forms]:
+                self._add(path, kind, tables, pictures, is_stem=not form)
+            if form in _DESCRIBED:
+                self.records[_suffixed(path.with_suffix(""), ".json")] = None
+
+    def _add(
+        self, path: Path, form: str, tables: Sequence[str], pictures: Sequence[str], *, is_stem: bool
+    ) -> None:
+        """Add the files of a form, which are named by the path as it is, or by what is appended to a stem."""
+        stem = path if is_stem else path.with_suffix("")
+        if form == "json" and self._has_record:
+            self.records[_suffixed(stem, ".json") if is_stem else path] = None
+        elif form in PICTURES:
+            for name in pictures:
+                alone = not is_stem and len(pictures) == 1
+                self.pictures[path if alone else _suffixed(stem, _ending(name, form))] = name, form
+        elif form != "parquet":
+            for name in tables:
+                first = not is_stem and name == tables[0]
+                self.tables[path if first else _suffixed(stem, _ending(name, form))] = name, form
+
+    @property
+    def writes_files(self) -> bool:
+        """Whether there will be files."""
+        return bool(self.tables or self.pictures or self.records)
+
+    def __enter__(self) -> Self:
+        from vibro.tables.files import whole_files
+
+        targets = [*self.tables, *self.pictures, *self.records]
+        self._whole = whole_files(targets, force=self._force, reads=self._reads)
+        self.waiting = self._whole.__enter__()
+        return self
+
+    def __exit__(self, *raised: Any) -> None:
+        self._whole.__exit__(*raised)
+        if raised[0] is None:
+            self._console.echo_all(f"wrote {path}" for path in self._written)
+
+    def write(
+        self,
+        tables: Callable[[], Mapping[str, TableColumns]],
+        draw: Callable[[], Mapping[str, Figure]],
+        content: Mapping[str, Any],
+    ) -> None:
+        """Write columns, pictures and the record, as far as they are wanted.
+
+        Parameters
+        ----------
+        tables : callable
+            Makes the columns by their header, by the name of the table.
+        draw : callable
+            Makes the pictures, by their names: all of them, or none.
+        content : mapping
+            What the record says beside version, arguments and files.
+        """
+        if self.tables or self.takes_stdout:
+            from vibro.files.csv_tables import CsvFormat
+
+            form, made = CsvFormat(decimal_comma=self._decimal_comma), tables()
+            for path, (name, _) in self.tables.items():
+                self.waiting[path].write_bytes(form.table(made[name]))
+            if self.takes_stdout:
+                sys.stdout.buffer.write(form.table(next(iter(made.values()))))
+        self.finish(content, draw() if self.pictures else _NOTHING)
+
+    def write_text(self, text: str, content: Mapping[str, Any] = _NOTHING) -> None:
+        """Write a text in place of tables, and the record."""
+        for path in self.tables:
+            self.waiting[path].write_text(text, encoding="utf-8")
+        if self.takes_stdout:
+            print(text, end="")
+        self.finish(content)
+
+    def finish(
+        self, content: Mapping[str, Any] = _NOTHING, figures: Mapping[str, Figure] = _NOTHING
+    ) -> dict[str, Any]:
+        """Write pictures and the record; on leaving all files get their names, the record last.
+
+        Parameters
+        ----------
+        content : mapping
+            What the record says beside version, arguments and files.
+        figures : mapping
+            The pictures by their names; those that are missing are not made.
+
+        Returns
+        -------
+        dict
+            The record.
+        """
+        from vibro.tables.record import json_text, picture_metadata, run_record
+
+        pictures = {path: which for path, which in self.pictures.items() if which[0] in figures}
+        self._written = [*self.tables, *pictures, *self.records]
+        record = {**run_record(self.argv, content), "files": [path.name for path in self._written]}
+        if pictures:
+            from vibro.plots import save
+
+            for path, (name, form) in pictures.items():
+                save(figures[name], self.waiting[path], form, picture_metadata(record))
+        for path in self.records:
+            self.waiting[path].write_text(json_text(record) + "\n", encoding="utf-8")
+        return record
+
+
+def scene_record(request: Request) -> dict[str, Any]:
+    """Return the quantities of a request by their columns, as given, and its machine."""
+    from vibro.quantities import QUANTITIES
+
+    machine = {} if request.machine is None else {"machine": dict(request.machine.table)}
+    return {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()} | machine
+
+
+def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:
+    """Return the path that ``-o`` gives and its form; a stem, to which endings are appended, has none."""
+    said = f"-o {given}"
+    if not given or "\0" in given:
+        raise InputError(f"{said}: no file has such a name", hint=_GIVE_A_NAME)
+    path = Path(given)
+    ending = path.suffix[1:].casefold()
+    if ending == "parquet" and ending in forms:
+        return path, ending
+    try:
+        if given.endswith((os.sep, os.altsep or os.sep, f"{os.sep}.")) or path.is_dir():
+            return path / name, ""
+        is_other = path.exists() and not path.is_file()
+    except OSError as exc:
+        raise FileError(f"cannot use {said}: {exc.strerror or exc}", hint="choose another name") from exc
+    if path.name in ("", "..") or path.name.casefold() in (f".{form}" for form in forms):
+        raise InputError(f"{said}: the name is missing", hint=_GIVE_A_NAME)
+    if is_other:
+        raise FileError(f"{said}: it is neither a file nor a folder", hint="-o - writes the table to stdout")
+    if ending in forms:
+        return path, ending
+    if ending.isalpha() and ending.isascii():
+        known = ", ".join(f".{form}" for form in forms)
+        raise InputError(
+            f"{said}: this command writes no .{ending}",
+            hint=f"it writes {known}, or without an ending the usual",
+        )
+    return path, ""
+
+
+def _suffixed(stem: Path, suffix: str) -> Path:
+    """Append a suffix to a stem: ``run1.5`` becomes ``run1.5.csv``."""
+    return stem.with_name(stem.name + suffix)
+
+
+def _ending(name: str, form: str) -> str:
+    return f"-{name}.{form}" if name else f".{form}"

@@ -1,0 +1,1 @@
+"""Tables of sweeps as files: CSV, workbooks and folders of Parquet files, which appear whole."""

@@ -1,0 +1,155 @@
+"""A finished folder of shards: what it holds, and any of its cells, read and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.errors import FileError, shown
+from vibro.parallel import BLOCK
+from vibro.tables.plan import MANIFEST, SUCCESS, Plan, read_plan, shard_name
+from vibro.tables.shards import GO_ON, Summary, damaged, footer_digest
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    import pyarrow as pa
+    from numpy.typing import NDArray
+
+    from vibro.results.sweep import Column
+    from vibro.tables.selection import Selection
+
+_WANTED: Final = "give a folder that a sweep was written to"
+
+
+@dataclass(frozen=True, eq=False)
+class ShardFiles:
+    """A finished folder.
+
+    Attributes
+    ----------
+    folder : Path
+        Where it is.
+    plan : Plan
+        The grid that was solved, and the columns written.
+    summary : Summary
+        What was counted of its cells, and what its files must be.
+    """
+
+    folder: Path
+    plan: Plan
+    summary: Summary
+
+    @property
+    def columns(self) -> dict[str, Column]:
+        """The columns of its table, by name."""
+        return {column.name: column for column in self.plan.table.columns}
+
+    def read(self, names: Sequence[str], cells: Selection) -> pa.Table:
+        """Read columns of some cells, in their order, from those files and row groups that hold them.
+
+        Returns
+        -------
+        pyarrow.Table
+            As ``arrow_table`` makes it.
+
+        Raises
+        ------
+        FileError
+            If a shard cannot be read, or is not what was written.
+        """
+        import pyarrow as pa
+
+        first, last = (cell // self.plan.shard_cells for cell in cells.ends)
+        found = []
+        for shard in range(first, last + 1):
+            rows = cells.within(*self.plan.range_of(shard))
+            if rows.size:
+                path, footer = self.folder / shard_name(shard), self.summary.made[shard].footer
+                found.append(_rows(path, footer, names, rows))
+        together = pa.concat_tables(found)
+        arrays = [_whole(self.columns[name], together[name]) for name in names]
+        return pa.Table.from_arrays(arrays, schema=together.schema)
+
+
+def open_shards(folder: Path) -> ShardFiles:
+    """Open a folder that a sweep was written to.
+
+    Raises
+    ------
+    FileError
+        If it is no such folder, is not finished, or something in it is missing or damaged.
+    """
+    if not folder.is_dir():
+        what = "is no folder" if folder.exists() else "is not there"
+        raise FileError(f"cannot open {folder}: it {what}", hint=_WANTED)
+    if not (folder / MANIFEST).exists():
+        raise FileError(f"{folder} holds no sweep: there is no {MANIFEST} in it", hint=_WANTED)
+    plan = read_plan(folder / MANIFEST)
+    if summary := read_success(folder, plan):
+        return ShardFiles(folder, plan, summary)
+    there = sum((folder / shard_name(shard)).is_file() for shard in range(plan.shards))
+    raise FileError(f"{folder} is not finished: {there} of {plan.shards} shards are there", hint=GO_ON)
+
+
+def read_success(folder: Path, plan: Plan) -> Summary | None:
+    """Read what is known of a finished folder; None if it is not finished.
+
+    Raises
+    ------
+    FileError
+        If what says so is damaged.
+    """
+    path = folder / SUCCESS
+    try:
+        return Summary.read(path.read_bytes(), plan)
+    except FileNotFoundError:
+        return None
+    except OSError as exc:
+        raise FileError(f"cannot read {path}: {exc.strerror or exc}") from exc
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as exc:
+        raise damaged(path, str(exc)) from exc
+
+
+def _rows(path: Path, footer: str, names: Sequence[str], rows: NDArray[np.intp]) -> pa.Table:
+    from pyarrow import ArrowException, parquet
+
+    group, row = np.divmod(rows, BLOCK)
+    groups, place = np.unique(group, return_inverse=True)
+    try:
+        # Opened here: Arrow gives names such as s3: or ~ a special meaning.
+        with path.open("rb") as stream:
+            if footer_digest(stream) != footer:
+                raise damaged(path, "its footer is not what was written")
+            stream.seek(0)
+            with parquet.ParquetFile(stream, page_checksum_verification=True) as file:
+                table = file.read_row_groups(groups.tolist(), list(names))
+        if rows.size == table.num_rows:
+            return table
+        return table.take(place * BLOCK + row)
+    except FileNotFoundError as exc:
+        raise FileError(f"{path} is missing", hint=GO_ON) from exc
+    except MemoryError:  # one of Arrow's exceptions, too
+        raise
+    except (OSError, ArrowException) as exc:
+        raise damaged(path, str(exc)) from exc
+
+
+def _whole(column: Column, found: pa.ChunkedArray) -> pa.Array:
+    """Return a column as one array, with the dictionary that ``arrow_table`` gives it."""
+    import pyarrow as pa
+
+    if column.is_number or column.is_flag:
+        return found.combine_chunks()
+    chunks = [(chunk.dictionary.to_pylist(), chunk.indices.to_numpy()) for chunk in found.chunks]
+    there = sorted({texts[i] for texts, which in chunks for i in np.unique(which).tolist()})
+    texts = there if column.texts is None else list(column.texts)
+    place = {text: i for i, text in enumerate(texts)}
+    if unknown := [text for text in there if text not in place]:
+        problem = f"{column.name} = {shown(unknown[0])}: this version of vibro knows no such {column.name}"
+        raise FileError(problem, hint="read it with the version of vibro that wrote it")
+    of_chunks = [np.array([place.get(t, 0) for t in told], np.int32)[which] for told, which in chunks]
+    return pa.DictionaryArray.from_arrays(np.concatenate(of_chunks), pa.array(texts, pa.string()))

@@ -1,0 +1,442 @@
+"""The shards of a sweep, made by any executor; each has its name only when it is whole."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import multiprocessing
+import os
+import shutil
+import signal
+import threading
+import time
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, Self
+
+from vibro.errors import FileError, VibroError, cut, how_to_install
+from vibro.interrupts import OnEnd
+from vibro.parallel import BLOCK, cores
+from vibro.quantities import BY_COLUMN
+from vibro.results.sweep import Block
+from vibro.sweeps.columns import arrow_table
+from vibro.sweeps.tally import Tally
+from vibro.tables.files import hidden_folder
+from vibro.tables.plan import made_by, sealed, shard_name, unsealed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+    from pathlib import Path
+
+    import pyarrow as pa
+
+    from vibro.tables.plan import Plan
+
+_NOTICED: Final = 0.1  # [s] between looks for an interrupt, which an endless wait would ignore
+_WAITING: Final = 2  # tasks for each worker: one at work, one that waits
+_CONNECTING: Final = 12  # [s] to wait for a scheduler: one that is starting answers within that
+_LOOK: Final = 5.0  # [s] between looks at the workers of a cluster
+_ALONE: Final = 20.0  # [s] without any worker of a cluster after which a run ends
+_MAIN: Final = 'a script that asks for workers needs the line if __name__ == "__main__": before that'
+_SAME_FILES: Final = "workers and the process that starts them need the same files under the same path"
+_FOOTER: Final = b"vibro"  # key of the record in a footer
+_LEVEL: Final = -1  # of zstd: higher ones take longer and save almost no space
+_REASON: Final = 200  # characters of a library's message
+_TAIL: Final = 8  # [B] of a Parquet file: the length of its footer, and what tells the format
+#: A hint for whoever has lost a run.
+GO_ON: Final = "the same command, or call, goes on with what is there"
+
+
+class Made(NamedTuple):
+    """A whole shard: SHA-256 of its file and of its footer, its size [B], its cells; whether it is new."""
+
+    digest: str
+    footer: str
+    size: int
+    tally: Tally = Tally()
+    is_new: bool = False
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a run: cells and shards that are there, cells solved by this run, size [B], time [s]."""
+
+    cells: int
+    shards: int
+    solved: int
+    size: int
+    seconds: float
+
+
+@dataclass
+class Summary:
+    """What is known of whole shards, by their numbers."""
+
+    made: dict[int, Made] = field(default_factory=dict)
+    tally: Tally = field(default_factory=Tally)
+
+    @property
+    def size(self) -> int:
+        """Size of all shards [B]."""
+        return sum(made.size for made in self.made.values())
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of what ``sha256sum part-*.parquet`` prints."""
+        lines = (f"{self.made[shard].digest}  {shard_name(shard)}\n" for shard in sorted(self.made))
+        return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+    def success(self, plan: Plan) -> str:
+        """Return the text of the file that says that all shards are whole."""
+        files = {shard_name(shard): self.made[shard][:3] for shard in sorted(self.made)}
+        counts = {
+            "fingerprint": plan.fingerprint,
+            "cells": self.tally.status.total(),
+            "shards": len(files),
+            "bytes": self.size,
+        }
+        return sealed({**counts, "digest": self.digest, **self.tally.told(), "files": files})
+
+    @classmethod
+    def read(cls, text: bytes, plan: Plan) -> Self:
+        """Read what ``success`` wrote.
+
+        Raises
+        ------
+        ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError
+            If it was changed since, or is of another sweep.
+        """
+        content = unsealed(text)
+        tally, files = Tally.read(content), content["files"]
+        if content["fingerprint"] != plan.fingerprint or list(files) != [
+            *map(shard_name, range(plan.shards))
+        ]:
+            raise ValueError("it is of another sweep")
+        return cls({shard: Made(*told) for shard, told in enumerate(files.values())}, tally)
+
+
+def make_shard(
+    plan: Plan,
+    folder: Path,
+    running: Path,
+    shard: int,
+    threads: int,
+    tell: Callable[[int], None] = lambda cells: None,
+) -> Made:
+    """Make a shard, unless it is there.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    folder : Path
+        Where the shard goes.
+    running : Path
+        A folder for unfinished files, which is there for as long as anybody waits for the shard.
+    shard : int
+        Which.
+    threads : int
+        How many may share the work.
+    tell : callable, optional
+        Called with the number of cells that have just been solved.
+
+    Raises
+    ------
+    FileError, OSError
+        If it cannot be made here, or nobody waits for it any more.
+    """
+    from pyarrow import parquet
+
+    if made_by() != plan.content["made_by"]:
+        here, there = (
+            ", ".join(f"{k} {v}" for k, v in what.items()) for what in (made_by(), plan.content["made_by"])
+        )
+        hint = "install the same everywhere"
+        raise FileError(f"a worker has {here}; this sweep is made with {there}", hint=hint)
+    if not running.is_dir():
+        raise FileError(f"a worker finds no folder {running}", hint=_SAME_FILES)
+    path = folder / shard_name(shard)
+    if found := _found(plan, path, shard):
+        return found
+    first, end = plan.range_of(shard)
+    tally, writer = Tally(), None
+    waiting = running / path.name
+    try:
+        for start in range(first, end, BLOCK):
+            block = _solved(plan, start, min(start + BLOCK, end), threads, running)
+            tally.add(block)
+            tell(block.cycle.status.size)
+            cells = arrow_table(plan.table.columns, block)
+            writer = writer or parquet.ParquetWriter(waiting, cells.schema, **_encoding(cells.schema))
+            writer.write_table(cells, BLOCK)
+        assert writer is not None
+        record = {"fingerprint": plan.fingerprint, "first_cell": first, "cells": end - first, **tally.told()}
+        writer.add_key_value_metadata({_FOOTER: sealed(record)})
+        writer.close()
+        made = _made(waiting, tally, is_new=True)
+        waiting.replace(path)
+    finally:
+        if writer is not None:
+            with contextlib.suppress(OSError):  # of a full disk, once more
+                writer.close()
+        waiting.unlink(missing_ok=True)
+    return made
+
+
+def _found(plan: Plan, path: Path, shard: int) -> Made | None:
+    """Return a shard of this sweep that is there; a file of another one is an error."""
+    from pyarrow import ArrowException, parquet
+
+    first, end = plan.range_of(shard)
+    try:
+        with path.open("rb") as stream:
+            metadata = parquet.read_metadata(stream)
+        record = unsealed((metadata.metadata or {}).get(_FOOTER, b"{}"))
+        said = [metadata.num_rows, *(record[key] for key in ("fingerprint", "first_cell", "cells"))]
+        if said == [end - first, plan.fingerprint, first, end - first]:
+            return _made(path, Tally.read(record))
+    except FileNotFoundError:
+        return None
+    except (
+        ArrowException,
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        OSError,
+        TypeError,
+        ValueError,
+    ) as exc:
+        raise damaged(path, str(exc)) from exc
+    raise FileError(f"{path} belongs to another sweep", hint="remove it, or choose another folder")
+
+
+def damaged(path: Path, why: str) -> FileError:
+    """Return the error for a file of a folder that is not what was written."""
+    return FileError(f"{path} is damaged: {cut(why, _REASON)}", hint=f"remove it; {GO_ON}")
+
+
+def _made(path: Path, tally: Tally, *, is_new: bool = False) -> Made:
+    with path.open("rb") as stream:
+        digest = hashlib.file_digest(stream, "sha256").hexdigest()
+        return Made(digest, footer_digest(stream), stream.seek(0, os.SEEK_END), tally, is_new)
+
+
+def footer_digest(stream: BinaryIO) -> str:
+    """Return the SHA-256 of the end of a Parquet file, which says where its pages are and what they mean.
+
+    Each page has a checksum of its own.
+    """
+    size = stream.seek(0, os.SEEK_END)
+    stream.seek(max(0, size - _TAIL))
+    length = int.from_bytes(stream.read(_TAIL)[:4], "little")  # of what stands before it
+    stream.seek(max(0, size - _TAIL - length))
+    return hashlib.sha256(stream.read()).hexdigest()
+
+
+def _solved(plan: Plan, start: int, stop: int, threads: int, running: Path) -> Block:
+    """Solve some cells in a row; operating points of a machine are found once."""
+
+    def look(*_: int) -> None:
+        running.stat()
+
+    grid = plan.grid
+    try:
+        values = grid.cells(start, stop)
+        if grid.machine is not None:
+            return Block(values, grid.solve(values, threads, look), grid.length)
+        return Block(values, grid.solve_cells(start, stop, threads, look), grid.length)
+    except (OSError, MemoryError):
+        raise
+    except Exception as exc:
+        raise VibroError(f"cells {start} to {stop - 1}: {type(exc).__name__}: {exc}") from exc
+
+
+def _encoding(schema: pa.Schema) -> dict[str, Any]:
+    import pyarrow as pa
+
+    numbers = [item.name for item in schema if pa.types.is_floating(item.type)]
+    return {
+        "compression": "zstd",
+        "compression_level": _LEVEL,
+        "use_dictionary": [item.name for item in schema if item.name not in numbers] or False,
+        # Values of inputs repeat: splitting their bytes takes longer and saves no space.
+        "use_byte_stream_split": [name for name in numbers if name not in BY_COLUMN] or False,
+        # Statistics of the inputs alone select row groups: results follow no order.
+        "write_statistics": [name for name in schema.names if name in BY_COLUMN] or False,
+        "write_page_checksum": True,
+    }
+
+
+def make_shards(
+    plan: Plan,
+    folder: Path,
+    workers: int | str | None,
+    report: Callable[[Progress], None] = lambda progress: None,
+    known: Mapping[int, Made] = MappingProxyType({}),
+) -> Summary:
+    """Make the shards that are missing.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    folder : Path
+        Where they go, absolute.
+    workers : int or str, optional
+        Number of processes, or the address of a Dask scheduler; without, threads of this process.
+    report : callable
+        Called with the progress several times a second.
+    known : mapping of int to Made
+        Shards that were whole once, by their numbers.
+
+    Raises
+    ------
+    FileError, OSError
+        If a shard cannot be made; whole ones remain.
+    """
+    summary, began = Summary(), time.monotonic()
+    solved: list[int] = []  # numbers of cells, by the threads of this process or as shards are ready
+    with (
+        OnEnd(lambda: GO_ON),
+        hidden_folder(folder) as running,  # without it nobody can begin a file, or go on for long
+        _executor(workers, plan.shards) as (pool, number, threads, check),
+    ):
+        left: Iterator[int] = iter(range(plan.shards))
+        futures: dict[Future[Made], int] = {}
+        tell = (solved.append,) if workers is None else ()
+        try:
+            while True:
+                while len(futures) < _WAITING * number and (shard := next(left, None)) is not None:
+                    futures[pool.submit(make_shard, plan, folder, running, shard, threads, *tell)] = shard
+                if not futures:
+                    return summary
+                for future in wait(futures, _NOTICED, FIRST_COMPLETED).done:
+                    shard, made = futures.pop(future), future.result()
+                    if not made.is_new and made.digest != known.get(shard, made).digest:
+                        raise damaged(folder / shard_name(shard), "it is not what was written")
+                    summary.made[shard] = made
+                    summary.tally.include([made.tally])
+                    if made.is_new and not tell:
+                        solved.append(made.tally.status.total())
+                check()
+                old = sum(made.tally.status.total() for made in summary.made.values() if not made.is_new)
+                new, seconds = sum(solved), time.monotonic() - began
+                report(Progress(old + new, len(summary.made), new, summary.size, seconds))
+        except (BrokenExecutor, CancelledError) as exc:
+            raise FileError(f"a worker has ended: {cut(str(exc))}", hint=f"{_MAIN}; {GO_ON}") from exc
+        finally:
+            shutil.rmtree(running, ignore_errors=True)  # so that workers end what they are at
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+@contextlib.contextmanager
+def _executor(
+    workers: int | str | None, shards: int
+) -> Iterator[tuple[Executor, int, int, Callable[[], None]]]:
+    """Have an executor, the number of its workers, that of threads for each, and what checks for workers."""
+    if isinstance(workers, str):
+        with _cluster(workers) as (pool, number, check):
+            yield pool, number, 1, check
+    elif workers is None:
+        number = max(1, min(cores(), shards))
+        with ThreadPoolExecutor(number) as threads:
+            yield threads, number, max(1, cores() // number), lambda: None
+    else:
+        context = multiprocessing.get_context("spawn")  # a fork would inherit locks that other threads hold
+        with _safe_path(), ProcessPoolExecutor(workers, context, _begin_worker) as processes:
+            yield processes, workers, max(1, cores() // workers), lambda: None
+
+
+@contextlib.contextmanager
+def _cluster(address: str) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
+    """Have the workers of a Dask cluster."""
+    try:
+        import distributed
+    except ImportError:
+        raise FileError(
+            f"{address} needs the library distributed", hint=how_to_install("distributed")
+        ) from None
+    opened: Future[Any] = Future()
+    # In a thread: a client waits without end for the first words of whoever accepts its connection
+    # (github.com/dask/distributed/issues/8071).
+    threading.Thread(target=_open_client, args=(distributed.Client, address, opened), daemon=True).start()
+    try:
+        client = opened.result(1.3 * _CONNECTING)
+    except Exception as exc:
+        hint = "start one with dask scheduler, and give the address that it prints, such as tcp://host:8786"
+        reason = cut(str(exc)) or "it says nothing"
+        raise FileError(f"no Dask scheduler answers at {address}: {reason}", hint=hint) from exc
+    seen = began = time.monotonic()
+
+    def check() -> None:
+        """Look now and then whether there is any worker."""
+        nonlocal seen, began
+        now = time.monotonic()
+        if now - began < _LOOK:
+            return
+        began = now
+        if client.nthreads():
+            seen = now
+        elif now - seen > _ALONE:
+            hint = f"start workers with dask worker {address}; {GO_ON}"
+            raise FileError(f"the scheduler at {address} has no workers", hint=hint)
+
+    with client:
+        try:
+            with client.get_executor() as pool:
+                yield pool, max(1, sum(client.nthreads().values())), check
+        except (ImportError, AttributeError) as exc:  # it could not read the task
+            raise FileError(f"a worker of {address} has another vibro, or none: {cut(str(exc))}") from exc
+        except (TimeoutError, distributed.KilledWorker, distributed.core.CommClosedError) as exc:
+            raise FileError(f"workers of {address} are lost: {cut(str(exc))}", hint=GO_ON) from exc
+
+
+def _open_client(kind: Callable[..., Any], address: str, opened: Future[Any]) -> None:
+    try:
+        opened.set_result(kind(address, timeout=_CONNECTING, set_as_default=False))
+    except Exception as exc:
+        opened.set_exception(exc)
+
+
+@contextlib.contextmanager
+def _safe_path() -> Iterator[None]:
+    """Keep the current folder off the path of processes that are started meanwhile.
+
+    Python starts them with ``python -c``, which imports from the current folder first: beside a file
+    ``signal.py`` they would fail (github.com/python/cpython/issues/157916).
+    """
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
+
+
+def _begin_worker() -> None:
+    """Leave interrupts to the parent, and end when it ends, even if it is killed.
+
+    A process of a pool waits for work at a pipe of which it has both ends: it would wait for ever.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
