@@ -143,7 +143,7 @@ def map_command(
     from vibro.results.sweep import at_rest, where_motion_begins
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.request import RANGES
-    from vibro.sweeps.run import DrawnCells, limits_of
+    from vibro.sweeps.run import DrawnCells, limits_of, solved_picture, sweep_picture
 
     console = Console(quiet=options.quiet)
     shown = shown_pictures(show or [])
@@ -186,13 +186,13 @@ def map_command(
 
     def draw(show: Callable[..., None]) -> dict[str, Figure]:
         from vibro.plots import map_figures
-        from vibro.sweeps.run import sweep_picture
 
         nonlocal reached
-        result = sweep_picture(
-            grid, view.drawn, request.own, request.name or "", cells,
-            lambda done, size: show(0, f"solving {done / size:.0%}"),
-        )  # fmt: skip
+        what = grid, view.drawn, request.own, request.name or ""
+        if cells:
+            result = solved_picture(*what, names, cells.results)
+        else:
+            result = sweep_picture(*what, lambda done, size: show(0, f"solving {done / size:.0%}"))
         if target and outputs.folder:
             reached = target_in_pictures(result, axes, target.speed)
         return map_figures(

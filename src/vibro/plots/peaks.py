@@ -83,5 +83,4 @@ def _peaks(panel: Panel) -> dict[str, Peak]:
     values: dict[str, Any] = {**panel.values, panel.x.name: panel.x.values}
     if panel.y is not None:
         values[panel.y.name] = panel.y.values[:, np.newaxis]
-    values |= panel.places
     return peaks(panel.cycle["mean_velocity"], panel.cycle["mean_velocity_error"], values)

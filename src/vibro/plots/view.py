@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -104,8 +104,6 @@ class Panel:
         drives with harmonics.
     load : array, optional
         Load G; without it that of the scenes that the values and axes make.
-    places : mapping of str to array, optional
-        As of ``SweepResult``.
     amplitude : array, optional
         Amplitudes that follow from a machine, which are not among ``values`` [mm].
     """
@@ -117,7 +115,6 @@ class Panel:
     cycle: Mapping[str, NDArray[Any]]
     critical: Mapping[str, NDArray[np.float64]]
     load: NDArray[np.float64] | None = None
-    places: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     amplitude: NDArray[np.float64] | None = None
 
 
@@ -330,6 +327,5 @@ def _panel(result: SweepResult, view: View, facet_index: int, curve_index: int) 
         view.facet.name if view.facet else None,
         {name: cut(field) for name, field in result.cycle.arrays().items()},
         {name: cut(getattr(result.limits, name)) for name in _CURVES} if result.limits else {},
-        places={name: cut(values) for name, values in result.places.items()},
         amplitude=None if result.amplitude is None else cut(result.amplitude),
     )

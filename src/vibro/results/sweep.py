@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -147,9 +147,6 @@ class SweepResult:
         Values of the axes in the scene file, in the user's units; None unless it gives all of them.
     title : str
         Description of the sweep, in one line.
-    places : mapping of str to array, optional
-        Values of axes for which cells were actually solved, if they differ from the grid's: pictures of a
-        stored table use its nearest cells. Arrays of the grid's shape.
     amplitude : array, optional
         Amplitudes that follow from a machine, broadcastable to the grid's shape; NaN where there is none
         [mm].
@@ -162,7 +159,6 @@ class SweepResult:
     length: float | None
     operating_point: Mapping[str, float] | None
     title: str
-    places: Mapping[str, Floats] = field(default_factory=dict)
     amplitude: Floats | None = None
 
     @property

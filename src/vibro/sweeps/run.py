@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.axes import Axis
-from vibro.core.codes import Regime, Status
+from vibro.core.codes import Status
 from vibro.drives import Ability
 from vibro.limits import critical_loads
 from vibro.motion.arrivals import arrival_time
@@ -32,7 +32,7 @@ __all__ = ["DrawnCells", "limits_of", "solved_picture", "sweep_blocks", "sweep_p
 
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2
-# for each core: few enough that memory stays small (benchmarks/faults.py memory)
+# for each core: few enough that memory stays small
 _SOLVED: Final = 2 * BLOCK
 # if bodies are followed to their arrival, or other motions are searched for: a hundred times the work
 _WALKED_BLOCK: Final = 8_192
@@ -80,7 +80,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
 
 
 class DrawnCells:
-    """Cells of a table that its pictures show too.
+    """Cells of a table that are dear to solve: its pictures show them, and solve none of their own.
 
     Parameters
     ----------
@@ -91,10 +91,9 @@ class DrawnCells:
     """
 
     def __init__(self, grid: Grid, indices: Mapping[str, NDArray[np.intp]]) -> None:
-        self.axes = {name: (grid.axes[name], kept) for name, kept in indices.items()}
         places = np.ravel_multi_index(np.ix_(*indices.values()), grid.shape)
         self._cells = places.reshape(-1)
-        self.results: dict[str, NDArray[Any]] = {r.name: np.empty(places.shape, r.dtype) for r in RESULTS}
+        self._results: dict[str, NDArray[Any]] = {r.name: np.empty(places.shape, r.dtype) for r in RESULTS}
         self._seen = 0
 
     @classmethod
@@ -117,9 +116,13 @@ class DrawnCells:
         stop = self._seen + block.cycle.status.size
         first, last = np.searchsorted(self._cells, [self._seen, stop])
         here = self._cells[first:last] - self._seen
-        for name, values in self.results.items():
+        for name, values in self._results.items():
             values.reshape(-1)[first:last] = getattr(block.cycle, name).reshape(-1)[here]
         self._seen = stop
+
+    def results(self, names: Collection[str], indices: Sequence[NDArray[np.intp]]) -> dict[str, NDArray[Any]]:
+        """Return results of the cells, all of which are added, as ``solved_picture`` takes them."""
+        return {name: self._results[name] for name in names}
 
 
 def sweep_picture(
@@ -127,7 +130,6 @@ def sweep_picture(
     drawn: Mapping[str, tuple[int, ...]],
     operating_point: Mapping[str, float] | None,
     title: str,
-    cells: DrawnCells | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> SweepResult:
     """Solve a grid for pictures, with a resolution of their own.
@@ -143,11 +145,8 @@ def sweep_picture(
         The scene's own values.
     title : str
         Title of the sweep.
-    cells : DrawnCells, optional
-        Cells of the table, all added. Where some of those around move irregularly, the nearest is shown;
-        everything else is solved.
     progress : callable, optional
-        As for ``vibro.solve``; it may begin again.
+        As for ``vibro.solve``.
 
     Returns
     -------
@@ -160,63 +159,9 @@ def sweep_picture(
     count = _resolution(len(ranges), len(part.axes) - len(ranges), is_costly=_is_costly(part))
     axes = {name: _resolved(axis, count) if name in ranges else axis for name, axis in part.axes.items()}
     part = replace(part, axes=axes)
-    point = grid.operating_point(operating_point)
     values = part.values()
-    places: dict[str, Floats] = {}
-    if cells is None:
-        cycle = part.solve(values, progress=progress)
-    else:
-        cycle, places = _solved_around(part, values, cells, progress)
-    amplitude = None if part.machine is None else values["amplitude"]
-    return _result(part, cycle, limits_of(values), point, title, places, amplitude)
-
-
-def _solved_around(
-    part: Grid,
-    values: Mapping[str, Floats],
-    cells: DrawnCells,
-    progress: Callable[[int, int], None] | None,
-) -> tuple[SteadyCycle, dict[str, Floats]]:
-    """Solve the cells of a picture, except flights next to irregular ones of the table; return where too."""
-    searched, part = part.coexistence, replace(part, coexistence=False)
-    contact = replace(part, flight=False).solve(values)
-    found = {name: x.copy() for name, x in contact.arrays().items()}
-    near, irregular = cells.results, cells.results["status"] == Status.AVERAGED
-    at, place = {}, 0
-    for name, (axis, kept) in cells.axes.items():
-        if len(kept) == 1:
-            near = {result: x.take(0, place) for result, x in near.items()}
-            irregular = irregular.take(0, place)
-            continue
-        left, right, nearest = _neighbours(axis.on_paper[kept], part.axes[name].on_paper)
-        near = {result: x.take(nearest, place) for result, x in near.items()}
-        irregular = irregular.take(left, place) | irregular.take(right, place)
-        across = [-1 if i == place else 1 for i in range(len(part.axes))]
-        at[name] = axis.values[kept][nearest].reshape(across)
-        place += 1
-    hops = contact.status == Status.FLIGHT_NOT_MODELLED
-    alike = hops & (near["regime"] == Regime.HOPPING)
-    taken = alike & irregular
-    for name, x in found.items():  # ratios of loads are known without a flight
-        unknown = taken & np.isnan(x) if x.dtype.kind == "f" else taken
-        x[unknown] = near[name][unknown]
-    anew = np.flatnonzero(hops & ~taken)
-    if anew.size:
-        solved = part.solve(part.picked(anew), progress=progress)
-        for name, x in solved.arrays().items():
-            found[name].reshape(-1)[anew] = x
-    if searched:
-        found["coexists"][alike] = near["coexists"][alike]
-    return SteadyCycle(**found), {name: np.where(taken, x, values[name]) for name, x in at.items()}
-
-
-def _neighbours(cells: Floats, at: Floats) -> tuple[NDArray[np.intp], ...]:
-    """Return which of some ascending values lie to the left and the right of others, and the nearest."""
-    right = np.clip(np.searchsorted(cells, at), 1, len(cells) - 1)
-    left = right - 1
-    nearest = np.where(at - cells[left] < cells[right] - at, left, right)
-    same = cells[nearest] == at  # it is its own neighbour
-    return np.where(same, nearest, left), np.where(same, nearest, right), nearest
+    cycle = part.solve(values, progress=progress)
+    return _result(part, cycle, values, grid.operating_point(operating_point), title)
 
 
 def solved_picture(
@@ -250,37 +195,31 @@ def solved_picture(
     indices = _solved_indices(grid, _of_grid(drawn))
     part = _grid_at(grid, indices)
     values = part.values()
-    limits, point = limits_of(values), grid.operating_point(operating_point)
-    found = cells(results_drawn(pictures, has_limits=limits is not None), list(indices.values()))
+    found = cells(results_drawn(pictures, has_limits=limits_of(values) is not None), list(indices.values()))
     results: dict[str, Any] = {
         r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS
     }
     results |= {name: values.reshape(part.shape) for name, values in found.items()}
-    amplitude = None if part.machine is None else values["amplitude"]
-    return _result(part, SteadyCycle(**results), limits, point, title, amplitude=amplitude)
+    return _result(part, SteadyCycle(**results), values, grid.operating_point(operating_point), title)
 
 
 def _result(
     part: Grid,
     cycle: SteadyCycle,
-    limits: CriticalLoads | None,
+    values: Mapping[str, Floats],
     point: Mapping[str, float] | None,
     title: str,
-    places: Mapping[str, Floats] | None = None,
-    amplitude: Floats | None = None,
 ) -> SweepResult:
     """Hand a solved grid to pictures, in the quantities that were given."""
-    told = None if point is None else part.told(point)
     return SweepResult(
         part.told_axes,
         part.told(part.fixed),
         cycle,
-        limits,
+        limits_of(values),
         part.length,
-        told,
+        None if point is None else part.told(point),
         title,
-        part.told(places or {}),
-        amplitude,
+        None if part.machine is None else values["amplitude"],
     )
 
 
