@@ -79,9 +79,9 @@ map -A .5:4:8 {_NUT} -f 10:20:6 -L 600 -o -
 map -A .5:4:8 {_NUT} -f 10:20:6 --decimal-comma -o -
 map {_BOWL} .2:1.4:7 --phase=-90:90:7 -o -
 map {_TWO} .5 --motion-scale .5:2:30 -o -
-map samples.toml --motion-scale .5:2:30 --digits 6 -o -
+map samples.toml --motion-scale .5:2:30 -o -
 map feeder.toml --filling 0:2:5 --voltage 90:110:5 -o -
-map -A 3:9:40 {_NUT} --restitution .5 --columns amplitude_mm,mean_velocity_mm_s,pattern,status --excel -o -
+map -A 3:9:40 {_NUT} --restitution .5 --columns amplitude_mm,mean_velocity_mm_s,pattern,status -o -
 traverse-time -A .5:4:40 {_NUT} -L 600 --exact -o -
 simulate -A 2 {_NUT} --cycles 12 -o -
 simulate -A 5 {_NUT} --cycles 4 --restitution .4 --decimal-comma -o -
