@@ -7,14 +7,15 @@ import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
+
+from vibro.files.arrow_arrays import number_array, text_array
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    import numpy as np
     import pyarrow as pa
     from numpy.typing import NDArray
-
-__all__ = ["CsvFormat", "TableColumns"]
 
 # Numbers, or texts, by their header.
 TableColumns: TypeAlias = "Mapping[str, NDArray[np.float64] | Sequence[str]]"
@@ -26,13 +27,10 @@ class CsvFormat:
 
     Attributes
     ----------
-    excel : bool
-        Whether it begins with a byte order mark, by which spreadsheets know UTF-8.
     decimal_comma : bool
         Whether decimals are written with a comma, and cells separated by semicolons.
     """
 
-    excel: bool = False
     decimal_comma: bool = False
 
     @property
@@ -42,8 +40,7 @@ class CsvFormat:
 
     def header(self, names: Iterable[str]) -> bytes:
         """Return the first line."""
-        line = self._quoted([list(map(_harmless, names))])
-        return (("\ufeff" if self.excel else "") + line).encode()
+        return self._quoted([list(map(_harmless, names))]).encode()
 
     def rows(self, cells: pa.Table) -> bytes:
         """Return the lines of an Arrow table of numbers and texts.
@@ -51,8 +48,8 @@ class CsvFormat:
         Returns
         -------
         bytes
-            UTF-8. Null, NaN and inf are empty cells. Texts are quoted where they must be, and those that a
-            spreadsheet would take for a formula begin with an apostrophe.
+            UTF-8. Null is an empty cell. Texts are quoted where they must be, and those that a spreadsheet
+            would take for a formula begin with an apostrophe.
         """
         import pyarrow as pa
         import pyarrow.csv as arrow_csv
@@ -64,15 +61,19 @@ class CsvFormat:
             return self._quoted(zip(*texts, strict=True)).encode()
         style = arrow_csv.WriteOptions(include_header=False, delimiter=self.separator, quoting_style="none")
         stream = pa.BufferOutputStream()
-        arrow_csv.write_csv(pa.table(columns, names=cells.column_names), stream, style)
+        arrow_csv.write_csv(pa.Table.from_arrays(columns, cells.column_names), stream, style)
         written: bytes = stream.getvalue().to_pybytes()
         return written
 
     def table(self, columns: TableColumns) -> bytes:
-        """Return a whole table of columns of equal length, by their header, as ``rows`` writes it."""
+        """Return a whole table of columns of equal length, by their header; non-finite numbers are empty."""
         import pyarrow as pa
 
-        return self.header(columns) + self.rows(pa.table({name: pa.array(c) for name, c in columns.items()}))
+        arrays = [
+            number_array(c, np.isfinite(c)) if isinstance(c, np.ndarray) else text_array(c)
+            for c in columns.values()
+        ]
+        return self.header(columns) + self.rows(pa.Table.from_arrays(arrays, list(columns)))
 
     def _plain(self, column: pa.Array) -> pa.Array:
         """Return a column as it is written."""
@@ -82,11 +83,10 @@ class CsvFormat:
         if pa.types.is_dictionary(column.type):
             return pa.DictionaryArray.from_arrays(column.indices, self._plain(column.dictionary))
         if pa.types.is_string(column.type):
-            return pa.array(map(_harmless, column.to_pylist()), pa.string())
-        if not pa.types.is_floating(column.type):
-            return column
-        column = pc.if_else(pc.is_finite(column), column, pa.scalar(None, column.type))
-        return pc.replace_substring(column.cast(pa.string()), ".", ",") if self.decimal_comma else column
+            return text_array(map(_harmless, column.to_pylist()))
+        if self.decimal_comma and pa.types.is_floating(column.type):
+            return pc.replace_substring(column.cast(pa.string()), ".", ",")
+        return column
 
     def _needs_quotes(self, column: pa.Array) -> bool:
         import pyarrow as pa

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError, did_you_mean, shown
+from vibro.files.arrow_arrays import number_array, text_array
 from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, SWEPT
 from vibro.results.operating import MACHINE_RESULTS, OPERATING
 from vibro.results.steady import RESULTS, Result
@@ -212,31 +213,21 @@ def _array(column: Column, block: Block) -> pa.Array:
     import pyarrow as pa
 
     values = column.values(block)
-    if column.is_number:
-        return _masked(values, np.isfinite(values), block.shape)
-    if column.is_flag:
-        return _masked(values.astype(np.int8, copy=False), values >= 0, block.shape)
+    if column.is_number or column.is_flag:
+        known = np.isfinite(values) if column.is_number else values >= 0
+        cells = values if column.is_number else values.astype(np.int8, copy=False)
+        return number_array(*(np.broadcast_to(x, block.shape) for x in (cells, known)))
     if column.decode is None:
         texts: Any = column.texts
         which = np.where(values < 0, np.int8(len(texts) - 1), values)  # a remainder would take longer
     else:
-        found = pa.array(values.ravel()).dictionary_encode()  # it hashes where NumPy sorts
-        unsorted = column.decode(found.dictionary.to_numpy(), block.cycle.long_patterns)
+        found = number_array(values).dictionary_encode()  # it hashes where NumPy sorts
+        codes = np.frombuffer(found.dictionary.buffers()[1], values.dtype)
+        unsorted = column.decode(codes, block.cycle.long_patterns)
         texts, place = np.unique(unsorted.astype(str), return_inverse=True)
-        which = place[found.indices.to_numpy()].reshape(values.shape)
-    indices = np.broadcast_to(which, block.shape).ravel().astype(np.int32)
-    return pa.DictionaryArray.from_arrays(indices, pa.array(texts, pa.string()))
-
-
-def _masked(values: NDArray[Any], known: NDArray[np.bool_], shape: tuple[int, ...]) -> pa.Array:
-    """Return cells with nulls where they are unknown, without a mask where none is."""
-    import pyarrow as pa
-
-    cells = np.ascontiguousarray(np.broadcast_to(values, shape))
-    mask = None
-    if not known.all():  # packed here, in a fraction of pyarrow's time
-        mask = pa.py_buffer(np.packbits(np.broadcast_to(known, shape), bitorder="little"))
-    return pa.Array.from_buffers(pa.from_numpy_dtype(cells.dtype), cells.size, [mask, pa.py_buffer(cells)])
+        which = place[np.frombuffer(found.indices.buffers()[1], np.int32)].reshape(values.shape)
+    indices = np.broadcast_to(which.astype(np.int32), block.shape)
+    return pa.DictionaryArray.from_arrays(number_array(indices), text_array(texts))
 
 
 def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.errors import FileError, shown
+from vibro.files.arrow_arrays import number_array, text_array
 from vibro.parallel import BLOCK
 from vibro.tables.plan import MANIFEST, SUCCESS, Plan, read_plan, shard_name
 from vibro.tables.shards import GO_ON, Summary, damaged, footer_digest
@@ -152,4 +153,4 @@ def _whole(column: Column, found: pa.ChunkedArray) -> pa.Array:
         problem = f"{column.name} = {shown(unknown[0])}: this version of vibro knows no such {column.name}"
         raise FileError(problem, hint="read it with the version of vibro that wrote it")
     of_chunks = [np.array([place.get(t, 0) for t in told], np.int32)[which] for told, which in chunks]
-    return pa.DictionaryArray.from_arrays(np.concatenate(of_chunks), pa.array(texts, pa.string()))
+    return pa.DictionaryArray.from_arrays(number_array(np.concatenate(of_chunks)), text_array(texts))

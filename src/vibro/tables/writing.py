@@ -64,6 +64,10 @@ def write_folder(
     FileError
         If the folder holds something else, or cannot be written.
     """
+    if "\0" in str(folder):
+        raise InputError(
+            f"folder = {shown(str(folder))}: no file has such a name", hint="choose another name"
+        )
     try:
         folder.mkdir(parents=True, exist_ok=True)
         there = sorted(path.name for path in folder.iterdir() if not path.name.startswith("."))
@@ -187,7 +191,7 @@ def write_sweep(
              regime  mean_velocity_mm_s
     0  forward-slip              16.263
     """
-    if not isinstance(folder, str | os.PathLike) or str(folder) in ("", ".") or "\0" in str(folder):
+    if not isinstance(folder, str | os.PathLike):
         raise InputError(f"folder = {shown(folder)}: must be a path", hint='write it like "wide.parquet"')
     workers, path = checked_workers(workers), Path(folder)
     check_switch("force", force)
