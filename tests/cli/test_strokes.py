@@ -69,26 +69,25 @@ def test_a_swept_stroke_is_echoed_and_its_table_has_amplitudes(
 
 def test_workbooks_are_in_strokes(run: Run, scene: Path, no_pictures: None) -> None:
     args = ("map", scene, "--stroke", "1:3:5", "-f", "10:30:5")
-    result = run(*args, "--table", "xlsx", "-o", "book")
+    result = run(*args, "-o", "book.xlsx")
     assert result.exit_code == 0, result.stderr
     sheets = openpyxl.load_workbook("book.xlsx")
     cells = [cell for sheet in sheets for row in sheet.iter_rows(values_only=True) for cell in row if cell]
     assert "amplitude" not in cells
-    assert "stroke [mm]" in "".join(map(str, cells))
-    down = [row[0] for row in sheets["Speed"].iter_rows(min_row=4, max_row=8, values_only=True)]
+    assert "stroke_mm down" in "".join(map(str, cells))
+    down = [row[0] for row in sheets["Speed"].iter_rows(min_row=3, max_row=7, values_only=True)]
     assert down == [1, 1.5, 2, 2.5, 3]
-    assert "stroke = 3 mm" in "".join(map(str, cells))
+    assert "stroke_mm = 3, frequency_hz" in "".join(map(str, cells))
 
 
 def test_a_stored_sweep_remembers_in_what_it_was_asked(run: Run, scene: Path) -> None:
-    pytest.importorskip("pyarrow")
-    run("map", scene, "--stroke", "1:3:5", "-f", "10:30:5", "--table", "parquet", "-o", "cells")
-    result = run("map", "cells", "-o", "again")
+    run("map", scene, "--stroke", "1:3:5", "-f", "10:30:5", "-o", "cells.parquet")
+    result = run("map", "cells.parquet", "-o", "again")
     assert result.exit_code == 0, result.stderr
     assert result.stderr.startswith("stroke: 5 values, 1 ... 3 mm")
     assert "at stroke 3 mm" in result.stderr
     # The cells are the same ones in amplitudes: such a run has nothing left to solve.
-    amplitudes = ("-A", "0.5:1.5:5", "-f", "10:30:5", "--table", "parquet", "-o", "cells", "--resume")
+    amplitudes = ("-A", "0.5:1.5:5", "-f", "10:30:5", "-o", "cells.parquet")
     assert run("map", scene, *amplitudes).exit_code == 0
 
 

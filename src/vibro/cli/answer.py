@@ -144,7 +144,7 @@ def write_sweep(
     with outputs, ExitStack() as stack:
         form = CsvFormat(decimal_comma=options.decimal_comma)
         sinks: list[Sink] = []
-        books: list[Xlsx] = []
+        books: dict[Path, Xlsx] = {}
         for path, (_, ending) in outputs.tables.items():
             if ending == "csv":
                 _check_size(grid, _row_bytes(grid, table), path.parent, console)
@@ -153,18 +153,21 @@ def write_sweep(
                 from vibro.tables.xlsx import Xlsx
 
                 scratch = stack.enter_context(hidden_folder(path.parent))
-                books.append(Xlsx(outputs.waiting[path], scratch, grid, table, view))
+                books[path] = Xlsx(outputs.waiting[path], scratch, grid, table, view)
         if outputs.takes_stdout:
             sinks.append(Csv(sys.stdout.buffer, table, form))
         with console.progress("solving", grid.size) as bar:
-            tally = write_table(grid, table, [*sinks, *books], report=bar, look=look)
+            tally = write_table(grid, table, [*sinks, *books.values()], report=bar, look=look)
         content = sweep_record(grid, table, tally.told())
         with drawn(pictures if outputs.pictures or books else None, console) as figures:
             record = outputs.finish(content, figures)
             if books:
                 console.echo("writing the workbook")
-            for book in books:
-                book.close(record, {name: _png(figure, record) for name, figure in figures.items()})
+            for path, book in books.items():
+                book.close(
+                    {"name": path.stem, **record},
+                    {name: _png(figure, record) for name, figure in figures.items()},
+                )
     if options.json:
         print(json_text(record))
     return conclude(tally, grid, console)

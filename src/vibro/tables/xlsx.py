@@ -15,7 +15,7 @@ from vibro.core.codes import Regime, Status
 from vibro.errors import FileError, InputError, how_to_install
 from vibro.plots.style import INK, REGIME_COLOURS, visible
 from vibro.plots.view import value_of
-from vibro.quantities import BY_COLUMN
+from vibro.quantities import BY_COLUMN, as_given
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -39,6 +39,7 @@ _OVER_AXES: Final = {
     "impact_speed_mm_s": "Impact",
     "flight_fraction": "Flight",
 }
+_WIDTH: Final = 12  # [characters] of a column that holds regimes or numbers
 _COLOURS: Final = {
     "type": "3_color_scale", "min_color": "#FFFFFF", "mid_color": "#CFDDEE", "max_color": "#6699CC",
 }  # fmt: skip
@@ -81,11 +82,13 @@ class Xlsx:
         self._book = xlsxwriter.Workbook(path, {"constant_memory": True, "tmpdir": str(scratch)})
         self._book.use_zip64()
         self._bold = self._book.add_format({"bold": True, "bottom": 1})
-        self._summary, self._cells = self._book.add_worksheet("Summary"), self._book.add_worksheet("Cells")
+        self._summary, self._cells = self._sheet("Summary"), self._sheet("Cells")
         for place, column in enumerate(table.columns):
-            self._cells.set_column(place, place, max(9, len(column.name)))
+            self._cells.set_column(place, place, max(_WIDTH, len(column.name) + 3))
             self._cells.write_string(0, place, column.name, self._bold)
         self._cells.freeze_panes(1, 0)
+        self._cells.repeat_rows(0)
+        self._cells.autofilter(0, 0, grid.size, len(table.columns) - 1)
         self._row = 1
         self._kept: dict[str, list[Any]] = {c.name: [] for c in table.columns if c.name in _OVER_AXES}
 
@@ -123,12 +126,19 @@ class Xlsx:
                 if any(value not in (None, 0.0) for value in values):
                     self._add_matrices(name, np.array(values, object).reshape(self._grid.shape))
         for name, png in pictures.items():
-            sheet = self._book.add_worksheet(f"Picture of {name}"[:_LONGEST_NAME])
+            sheet = self._sheet(f"Picture of {name}"[:_LONGEST_NAME])
             sheet.insert_image(0, 0, f"{name}.png", {"image_data": io.BytesIO(png)})
         try:
             self._book.close()
         except FileCreateError as exc:
             raise exc.args[0] from None  # the system's own error
+
+    def _sheet(self, name: str) -> Any:
+        """Add a sheet, which is printed as wide as a page."""
+        sheet = self._book.add_worksheet(name)
+        sheet.set_landscape()
+        sheet.fit_to_pages(1, 0)
+        return sheet
 
     def _write_row(self, sheet: Any, row: int, cells: Iterable[Any], style: Any = None) -> None:
         """Write numbers as numbers, and all texts as texts: none is a formula, or a link."""
@@ -140,7 +150,7 @@ class Xlsx:
 
     def _told(self, record: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
         """Tell what was solved and what was found, a row each; one of a single cell is a heading."""
-        grid, cells = self._grid, record["cells"]
+        grid, axes, cells = self._grid, self._grid.told_axes, record["cells"]
         yield (record.get("name") or "Sweep",)
         yield "command", shlex.join(map(str, record.get("argv", ())))
         yield "vibro", record.get("version", "")
@@ -150,7 +160,7 @@ class Xlsx:
         for key, value in {**record.get("motion", {}), **record.get("part", {})}.items():
             yield key, json.dumps(value)
         yield ("Axes",)
-        for axis in grid.told_axes.values():
+        for axis in axes.values():
             yield axis.column, str(axis).partition(": ")[2]
         yield ("Cells",)
         yield "in all", cells
@@ -158,7 +168,9 @@ class Xlsx:
         for label, count in {**record["regime"], **record["status"]}.items():
             yield label, count, f"{count / cells:.2%}", messages.get(label, "")
         for label, cell in record["peaks"].items():
-            place = ", ".join(f"{axis.column} = {cell[axis.column]:.10g}" for axis in grid.axes.values())
+            values = {name: cell[axis.column] for name, axis in grid.axes.items()}
+            values = as_given(values, in_stroke="stroke" in axes)
+            place = ", ".join(f"{axis.column} = {values[name]:.10g}" for name, axis in axes.items())
             yield label.replace("_", " "), cell["mean_velocity_mm_s"], "mm/s", place
         yield ("Columns of Cells",)
         for column in self._table.columns:
@@ -169,14 +181,15 @@ class Xlsx:
         view = self._view
         assert view is not None
         assert view.y is not None
-        sheet, axes = self._book.add_worksheet(_OVER_AXES[name]), self._grid.told_axes
+        sheet, axes = self._sheet(_OVER_AXES[name]), self._grid.told_axes
         styles = {
             regime.label: self._book.add_format(
                 {"bg_color": colour, "font_color": "#FFFFFF" if regime is Regime.HOPPING else INK}
             )
             for regime, colour in REGIME_COLOURS.items()
         }
-        sheet.set_column(0, 0, 24)
+        sheet.set_column(0, len(view.x), _WIDTH)
+        sheet.freeze_panes(2 if view.facet is None else 0, 1)
         row = 0
         for facet in view.facet_indices:
             held = {**view.held, **({} if view.facet is None else {view.facet.name: facet})}
@@ -184,7 +197,8 @@ class Xlsx:
             if next(of for of in axes if of not in held) == view.x.name:
                 matrix = matrix.T
             at = ", ".join(f"{axes[of].label} = {value_of(axes[of], i)}" for of, i in held.items())
-            self._write_row(sheet, row, (f"{name} over {view.y.column}, {view.x.column}", at), self._bold)
+            title = f"{name}: {view.y.column} down, {view.x.column} across{'; ' if at else ''}{at}"
+            self._write_row(sheet, row, (title,), self._bold)
             self._write_row(sheet, row + 1, ("", *view.x.values.tolist()), self._bold)
             first = row + 2
             for row, (value, cells) in enumerate(
