@@ -227,5 +227,5 @@ def _differences(there: Mapping[str, Any], here: Mapping[str, Any], within: str 
             said += _differences(old, new, f"{within}{key} ")
         elif old != new:
             texts = [cut(json.dumps(value), _LONGEST) for value in (old, new)]
-            said.append(f"{within}{key}: {texts[0]} there, {texts[1]} here".replace("_", " "))
+            said.append(f"{within}{key}: {texts[0]} there, {texts[1]} here")
     return said
