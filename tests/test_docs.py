@@ -19,7 +19,6 @@ from helpers.nomenclature import REFERENCE, page_with
 from PIL import Image
 
 import vibro
-from vibro.output.stored import StoredSweep
 from vibro.quantities import QUANTITIES
 from vibro.results import RESULTS
 from vibro.sweeps.columns import columns_of
@@ -34,6 +33,7 @@ from vibro.sweeps.derived import (
     throughput,
 )
 from vibro.sweeps.whole import Sweep
+from vibro.tables.stored import StoredSweep
 
 ROOT = Path(__file__).parent.parent
 CHAPTERS = sorted((ROOT / "docs" / "theory").glob("[0-9]*.md"))

@@ -126,7 +126,7 @@ def test_an_interrupted_run_is_exit_code_130(run: Run, monkeypatch: pytest.Monke
 
 def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("nut-speed.png").touch()
-    monkeypatch.setattr("vibro.output.run.sweep_blocks", None)
+    monkeypatch.setattr("vibro.tables.sinks.sweep_blocks", None)
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert [path.name for path in Path().iterdir()] == ["nut-speed.png"]
@@ -137,33 +137,12 @@ def test_quiet_prints_errors_alone(run: Run) -> None:
     assert run(*TABLE, "-o", "nut", "-q").stderr.startswith("error: nut.csv")
 
 
-def test_stems_and_folders(run: Run) -> None:
-    Path("nut.toml").write_text(
-        "[scene]\ndrive_angle_deg = 20\nstatic_friction = 0.7\nkinetic_friction = 0.6\n"
-    )
-    axes = ("-A", "1,2", "-f", "15", "-q", "--regimes-only")
-    for output, written in (
-        (("-o", "run1.5"), "run1.5.csv"),
-        (("-o", "new/"), "new/nut.csv"),
-        (("-o", "new/stem"), "new/stem.csv"),
-        (("-o", "new"), "new/nut.csv"),
-        ((), "nut.csv"),
-    ):
-        assert run("map", "nut.toml", *axes, *output, "--force").exit_code == 0
-        assert Path(written).is_file()
-        Path(written).unlink()
-    assert run("map", *NUT, *axes).exit_code == 0
-    assert Path("vibro-map.csv").is_file()
-
-
-def test_csv_for_spreadsheets(run: Run) -> None:
-    assert run(*TABLE, "-o", "nut", "--excel", "--decimal-comma", "-q").exit_code == 0
+def test_csv_with_decimal_commas(run: Run) -> None:
+    assert run(*TABLE, "-o", "nut", "--decimal-comma", "-q").exit_code == 0
     content = Path("nut.csv").read_bytes()
-    assert content.startswith(b"\xef\xbb\xbfamplitude_mm;frequency_hz;")
+    assert content.startswith(b"amplitude_mm;frequency_hz;")
     assert b"\n0,5;10;20;0,74;0,57;0;no-slip;" in content
     assert b"\r" not in content
-    stdout = run(*SMALL, "-o", "-", "--excel", "-q").stdout_bytes
-    assert stdout.startswith(b"\xef\xbb\xbfamplitude_mm,")
 
 
 @POSIX

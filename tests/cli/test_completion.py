@@ -59,7 +59,6 @@ def completed(*words: str) -> list[str]:
                 "mean_velocity_mm_s,mean_velocity_with_second_harmonic_mm_s",
             ],
         ),
-        (("design", "--format", "png,"), ["png,svg", "png,pdf"]),
         (("simulate", "--panels", "forces,v"), ["forces,velocity"]),
         (
             ("compare", "--fit", "mu_s,"),
@@ -67,7 +66,6 @@ def completed(*words: str) -> list[str]:
         ),
         (("solve", "--flight", "o"), ["on", "off"]),
         (("schema", ""), ["scene", "design"]),
-        (("map", "--table", "p"), ["parquet"]),
         (("traverse-time", "--sw"), ["--sweep"]),
         # Names of files, which the shell itself completes where it is told nothing.
         (("solve", "examples/"), []),

@@ -70,15 +70,15 @@ def test_axes_of_a_machine_stand_in_the_table_of_a_map(run: Run, tmp_path: Path)
 
 @pytest.mark.usefixtures("unsaved")
 def test_a_stored_map_is_drawn_again(run: Run, tmp_path: Path) -> None:
-    args = ("map", feeder(tmp_path), "--setting", "30:100:4", "--filling", "0:2:4", "--table", "parquet")
-    assert run(*args, "-o", tmp_path / "stored").exit_code == 0
-    again = run(*args, "-o", tmp_path / "stored", "--resume")
-    assert again.exit_code == 0, again.stderr
-    result = run("map", tmp_path / "stored", "-o", tmp_path / "again")
+    args = ("map", feeder(tmp_path), "--setting", "30:100:4", "--filling", "0:2:4")
+    stored = tmp_path / "stored.parquet"
+    assert run(*args, "-o", stored).exit_code == 0
+    assert "complete already" in run(*args, "-o", stored).stderr
+    result = run("map", stored, "-o", tmp_path / "again")
     assert result.exit_code == 0, result.stderr
     assert (tmp_path / "again-regime.png").exists()
     other = run(*args[:1], feeder(tmp_path, table=FEEDER.replace("0.015", "0.02")), *args[2:],
-                "-o", tmp_path / "stored", "--resume")  # fmt: skip
+                "-o", stored)  # fmt: skip
     assert "damping_ratio: 0.015 there, 0.02 here" in other.stderr
 
 
@@ -131,8 +131,7 @@ OF_CELLS = ("-f", "49,50", "--filling", "1,2", "--columns", "amplitude_mm,natura
 @each(("kind", "table"), [*((kind, "csv") for kind in KINDS), ("magnet", "xlsx"), ("magnet", "parquet")])
 @pytest.mark.usefixtures("no_pictures")
 def test_maps_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str, table: str) -> None:
-    to = ("--table", table, "-o", f"{kind}-{table}")
-    result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, *to)
+    result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, "-o", f"{kind}-{table}.{table}")
     assert result.exit_code == 0, result.stderr
 
 
@@ -147,7 +146,7 @@ def test_maps_of_every_kind_are_drawn(run: Run, tmp_path: Path, kind: str) -> No
 @each("table", ["csv", "xlsx", "parquet"])
 @pytest.mark.usefixtures("no_pictures")
 def test_maps_with_masses_that_strike_are_written(run: Run, tmp_path: Path, table: str) -> None:
-    of_cells = "-f", "45:55:11", "--setting", "50,150", "--table", table, "-o", table
+    of_cells = "-f", "45:55:11", "--setting", "50,150", "-o", f"of-{table}.{table}"
     result = run("map", feeder(tmp_path, "gap_mm = 0.6\n"), *of_cells)
     assert result.exit_code == 0, result.stderr
     assert "of 22 cells: infeasible" in result.stderr

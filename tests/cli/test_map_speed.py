@@ -22,7 +22,7 @@ def test_every_map_tells_the_share_that_reaches_a_speed(run: Run) -> None:
 
 @pytest.mark.usefixtures("unsaved")
 def test_folders_and_what_is_drawn_of_them_tell_the_share(run: Run) -> None:
-    made = run("map", *IRREGULAR, "--speed", "150", "--table", "parquet", "-o", "wide").stderr
+    made = run("map", *IRREGULAR, "--speed", "150", "-o", "wide.parquet", "-o", "of.png").stderr
     assert " possible cells of the pictures (" in made
-    read = run("map", "wide", "--speed", "150", "-o", "read").stderr.splitlines()[-1]
+    read = run("map", "wide.parquet", "--speed", "150", "-o", "read").stderr.splitlines()[-1]
     assert read == run("map", *IRREGULAR, "--speed", "150", "-o", "-").stderr.splitlines()[-1]

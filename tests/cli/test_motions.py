@@ -122,9 +122,9 @@ def test_a_map_with_pictures_says_what_was_given(run: Run, tmp_path: Path) -> No
 
 def test_stored_sweeps_keep_their_motion(run: Run, tmp_path: Path) -> None:
     file = written(tmp_path, f'{POINT}{STEPS}[map]\nmotion_scale = "0.2:3:30"\nfrequency_hz = "1:5:20"\n')
-    arguments = ("map", file, "--table", "parquet", "-o", tmp_path / "stored")
+    arguments = ("map", file, "-o", tmp_path / "stored.parquet")
     assert run(*arguments).exit_code == 0
-    stored, swept = vibro.open_sweep(tmp_path / "stored"), vibro.sweep(file)
+    stored, swept = vibro.open_sweep(tmp_path / "stored.parquet"), vibro.sweep(file)
     speed = stored.to_frame()["mean_velocity_mm_s"].to_numpy().reshape(stored.shape)
     np.testing.assert_allclose(speed, 1e3 * swept.cycle.mean_velocity, rtol=1e-14)
     assert stored.fixed == swept.fixed
@@ -132,7 +132,7 @@ def test_stored_sweeps_keep_their_motion(run: Run, tmp_path: Path) -> None:
     # another motion is another sweep
     other = f"{POINT}{STEPS}".replace("-9.6", "-9.61")
     written(tmp_path, f'{other}[map]\nmotion_scale = "0.2:3:30"\nfrequency_hz = "1:5:20"\n')
-    refused = run(*arguments, "--resume")
+    refused = run(*arguments)
     assert refused.exit_code != 0
     assert "along_steps: [[0.8, 2.4], [0.2, -9.6]] there, [[0.8, 2.4], [0.2, -9.61]] here" in refused.stderr
 
