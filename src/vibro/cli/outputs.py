@@ -124,11 +124,6 @@ class Outputs:
                 first = not is_stem and name == tables[0]
                 self.tables[path if first else _suffixed(stem, _ending(name, form))] = name, form
 
-    @property
-    def writes_files(self) -> bool:
-        """Whether there will be files."""
-        return bool(self.tables or self.pictures or self.records)
-
     def __enter__(self) -> Self:
         from vibro.tables.files import whole_files
 
