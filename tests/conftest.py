@@ -61,10 +61,11 @@ _MARKED: Final = {
         "inverse/test_rounding.py", "inverse/test_rows.py", "inverse/test_scenarios.py",
         "inverse/test_search.py", "inverse/test_spaces.py", "inverse/test_specs.py", "inverse/test_yields.py",
         "machines/test_machine.py", "motion/test_arrivals.py", "motion/test_trace.py",
-        "output/test_selection.py", "plots/test_fields.py", "plots/test_neighbours.py", "plots/test_view.py",
+        "plots/test_fields.py", "plots/test_neighbours.py", "plots/test_view.py",
         "records/test_cycles.py", "records/test_headers.py", "records/test_minimisation.py",
         "records/test_signals.py", "reports/test_change_texts.py", "results/test_history.py",
-        "results/test_sweep.py", "sweeps/test_run.py", "sweeps/test_tally.py", "test_axes.py",
+        "results/test_sweep.py", "sweeps/test_run.py", "sweeps/test_tally.py", "tables/test_files.py",
+        "tables/test_plan.py", "tables/test_selection.py", "test_axes.py",
         "test_errors.py", "test_friction_catalogue.py", "test_indexes.py", "test_makers.py",
         "test_mutants.py", "test_periodic.py", "test_quantities.py", "test_reference.py", "test_roots.py",
         "test_scales.py", "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",
@@ -80,14 +81,12 @@ _MARKED: Final = {
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
         "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "explore/test_guards.py",
-        "output/test_faults.py", "output/test_hidden.py", "output/test_plan.py",
-        "output/test_readers.py", "output/test_staging.py", "output/test_stored.py",
-        "output/test_workers.py", "output/test_xlsx.py", "plots/test_style.py",
-        "sweeps/test_datasets.py", "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
+        "plots/test_style.py", "tables/test_faults.py", "tables/test_readers.py", "tables/test_shards.py",
+        "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
         "test_site.py", "test_threads.py", "test_translate.py",
     ),
     "browser": (
-        "explore/test_page", "output/test_libreoffice.py", "reports/test_printed.py", "test_site.py",
+        "explore/test_page", "tables/test_libreoffice.py", "reports/test_printed.py", "test_site.py",
     ),
 }  # fmt: skip
 

@@ -1,23 +1,30 @@
-"""Small sweeps in shards: their plans, and folders that are written as the command and the library do it."""
+"""Small sweeps as files: plans of shards, folders that hold them, workbooks."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 from unittest import mock
 
+import openpyxl
+
 import vibro
-from vibro.output.plan import Plan
-from vibro.output.workers import Threads, Workers
-from vibro.output.writing import Sharding
+from vibro.plots.view import choose_view
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.derived import throughput
+from vibro.tables.plan import Plan
+from vibro.tables.record import run_record, sweep_record
+from vibro.tables.sinks import write_table
+from vibro.tables.writing import write_folder
+from vibro.tables.xlsx import Xlsx
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from vibro.output.shards import Progress, Summary
+    import pyarrow as pa
+
     from vibro.sweeps.whole import Sweep
+    from vibro.tables.shards import Progress, Summary
 
 NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
 """The paper's angle and frictions."""
@@ -42,35 +49,28 @@ def plan_of(
     shard_cells: int | None = None,
     *,
     columns: Sequence[str] | None = None,
-    digits: int | None = None,
     part: Mapping[str, float] | None = None,
+    row_group_cells: int | None = None,
 ) -> Plan:
-    """Plan the same sweep in shards."""
+    """Plan the same sweep in shards, each of several row groups if their size is given."""
     grid = solved._grid
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if part else ()
     usual = columns_of(grid.axes, *extra, drive=grid.drive, made_with=grid.made_with)
-    table = Table(usual if columns is None else chosen(columns, usual), digits, part or {})
-    return Plan.of(grid, table, shard_cells, solved._title, solved._own)
+    table = Table(usual if columns is None else chosen(columns, usual), part or {})
+    with mock.patch("vibro.tables.plan.BLOCK", row_group_cells or vibro.tables.plan.BLOCK):
+        return Plan.of(grid, table, solved._title, solved._own, shard_cells)
 
 
 def written(
     folder: Path,
     plan: Plan,
-    workers: Workers | None = None,
+    workers: int | str | None = None,
+    *,
+    force: bool = False,
     report: Callable[[Progress], None] = lambda progress: None,
-    **how: Any,
 ) -> Summary:
-    """Write a plan's shards into a folder; ``how`` is that of ``Sharding``."""
-    sharding = Sharding(**how)
-    with (
-        mock.patch("vibro.output.writing.workers_of", lambda shards, *_: workers or Threads(shards)),
-        sharding.folder(folder, "go on") as files,
-    ):
-        plan, wanted = sharding.agree(files, plan)
-        summary, manifest = sharding.carry_out(plan, wanted, files, ["test"], report)
-        if sharding.shards is None:
-            summary.finish(files, manifest)
-    return summary
+    """Write a plan's shards into a folder."""
+    return write_folder(folder, plan, workers, ["test"], force=force, report=report)
 
 
 def store(
@@ -82,6 +82,30 @@ def store(
     row_group_cells: int = 40,
 ) -> Path:
     """Store the cells of a sweep in short shards, each of several row groups."""
-    with mock.patch("vibro.output.shards.ROW_GROUP", row_group_cells):
-        written(folder, plan_of(solved, shard_cells, columns=columns))
+    written(folder, plan_of(solved, shard_cells, columns=columns, row_group_cells=row_group_cells))
     return folder
+
+
+def workbook(path: Path, solved: Sweep, **shown: Any) -> tuple[Any, list[dict[str, Any]]]:
+    """Write a workbook as the command does; return it as openpyxl reads it, and the cells of its table.
+
+    What is shown are the arguments of ``choose_view``, the name, arguments of the command, and pictures.
+    """
+    grid, argv, name = solved._grid, shown.pop("argv", ["map"]), shown.pop("name", "nut")
+    pictures = shown.pop("pictures", {})
+    table = Table(columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with))
+    view = choose_view(grid.told_axes, **shown) if grid.axes else None
+    book, rows = Xlsx(path, path.parent, grid, table, view), Rows()
+    tally = write_table(grid, table, [book, rows])
+    book.close(run_record(argv, {"name": name, **sweep_record(grid, table, tally.told())}), pictures)
+    return openpyxl.load_workbook(path), rows.cells
+
+
+class Rows:
+    """Keeps cells by their columns."""
+
+    def __init__(self) -> None:
+        self.cells: list[dict[str, Any]] = []
+
+    def write(self, cells: pa.Table) -> None:
+        self.cells += cells.to_pylist()

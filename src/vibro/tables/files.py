@@ -59,7 +59,8 @@ def whole_files(
 
     def remove() -> None:
         for path in waiting.values():
-            path.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # it is not there
+                path.unlink()
 
     with OnEnd(remove):
         try:

@@ -139,6 +139,11 @@ class Plan:
         return -(-self.grid.size // self.shard_cells)
 
     @property
+    def row_group_cells(self) -> int:
+        """Cells of each row group of a shard; the last may have fewer."""
+        return int(self.content["row_group_cells"])
+
+    @property
     def fingerprint(self) -> str:
         """Fingerprint of everything that decides the shards' cells."""
         return str(self.content["fingerprint"])

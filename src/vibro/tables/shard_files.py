@@ -9,7 +9,6 @@ import numpy as np
 
 from vibro.errors import FileError, shown
 from vibro.files.arrow_arrays import number_array, text_array
-from vibro.parallel import BLOCK
 from vibro.tables.plan import MANIFEST, SUCCESS, Plan, read_plan, shard_name
 from vibro.tables.shards import GO_ON, Summary, damaged, footer_digest
 
@@ -70,7 +69,7 @@ class ShardFiles:
             rows = cells.within(*self.plan.range_of(shard))
             if rows.size:
                 path, footer = self.folder / shard_name(shard), self.summary.made[shard].footer
-                found.append(_rows(path, footer, names, rows))
+                found.append(_rows(path, footer, names, rows, self.plan.row_group_cells))
         together = pa.concat_tables(found)
         arrays = [_whole(self.columns[name], together[name]) for name in names]
         return pa.Table.from_arrays(arrays, schema=together.schema)
@@ -115,10 +114,11 @@ def read_success(folder: Path, plan: Plan) -> Summary | None:
         raise damaged(path, str(exc)) from exc
 
 
-def _rows(path: Path, footer: str, names: Sequence[str], rows: NDArray[np.intp]) -> pa.Table:
+def _rows(path: Path, footer: str, names: Sequence[str], rows: NDArray[np.intp], size: int) -> pa.Table:
+    """Read rows of a shard whose row groups have that size."""
     from pyarrow import ArrowException, parquet
 
-    group, row = np.divmod(rows, BLOCK)
+    group, row = np.divmod(rows, size)
     groups, place = np.unique(group, return_inverse=True)
     try:
         # Opened here: Arrow gives names such as s3: or ~ a special meaning.
@@ -128,9 +128,10 @@ def _rows(path: Path, footer: str, names: Sequence[str], rows: NDArray[np.intp])
             stream.seek(0)
             with parquet.ParquetFile(stream, page_checksum_verification=True) as file:
                 table = file.read_row_groups(groups.tolist(), list(names))
+        table.validate(full=True)  # a changed header of a page may leave texts out of a dictionary
         if rows.size == table.num_rows:
             return table
-        return table.take(place * BLOCK + row)
+        return table.take(place * size + row)
     except FileNotFoundError as exc:
         raise FileError(f"{path} is missing", hint=GO_ON) from exc
     except MemoryError:  # one of Arrow's exceptions, too

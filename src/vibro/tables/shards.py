@@ -26,10 +26,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, Self
 
 from vibro.errors import FileError, VibroError, cut, how_to_install
 from vibro.interrupts import OnEnd
-from vibro.parallel import BLOCK, cores
+from vibro.parallel import cores
 from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
-from vibro.sweeps.columns import arrow_table
+from vibro.sweeps.columns import arrow_table, described
 from vibro.sweeps.tally import Tally
 from vibro.tables.files import hidden_folder
 from vibro.tables.plan import made_by, sealed, shard_name, unsealed
@@ -168,17 +168,17 @@ def make_shard(
     path = folder / shard_name(shard)
     if found := _found(plan, path, shard):
         return found
-    first, end = plan.range_of(shard)
+    (first, end), size = plan.range_of(shard), plan.row_group_cells
     tally, writer = Tally(), None
     waiting = running / path.name
     try:
-        for start in range(first, end, BLOCK):
-            block = _solved(plan, start, min(start + BLOCK, end), threads, running)
+        for start in range(first, end, size):
+            block = _solved(plan, start, min(start + size, end), threads, running)
             tally.add(block)
             tell(block.cycle.status.size)
             cells = arrow_table(plan.table.columns, block)
             writer = writer or parquet.ParquetWriter(waiting, cells.schema, **_encoding(cells.schema))
-            writer.write_table(cells, BLOCK)
+            writer.write_table(cells, size)
         assert writer is not None
         record = {"fingerprint": plan.fingerprint, "first_cell": first, "cells": end - first, **tally.told()}
         writer.add_key_value_metadata({_FOOTER: sealed(record)})
@@ -204,9 +204,14 @@ def _found(plan: Plan, path: Path, shard: int) -> Made | None:
         record = unsealed((metadata.metadata or {}).get(_FOOTER, b"{}"))
         said = [metadata.num_rows, *(record[key] for key in ("fingerprint", "first_cell", "cells"))]
         if said == [end - first, plan.fingerprint, first, end - first]:
-            return _made(path, Tally.read(record))
+            made = _made(path, Tally.read(record))
+            if made.digest != _digest_again(plan, path):
+                raise damaged(path, "it is not what was written")
+            return made
     except FileNotFoundError:
         return None
+    except MemoryError:  # one of Arrow's exceptions, too
+        raise
     except (
         ArrowException,
         ArithmeticError,
@@ -218,6 +223,26 @@ def _found(plan: Plan, path: Path, shard: int) -> Made | None:
     ) as exc:
         raise damaged(path, str(exc)) from exc
     raise FileError(f"{path} belongs to another sweep", hint="remove it, or choose another folder")
+
+
+def _digest_again(plan: Plan, path: Path) -> str:
+    """Return the SHA-256 of a shard that is written anew of what is read from it.
+
+    It has the same bytes, unless somebody changed what no checksum of a page covers.
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    stream, writer = pa.BufferOutputStream(), None
+    with path.open("rb") as source, parquet.ParquetFile(source, page_checksum_verification=True) as file:
+        for group in range(file.num_row_groups):
+            cells = described(plan.table.columns, file.read_row_group(group).columns)
+            writer = writer or parquet.ParquetWriter(stream, cells.schema, **_encoding(cells.schema))
+            writer.write_table(cells)
+        assert writer is not None
+        writer.add_key_value_metadata({_FOOTER: file.metadata.metadata[_FOOTER]})
+        writer.close()
+    return hashlib.sha256(stream.getvalue()).hexdigest()
 
 
 def damaged(path: Path, why: str) -> FileError:
@@ -336,7 +361,9 @@ def make_shards(
             raise FileError(f"a worker has ended: {cut(str(exc))}", hint=f"{_MAIN}; {GO_ON}") from exc
         finally:
             shutil.rmtree(running, ignore_errors=True)  # so that workers end what they are at
-            pool.shutdown(wait=False, cancel_futures=True)
+            for future in futures:
+                future.cancel()
+            pool.shutdown(wait=False)
 
 
 @contextlib.contextmanager

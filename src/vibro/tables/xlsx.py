@@ -144,7 +144,10 @@ class Xlsx:
         """Write numbers as numbers, and all texts as texts: none is a formula, or a link."""
         for place, cell in enumerate(cells):
             if isinstance(cell, str):
-                sheet.write_string(row, place, visible(cell)[:_MOST_CHARACTERS], style)
+                text = visible(cell)[: _MOST_CHARACTERS - 1]
+                if text.startswith("<r>"):  # which XlsxWriter takes for markup if it ends in it, too
+                    text += " "
+                sheet.write_string(row, place, text, style)
             elif cell is not None and math.isfinite(cell):
                 sheet.write_number(row, place, cell, style)
 

@@ -5,29 +5,29 @@ from __future__ import annotations
 import json
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from helpers.cases import each
 from helpers.drawn import coarse_pictures
 from helpers.pixels import pixels
-from helpers.plans import store
+from helpers.plans import store, swept
 
 import vibro
 from vibro.core.codes import Status
 from vibro.errors import FileError, InputError
-from vibro.output.gathered import Texts
+from vibro.tables.shard_files import ShardFiles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from vibro.output.stored import StoredSweep
     from vibro.sweeps.whole import Sweep
+    from vibro.tables.stored import StoredSweep
 
 NUT: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57, "trough_length_mm": 600}
 
@@ -114,38 +114,39 @@ def test_filters_keep_cells_in_their_order(
 
 
 @pytest.fixture
-def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int, list[str]]]:
-    """Note which row groups and columns are read."""
-    noted: list[tuple[int, int, list[str]]] = []
-    whole = pq.ParquetFile.read_row_group
+def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, list[int], list[str]]]:
+    """Note which row groups and columns are read of which shard."""
+    noted: list[tuple[int, list[int], list[str]]] = []
+    whole = pq.ParquetFile.read_row_groups
 
-    def noting(file: pq.ParquetFile, number: int, columns: list[str], **more: Any) -> Any:
+    def noting(file: pq.ParquetFile, groups: list[int], columns: list[str]) -> Any:
         first = json.loads(file.metadata.metadata[b"vibro"])["first_cell"]
-        noted.append((first // 100, number, columns))
-        return whole(file, number, columns, **more)
+        noted.append((first // 100, groups, columns))
+        return whole(file, groups, columns)
 
-    monkeypatch.setattr(pq.ParquetFile, "read_row_group", noting)
+    monkeypatch.setattr(pq.ParquetFile, "read_row_groups", noting)
     return noted
 
 
-def test_only_what_is_needed_is_read(stored: StoredSweep, read: list[tuple[int, int, list[str]]]) -> None:
+def test_only_what_is_needed_is_read(
+    stored: StoredSweep, read: list[tuple[int, list[int], list[str]]]
+) -> None:
     # A value of the amplitude is 84 cells: the third of them is cells 168 to 251.
     stored.to_frame({"A": 1.36}, ["regime", "mean_velocity_mm_s"])
     wanted = ["regime", "mean_velocity_mm_s"]
-    assert read == [(1, 1, wanted), (1, 2, wanted), (2, 0, wanted), (2, 1, wanted)]
+    assert read == [(1, [1, 2], wanted), (2, [0, 1], wanted)]
     read.clear()
     stored.to_frame({"A": 0.2, "f": 5}, ["status"])
-    assert read == [(0, 0, ["status"])]
+    assert read == [(0, [0], ["status"])]
     read.clear()
     stored.draw("regime", x="beta", at={"A": 0.2, "f": 5})
-    assert {(shard, number) for shard, number, _ in read} == {(0, 0)}
-    (columns,) = {tuple(columns) for *_, columns in read}
-    assert "pattern" not in columns
-    assert "back_ratio" not in columns
+    ((shard, groups, columns),) = read
+    assert (shard, groups) == (0, [0])
+    assert not {"pattern", "back_ratio"} & {*columns}
 
 
 def test_more_cells_than_memory_holds_are_refused_with_their_size(
-    stored: StoredSweep, monkeypatch: pytest.MonkeyPatch, read: list[tuple[int, int, list[str]]]
+    stored: StoredSweep, monkeypatch: pytest.MonkeyPatch, read: list[tuple[int, list[int], list[str]]]
 ) -> None:
     monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1}.get)
     with pytest.raises(InputError, match=r"11 x 7 x 3 x 4 = 924 cells take about .* GB") as caught:
@@ -192,80 +193,69 @@ def copy(folder: Path, tmp_path: Path) -> Path:
 SHARD = "part-000003.parquet"
 
 
-def refused(path: Path, problem: str) -> None:
-    with pytest.raises(FileError, match=problem):
-        vibro.open_sweep(path)
+def test_what_is_no_finished_sweep_is_refused(copy: Path, held: Sweep, tmp_path: Path) -> None:
+    def refused(problem: str) -> None:
+        with pytest.raises(FileError, match=problem) as caught:
+            vibro.open_sweep(copy)
+        assert caught.value.hint
 
-
-def test_what_is_no_finished_sweep_is_refused(copy: Path) -> None:
     success = (copy / "_SUCCESS").read_text(encoding="utf-8")
+    other = store(held, tmp_path / "other", columns=["regime"]) / "_SUCCESS"
     for text in (
-        "",
-        "[]",
-        "{}",
-        success.replace('"cells": 924', '"cells": 9'),
-        success.replace('"ok"', '"no"'),
-        success.replace('"hopping"', '"no-slip"'),
+        *("", "[]", "{}", "[" * 100_000, success[:-20], other.read_text(encoding="utf-8")),
+        *(success.replace(*pair) for pair in (('"cells": 924', '"cells": 9'), ('"ok"', '"no"'), ("0", "1"))),
     ):
+        assert text != success
         (copy / "_SUCCESS").write_text(text, encoding="utf-8")
-        refused(copy, "_SUCCESS is damaged")
+        refused("_SUCCESS is damaged")
     (copy / "_SUCCESS").unlink()
     (copy / SHARD).unlink()
-    refused(copy, "9 of 10")
+    refused("9 of 10")
+    (copy / "_manifest.json").unlink()
+    refused("holds no sweep")
+    shutil.rmtree(copy)
+    refused("is not there")
+    copy.touch()
+    refused("is no folder")
 
 
-def test_a_shard_that_is_not_the_sweeps_own_is_refused(copy: Path, held: Sweep, tmp_path: Path) -> None:
-    whole = (copy / SHARD).read_bytes()
-    (copy / SHARD).unlink()
-    refused(copy, f"{SHARD} is missing")
-    for content in (b"", whole[:1000], whole[:-1000], whole[-1000:], b"x" * 1000):
-        (copy / SHARD).write_bytes(content)
-        refused(copy, f"{SHARD} is damaged: ")
-    shutil.copy(copy / "part-000002.parquet", copy / SHARD)
-    refused(copy, f"{SHARD} .* first cell is 200, not 300")
-    other = store(held, tmp_path / "other", columns=["regime"])
-    shutil.copy(other / SHARD, copy / SHARD)
-    refused(copy, f"{SHARD} .* fingerprint")
-    table = pq.read_table(copy / "part-000002.parquet")
-    pq.write_table(table, copy / SHARD)
-    refused(copy, f"{SHARD} .* fingerprint is None")
-    (copy / SHARD).write_bytes(whole)
-    footer = pq.read_metadata(copy / SHARD).metadata[b"vibro"]
-    pq.write_table(table.slice(1).replace_schema_metadata({"vibro": footer}), copy / SHARD)
-    refused(copy, f"{SHARD} is damaged: .* 99 rows")
-
-
-def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
-    path = copy / "_manifest.json"
-    content = json.loads(path.read_text(encoding="utf-8"))
-    for key, value in (
-        ("axes", []),
-        ("axes", None),
-        ("scene", {"colour": 1}),
-        ("flight", False),
-        ("cells", 9),
-    ):
-        path.write_text(json.dumps(content | {key: value}), encoding="utf-8")
-        refused(copy, "_manifest.json is damaged")
-    path.write_text(json.dumps(content | {"format": "vibro sweep 99"}), encoding="utf-8")
-    refused(copy, "vibro sweep 99")
-    for text in ("", "[]", "{"):
-        path.write_text(text, encoding="utf-8")
-        refused(copy, "_manifest.json is no manifest")
-    path.write_bytes(b"\xff")
-    refused(copy, "_manifest.json is damaged")
-
-
-def test_damage_inside_a_shard_is_found_where_it_is_read(copy: Path) -> None:
-    content = bytearray((copy / SHARD).read_bytes())
-    column = pq.ParquetFile(copy / SHARD).metadata.row_group(1).column(8)
-    start = column.dictionary_page_offset or column.data_page_offset
-    content[start + column.total_compressed_size - 1] ^= 1
-    (copy / SHARD).write_bytes(content)
-    stored = vibro.open_sweep(copy)
-    with pytest.raises(FileError, match=f"{SHARD} is damaged: .*CRC"):
+def test_a_shard_that_is_not_what_was_written_is_refused_where_it_is_read(copy: Path) -> None:
+    stored, path, whole = vibro.open_sweep(copy), copy / SHARD, (copy / SHARD).read_bytes()
+    resealed = pq.read_table(path).replace_schema_metadata(pq.read_metadata(path).metadata)
+    pq.write_table(resealed, tmp := copy / "tmp")
+    footer = len(whole) - 8 - int.from_bytes(whole[-8:-4], "little")
+    contents = [
+        *(b"", whole[:1000], whole[:-1000], whole[-1000:], b"x" * 1000, tmp.read_bytes()),
+        *((copy / "part-000002.parquet").read_bytes(), whole[100:], whole[:50] + whole[51:]),
+    ]
+    for content in contents:
+        path.write_bytes(content)
+        with pytest.raises(FileError, match=f"{SHARD} is damaged: ") as caught:
+            stored.to_frame()
+        assert "goes on" in caught.value.hint
+        assert len(stored.to_frame({"A": 0.2})) == 84
+    path.unlink()
+    with pytest.raises(FileError, match=f"{SHARD} is missing"):
         stored.to_frame()
-    assert len(stored.to_frame({"A": 0.2})) == 84
+    assert len(whole) > footer > 10_000
+
+
+def test_no_flipped_bit_gives_other_numbers(tmp_path: Path) -> None:
+    """Of pages, their headers and the footer; all bits of a shard were tried once."""
+    held = swept(amplitude_mm="0.2:6:4", frequency_hz=[5, 15, 25])
+    stored = vibro.open_sweep(store(held, tmp_path / "out", shard_cells=12, row_group_cells=8))
+    path, wanted = tmp_path / "out" / "part-000000.parquet", held.to_frame()
+    whole, refused = path.read_bytes(), 0
+    footer = len(whole) - 8 - int.from_bytes(whole[-8:-4], "little")
+    places = [*range(0, footer, 23), *range(footer, len(whole), 173)]
+    for i in places:
+        path.write_bytes(whole[:i] + bytes([whole[i] ^ (1 << i % 8)]) + whole[i + 1 :])
+        try:
+            pd.testing.assert_frame_equal(stored.to_frame(), wanted)
+        except FileError:
+            refused += 1
+    assert len(places) > 250
+    assert refused > 200
 
 
 def test_a_filter_may_have_an_open_end(folder: Path) -> None:
@@ -289,8 +279,9 @@ def test_names_that_mean_something_elsewhere_are_those_of_folders(
     assert len(vibro.open_sweep(name).to_frame(columns=["regime"])) == 924
 
 
-def test_texts_that_come_in_pieces_keep_their_order() -> None:
-    found = Texts(6)
-    pieces = [pa.array(texts).dictionary_encode() for texts in (["F_", "B_"], ["B_"], ["R", "F_"])]
-    found.put(1, pa.chunked_array(pieces))
-    assert [[*found.texts][code] for code in found.codes[1:]] == ["F_", "B_", "B_", "R", "F_"]
+def test_texts_that_this_version_does_not_know_are_told(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    stored = vibro.open_sweep(copy)
+    known = {"status": replace(stored._shards.columns["status"], texts=("ok",))}
+    monkeypatch.setattr(ShardFiles, "columns", known)
+    with pytest.raises(FileError, match=r"status = 'averaged': .* knows no such status"):
+        stored.to_frame(columns=["status"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibro.output.selection import Selection
+from vibro.tables.selection import Selection
 
 
 def test_cells_are_counted_as_they_are_numbered() -> None:

@@ -1,0 +1,284 @@
+"""Shards: their cells are those of the sweep bit for bit, and their bytes the same whatever made them."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections import Counter
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pyarrow as pa
+import pytest
+from helpers.plans import plan_of, swept, written
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyarrow import parquet
+
+from vibro.errors import FileError, VibroError
+from vibro.quantities import BY_COLUMN
+from vibro.results.sweep import Block
+from vibro.sweeps.columns import arrow_table
+from vibro.sweeps.grid import Grid
+from vibro.tables.plan import MANIFEST, SUCCESS, shard_name, unsealed
+from vibro.tables.shards import make_shard
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from vibro.sweeps.whole import Sweep
+    from vibro.tables.plan import Plan
+    from vibro.tables.shards import Progress
+
+SWEEPS: dict[str, dict[str, Any]] = {
+    "lines": {"amplitude_mm": "0.1:3:5", "frequency_hz": "10:60:6", "trough_length_mm": 600},
+    "bouncing": {"amplitude_mm": "1:6:4", "frequency_hz": "20,40", "restitution": 0.3},
+    "infeasible": {"static_friction": "0.2,0.5,0.8", "drive_angle_deg": [0, 45], "trough_angle_deg": [0, 5]},
+    "coexistence": {"amplitude_mm": "0.1,6", "drive_angle_deg": 55, "coexistence": True},
+    "regimes": {"amplitude_mm": "0.1:3:5", "frequency_hz": "10:60:6", "output": "regimes"},
+    "one point": {},
+}
+
+
+@pytest.fixture(scope="module")
+def lines() -> Sweep:
+    return swept(**SWEEPS["lines"])
+
+
+def shards_in(folder: Path) -> list[Path]:
+    return sorted(folder.glob("part-*.parquet"))
+
+
+def check(folder: Path, plan: Plan, solved: Sweep, digest: str) -> None:
+    """Compare files with the sweep that was held: cells bit for bit, what footers say, and the last file."""
+    grid = solved._grid
+    expected = arrow_table(plan.table.columns, Block(grid.values(), solved.cycle, grid.length))
+    paths = shards_in(folder)
+    assert [path.name for path in paths] == [shard_name(i) for i in range(plan.shards)]
+    assert {path.name for path in folder.iterdir()} == {SUCCESS, MANIFEST, *(path.name for path in paths)}
+    lines = []
+    for shard, path in enumerate(paths):
+        first, end = plan.range_of(shard)
+        found = parquet.read_table(path, page_checksum_verification=True)
+        for name, column in zip(found.column_names, found.columns, strict=True):
+            held = expected[name].slice(first, end - first)
+            if pa.types.is_dictionary(column.type):
+                column, held = column.cast(pa.string()), held.cast(pa.string())
+            assert column.combine_chunks().equals(held.combine_chunks()), name
+            assert expected.schema.field(name).equals(found.schema.field(name), check_metadata=True)
+        said = unsealed(parquet.read_metadata(path).metadata[b"vibro"])
+        place = {"fingerprint": plan.fingerprint, "first_cell": first, "cells": end - first}
+        assert place.items() <= said.items()
+        assert sum(said["status"].values()) == sum(said["regime"].values()) == end - first
+        lines.append(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n")
+    told, frame = unsealed((folder / SUCCESS).read_bytes()), solved.to_frame()
+    assert told["digest"] == hashlib.sha256("".join(lines).encode()).hexdigest() == digest
+    assert told["bytes"] == sum(path.stat().st_size for path in paths)
+    assert (told["cells"], told["shards"]) == (len(frame), len(paths))
+    assert told["status"] == dict(Counter(frame["status"]))
+    assert told["regime"] == {label or "none": n for label, n in Counter(frame["regime"]).items()}
+    speed = frame["mean_velocity_mm_s"]
+    if "fastest" in told["peaks"]:
+        assert told["peaks"]["fastest"]["mean_velocity_mm_s"] == speed.max()
+        place = {k: v for k, v in told["peaks"]["fastest"].items() if k in BY_COLUMN and k in frame}
+        assert place.items() <= frame.iloc[int(speed.argmax())].to_dict().items()
+
+
+@pytest.mark.parametrize("name", SWEEPS)
+def test_cells_are_those_of_a_sweep_in_memory(tmp_path: Path, name: str) -> None:
+    solved = swept(**SWEEPS[name])
+    plan = plan_of(solved, 7, row_group_cells=3)
+    check(tmp_path / "out", plan, solved, written(tmp_path / "out", plan).digest)
+
+
+@given(st.lists(st.integers(1, 4), min_size=1, max_size=3), st.integers(1, 40), st.integers(1, 9))
+@settings(max_examples=15)
+def test_any_cut_has_all_cells(
+    tmp_path_factory: pytest.TempPathFactory, shape: list[int], shard_cells: int, row_group_cells: int
+) -> None:
+    axes = ("amplitude_mm", "static_friction", "trough_angle_deg")
+    sizes = zip(axes, shape, strict=False)
+    given: dict[str, Any] = {name: [0.6 + 0.1 * i for i in range(n)] for name, n in sizes}
+    solved = swept("regimes", **given)
+    plan = plan_of(solved, max(shard_cells, solved._grid.size // 10), row_group_cells=row_group_cells)
+    folder = tmp_path_factory.mktemp("cut") / "out"
+    check(folder, plan, solved, written(folder, plan).digest)
+    for path in shards_in(folder):
+        said = parquet.read_metadata(path)
+        rows = [said.row_group(i).num_rows for i in range(said.num_row_groups)]
+        assert {*rows[:-1]} <= {row_group_cells}
+        assert 0 < rows[-1] <= row_group_cells
+
+
+def test_types_and_encodings(tmp_path: Path, lines: Sweep) -> None:
+    plan = plan_of(lines)
+    written(tmp_path / "out", plan)
+    (path,) = shards_in(tmp_path / "out")
+    group = parquet.read_metadata(path).row_group(0)
+    for i, column in enumerate(plan.table.columns):
+        said = group.column(i)
+        assert said.compression == "ZSTD"
+        # Inputs, which come again and again, are smaller as they are (benchmarks/sweeps.py --encodings).
+        split = column.is_number and column.name not in BY_COLUMN
+        assert ("BYTE_STREAM_SPLIT" in said.encodings) == split
+        assert ("RLE_DICTIONARY" in said.encodings) != column.is_number
+        assert said.is_stats_set == (column.name in BY_COLUMN), column.name
+    assert (group.column(0).statistics.min, group.column(0).statistics.max) == (0.1, 3.0)
+
+
+@pytest.mark.usefixtures("two_cores")
+def test_bytes_are_the_same_whatever_makes_them(tmp_path: Path) -> None:
+    plan = plan_of(swept(**SWEEPS["bouncing"]), 3)
+    digests = {written(tmp_path / "threads", plan).digest, written(tmp_path / "processes", plan, 2).digest}
+    if find_spec("distributed"):
+        from distributed import LocalCluster
+
+        how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "protocol": "tcp"}
+        with LocalCluster(**how, dashboard_address=None) as dask:
+            digests.add(written(tmp_path / "dask", plan, dask.scheduler_address).digest)
+    assert len(digests) == 1
+
+
+def test_a_run_that_is_interrupted_leaves_whole_shards_and_goes_on(tmp_path: Path, lines: Sweep) -> None:
+    plan, folder = plan_of(lines, 5), tmp_path / "out"
+
+    def interrupt(progress: Progress) -> None:
+        assert len(list(folder.glob(".vibro-*"))) == 1
+        assert not (folder / SUCCESS).exists()
+        if progress.shards >= 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        written(folder, plan, report=interrupt)
+    kept = {path: (path.stat().st_ino, path.read_bytes()) for path in shards_in(folder)}
+    assert len(kept) >= 2
+    assert {path.name for path in folder.iterdir()} == {MANIFEST, *(path.name for path in kept)}
+    if len(kept) == plan.shards:
+        shards_in(folder)[-1].unlink()
+    told: list[Progress] = []
+    check(folder, plan, lines, written(folder, plan, report=told.append).digest)
+    for path, was in kept.items():
+        if path != shards_in(folder)[-1]:
+            assert (path.stat().st_ino, path.read_bytes()) == was
+    assert (told[-1].cells, told[-1].shards, told[-1].size) == (
+        30, 6, sum(path.stat().st_size for path in shards_in(folder)),
+    )  # fmt: skip
+    assert told[-1].solved <= 20
+
+
+def make(plan: Plan, folder: Path, shard: int = 0) -> Any:
+    return make_shard(plan, folder, folder.parent, shard, 1)
+
+
+def test_a_shard_of_other_cells_is_refused_and_never_replaced(tmp_path: Path, lines: Sweep) -> None:
+    plan, folder = plan_of(lines, 16), tmp_path / "out"
+    summary = written(folder, plan)
+    first, second = shards_in(folder)
+    whole = first.read_bytes()
+    found = make(plan, folder)
+    assert (found.digest, found.is_new) == (summary.made[0].digest, False)
+    assert found.tally == summary.made[0].tally or found.tally.status.total() == 16
+    for other in (plan_of(lines), plan_of(lines, 16, columns=["regime"]), plan_of(lines, 15)):
+        with pytest.raises(FileError, match=r"part-000000\.parquet belongs to another sweep"):
+            make(other, folder)
+    assert not make(replace(plan, name="bolt"), folder).is_new
+    table = parquet.read_table(first)
+    record = parquet.read_metadata(first).metadata[b"vibro"]
+    edits: tuple[dict[bytes, bytes], ...] = (
+        {}, {b"vibro": record.replace(b'"first_cell": 0', b'"first_cell": 1')}, {b"vibro": b"[]"},
+    )  # fmt: skip
+    for edit in edits:
+        parquet.write_table(table.replace_schema_metadata(edit), first)
+        with pytest.raises(FileError, match="is damaged"):
+            make(plan, folder)
+    parquet.write_table(table.slice(1).replace_schema_metadata({b"vibro": record}), first)
+    with pytest.raises(FileError, match="another sweep"):
+        make(plan, folder)
+    footer = len(whole) - 8 - int.from_bytes(whole[-8:-4], "little")
+    place = whole.rindex(b"throw_number")  # of a column, in the footer
+    renamed = whole[:place] + whole[place:].replace(b"throw_number", b"throw_NUMBER")
+    turned = [
+        whole[:i] + bytes([whole[i] ^ (1 << i % 8)]) + whole[i + 1 :] for i in range(100, len(whole), 97)
+    ]
+    for content in (
+        *turned,
+        renamed,
+        second.read_bytes(),
+        whole[:-1],
+        whole[:100],
+        b"",
+        b"PAR1",
+        whole[:footer] + whole[-8:],
+    ):
+        first.write_bytes(content)
+        with pytest.raises(FileError, match=r"another sweep|is damaged") as caught:
+            make(plan, folder)
+        assert caught.value.hint.startswith("remove it")
+        assert first.read_bytes() == content
+
+
+def test_a_shard_that_changed_since_it_was_whole_is_an_error(tmp_path: Path, lines: Sweep) -> None:
+    plan, folder = plan_of(lines, 10), tmp_path / "out"
+    summary = written(folder, plan)
+    first, _, last = shards_in(folder)
+    last.unlink()
+    first.unlink()
+    make(replace(plan, grid=swept(**SWEEPS["lines"], gravity_m_s2=9.8)._grid), folder)
+    with pytest.raises(FileError, match=r"part-000000\.parquet is damaged: it is not what was written"):
+        written(folder, plan)
+    assert not (folder / SUCCESS).exists()
+    first.unlink()
+    assert written(folder, plan).digest == summary.digest
+
+
+def test_nobody_makes_a_shard_without_the_folder_of_the_run_or_with_other_versions(
+    tmp_path: Path, lines: Sweep
+) -> None:
+    plan = plan_of(lines)
+    with pytest.raises(FileError, match=r"a worker finds no folder .*gone") as caught:
+        make_shard(plan, tmp_path, tmp_path / "gone", 0, 1)
+    assert "same files" in caught.value.hint
+    other = {**plan.content, "made_by": {**plan.content["made_by"], "numpy": "1.0"}}
+    with pytest.raises(FileError, match=r"a worker has .*; this sweep is made with .*numpy 1\.0"):
+        make(replace(plan, content=other), tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_error_names_the_cells_and_leaves_nothing_half(
+    tmp_path: Path, lines: Sweep, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solve = Grid.solve_cells
+
+    def fail(grid: Grid, start: int, stop: int, *more: Any) -> Any:
+        if start >= 24:
+            raise ZeroDivisionError("no such load")
+        return solve(grid, start, stop, *more)
+
+    monkeypatch.setattr(Grid, "solve_cells", fail)
+    with pytest.raises(VibroError, match="cells 24 to 27: ZeroDivisionError: no such load"):
+        written(tmp_path / "out", plan_of(lines, 8, row_group_cells=4))
+    assert {path.name for path in (tmp_path / "out").iterdir()} <= {MANIFEST, *map(shard_name, range(3))}
+
+
+@pytest.mark.usefixtures("two_cores")
+def test_threads_end_with_their_run(tmp_path: Path, lines: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the hidden folder none goes on."""
+    solve, begun = Grid.solve_cells, threading.Event()
+
+    def stay(grid: Grid, start: int, stop: int, threads: int, look: Callable[[], None]) -> Any:
+        if start == 0:
+            return solve(grid, start, stop, threads, look)
+        begun.set()
+        while True:  # as long as somebody waits for it
+            look()
+
+    def interrupt(progress: Progress) -> None:
+        assert begun.wait(60.0)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Grid, "solve_cells", stay)
+    with pytest.raises(KeyboardInterrupt):
+        written(tmp_path / "out", plan_of(lines, 10), report=interrupt)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {MANIFEST, shard_name(0)}

@@ -1,0 +1,230 @@
+"""Workbooks: the numbers of the sweep, results over two axes in colours, and texts that nobody runs."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.cases import each
+from helpers.plans import swept, workbook
+from matplotlib.figure import Figure
+from xlsxwriter.exceptions import FileCreateError
+
+import vibro
+from vibro.axes import Axis
+from vibro.core.codes import Regime
+from vibro.errors import FileError, InputError
+from vibro.plots.style import REGIME_COLOURS
+from vibro.sweeps.columns import Table, columns_of
+from vibro.tables import xlsx
+from vibro.tables.xlsx import Xlsx, check_size
+
+MAP: dict[str, Any] = {"amplitude_mm": "0.1:3:5", "frequency_hz": "5:60:6", "trough_length_mm": 600}
+ELLIPSE: dict[str, Any] = {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.3, "frequency_hz": 30}
+ALL = "Regime Speed Traverse Flight Impact"
+NO_LENGTH = "Regime Speed Flight Impact"
+
+
+def rows_of(sheet: Any) -> list[list[Any]]:
+    return [list(row) for row in sheet.iter_rows(values_only=True)]
+
+
+def to_16_digits(value: Any) -> Any:
+    """Round as XlsxWriter does."""
+    return float(f"{value:.16g}") if isinstance(value, float) else value
+
+
+def told(book: Any) -> dict[Any, list[Any]]:
+    """Return the rows of the summary; of inputs the last tells of their column."""
+    return {row[0]: row[1:] for row in rows_of(book["Summary"])}
+
+
+def table_of(book: Any) -> list[dict[str, Any]]:
+    header, *rows = rows_of(book["Cells"])
+    return [dict(zip(header, row, strict=True)) for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("quantities", "sheets"),
+    [
+        (MAP, ALL),
+        ({**MAP, "restitution": [0, 0.5]}, ALL),
+        ({"amplitude_mm": "0.3:1.3:7", "kinetic_friction": 0.1 + 0.2}, ""),
+        ({"trough_length_mm": 600}, ""),
+        ({"stroke_mm": "0.2:6:4", "trough_angle_deg": "-8:8:3"}, "Regime Speed"),
+        ({"amplitude_mm": "1:9:4", "kinetic_friction": "0.5:0.9:3"}, NO_LENGTH),
+        (
+            {**ELLIPSE, "normal_phase_deg": "0:90:5", "trough_angle_deg": "0:3:2"},
+            NO_LENGTH,
+        ),
+    ],
+)
+def test_every_cell_is_read_back_as_it_was_solved(
+    tmp_path: Path, quantities: dict[str, Any], sheets: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("vibro.sweeps.run._BLOCK", 7)
+    book, cells = workbook(tmp_path / "x.xlsx", swept(**quantities))
+    assert table_of(book) == [{name: to_16_digits(x) for name, x in cell.items()} for cell in cells]
+    assert book.sheetnames == ["Summary", "Cells", *sheets.split()]
+    assert book["Cells"].freeze_panes == "A2"
+
+
+def test_results_over_two_axes_are_those_of_their_row_and_column(tmp_path: Path) -> None:
+    solved = swept(**MAP)
+    book, _ = workbook(tmp_path / "x.xlsx", solved)
+    cycle = solved.cycle
+    times = np.where(np.isfinite(time := cycle.traverse_time(0.6)), time, np.nan)
+    for name, values in (
+        ("Regime", [[Regime(code).label for code in row] for row in cycle.regime.tolist()]),
+        ("Speed", 1e3 * cycle.mean_velocity),
+        ("Traverse", times),
+        ("Impact", 1e3 * cycle.impact_velocity),
+    ):
+        head, across, *rows = rows_of(book[name])
+        assert head[0].endswith(": amplitude_mm down, frequency_hz across")
+        assert across == ["", *solved.axes["frequency_hz"]]
+        assert [row[0] for row in rows] == list(solved.axes["amplitude_mm"])
+        for row, wanted in zip(rows, np.asarray(values), strict=True):
+            assert row[1:] == [None if x != x else to_16_digits(x) for x in wanted.tolist()]
+
+
+def test_a_third_axis_has_one_matrix_below_another_and_more_are_held(tmp_path: Path) -> None:
+    solved = swept(**MAP, trough_angle_deg="-8:8:3", drive_angle_deg=[20, 40])
+    book, _ = workbook(tmp_path / "x.xlsx", solved, x="trough_angle", y="frequency", at={"amplitude": 3.0})
+    rows = rows_of(book["Speed"])
+    assert len(rows) == 2 * (2 + 6) + 1
+    assert len(book["Speed"].conditional_formatting) == 2
+    for i, angle in enumerate((20, 40)):
+        head, across, *matrix = rows[9 * i : 9 * i + 8]
+        assert head[0] == (
+            "mean_velocity_mm_s: frequency_hz down, trough_angle_deg across; "
+            f"amplitude = 3 mm, drive angle = {angle} deg"
+        )
+        assert across[1:] == [-8, 0, 8]
+        found = np.array([row[1:] for row in matrix], float)
+        np.testing.assert_allclose(found, 1e3 * solved.cycle.mean_velocity[4, :, i, :], rtol=1e-15)
+
+
+def test_results_are_coloured(tmp_path: Path) -> None:
+    solved = swept(**{**MAP, "frequency_hz": 25}, trough_angle_deg="-10:10:4")
+    book, _ = workbook(tmp_path / "x.xlsx", solved)
+    assert solved.cycle.mean_velocity.min() < 0.0
+    ends = {}
+    for name in ("Speed", "Flight"):
+        ((where, (rule,)),) = book[name].conditional_formatting._cf_rules.items()
+        assert str(where.sqref) == "B3:F6"
+        ends[name] = [(end.type, end.val) for end in rule.colorScale.cfvo]
+    assert ends["Speed"][1] == ("num", 0.0)  # so that colours part about it
+    assert ends["Flight"][1][0] == "percentile"
+    fills = {cell.value: cell.fill.fgColor.rgb for row in book["Regime"]["B3:F6"] for cell in row}
+    assert len(fills) > 2
+    for regime, colour in REGIME_COLOURS.items():
+        assert fills.get(regime.label, f"FF{colour[1:]}") == f"FF{colour[1:]}"
+
+
+def test_the_summary_says_what_was_solved_and_found(tmp_path: Path) -> None:
+    solved = swept(**MAP)
+    book, cells = workbook(tmp_path / "x.xlsx", solved, argv=["map", "a b.toml"])
+    assert book["Summary"]["A1"].value == "nut"
+    said = told(book)
+    given = {row[0]: row[1] for row in reversed(rows_of(book["Summary"]))}
+    assert said["command"][0] == "vibro map 'a b.toml'"
+    assert said["vibro"][0] == vibro.__version__
+    assert given["drive_angle_deg"] == 20
+    assert given["amplitude_mm"].startswith("5 values, 0.1 ... 3 mm")
+    assert said["in all"][0] == 30
+    for regime in Regime:
+        if number := sum(cell["regime"] == regime.label for cell in cells):
+            assert said[regime.label][:2] == [number, f"{number / 30:.2%}"]
+    fastest = max(cells, key=lambda cell: cell["mean_velocity_mm_s"])
+    assert said["fastest"][0] == pytest.approx(fastest["mean_velocity_mm_s"], rel=1e-15)
+    assert said["fastest"][2] == (
+        f"amplitude_mm = {fastest['amplitude_mm']:.10g}, frequency_hz = {fastest['frequency_hz']:.10g}"
+    )
+    for column in columns_of():
+        assert said[column.name][2] == column.meaning
+
+
+@each("text", ["=1+1", "@SUM(A1)", "{=A1}", "https://vibro.example", "<r><t>x</r>", "\udcff\x07", "17"])
+def test_no_text_of_a_user_is_run_or_followed(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "x.xlsx"
+    book, _ = workbook(path, swept(), name=text, argv=[text])
+    cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row if cell.value is not None]
+    assert not any(cell.hyperlink for cell in cells)
+    assert {cell.data_type for cell in cells} == {"s", "n"}
+    assert isinstance(book["Summary"]["A1"].value, str)
+    with zipfile.ZipFile(path) as archive:
+        xml = "".join(archive.read(name).decode() for name in archive.namelist())
+    assert "<f>" not in xml
+    assert "hyperlink" not in xml
+    if text.isprintable():
+        assert book["Summary"]["A1"].value.rstrip() == text
+        assert text in told(book)["command"][0]
+
+
+def test_pictures_have_sheets(tmp_path: Path) -> None:
+    png = io.BytesIO()
+    Figure().savefig(png, format="png")
+    names = ["regime", "a name that is longer than a sheet's may be"]
+    book, _ = workbook(tmp_path / "x.xlsx", swept(), pictures=dict.fromkeys(names, png.getvalue()))
+    assert book.sheetnames[2:] == ["Picture of regime", "Picture of a name that is longer"[:31]]
+    with zipfile.ZipFile(tmp_path / "x.xlsx") as archive:
+        images = [archive.read(name) for name in archive.namelist() if name.endswith(".png")]
+    assert {*images} == {png.getvalue()}
+
+
+def test_equal_sweeps_make_equal_files(tmp_path: Path) -> None:
+    for name in ("one.xlsx", "two.xlsx"):
+        workbook(tmp_path / name, swept(**MAP))
+    assert (tmp_path / "one.xlsx").read_bytes() == (tmp_path / "two.xlsx").read_bytes()
+    assert {path.name for path in tmp_path.iterdir()} == {"one.xlsx", "two.xlsx"}
+
+
+def test_where_nothing_is_feasible_only_statuses_are_shown(tmp_path: Path) -> None:
+    solved = swept(amplitude_mm="1:2:3", trough_angle_deg="0:2:2")
+    grid = replace(solved._grid, fixed={**solved._grid.fixed, "kinetic_friction": 0.9})
+    book, cells = workbook(tmp_path / "x.xlsx", replace(solved, _grid=grid))
+    assert {cell["status"] for cell in cells} == {"infeasible"}
+    assert {row["status"] for row in table_of(book)} == {"infeasible"}
+    assert told(book)["infeasible"][:2] == [6, "100.00%"]
+
+
+def test_what_exceeds_a_sheet_is_refused_or_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    grid = swept(amplitude_mm=[1, 2], frequency_hz=[15, 20])._grid
+    long = {"amplitude": Axis("amplitude", np.linspace(1, 2, 1_048_576), "linear")}
+    check_size(replace(grid, axes={"amplitude": Axis("amplitude", np.linspace(1, 2, 1_048_575), "linear")}))
+    with pytest.raises(InputError, match=r"1048576 cells: .* 1048575"):
+        Xlsx(tmp_path / "x.xlsx", tmp_path, replace(grid, axes=long), Table(columns_of()), None)
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.setattr(xlsx, "_MOST_COLUMNS", 6)
+    assert workbook(tmp_path / "x.xlsx", swept(**MAP))[0].sheetnames == ["Summary", "Cells"]
+
+
+def test_without_xlsxwriter_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xlsxwriter", None)
+    with pytest.raises(FileError, match="a workbook needs XlsxWriter") as refusal:
+        workbook(tmp_path / "x.xlsx", swept())
+    assert refusal.value.hint == "pip install '.[xlsx]' in the project's folder"
+
+
+def test_what_the_system_refuses_is_its_own_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    books: list[Any] = []
+
+    def full(book: Any) -> None:
+        books.append(book)
+        raise FileCreateError(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("xlsxwriter.Workbook.close", full)
+        with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)) as caught:
+            workbook(tmp_path / "x.xlsx", swept())
+    assert caught.value.errno == errno.ENOSPC
+    books[0].close()
