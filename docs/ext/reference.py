@@ -126,7 +126,7 @@ def make_schemas() -> None:
     """Write the JSON Schemas, as ``vibro schema`` does."""
     from vibro.files.descriptions import FILES
     from vibro.files.json_schema import schema_of
-    from vibro.output.record import json_text
+    from vibro.tables.record import json_text
 
     MADE.mkdir(exist_ok=True)
     for name, kind in FILES.items():

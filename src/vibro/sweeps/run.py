@@ -32,7 +32,7 @@ __all__ = ["DrawnCells", "limits_of", "solved_picture", "sweep_blocks", "sweep_p
 
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2
-# for each core: few enough that memory stays small
+# for each core: few enough that memory stays small (benchmarks/sweeps.py)
 _SOLVED: Final = 2 * BLOCK
 # if bodies are followed to their arrival, or other motions are searched for: a hundred times the work
 _WALKED_BLOCK: Final = 8_192
