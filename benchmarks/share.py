@@ -3,13 +3,12 @@
 Usage: python benchmarks/share.py [--side 1000] [--contact]
 
 Runs ``vibro map`` over amplitude and frequency, pictures and all, and takes the time in ``Grid.solve`` and
-``CsvFormat.rows``; with pyarrow if it is installed (the extra ``fast``), and without.
+``CsvFormat.rows``.
 """
 
 from __future__ import annotations
 
 import argparse
-import itertools
 import tempfile
 import time
 from pathlib import Path
@@ -27,7 +26,7 @@ COLUMNS = "amplitude_mm,frequency_hz,regime,mean_velocity_mm_s"
 MAPS = {
     "in contact, hopping left out": ("-A", "0.1:3", "-f", "5:60", "--flight", "off"),
     "62 % hopping": ("-A", "0.1:3", "-f", "5:60"),
-    "the same, few columns and digits": ("-A", "0.1:3", "-f", "5:60", "--columns", COLUMNS, "--digits", "6"),
+    "the same, few columns": ("-A", "0.1:3", "-f", "5:60", "--columns", COLUMNS),
 }
 
 
@@ -65,21 +64,16 @@ def main() -> None:
     parser.add_argument("--contact", action="store_true", help="only the map in contact, the fastest way")
     arguments = parser.parse_args()
     side, maps = arguments.side, list(MAPS.items())
-    writers = {"without pyarrow": lambda: None}
-    if csv_tables._arrow():
-        writers = {"with pyarrow": csv_tables._arrow, **writers}
     if arguments.contact:
-        maps, writers = maps[:1], dict(list(writers.items())[:1])
-    print(f"{f'map of {side} x {side}':48}  total [s]  CSV [s]  CSV [MB]  solver [s]  share  gain at most")
+        maps = maps[:1]
+    print(f"{f'map of {side} x {side}':30}  total [s]  CSV [s]  CSV [MB]  solver [s]  share  gain at most")
     with tempfile.TemporaryDirectory() as folder:
-        for (name, axes), (writer, arrow) in itertools.product(maps, writers.items()):
-            with patch.object(csv_tables, "_arrow", arrow):
-                measure(axes, WARM_UP, folder)
-                total, solver, rows, size = measure(axes, side, folder)
+        for name, axes in maps:
+            measure(axes, WARM_UP, folder)
+            total, solver, rows, size = measure(axes, side, folder)
             share, gain = solver / total, total / (total - solver)
-            label = f"{name}, {writer}"
             csv = f"{rows:7.2f}  {size:8.1f}"
-            print(f"{label:48}  {total:9.2f}  {csv}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x")
+            print(f"{name:30}  {total:9.2f}  {csv}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x")
 
 
 if __name__ == "__main__":
