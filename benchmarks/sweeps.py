@@ -1,4 +1,4 @@
-"""What does it cost to write a sweep, and to read it, beside solving it?
+"""Measure what it costs to write a sweep, and to read it, beside solving it.
 
 Usage: python benchmarks/sweeps.py [--cells 1e7] [--repeats 3] [--flight] [--in FOLDER]
        python benchmarks/sweeps.py --encodings
