@@ -16,14 +16,14 @@ from helpers.plans import store, swept
 import vibro
 from vibro import units
 from vibro.errors import FileError, InputError
-from vibro.output.shard_files import ShardFiles
+from vibro.tables import shard_files
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from vibro.output.stored import StoredSweep
     from vibro.sweeps.whole import Sweep
+    from vibro.tables.stored import StoredSweep
 
 HARMONICS = """
 along_amplitudes_mm = [1, 0.2, 0.1]
@@ -171,13 +171,13 @@ def stored(held: Sweep, tmp_path_factory: pytest.TempPathFactory) -> StoredSweep
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     """Note which files are opened."""
     noted: list[int] = []
-    really = ShardFiles.opened
+    really = shard_files._rows
 
-    def noting(files: ShardFiles, part: int) -> Any:
-        noted.append(part)
-        return really(files, part)
+    def noting(path: Path, *more: Any) -> Any:
+        noted.append(int(path.stem[-6:]))
+        return really(path, *more)
 
-    monkeypatch.setattr(ShardFiles, "opened", noting)
+    monkeypatch.setattr(shard_files, "_rows", noting)
     yield noted
     monkeypatch.undo()
 

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.plans import store, swept
 from pyarrow import parquet
-from typer.testing import CliRunner
 
 import vibro
-from vibro.cli.app import app
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,19 +24,11 @@ SCALE = (Path(__file__).parents[2] / "docs" / "guide" / "scale.md").read_text(en
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Have the command write a folder that holds pictures beside its shards."""
-    folder = tmp_path_factory.mktemp("sweeps") / "wide"
-    axes = ("-A", "0.2:6:5", "-f", "5:25:3", "-a", "20,70", "--trough-angle=-4:4:3")
-    friction = ("--mu-s", "0.74", "--mu-d", "0.57")
-    table = ("--table", "parquet", "--shard-cells", "20", "-o", folder)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 101, 2: 21, 3: 11})
-        result = CliRunner().invoke(app, [str(arg) for arg in ("map", *axes, *friction, *table)])
-    assert result.exit_code == 0, result.output
-    pictures = {"_regime.png", "_speed.png"}
-    shards = {f"part-{shard:06d}.parquet" for shard in range(5)}
-    assert {path.name for path in folder.iterdir()} == {"_SUCCESS", "_manifest.json", *pictures, *shards}
-    return folder
+    """Store a sweep whose patterns differ from shard to shard."""
+    solved = swept(
+        amplitude_mm="0.2:6:5", frequency_hz="5:25:3", drive_angle_deg=[20, 70], trough_angle_deg="-4:4:3"
+    )
+    return store(solved, tmp_path_factory.mktemp("sweeps") / "wide.parquet", shard_cells=20)
 
 
 READERS: dict[str, Callable[[Any, str], pd.DataFrame]] = {
@@ -51,7 +42,7 @@ READERS: dict[str, Callable[[Any, str], pd.DataFrame]] = {
 
 @pytest.mark.filterwarnings("ignore:The inplace keyword")  # how Dask calls pandas
 @pytest.mark.parametrize("reader", READERS)
-def test_other_programs_read_all_rows_beside_pictures(folder: Path, reader: str) -> None:
+def test_other_programs_read_all_rows(folder: Path, reader: str) -> None:
     """Texts of each shard have a dictionary of their own."""
     dictionaries = {
         tuple(parquet.read_table(path)["pattern"].combine_chunks().dictionary.to_pylist())
@@ -77,9 +68,10 @@ def test_what_the_docs_say_of_readers_runs(
     code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("vibro.tables.plan._SHARD_CELLS", 10)
     given: dict[str, Any] = {"amplitude_mm": [0.5, 1, 2], "frequency_hz": "10:40:7", "drive_angle_deg": 20}
-    given |= {"static_friction": [0.3, 0.6], "friction_ratio": 0.8, "shard_cells": 10}
-    frame = vibro.write_sweep("DIR", **given).to_frame()
+    given |= {"static_friction": [0.3, 0.6], "friction_ratio": 0.8}
+    frame = vibro.write_sweep("wide.parquet", **given).to_frame()
     lines = ast.parse(code)
     answer = lines.body.pop()
     assert isinstance(answer, ast.Expr)
@@ -108,7 +100,7 @@ def test_the_drives_that_the_docs_rank(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.chdir(tmp_path)
     given: dict[str, Any] = {"amplitude_mm": "0.5:2:7", "frequency_hz": "15:30:4", "drive_angle_deg": 20}
     given |= {"static_friction": [0.3, 0.6], "friction_ratio": [0.7, 0.8]}
-    frame = vibro.write_sweep("DIR", **given).to_frame()
+    frame = vibro.write_sweep("wide.parquet", **given).to_frame()
     (query,) = re.findall(r"```sql\n(.*?)```", SCALE, flags=re.DOTALL)
     slowest = []
     for _, parts in frame.groupby(["amplitude_mm", "frequency_hz", "drive_angle_deg"]):
