@@ -10,6 +10,7 @@ import shutil
 import signal
 import threading
 import time
+import zlib
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -24,12 +25,14 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, Self
 
+import numpy as np
+
 from vibro.errors import FileError, VibroError, cut, how_to_install
 from vibro.interrupts import OnEnd
 from vibro.parallel import cores
 from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
-from vibro.sweeps.columns import arrow_table, described
+from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.tally import Tally
 from vibro.tables.files import hidden_folder
 from vibro.tables.plan import made_by, sealed, shard_name, unsealed
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     import pyarrow as pa
+    from pyarrow import parquet
 
     from vibro.tables.plan import Plan
 
@@ -50,6 +54,8 @@ _ALONE: Final = 20.0  # [s] without any worker of a cluster after which a run en
 _MAIN: Final = 'a script that asks for workers needs the line if __name__ == "__main__": before that'
 _SAME_FILES: Final = "workers and the process that starts them need the same files under the same path"
 _FOOTER: Final = b"vibro"  # key of the record in a footer
+_WHOLE: Final = b"vibro sha256"  # key of the digest of the whole file, in whose place is a blank before
+_BLANK: Final = b"0" * 64
 _LEVEL: Final = -1  # of zstd: higher ones take longer and save almost no space
 _REASON: Final = 200  # characters of a library's message
 _TAIL: Final = 8  # [B] of a Parquet file: the length of its footer, and what tells the format
@@ -58,11 +64,15 @@ GO_ON: Final = "the same command, or call, goes on with what is there"
 
 
 class Made(NamedTuple):
-    """A whole shard: SHA-256 of its file and of its footer, its size [B], its cells; whether it is new."""
+    """A whole shard: SHA-256 of its file and of its footer, its size [B], its cells; whether it is new.
+
+    ``chunks`` are the ``chunk_sum`` of all columns of its first row group, of the second, and so on.
+    """
 
     digest: str
     footer: str
     size: int
+    chunks: str
     tally: Tally = Tally()
     is_new: bool = False
 
@@ -98,7 +108,7 @@ class Summary:
 
     def success(self, plan: Plan) -> str:
         """Return the text of the file that says that all shards are whole."""
-        files = {shard_name(shard): self.made[shard][:3] for shard in sorted(self.made)}
+        files = {shard_name(shard): self.made[shard][:4] for shard in sorted(self.made)}
         counts = {
             "fingerprint": plan.fingerprint,
             "cells": self.tally.status.total(),
@@ -181,8 +191,9 @@ def make_shard(
             writer.write_table(cells, size)
         assert writer is not None
         record = {"fingerprint": plan.fingerprint, "first_cell": first, "cells": end - first, **tally.told()}
-        writer.add_key_value_metadata({_FOOTER: sealed(record)})
+        writer.add_key_value_metadata({_FOOTER: sealed(record), _WHOLE: _BLANK})
         writer.close()
+        _sign(waiting)
         made = _made(waiting, tally, is_new=True)
         waiting.replace(path)
     finally:
@@ -204,10 +215,10 @@ def _found(plan: Plan, path: Path, shard: int) -> Made | None:
         record = unsealed((metadata.metadata or {}).get(_FOOTER, b"{}"))
         said = [metadata.num_rows, *(record[key] for key in ("fingerprint", "first_cell", "cells"))]
         if said == [end - first, plan.fingerprint, first, end - first]:
-            made = _made(path, Tally.read(record))
-            if made.digest != _digest_again(plan, path):
-                raise damaged(path, "it is not what was written")
-            return made
+            digest = metadata.metadata[_WHOLE]
+            if hashlib.sha256(path.read_bytes().replace(digest, _BLANK)).hexdigest().encode() != digest:
+                raise ValueError("it is not what was written")
+            return _made(path, Tally.read(record))
     except FileNotFoundError:
         return None
     except MemoryError:  # one of Arrow's exceptions, too
@@ -218,31 +229,12 @@ def _found(plan: Plan, path: Path, shard: int) -> Made | None:
         AttributeError,
         LookupError,
         OSError,
+        RecursionError,
         TypeError,
         ValueError,
     ) as exc:
         raise damaged(path, str(exc)) from exc
     raise FileError(f"{path} belongs to another sweep", hint="remove it, or choose another folder")
-
-
-def _digest_again(plan: Plan, path: Path) -> str:
-    """Return the SHA-256 of a shard that is written anew of what is read from it.
-
-    It has the same bytes, unless somebody changed what no checksum of a page covers.
-    """
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    stream, writer = pa.BufferOutputStream(), None
-    with path.open("rb") as source, parquet.ParquetFile(source, page_checksum_verification=True) as file:
-        for group in range(file.num_row_groups):
-            cells = described(plan.table.columns, file.read_row_group(group).columns)
-            writer = writer or parquet.ParquetWriter(stream, cells.schema, **_encoding(cells.schema))
-            writer.write_table(cells)
-        assert writer is not None
-        writer.add_key_value_metadata({_FOOTER: file.metadata.metadata[_FOOTER]})
-        writer.close()
-    return hashlib.sha256(stream.getvalue()).hexdigest()
 
 
 def damaged(path: Path, why: str) -> FileError:
@@ -251,21 +243,42 @@ def damaged(path: Path, why: str) -> FileError:
 
 
 def _made(path: Path, tally: Tally, *, is_new: bool = False) -> Made:
+    from pyarrow import parquet
+
     with path.open("rb") as stream:
         digest = hashlib.file_digest(stream, "sha256").hexdigest()
-        return Made(digest, footer_digest(stream), stream.seek(0, os.SEEK_END), tally, is_new)
+        metadata = parquet.read_metadata(stream)
+        places = np.ndindex(metadata.num_row_groups, metadata.num_columns)
+        sums = " ".join(chunk_sum(stream, metadata, *place) for place in places)
+        return Made(digest, footer_digest(stream), stream.seek(0, os.SEEK_END), sums, tally, is_new)
+
+
+def _sign(path: Path) -> None:
+    """Write into a shard's footer the SHA-256 that its file has with the blank there."""
+    whole = path.read_bytes()
+    with path.open("r+b") as stream:
+        stream.seek(whole.rindex(_BLANK))
+        stream.write(hashlib.sha256(whole).hexdigest().encode())
 
 
 def footer_digest(stream: BinaryIO) -> str:
-    """Return the SHA-256 of the end of a Parquet file, which says where its pages are and what they mean.
-
-    Each page has a checksum of its own.
-    """
+    """Return the SHA-256 of the end of a Parquet file, which says where its pages are and what they mean."""
     size = stream.seek(0, os.SEEK_END)
     stream.seek(max(0, size - _TAIL))
     length = int.from_bytes(stream.read(_TAIL)[:4], "little")  # of what stands before it
     stream.seek(max(0, size - _TAIL - length))
     return hashlib.sha256(stream.read()).hexdigest()
+
+
+def chunk_sum(stream: BinaryIO, metadata: parquet.FileMetaData, group: int, column: int) -> str:
+    """Return the CRC32 of a column in a row group, in hexadecimal digits.
+
+    The checksums of pages leave out their headers: with another number of values there, Arrow takes a row
+    group's last cells from the next one.
+    """
+    chunk = metadata.row_group(group).column(column)
+    stream.seek(chunk.dictionary_page_offset or chunk.data_page_offset)
+    return f"{zlib.crc32(stream.read(chunk.total_compressed_size)):x}"
 
 
 def _solved(plan: Plan, start: int, stop: int, threads: int, running: Path) -> Block:
