@@ -72,9 +72,11 @@ class ShardFiles:
             if rows.size:
                 path, made = self.folder / shard_name(shard), self.summary.made[shard]
                 found.append(_rows(path, made, names, rows, self.plan.row_group_cells))
-        together = pa.concat_tables(found)
-        arrays = [_whole(self.columns[name], together[name]) for name in names]
-        return pa.Table.from_arrays(arrays, schema=together.schema)
+        together, schema = pa.concat_tables(found).columns[::-1], found[0].schema
+        del found  # so that each column goes once it is copied
+        return pa.Table.from_arrays(
+            [_whole(self.columns[name], together.pop()) for name in names], schema=schema
+        )
 
 
 def open_shards(folder: Path) -> ShardFiles:
