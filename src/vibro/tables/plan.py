@@ -182,7 +182,7 @@ def read_plan(path: Path) -> Plan:
         raise FileError(f"{path}: {shown(form)} is an unknown format", hint="use the vibro that wrote it")
     try:
         return _plan_of(unsealed(text))  # first: changed numbers may ask for endless work
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, VibroError):
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, VibroError):
         raise FileError(
             f"{path} is damaged, or was changed after it was written",
             hint="restore the file, or choose another folder",
