@@ -199,13 +199,9 @@ def arrow_table(columns: Sequence[Column], block: Block) -> pa.Table:
         lists its texts all of them, in the order of their codes, else those that occur, in the order of the
         alphabet. The metadata of a field are its unit and its meaning.
     """
-    return described(columns, [_array(column, block) for column in columns])
-
-
-def described(columns: Sequence[Column], arrays: Sequence[Any]) -> pa.Table:
-    """Return cells of columns with their names, units and meanings."""
     import pyarrow as pa
 
+    arrays = [_array(column, block) for column in columns]
     fields = [
         pa.field(column.name, array.type, metadata={"unit": column.unit, "meaning": column.meaning})
         for column, array in zip(columns, arrays, strict=True)
