@@ -43,7 +43,8 @@ from vibro.sweeps.grid import Grid
 from vibro.tables import shards
 from vibro.tables.plan import Plan
 from vibro.tables.sinks import Csv, write_table
-from vibro.tables.writing import open_sweep, write_folder
+from vibro.tables.stored import open_sweep
+from vibro.tables.writing import write_folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
