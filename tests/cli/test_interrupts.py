@@ -27,11 +27,8 @@ def wait_until_it_writes(run: subprocess.Popen[str], folder: Path, *, at_least: 
     """Wait until a run has so many bytes in one of the files that wait."""
 
     def writes() -> bool:
-        waiting = folder.glob(".vibro-*/*/*")
-        try:
-            return any(p.stat().st_size >= at_least for p in waiting)
-        except FileNotFoundError:  # a folder that was tried, and removed meanwhile
-            return False
+        waiting = folder.glob(".big.csv-*")
+        return any(path.stat().st_size >= at_least for path in waiting)
 
     while not writes():
         assert run.poll() is None
@@ -49,8 +46,8 @@ def interrupted(run: subprocess.Popen[str], folder: Path) -> None:
 
 
 def test_while_it_writes(tmp_path: Path) -> None:
-    run = started(*LONG, "-o", "out/big", cwd=tmp_path)
-    wait_until_it_writes(run, tmp_path / "out")
+    run = started(*LONG, "-o", "big", cwd=tmp_path)
+    wait_until_it_writes(run, tmp_path)
     run.send_signal(signal.SIGINT)
     interrupted(run, tmp_path)
 
