@@ -49,7 +49,7 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 # or more on a core, those of ``process`` start programs, workers or clusters.
 _MARKED: Final = {
     "fast": (
-        "cli/test_friction.py", "cli/test_restitution.py", "cli/test_stems.py", "cli/test_traverse_time.py",
+        "cli/test_friction.py", "cli/test_restitution.py", "cli/test_traverse_time.py",
         "core/test_contact.py", "core/test_cycle_slides.py", "core/test_drives.py", "core/test_elementary.py",
         "core/test_flight.py", "core/test_legs.py", "core/test_loop.py", "core/test_motions.py",
         "core/test_samples.py", "core/test_scenes.py", "core/test_steps.py", "core/test_windows.py",

@@ -43,6 +43,7 @@ def test_functions_and_commands_are_there() -> None:
         ("may be inverted (reverse=True, or", "may be inverted (--reverse, or"),
         ('name time="t [s]" mass="0.02kg"', 'name --time "t [s]" --mass 0.02kg'),
         ('give normal_phase="-60deg"', "give --phase=-60deg"),
+        ("mass='20 g': no", '--mass "20 g": no'),
         ('output="-" writes it', "-o - writes it"),
         ("frequency=15.25", "-f 15.25"),
         ("mass=2e-2.", "--mass 2e-2."),
@@ -52,7 +53,7 @@ def test_functions_and_commands_are_there() -> None:
         ('run vibro.solve, vibro.sweep or vibro.design("my spec.toml")',
          'run vibro solve, vibro map or vibro design "my spec.toml"'),
         # no options of this command; names of files; what the command line wrote itself
-        ("give panels= or resume=True", "give panels= or resume=True"),
+        ("give panels= or workers=4", "give panels= or workers=4"),
         ("cannot read mass=1.csv", "cannot read mass=1.csv"),
         ("out/mass=1 'mass=1' mass=1/x mass=1-x.png", "out/mass=1 'mass=1' mass=1/x mass=1-x.png"),
         ("--at mass=3: 'mass' is no axis", "--at mass=3: 'mass' is no axis"),

@@ -32,10 +32,7 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = {
         "every",
     ),
     "Pictures": ("show", "panels", "begin", "end"),
-    "Tables": (
-        "columns", "digits", "samples", "decimal_comma", "workers",
-        "scheduler", "resume",
-    ),
+    "Tables": ("columns", "digits", "samples", "decimal_comma", "workers"),
     "Run": (
         "output", "json", "force", "quiet", "debug", "version", "port", "no_open", "help",
     ),

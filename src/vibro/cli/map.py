@@ -245,13 +245,18 @@ def map_command(
 
 def _workers(text: str | None, outputs: Outputs) -> int | str | None:
     """Read who makes a folder; a table in one file is made by this process."""
-    from vibro.cli.request import whole_number
     from vibro.tables.writing import checked_workers
 
     if outputs.folder and (outputs.tables or outputs.takes_stdout):
-        raise InputError("a folder and another table are asked for at once", hint="leave one -o out")
+        other = next(map(str, outputs.tables), "-o -")
+        raise InputError(
+            f"-o {outputs.folder}: a folder is written without another table, such as {other}",
+            hint="leave one of them out; pictures may stand beside a folder, -o NAME.png",
+        )
     if text is None:
         return None
     if not outputs.folder:
-        raise InputError("--workers: only a folder is made by workers", hint="add -o NAME.parquet")
-    return checked_workers(text if "://" in text else whole_number("--workers", text))
+        raise InputError(
+            f"--workers {text}: only a folder is made by workers", hint="add -o NAME.parquet, or leave it out"
+        )
+    return checked_workers(int(text) if text.isdecimal() and len(text) < 5 else text)

@@ -102,7 +102,14 @@ class Outputs:
                 continue
             path, form = _place(text, name, forms)
             if form == "parquet":
+                if self.folder not in (None, path):
+                    raise InputError(
+                        f"-o {self.folder} and -o {path}: a run makes one folder",
+                        hint="leave one of them out",
+                    )
                 self.folder = path
+            if form in PICTURES and not pictures:
+                raise InputError(f"-o {text}: there is nothing to draw", hint="leave it out")
             for kind in [form] if form else [form for form in _OF_A_STEM if form in forms]:
                 self._add(path, kind, tables, pictures, is_stem=not form)
             if form in _DESCRIBED:
@@ -194,6 +201,8 @@ class Outputs:
         pictures = {path: which for path, which in self.pictures.items() if which[0] in figures}
         self._written = [*self.tables, *pictures, *self.records]
         record = {**run_record(self.argv, content), "files": [path.name for path in self._written]}
+        if self.pictures and not pictures:
+            self._console.echo("no pictures: there is nothing to draw")
         if pictures:
             from vibro.plots import save
 
@@ -214,7 +223,7 @@ def scene_record(request: Request) -> dict[str, Any]:
 
 def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:
     """Return the path that ``-o`` gives and its form; a stem, to which endings are appended, has none."""
-    said = f"-o {given}"
+    said = f"-o {given or repr(given)}"
     if not given or "\0" in given:
         raise InputError(f"{said}: no file has such a name", hint=_GIVE_A_NAME)
     path = Path(given)
@@ -237,7 +246,7 @@ def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:
         known = ", ".join(f".{form}" for form in forms)
         raise InputError(
             f"{said}: this command writes no .{ending}",
-            hint=f"it writes {known}, or without an ending the usual",
+            hint=f"it writes {known}; a name without an ending is that of all usual files",
         )
     return path, ""
 

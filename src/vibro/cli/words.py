@@ -34,6 +34,7 @@ _ARGUMENT: Final = re.compile(
     r"""(?<![^\s(])([a-z]\w*)=
     (?: True\b
       | "(?P<text>[^"]*)"
+      | '(?P<shown>[^']*)'
       | math\.radians\((?P<angle>[^()]*)\)
       | (?P<number>-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?)(?![\w/\\-]|\.\w)
       | (?=[\s,;:.)]|$)
