@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from helpers import sharded_maps
-from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, SMALL, Run, rows_of
 from helpers.drawn import only_map
+from PIL import Image
 
 from vibro.plots import map_figures
 
@@ -91,36 +91,13 @@ def test_a_stroke_is_chosen_among_strokes(run: Run) -> None:
     assert "pictures:" not in result.stderr
 
 
-def test_pictures_go_into_the_folder_of_a_table_in_shards(run: Run) -> None:
-    from PIL import Image
-
-    asked = (*sharded_maps.AXES, "--table", "parquet", "-o", "out")
-    result = run(*asked)
-    assert result.exit_code == 0
-    drawn = ["_regime.png", "_speed.png"]
-    assert sharded_maps.names() == ["_SUCCESS", "_manifest.json", *drawn, "part-000000.parquet"]
-    assert [f"wrote {Path('out', name)}" in result.stderr for name in drawn] == [True] * 2
-    for name, title in zip(drawn, ("Steady regimes", "Mean conveying speed"), strict=True):
-        with Image.open(Path("out", name)) as picture:
+def test_pictures_stand_beside_a_folder_and_say_of_which_cells(run: Run) -> None:
+    asked = (*SMALL, "-o", "wide.parquet", "-o", "wide.png")
+    assert run(*asked).exit_code == 0
+    success = json.loads(Path("wide.parquet", "_SUCCESS").read_text(encoding="utf-8"))
+    for name, title in (("regime", "Steady regimes"), ("speed", "Mean conveying speed")):
+        with Image.open(f"wide-{name}.png") as picture:
             picture.load()
             assert picture.info["Title"] == title
-            assert picture.info["Software"].startswith("vibro ")
             said = json.loads(picture.info["Description"])
-        assert (said["digest"], said["cells"]) == (sharded_maps.told()["digest"], 9)
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_pictures_of_a_folder_are_drawn_again_and_go_with_it(run: Run) -> None:
-    asked = (*sharded_maps.QUICK, "--table", "parquet", "-o", "out", "--format")
-    there = ["_SUCCESS", "_manifest.json", "_regime.svg", "part-000000.parquet"]
-    assert run(*asked, "svg").exit_code == 0
-    assert run(*asked, "pdf", "--resume").exit_code == 0
-    assert sharded_maps.names() == sorted([*there, "_regime.pdf"])
-    Path("out", "_regime.svg").unlink()
-    assert run(*asked, "svg", "--force").exit_code == 0
-    assert sharded_maps.names() == there
-    # What the manifest does not list is somebody's own.
-    Path("out", "_regime.png").write_text("mine", encoding="utf-8")
-    result = run(*asked, "png", "--resume")
-    assert sharded_maps.error(result)[0] == "error: out holds something else: _regime.png"
-    assert Path("out", "_regime.png").read_text(encoding="utf-8") == "mine"
+        assert (said["digest"], said["cells"]) == (success["digest"], 9)

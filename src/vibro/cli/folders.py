@@ -69,9 +69,10 @@ def write_stored(
     folder = outputs.folder
     assert folder is not None
     plan = Plan.of(grid, table, name, own)
+    argv = ["vibro", *outputs.argv]
     with outputs:
         with _progress(console, folder, plan) as report:
-            summary = write_folder(folder, plan, workers, outputs.argv, force=options.force, report=report)
+            summary = write_folder(folder, plan, workers, argv, force=options.force, report=report)
         content = {**sweep_record(grid, table, summary.tally.told()), "digest": summary.digest}
         with drawn(pictures, console) as figures:
             record = outputs.finish(content, figures)

@@ -100,7 +100,8 @@ class Outputs:
                     raise InputError("--json and -o - both want stdout", hint="leave one of them out")
                 self.takes_stdout = True
                 continue
-            path, form = _place(text, name, forms)
+            # the name by default is no folder, though one may be called so
+            path, form = _place(text, name, forms) if options.output else (Path(text), "")
             if form == "parquet":
                 if self.folder not in (None, path):
                     raise InputError(
