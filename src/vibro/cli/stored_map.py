@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _OF_PICTURES: Final = {
     "scene", "output", "json", "force", "quiet", "debug", "version", "x", "y", "at", "show", "speed",
 }  # fmt: skip
+_OTHERWISE: Final = "leave {} out, or give a scene file"
 
 
 def map_stored(
@@ -86,6 +87,8 @@ def map_stored(
     check_drawable(view)
     tell_choices(view, grid.told_axes, held, console)
     name, said = folder.resolve().stem, ""
+    if "-" in (options.output or []):
+        raise InputError(f"-o -: the cells of {folder} are solved already", hint=_OTHERWISE.format("it"))
     outputs = Outputs(
         options, name, context.obj, console,
         forms=("json", *PICTURES), pictures=names, reads=[folder / MANIFEST], default=name,
@@ -127,7 +130,7 @@ def _refuse_others(context: typer.Context, folder: Path) -> None:
         and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
     ]
     if typed:
-        hint = f"leave {'it' if len(typed) == 1 else 'them'} out, or give a scene file"
+        hint = _OTHERWISE.format("it" if len(typed) == 1 else "them")
         raise InputError(
             *(f"{option}: the cells of {folder} are solved already" for option in typed), hint=hint
         )

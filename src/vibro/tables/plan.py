@@ -158,7 +158,7 @@ class Plan:
 
     def differences(self, there: Plan) -> str:
         """Say how the plan in the folder differs from this one, as far as it changes the shards."""
-        return "; ".join(_differences(_counted(there.content), _counted(self.content)))
+        return "; ".join(_differences(_told(there.content), _told(self.content)))
 
 
 def read_plan(path: Path) -> Plan:
@@ -222,6 +222,14 @@ def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the fingerprint covers of a manifest, with the order of columns."""
     counted = {key: value for key, value in content.items() if key not in _NOT_COMPARED}
     return {**counted, "columns": list(content["columns"].items())}
+
+
+def _told(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the fingerprint covers, without what follows from the values of axes."""
+    axes = {
+        column: {key: axis[key] for key in ("values", "spacing")} for column, axis in content["axes"].items()
+    }
+    return {**_counted(content), "axes": axes}
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any], within: str = "") -> list[str]:
