@@ -182,23 +182,29 @@ def make_shard(
     tally, writer = Tally(), None
     waiting = running / path.name
     try:
-        for start in range(first, end, size):
-            block = _solved(plan, start, min(start + size, end), threads, running)
-            tally.add(block)
-            tell(block.cycle.status.size)
-            cells = arrow_table(plan.table.columns, block)
-            writer = writer or parquet.ParquetWriter(waiting, cells.schema, **_encoding(cells.schema))
-            writer.write_table(cells, size)
-        assert writer is not None
-        record = {"fingerprint": plan.fingerprint, "first_cell": first, "cells": end - first, **tally.told()}
-        writer.add_key_value_metadata({_FOOTER: sealed(record), _WHOLE: _BLANK})
-        writer.close()
+        with waiting.open("wb") as stream:  # Arrow opens only names in UTF-8
+            for start in range(first, end, size):
+                block = _solved(plan, start, min(start + size, end), threads, running)
+                tally.add(block)
+                tell(block.cycle.status.size)
+                cells = arrow_table(plan.table.columns, block)
+                writer = writer or parquet.ParquetWriter(stream, cells.schema, **_encoding(cells.schema))
+                writer.write_table(cells, size)
+            assert writer is not None
+            record = {
+                "fingerprint": plan.fingerprint,
+                "first_cell": first,
+                "cells": end - first,
+                **tally.told(),
+            }
+            writer.add_key_value_metadata({_FOOTER: sealed(record), _WHOLE: _BLANK})
+            writer.close()
         _sign(waiting)
         made = _made(waiting, tally, is_new=True)
         waiting.replace(path)
     finally:
         if writer is not None:
-            with contextlib.suppress(OSError):  # of a full disk, once more
+            with contextlib.suppress(OSError, ValueError):  # of a full disk, once more; of a closed file
                 writer.close()
         waiting.unlink(missing_ok=True)
     return made
