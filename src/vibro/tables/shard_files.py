@@ -90,7 +90,7 @@ def open_shards(folder: Path) -> ShardFiles:
     if not folder.is_dir():
         what = "is no folder" if folder.exists() else "is not there"
         raise FileError(f"cannot open {folder}: it {what}", hint=_WANTED)
-    if not (folder / MANIFEST).exists():
+    if not (folder / MANIFEST).is_file():
         raise FileError(f"{folder} holds no sweep: there is no {MANIFEST} in it", hint=_WANTED)
     plan = read_plan(folder / MANIFEST)
     if summary := read_success(folder, plan):

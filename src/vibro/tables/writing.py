@@ -98,7 +98,7 @@ def write_folder(
 
 def _check_same(folder: Path, plan: Plan) -> None:
     """Refuse to go on in the folder of another sweep."""
-    if not (folder / MANIFEST).exists():
+    if not (folder / MANIFEST).is_file():
         raise FileError(f"{folder} has shards, but no {MANIFEST}", hint=_ANEW)
     there = read_plan(folder / MANIFEST)
     if there.fingerprint != plan.fingerprint:
@@ -109,7 +109,7 @@ def _clear(folder: Path) -> None:
     """Remove what vibro has written into a folder: first what says that it is whole."""
     ours = [path for path in folder.iterdir() if _OURS.fullmatch(path.name) and is_regular(path)]
     for path in sorted(ours, key=lambda path: (path.name != SUCCESS, path.name == MANIFEST)):
-        path.unlink()
+        path.unlink(missing_ok=True)
 
 
 def checked_workers(workers: object) -> int | str | None:
