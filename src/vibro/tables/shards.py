@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import logging
 import multiprocessing
 import os
+import pickle
 import shutil
 import signal
 import threading
@@ -51,6 +53,8 @@ _WAITING: Final = 2  # tasks for each worker: one at work, one that waits
 _CONNECTING: Final = 12  # [s] to wait for a scheduler: one that is starting answers within that
 _LOOK: Final = 5.0  # [s] between looks at the workers of a cluster
 _ALONE: Final = 20.0  # [s] without any worker of a cluster after which a run ends
+# Dask's own words about connections that are lost: ours tell of them.
+_LOGS: Final = ("distributed.client", "distributed.comm", "distributed.core", "distributed.utils")
 _MAIN: Final = 'a script that asks for workers needs the line if __name__ == "__main__": before that'
 _SAME_FILES: Final = "workers and the process that starts them need the same files under the same path"
 _FOOTER: Final = b"vibro"  # key of the record in a footer
@@ -321,6 +325,16 @@ def _encoding(schema: pa.Schema) -> dict[str, Any]:
     }
 
 
+@dataclass(frozen=True)
+class _Call:
+    """A call that is made as it is read: a worker of Dask that could not read a task would end silently."""
+
+    call: tuple[Any, ...]
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return self.call[0], self.call[1:]
+
+
 def make_shards(
     plan: Plan,
     folder: Path,
@@ -361,7 +375,10 @@ def make_shards(
         try:
             while True:
                 while len(futures) < _WAITING * number and (shard := next(left, None)) is not None:
-                    futures[pool.submit(make_shard, plan, folder, running, shard, threads, *tell)] = shard
+                    call: tuple[Any, ...] = (make_shard, plan, folder, running, shard, threads, *tell)
+                    if isinstance(workers, str):
+                        call = pickle.loads, pickle.dumps(_Call(call))
+                    futures[pool.submit(*call)] = shard
                 if not futures:
                     return summary
                 for future in wait(futures, _NOTICED, FIRST_COMPLETED).done:
@@ -376,7 +393,7 @@ def make_shards(
                 old = sum(made.tally.status.total() for made in summary.made.values() if not made.is_new)
                 new, seconds = sum(solved), time.monotonic() - began
                 report(Progress(old + new, len(summary.made), new, summary.size, seconds))
-        except (BrokenExecutor, CancelledError) as exc:
+        except BrokenExecutor as exc:
             raise FileError(f"a worker has ended: {cut(str(exc))}", hint=f"{_MAIN}; {GO_ON}") from exc
         finally:
             shutil.rmtree(running, ignore_errors=True)  # so that workers end what they are at
@@ -412,6 +429,8 @@ def _cluster(address: str) -> Iterator[tuple[Executor, int, Callable[[], None]]]
         raise FileError(
             f"{address} needs the library distributed", hint=how_to_install("distributed")
         ) from None
+    for name in _LOGS:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     opened: Future[Any] = Future()
     # In a thread: a client waits without end for the first words of whoever accepts its connection
     # (github.com/dask/distributed/issues/8071).
@@ -443,6 +462,8 @@ def _cluster(address: str) -> Iterator[tuple[Executor, int, Callable[[], None]]]
                 yield pool, max(1, sum(client.nthreads().values())), check
         except (ImportError, AttributeError) as exc:  # it could not read the task
             raise FileError(f"a worker of {address} has another vibro, or none: {cut(str(exc))}") from exc
+        except CancelledError as exc:
+            raise FileError(f"the scheduler at {address} is lost", hint=GO_ON) from exc
         except (TimeoutError, distributed.KilledWorker, distributed.core.CommClosedError) as exc:
             raise FileError(f"workers of {address} are lost: {cut(str(exc))}", hint=GO_ON) from exc
 
