@@ -314,7 +314,7 @@ def peak_text(peak: Peak, axes: Mapping[str, Axis]) -> str:
 
 def conclude(tally: Tally, grid: Grid, console: Console) -> int:
     """Tell how it went, and return the exit code."""
-    size = tally.status.total()  # of some shards alone fewer than the grid's
+    size = grid.size
     for status in Status:
         if status is not Status.OK and tally.status[status]:
             cells = "cell" if size == 1 else f"of {count(size)} cells"
