@@ -10,6 +10,7 @@ import os
 import pickle
 import shutil
 import signal
+import sys
 import threading
 import time
 import zlib
@@ -416,7 +417,9 @@ def _executor(
             yield threads, number, max(1, cores() // number), lambda: None
     else:
         context = multiprocessing.get_context("spawn")  # a fork would inherit locks that other threads hold
-        with _safe_path(), ProcessPoolExecutor(workers, context, _begin_worker) as processes:
+        with _starting():  # the process that tracks the pool's locks
+            pool = _Processes(workers, context, _begin_worker)
+        with pool as processes:
             yield processes, workers, max(1, cores() // workers), lambda: None
 
 
@@ -475,22 +478,37 @@ def _open_client(kind: Callable[..., Any], address: str, opened: Future[Any]) ->
         opened.set_exception(exc)
 
 
+class _Processes(ProcessPoolExecutor):
+    """Processes, of which some are started when a task is submitted."""
+
+    def submit(self, *call: Any, **named: Any) -> Future[Any]:
+        """Submit a task."""
+        with _starting():
+            return super().submit(*call, **named)
+
+
 @contextlib.contextmanager
-def _safe_path() -> Iterator[None]:
-    """Keep the current folder off the path of processes that are started meanwhile.
+def _starting() -> Iterator[None]:
+    """Keep the current folder off the path of processes that are started meanwhile, and interrupts from them.
 
     Python starts them with ``python -c``, which imports from the current folder first: beside a file
-    ``signal.py`` they would fail (github.com/python/cpython/issues/157916).
+    ``signal.py`` they would fail (github.com/python/cpython/issues/157916). An interrupt of the terminal goes
+    to all processes; the parent ends the others, and another process removes the locks that they leave.
     """
-    before = os.environ.get("PYTHONSAFEPATH")
+    path, can_block = os.environ.get("PYTHONSAFEPATH"), hasattr(signal, "pthread_sigmask")
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if can_block else set()
     os.environ["PYTHONSAFEPATH"] = "1"
+    sys.warnoptions.append("ignore:resource_tracker")
     try:
         yield
     finally:
-        if before is None:
+        sys.warnoptions.remove("ignore:resource_tracker")
+        if path is None:
             del os.environ["PYTHONSAFEPATH"]
         else:
-            os.environ["PYTHONSAFEPATH"] = before
+            os.environ["PYTHONSAFEPATH"] = path
+        if can_block:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin_worker() -> None:
