@@ -160,7 +160,8 @@ def test_a_lost_process_ends_the_run_with_a_word(tmp_path: Path, undisturbed: st
 
     def kill(progress: Progress) -> None:
         if progress.shards >= 3 and not killed:
-            killed.append(multiprocessing.active_children()[0].kill())
+            killed.append(multiprocessing.active_children()[0])
+            killed[0].kill()
 
     with pytest.raises(FileError, match="a worker has ended") as caught:
         written(tmp_path / "wide.parquet", PLAN, 1, report=kill)

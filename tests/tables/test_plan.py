@@ -10,13 +10,10 @@ import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.plans import plan_of, swept
-from hypothesis import given
-from hypothesis import strategies as st
 
 from vibro.axes import Axis
 from vibro.errors import FileError, InputError
 from vibro.sweeps.columns import Table, columns_of
-from vibro.sweeps.grid import Grid
 from vibro.tables.plan import Plan, made_by, read_plan, sealed, unsealed
 
 if TYPE_CHECKING:
@@ -83,25 +80,6 @@ def test_a_manifest_is_read_again_as_it_was_written(path: Path, plan: Plan) -> N
     assert read_plan(path).manifest(ARGV) == path.read_text(encoding="utf-8")
     content = json.loads(path.read_bytes())
     assert (content["argv"], content["cells"]) == (ARGV, plan.grid.size)
-
-
-NUMBERS = st.floats(1e-300, 1e300)
-AXES = st.lists(NUMBERS, min_size=1, max_size=5, unique=True).map(sorted)
-OTHERS = {"frequency": 15.0, "kinetic_friction": 0.57, "gravity": 9.81}
-
-
-@given(AXES, AXES, NUMBERS, st.integers(1, 30))
-def test_any_numbers_are_read_again_bit_for_bit(
-    tmp_path_factory: pytest.TempPathFactory,
-    amplitude: list[float], friction: list[float], angle: float, shard_cells: int,
-) -> None:  # fmt: skip
-    axes = {"amplitude": amplitude, "static_friction": friction}
-    made = {name: Axis(name, np.array(values), "list") for name, values in axes.items()}
-    grid = Grid(made, {**OTHERS, "drive_angle": angle}, None)
-    plan = Plan.of(grid, Table(columns_of(grid.axes)), "", {}, shard_cells)
-    path = tmp_path_factory.getbasetemp() / "numbers.json"
-    path.write_text(plan.manifest(ARGV), encoding="utf-8")
-    check_same(read_plan(path), plan)
 
 
 def values_in(content: Any) -> Iterator[tuple[Any, Any]]:

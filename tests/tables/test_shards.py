@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 import pytest
 from helpers.plans import plan_of, swept, written
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from pyarrow import parquet
 
 from vibro.errors import FileError, VibroError
@@ -23,7 +21,7 @@ from vibro.results.sweep import Block
 from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.grid import Grid
 from vibro.tables.plan import MANIFEST, SUCCESS, shard_name, unsealed
-from vibro.tables.shards import make_shard
+from vibro.tables.shards import Summary, make_shard
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -93,25 +91,6 @@ def test_cells_are_those_of_a_sweep_in_memory(tmp_path: Path, name: str) -> None
     check(tmp_path / "out", plan, solved, written(tmp_path / "out", plan).digest)
 
 
-@given(st.lists(st.integers(1, 4), min_size=1, max_size=3), st.integers(1, 40), st.integers(1, 9))
-@settings(max_examples=15)
-def test_any_cut_has_all_cells(
-    tmp_path_factory: pytest.TempPathFactory, shape: list[int], shard_cells: int, row_group_cells: int
-) -> None:
-    axes = ("amplitude_mm", "static_friction", "trough_angle_deg")
-    sizes = zip(axes, shape, strict=False)
-    given: dict[str, Any] = {name: [0.6 + 0.1 * i for i in range(n)] for name, n in sizes}
-    solved = swept("regimes", **given)
-    plan = plan_of(solved, max(shard_cells, solved._grid.size // 10), row_group_cells=row_group_cells)
-    folder = tmp_path_factory.mktemp("cut") / "out"
-    check(folder, plan, solved, written(folder, plan).digest)
-    for path in shards_in(folder):
-        said = parquet.read_metadata(path)
-        rows = [said.row_group(i).num_rows for i in range(said.num_row_groups)]
-        assert {*rows[:-1]} <= {row_group_cells}
-        assert 0 < rows[-1] <= row_group_cells
-
-
 def test_types_and_encodings(tmp_path: Path, lines: Sweep) -> None:
     plan = plan_of(lines)
     written(tmp_path / "out", plan)
@@ -131,7 +110,9 @@ def test_types_and_encodings(tmp_path: Path, lines: Sweep) -> None:
 @pytest.mark.usefixtures("two_cores")
 def test_bytes_are_the_same_whatever_makes_them(tmp_path: Path) -> None:
     plan = plan_of(swept(**SWEEPS["bouncing"]), 3)
-    digests = {written(tmp_path / "threads", plan).digest, written(tmp_path / "processes", plan, 2).digest}
+    threads = written(tmp_path / "threads", plan)
+    turned = Summary(dict(sorted(threads.made.items(), reverse=True)))
+    digests = {threads.digest, turned.digest, written(tmp_path / "processes", plan, 2).digest}
     if find_spec("distributed"):
         from distributed import LocalCluster
 
@@ -267,12 +248,12 @@ def test_threads_end_with_their_run(tmp_path: Path, lines: Sweep, monkeypatch: p
     """Without the hidden folder none goes on."""
     solve, begun = Grid.solve_cells, threading.Event()
 
-    def stay(grid: Grid, start: int, stop: int, threads: int, look: Callable[[], None]) -> Any:
+    def stay(grid: Grid, start: int, stop: int, threads: int, look: Callable[[int, int], None]) -> Any:
         if start == 0:
             return solve(grid, start, stop, threads, look)
         begun.set()
         while True:  # as long as somebody waits for it
-            look()
+            look(0, 1)
 
     def interrupt(progress: Progress) -> None:
         assert begun.wait(60.0)

@@ -145,17 +145,6 @@ def test_only_what_is_needed_is_read(
     assert not {"pattern", "back_ratio"} & {*columns}
 
 
-def test_more_cells_than_memory_holds_are_refused_with_their_size(
-    stored: StoredSweep, monkeypatch: pytest.MonkeyPatch, read: list[tuple[int, list[int], list[str]]]
-) -> None:
-    monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1}.get)
-    with pytest.raises(InputError, match=r"11 x 7 x 3 x 4 = 924 cells take about .* GB") as caught:
-        stored.to_frame(columns=["mean_velocity_mm_s"])
-    assert "filter the cells" in caught.value.hint
-    assert not read
-    assert len(stored.to_frame({"A": 0.2}, ["mean_velocity_mm_s"])) == 84
-
-
 def test_pictures_are_those_of_a_sweep_that_is_held(held: Sweep, stored: StoredSweep) -> None:
     how: dict[str, Any] = {"x": "A", "y": "beta", "at": {"alpha": 20, "f": 25}}
     np.testing.assert_array_equal(pixels(stored.draw("speed", **how)), pixels(held.draw("speed", **how)))
