@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from helpers.commands import POSIX
@@ -15,6 +15,9 @@ from helpers.commands import POSIX
 import vibro.interrupts
 from vibro.errors import FileError
 from vibro.tables.files import hidden_folder, whole_file, whole_files
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 NAMES = ("x.csv", "x-speed.png", "x.json")
 
@@ -104,16 +107,17 @@ def test_a_target_that_appears_meanwhile_is_kept(tmp_path: Path) -> None:
 def test_links_folders_and_what_the_run_reads_are_never_replaced(tmp_path: Path) -> None:
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     target = tmp_path / "x.csv"
-    for make, kind in (
+    kinds: tuple[tuple[Callable[[], None], str], ...] = (
         (lambda: target.symlink_to(tmp_path / "mine"), "a symbolic link"),
         (target.mkdir, "a folder"),
         (lambda: os.mkfifo(target), "no file"),
-    ):
+    )
+    for make, kind in kinds:
         for early in (True, False):
             if early:
                 make()
             with pytest.raises(FileError, match=f"it is {kind}"):
-                put(tmp_path, force=True, during=lambda early=early, make=make: early or make())
+                put(tmp_path, force=True, during=make if not early else lambda: None)
             assert {path.name for path in tmp_path.iterdir()} == {"mine", "x.csv"}
             target.rmdir() if target.is_dir() and not target.is_symlink() else target.unlink()
     os.link(tmp_path / "mine", target)
