@@ -98,12 +98,6 @@ def test_the_table_goes_to_stdout(ask: Callable[..., Any]) -> None:
     assert list(Path().iterdir()) == [Path("nut.toml")]
 
 
-def test_the_formats_of_pictures(ask: Callable[..., Any]) -> None:
-    assert ask("-o", "nut.svg", "-o", "nut.PDF", "-q").exit_code == 0
-    assert {path.suffix for path in Path().iterdir()} == {".toml", ".svg", ".pdf"}
-    assert ask("-o", "nut.gif").exit_code == 2
-
-
 def test_where_nothing_is_guaranteed_there_is_nothing_to_draw(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -245,14 +245,6 @@ def test_scene_file_and_options_merge_by_name(run: Run) -> None:
     assert {row["kinetic_friction"] for row in rows_of(result.stdout)} == {"0.35", "0.4"}
 
 
-def test_formats(run: Run) -> None:
-    result = run("map", *NUT, "-A", "0.5:2:3", "-o", "nut.svg", "-o", "nut.Pdf")
-    assert result.exit_code == 0
-    assert names() == ["nut.Pdf", "nut.svg"]
-    assert Path("nut.Pdf").read_bytes().startswith(b"%PDF")
-    assert "<svg" in Path("nut.svg").read_text(encoding="utf-8")
-
-
 def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     import vibro.sweeps.grid
     from vibro.core.codes import Status

@@ -155,18 +155,6 @@ def test_a_history_has_a_cap_that_says_what_to_do(run: Run, monkeypatch: pytest.
     assert run(*irregular, "--cycles", known).exit_code == 0
 
 
-@pytest.mark.usefixtures("unsaved")
-def test_existing_files_are_kept(run: Run) -> None:
-    assert run("simulate", SCENE, *PLAIN, "-o", "a").exit_code == 0
-    before = Path("a.csv").read_bytes()
-    result = run("simulate", SCENE, "-A", "2", "-o", "a")
-    assert result.exit_code == 1
-    assert "--force" in result.stderr
-    assert Path("a.csv").read_bytes() == before
-    assert run("simulate", SCENE, *PLAIN, "-A", "2", "-o", "a", "--force").exit_code == 0
-    assert Path("a.csv").read_bytes() != before
-
-
 def test_numbers_read_back_as_the_same_doubles(run: Run) -> None:
     run("simulate", SCENE, *PLAIN, "--cycles", "1", "-o", "a", "--decimal-comma")
     text = Path("a.csv").read_text(encoding="utf-8")
