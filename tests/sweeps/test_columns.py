@@ -155,6 +155,12 @@ def test_texts_are_quoted_where_they_must_be_and_no_formulas() -> None:
         assert text.splitlines()[1] == f"plain{form.separator}0"
 
 
+def test_a_separator_alone_is_a_reason_to_quote() -> None:
+    for form in (CsvFormat(), CsvFormat(decimal_comma=True)):
+        texts = ["plain", f"1{form.separator}2"]
+        assert read(form.table({"x": texts}).decode(), form) == {"x": texts}
+
+
 def test_an_arrow_table_has_nulls_texts_and_units() -> None:
     block = one_block(length=None, amplitude="1,9", frequency="15", kinetic_friction="0.5,0.9")
     table = arrow_table(COLUMNS, block)
@@ -162,6 +168,9 @@ def test_an_arrow_table_has_nulls_texts_and_units() -> None:
     assert table["traverse_time_s"].null_count == 4
     assert table["amplitude_mm"].null_count == 0
     assert table["coexists"].type == pa.int8()
+    flags = [column.values(block).ravel().tolist() for column in COLUMNS if column.name == "coexists"]
+    assert table["coexists"].to_pylist() == [flag if flag >= 0 else None for flag in flags[0]]
+    assert 0 in flags[0]
     assert table["regime"].chunk(0).dictionary.to_pylist() == [*(r.label for r in vibro.Regime if r >= 0), ""]
     assert table.schema.field("mean_velocity_mm_s").metadata[b"unit"] == b"mm/s"
 

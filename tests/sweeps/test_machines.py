@@ -134,7 +134,7 @@ def test_files_hold_what_memory_holds(tmp_path: Path) -> None:
         "setting_percent": "50:90:3",
     }
     frame = vibro.sweep(path, **axes).to_frame()
-    written = vibro.write_sweep(tmp_path / "one", path, shard_cells=10, **axes)
+    written = vibro.write_sweep(tmp_path / "one", path, **axes)
     for sweep in (written, vibro.open_sweep(tmp_path / "one")):
         assert sweep.to_frame().equals(frame)
         assert sweep.fixed["voltage_percent"] == 100.0
