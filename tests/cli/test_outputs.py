@@ -151,6 +151,14 @@ def test_the_json_describes_its_run_and_all_files(run: Run) -> None:
     assert (told["cells"], told["files"][-1]) == (9, "x.json")
 
 
+def test_the_json_of_one_scene_has_its_answer(run: Run) -> None:
+    answer = json.loads(run(*SOLVE, "--json").stdout)
+    run(*SOLVE, "-o", "x.json")
+    record = json.loads(Path("x.json").read_text("utf-8"))
+    assert answer.items() <= record.items()
+    assert record["argv"][-2:] == ["-o", "x.json"]
+
+
 @each(
     ("there", "command"), [("x.csv", QUICK), ("x-regime.png", QUICK), ("x.json", SOLVE), ("x.png", SIMULATE)]
 )

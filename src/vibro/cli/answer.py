@@ -106,6 +106,7 @@ def write_sweep(
     pictures: Pictures | None = None,
     look: Callable[[Block], None] = lambda block: None,
     view: View | None = None,
+    more: Callable[[], Mapping[str, Any]] = dict,
 ) -> int:
     """Solve a grid and write its table, pictures and JSON.
 
@@ -127,6 +128,8 @@ def write_sweep(
         Called with every block of solved cells, in their order.
     view : View, optional
         What the pictures show.
+    more : callable, optional
+        Returns what the record says beside, once all is solved.
 
     Returns
     -------
@@ -160,7 +163,7 @@ def write_sweep(
             tally = write_table(grid, table, [*sinks, *books.values()], report=bar, look=look)
         content = sweep_record(grid, table, tally.told())
         with drawn(pictures if outputs.pictures or books else None, console) as figures:
-            record = outputs.finish(content, figures)
+            record = outputs.finish({**content, **more()}, figures)
             if books:
                 console.echo("writing the workbook")
             for path, book in books.items():
@@ -250,6 +253,12 @@ def answer_one(
         for text in machine_warnings(grid.machine, values):
             Console(quiet=options.quiet).warn(text)
     blocks: list[Block] = []
+
+    def told() -> dict[str, Any]:
+        cells = arrow_table((answer or table).columns, blocks[0])
+        found: dict[str, Any] = cells.to_pylist()[0]
+        return found
+
     if not options.output:
         blocks += sweep_blocks(grid)
     else:
@@ -257,12 +266,12 @@ def answer_one(
         outputs = Outputs(options, name, argv, console, forms=TABLES, pictures=(), reads=[options.scene])
         # JSON on stdout is the answer here, not the description of the files.
         quiet = replace(options, json=False)
-        code = write_sweep(grid, table, outputs, quiet, console, look=blocks.append)
+        code = write_sweep(grid, table, outputs, quiet, console, look=blocks.append, more=told)
         if outputs.takes_stdout:
             return code
     (block,) = blocks
     if options.json:
-        print(json_text(arrow_table((answer or table).columns, block).to_pylist()[0]))
+        print(json_text(told()))
     else:
         print(report(OneScene(block)))
     return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE
