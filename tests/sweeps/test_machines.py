@@ -126,7 +126,8 @@ def test_cells_are_those_of_one_scene_each(tmp_path: Path) -> None:
     np.testing.assert_array_equal(picked["amplitude"], amplitude[[5, 44, 69]])
 
 
-def test_files_hold_what_memory_holds(tmp_path: Path) -> None:
+def test_files_hold_what_memory_holds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.tables.plan._DEAR_SHARD_CELLS", 10)
     path = feeder(tmp_path, PACKS)
     axes: dict[str, Any] = {
         "filling_kg": "0:3:9",
