@@ -168,7 +168,7 @@ def write_sweep(
                 console.echo("writing the workbook")
             for path, book in books.items():
                 book.close(
-                    {"name": path.stem, **record},
+                    {"name": path.stem, **record, **content},
                     {name: _png(figure, record) for name, figure in figures.items()},
                 )
     if options.json:

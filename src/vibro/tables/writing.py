@@ -193,6 +193,8 @@ def write_sweep(
     """
     if not isinstance(folder, str | os.PathLike):
         raise InputError(f"folder = {shown(folder)}: must be a path", hint='write it like "wide.parquet"')
+    if not os.fspath(folder):
+        raise InputError("folder is empty", hint='write it like "wide.parquet"')
     workers, path = checked_workers(workers), Path(folder)
     check_switch("force", force)
     request = request_of_call(scene_file, quantities, write_sweep, repr(os.fspath(folder)))
