@@ -242,14 +242,15 @@ def encodings(repeats: int) -> None:
     numbers = [column.name for column in columns if column.is_number]
     changes: dict[str, dict[str, Any]] = {
         "as it is": {},
-        **{f"zstd level {level}": {"compression_level": level} for level in (-5, -3, 1, 3)},
-        "LZ4": {"compression": "lz4", "compression_level": None},
-        "not compressed": {"compression": "none", "compression_level": None},
+        **{f"zstd {level}": {"compression": "zstd", "compression_level": level} for level in (-5, -1, 1, 3)},
+        "Snappy": {"compression": "snappy"},
+        "not compressed": {"compression": "none"},
         "bytes never split": {"use_byte_stream_split": False},
         "bytes of inputs split too": {"use_byte_stream_split": numbers},
         "inputs by dictionaries": {"use_dictionary": [*usual["use_dictionary"], *inputs]},
         "statistics of all columns": {"write_statistics": True},
         "no checksums of pages": {"write_page_checksum": False},
+        "1024 cells at once": {"write_batch_size": 1024},
     }
 
     def encode(change: dict[str, Any]) -> int:

@@ -13,15 +13,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def number_array(values: NDArray[Any], known: NDArray[np.bool_] | None = None) -> pa.Array:
-    """Return numbers as an Arrow array, with nulls where they are not known."""
+def number_array(
+    values: NDArray[Any], shape: tuple[int, ...], known: NDArray[np.bool_] | None = None
+) -> pa.Array:
+    """Return numbers that broadcast to a shape as an Arrow array, with nulls where they are not known."""
     import pyarrow as pa
 
+    cells = np.ascontiguousarray(np.broadcast_to(values, shape))
     mask = None
     if known is not None and not known.all():  # packed here, in a fraction of pyarrow's time
-        mask = pa.py_buffer(np.packbits(known, bitorder="little"))
-    cells = pa.py_buffer(np.ascontiguousarray(values))
-    return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), values.size, [mask, cells])
+        mask = pa.py_buffer(np.packbits(np.broadcast_to(known, shape), bitorder="little"))
+    return pa.Array.from_buffers(pa.from_numpy_dtype(cells.dtype), cells.size, [mask, pa.py_buffer(cells)])
 
 
 def text_array(texts: Iterable[str]) -> pa.StringArray:

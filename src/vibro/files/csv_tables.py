@@ -70,7 +70,7 @@ class CsvFormat:
         import pyarrow as pa
 
         arrays = [
-            number_array(c, np.isfinite(c)) if isinstance(c, np.ndarray) else text_array(c)
+            number_array(c, c.shape, np.isfinite(c)) if isinstance(c, np.ndarray) else text_array(c)
             for c in columns.values()
         ]
         return self.header(columns) + self.rows(pa.Table.from_arrays(arrays, list(columns)))

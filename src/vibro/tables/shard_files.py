@@ -161,5 +161,7 @@ def _whole(column: Column, found: pa.ChunkedArray) -> pa.Array:
     if unknown := [text for text in there if text not in place]:
         problem = f"{column.name} = {shown(unknown[0])}: this version of vibro knows no such {column.name}"
         raise FileError(problem, hint="read it with the version of vibro that wrote it")
-    of_chunks = [np.array([place.get(t, 0) for t in told], np.int32)[which] for told, which in chunks]
-    return pa.DictionaryArray.from_arrays(number_array(np.concatenate(of_chunks)), text_array(texts))
+    codes = np.concatenate(
+        [np.array([place.get(t, 0) for t in told], np.int32)[which] for told, which in chunks]
+    )
+    return pa.DictionaryArray.from_arrays(number_array(codes, codes.shape), text_array(texts))

@@ -32,7 +32,7 @@ import numpy as np
 
 from vibro.errors import FileError, VibroError, cut, how_to_install
 from vibro.interrupts import OnEnd
-from vibro.parallel import cores
+from vibro.parallel import BLOCK, cores
 from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import arrow_table
@@ -61,7 +61,6 @@ _SAME_FILES: Final = "workers and the process that starts them need the same fil
 _FOOTER: Final = b"vibro"  # key of the record in a footer
 _WHOLE: Final = b"vibro sha256"  # key of the digest of the whole file, in whose place is a blank before
 _BLANK: Final = b"0" * 64
-_LEVEL: Final = -1  # of zstd: higher ones take longer and save almost no space
 _REASON: Final = 200  # characters of a library's message
 _TAIL: Final = 8  # [B] of a Parquet file: the length of its footer, and what tells the format
 #: A hint for whoever has lost a run.
@@ -315,14 +314,14 @@ def _encoding(schema: pa.Schema) -> dict[str, Any]:
 
     numbers = [item.name for item in schema if pa.types.is_floating(item.type)]
     return {
-        "compression": "zstd",
-        "compression_level": _LEVEL,
+        "compression": "lz4",
         "use_dictionary": [item.name for item in schema if item.name not in numbers] or False,
         # Values of inputs repeat: splitting their bytes takes longer and saves no space.
         "use_byte_stream_split": [name for name in numbers if name not in BY_COLUMN] or False,
         # Statistics of the inputs alone select row groups: results follow no order.
         "write_statistics": [name for name in schema.names if name in BY_COLUMN] or False,
         "write_page_checksum": True,
+        "write_batch_size": BLOCK,  # of the usual 1024 cells each costs more than what is in it
     }
 
 
