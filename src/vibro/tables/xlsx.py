@@ -18,7 +18,7 @@ from vibro.plots.view import value_of
 from vibro.quantities import BY_COLUMN, as_given
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     import pyarrow as pa
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _MOST_ROWS, _MOST_COLUMNS = 1_048_576, 16_384  # of a sheet, by the format
 _MOST_CHARACTERS: Final = 32_767  # of a cell
+_DECIMALS: Final = 7  # from so many before or behind the point on, numbers have an exponent
 _LONGEST_NAME: Final = 31  # characters of a sheet's
 #: Results that have a sheet of their own, where the table has their column, and its name.
 _OVER_AXES: Final = {
@@ -187,10 +188,15 @@ class Xlsx:
         sheet, axes = self._sheet(_OVER_AXES[name]), self._grid.told_axes
         styles = {
             regime.label: self._book.add_format(
-                {"bg_color": colour, "font_color": "#FFFFFF" if regime is Regime.HOPPING else INK}
+                {
+                    "bg_color": colour,
+                    "font_color": "#FFFFFF" if regime is Regime.HOPPING else INK,
+                    "align": "center",
+                }
             )
             for regime, colour in REGIME_COLOURS.items()
         }
+        of_axes = self._book.add_format({"bold": True, "num_format": "0.####"})
         sheet.set_column(0, len(view.x), _WIDTH)
         sheet.freeze_panes(2 if view.facet is None else 0, 1)
         row = 0
@@ -202,22 +208,32 @@ class Xlsx:
             at = ", ".join(f"{axes[of].label} = {value_of(axes[of], i)}" for of, i in held.items())
             title = f"{name}: {view.y.column} down, {view.x.column} across{'; ' if at else ''}{at}"
             self._write_row(sheet, row, (title,), self._bold)
-            self._write_row(sheet, row + 1, ("", *view.x.values.tolist()), self._bold)
+            self._write_row(sheet, row + 1, ("", *view.x.values.tolist()), of_axes)
+            known = [cell for cell in matrix.ravel().tolist() if isinstance(cell, float)]
+            shown = self._book.add_format({"num_format": _number_format(known)})
             first = row + 2
             for row, (value, cells) in enumerate(
                 zip(view.y.values.tolist(), matrix.tolist(), strict=True), first
             ):
-                sheet.write_number(row, 0, value, self._bold)
+                sheet.write_number(row, 0, value, of_axes)
                 for place, cell in enumerate(cells, 1):
                     if isinstance(cell, str):
                         sheet.write_string(row, place, cell, styles.get(cell))
                     elif cell is not None:
-                        sheet.write_number(row, place, cell)
+                        sheet.write_number(row, place, cell, shown)
             if name != "regime":
-                known = [cell for cell in matrix.ravel().tolist() if cell is not None]
                 backwards = _BACKWARDS if known and min(known) < 0.0 else {}
                 sheet.conditional_format(first, 1, row, len(view.x), {**_COLOURS, **backwards})
             row += 2
+
+
+def _number_format(values: Sequence[float]) -> str:
+    """Return a format that shows four digits of the largest number; what a cell holds is exact."""
+    largest = max(map(abs, values), default=0.0)
+    power = math.floor(math.log10(largest)) if largest else 0
+    if not -_DECIMALS < power < _DECIMALS:
+        return "0.000E+00"
+    return "0." + "0" * (3 - power) if power < 3 else "0"
 
 
 def check_size(grid: Grid) -> None:
