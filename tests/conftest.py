@@ -65,7 +65,7 @@ _MARKED: Final = {
         "records/test_cycles.py", "records/test_headers.py", "records/test_minimisation.py",
         "records/test_signals.py", "reports/test_change_texts.py", "results/test_history.py",
         "results/test_sweep.py", "sweeps/test_run.py", "sweeps/test_tally.py", "tables/test_files.py",
-        "tables/test_plan.py", "tables/test_selection.py", "test_axes.py",
+        "tables/test_plan.py", "test_axes.py",
         "test_errors.py", "test_friction_catalogue.py", "test_indexes.py", "test_makers.py",
         "test_mutants.py", "test_periodic.py", "test_quantities.py", "test_reference.py", "test_roots.py",
         "test_scales.py", "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",

@@ -73,11 +73,8 @@ def test_workbooks(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("form", "language"), [(CsvFormat(), US), (CsvFormat(decimal_comma=True), GERMAN)])
 def test_csv(tmp_path: Path, form: CsvFormat, language: str) -> None:
     """A table with a point in an English one, a table with decimal commas in a German one."""
-    grid, rows, path = (
-        swept(amplitude_mm="0.1:3:10", frequency_hz="5:60:11")._grid,
-        Rows(),
-        tmp_path / "map.csv",
-    )
+    grid = swept(amplitude_mm="0.1:3:10", frequency_hz="5:60:11")._grid
+    rows, path = Rows(), tmp_path / "map.csv"
     table = Table(columns_of(grid.axes))
     with path.open("wb") as file:
         write_table(grid, table, [Csv(file, table, form), rows])

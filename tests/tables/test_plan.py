@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,10 +10,8 @@ import pytest
 from helpers.cases import each
 from helpers.plans import plan_of, swept
 
-from vibro.axes import Axis
-from vibro.errors import FileError, InputError
-from vibro.sweeps.columns import Table, columns_of
-from vibro.tables.plan import Plan, made_by, read_plan, sealed, unsealed
+from vibro.errors import FileError
+from vibro.tables.plan import Plan, made_by, read_plan, sealed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,50 +33,24 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "_manifest.json"
 
 
-def bits(values: Any) -> list[int]:
-    whole: list[int] = np.asarray(values, np.float64).view(np.int64).tolist()
-    return whole
-
-
-def check_same(again: Plan, plan: Plan) -> None:
-    """Compare plans bit for bit."""
-    assert again.fingerprint == plan.fingerprint
-    assert again.differences(plan) == plan.differences(again) == ""
-    assert list(again.grid.axes) == list(plan.grid.axes)
-    for name, axis in plan.grid.axes.items():
-        assert bits(again.grid.axes[name].values) == bits(axis.values)
-        assert again.grid.axes[name].spacing == axis.spacing
-    assert list(again.grid.fixed) == list(plan.grid.fixed)
-    assert bits(list(again.grid.fixed.values())) == bits(list(plan.grid.fixed.values()))
-    for name in ("length", "output", "flight", "coexistence"):
-        assert getattr(again.grid, name) == getattr(plan.grid, name)
-    assert [c.name for c in again.table.columns] == [c.name for c in plan.table.columns]
-    assert dict(again.table.part) == dict(plan.table.part)
-    for name in ("shards", "shard_cells", "row_group_cells", "name", "own"):
-        assert getattr(again, name) == getattr(plan, name)
-
-
 @each(
     "plan",
     [
-        plan_of(nut()),
-        plan_of(nut(trough_length_mm=600.1, restitution=0.3, trough_angle_deg=-2.5), 7),
+        plan_of(nut(trough_length_mm=600.1, restitution=0.3, trough_angle_deg=-2.5), 7, row_group_cells=3),
         plan_of(nut(friction_ratio="0.5:1.2:4"), columns=["regime", "stroke_mm", "friction_ratio"]),
         plan_of(nut(friction_ratio=0.77), part={"pitch_mm": 25.1, "mass_kg": 0.012}),
-        plan_of(nut(), part={"pitch_mm": 25.1}, columns=["parts_per_min"]),
-        plan_of(swept("regimes", amplitude_mm="1,2")),
-        plan_of(swept(stroke_mm="1,2", flight=False)),
-        plan_of(swept(amplitude_mm="1,2", coexistence=True)),
-        plan_of(swept(**ELLIPSE, along_amplitude_2_mm="0:0.2:3", along_phase_2_deg=30)),
-        plan_of(swept(), row_group_cells=3),
+        plan_of(swept("regimes", stroke_mm="1,2", flight=False)),
+        plan_of(swept(**ELLIPSE, along_amplitude_2_mm="0:0.2:3", along_phase_2_deg=30, coexistence=True)),
     ],
 )
 def test_a_manifest_is_read_again_as_it_was_written(path: Path, plan: Plan) -> None:
     path.write_text(plan.manifest(ARGV), encoding="utf-8")
-    check_same(read_plan(path), plan)
-    assert read_plan(path).manifest(ARGV) == path.read_text(encoding="utf-8")
-    content = json.loads(path.read_bytes())
-    assert (content["argv"], content["cells"]) == (ARGV, plan.grid.size)
+    again = read_plan(path)
+    assert again.manifest(ARGV) == path.read_text(encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.tables.plan.BLOCK", plan.row_group_cells)
+        made = Plan.of(again.grid, again.table, again.name, again.own, again.shard_cells)
+    assert sealed(made.content) == sealed(plan.content)
 
 
 def values_in(content: Any) -> Iterator[tuple[Any, Any]]:
@@ -90,60 +61,21 @@ def values_in(content: Any) -> Iterator[tuple[Any, Any]]:
             yield from values_in(value)
 
 
-def others(value: Any) -> list[Any]:
-    """Return what somebody may have put there instead."""
-    if isinstance(value, dict | list):
-        return [{}, [], None, [*value, 1]]
-    if isinstance(value, bool) or value is None:
-        return [not value, 7]
-    if isinstance(value, str):
-        return [f"{value}x", "", 3]
-    return [float(np.nextafter(value, 9e9)), -value - 1, str(value), 10**400, None]
-
-
 def test_every_change_of_a_manifest_is_noticed(path: Path) -> None:
     plan = plan_of(nut(friction_ratio="0.5,0.9", trough_length_mm=600), 5, part={"pitch_mm": 25.0})
     content = json.loads(plan.manifest(ARGV))
-    tried = 0
+    changed = ["", "{", "[]", "null", "{}", "\0", "[" * 100_000, '{"format": 3}', plan.manifest(ARGV)[:-9]]
     for holder, key in list(values_in(content)):
         kept = holder[key]
-        for other in others(kept):
-            if other == kept:
-                continue
-            holder[key] = other
-            path.write_text(json.dumps(content), encoding="utf-8")
-            with pytest.raises(FileError, match=r"damaged|is an unknown format|is no manifest") as caught:
-                read_plan(path)
-            assert caught.value.hint
-            tried += 1
+        holder[key] = np.nextafter(kept, 9e9) if isinstance(kept, float) else f"{kept}x"
+        changed.append(json.dumps(content))
         holder[key] = kept
-    assert tried > 250
-    text = plan.manifest(ARGV)
-    path.write_text(text, encoding="utf-8")
-    check_same(read_plan(path), plan)
-    for other in (text[: len(text) // 2], text + "}", text.replace('"cells"', '"cell"')):
-        path.write_text(other, encoding="utf-8")
-        with pytest.raises(FileError):
+    assert len(changed) > 90
+    for text in changed:
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(FileError, match=r"damaged|is an unknown format|is no manifest") as caught:
             read_plan(path)
-
-
-@each("text", ["", "{", "[]", "3", "null", "{}", '{"format": 3}', "\0", "[" * 100_000, "\ud800"])
-def test_what_is_no_manifest_is_told(path: Path, text: str) -> None:
-    path.write_bytes(text.encode(errors="surrogatepass"))
-    with pytest.raises(FileError, match=r"_manifest\.json is no manifest"):
-        read_plan(path)
-    path.write_text('{"format": "vibro sweep 99"}', encoding="utf-8")
-    with pytest.raises(FileError, match="vibro sweep 99"):
-        read_plan(path)
-
-
-def test_a_seal_is_of_what_is_said() -> None:
-    content = {"cells": 3, "peaks": {"speed": 0.1 + 0.2}}
-    assert unsealed(sealed(content)) == content
-    assert unsealed(json.dumps(json.loads(sealed(content)))) == content
-    for text in ("{}", "[]", sealed(content).replace("3", "4"), sealed(content)[:-20]):
-        with pytest.raises(ValueError, match=r"checksum|delimiter|Expecting|Unterminated"):
-            unsealed(text)
+        assert caught.value.hint
 
 
 def test_what_changes_the_shards_is_named_and_nothing_else_counts() -> None:
@@ -156,14 +88,8 @@ def test_what_changes_the_shards_is_named_and_nothing_else_counts() -> None:
             plan_of(nut(frequency_hz=[10, float(np.nextafter(15.1, 16))])),
         'spacing: "log" there, "list" here':
             plan_of(nut(amplitude_mm=there.grid.axes["amplitude"].values.tolist())),
-        "scene static_friction: 0.74 there, 0.75 here": plan_of(nut(static_friction=0.75)),
-        "scene friction_ratio: null there, 0.77 here": plan_of(nut(friction_ratio=0.77)),
         "scene trough_length_mm: null there, 600.0 here": plan_of(nut(trough_length_mm=600)),
-        "flight: true there, false here": plan_of(nut(flight=False)),
-        "coexistence: false there, true here": plan_of(nut(coexistence=True), 1_000_000),
-        'accuracy: "exact" there, "regimes" here': plan_of(nut(output="regimes")),
         "shard_cells: 1000000 there, 7 here": plan_of(nut(), 7),
-        "row_group_cells: 131072 there, 5 here": plan_of(nut(), row_group_cells=5),
         "part: null there": plan_of(nut(), part={"pitch_mm": 25.0}),
         "columns": plan_of(nut(), columns=[c.name for c in reversed(there.table.columns)]),
         f'made_by numpy: "{made_by()["numpy"]}" there, "1.0" here': with_numpy_1,
@@ -173,10 +99,6 @@ def test_what_changes_the_shards_is_named_and_nothing_else_counts() -> None:
         assert here.fingerprint != there.fingerprint
     other = Plan.of(there.grid, there.table, "bolt", {"amplitude": 2.0})
     assert (other.fingerprint, other.differences(there)) == (there.fingerprint, "")
-    assert other.manifest(["vibro"]) != there.manifest(ARGV)
-    zeros = [replace(there.grid, fixed={**there.grid.fixed, "trough_angle": x}) for x in (0.0, -0.0)]
-    one, two = (Plan.of(grid, there.table, "", {}) for grid in zeros)
-    assert one.fingerprint != two.fingerprint
 
 
 def test_shards_are_ranges_of_all_cells() -> None:
@@ -185,20 +107,14 @@ def test_shards_are_ranges_of_all_cells() -> None:
         ranges = [plan.range_of(shard) for shard in range(plan.shards)]
         assert [cell for first, end in ranges for cell in range(first, end)] == list(range(14))
         assert {end - first for first, end in ranges[:-1]} <= {shard_cells}
-    grid = plan_of(nut()).grid
-    long = {name: Axis(name, np.arange(1.0, 1002.0), "list") for name in grid.axes}
-    with pytest.raises(InputError, match="1002001 cells"):
-        Plan.of(replace(grid, axes=long), Table(columns_of()), "", {}, 1)
 
 
 @each(
     ("given", "is_dear"),
     [
         ({}, False),
-        ({"restitution": 0.3}, True),
         ({"restitution": [0, 0.3]}, True),
-        ({"restitution": [0, 0.3], "flight": False}, False),
-        ({"restitution": 0.3, "output": "regimes"}, False),
+        ({"restitution": 0.3, "flight": False}, False),
         ({"coexistence": True}, True),
     ],
 )

@@ -7,6 +7,7 @@ import io
 import os
 import sys
 import zipfile
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,11 @@ import pytest
 from helpers.cases import each
 from helpers.plans import swept, workbook
 from matplotlib.figure import Figure
+from xlsxwriter import Workbook
 from xlsxwriter.exceptions import FileCreateError
 
 import vibro
 from vibro.axes import Axis
-from vibro.core.codes import Regime
 from vibro.errors import FileError, InputError
 from vibro.plots.style import REGIME_COLOURS
 from vibro.sweeps.columns import Table, columns_of
@@ -30,6 +31,7 @@ from vibro.tables.xlsx import Xlsx, check_size
 MAP: dict[str, Any] = {"amplitude_mm": "0.1:3:5", "frequency_hz": "5:60:6", "trough_length_mm": 600}
 ELLIPSE: dict[str, Any] = {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.3, "frequency_hz": 30}
 ALL = "Regime Speed Traverse Flight Impact"
+SHOWN = {"Regime": "regime", "Speed": "mean_velocity_mm_s", "Traverse": "traverse_time_s"}
 NO_LENGTH = "Regime Speed Flight Impact"
 
 
@@ -42,11 +44,6 @@ def to_16_digits(value: Any) -> Any:
     return float(f"{value:.16g}") if isinstance(value, float) else value
 
 
-def told(book: Any) -> dict[Any, list[Any]]:
-    """Return the rows of the summary; of inputs the last tells of their column."""
-    return {row[0]: row[1:] for row in rows_of(book["Summary"])}
-
-
 def table_of(book: Any) -> list[dict[str, Any]]:
     header, *rows = rows_of(book["Cells"])
     return [dict(zip(header, row, strict=True)) for row in rows]
@@ -55,16 +52,10 @@ def table_of(book: Any) -> list[dict[str, Any]]:
 @pytest.mark.parametrize(
     ("quantities", "sheets"),
     [
-        (MAP, ALL),
         ({**MAP, "restitution": [0, 0.5]}, ALL),
-        ({"amplitude_mm": "0.3:1.3:7", "kinetic_friction": 0.1 + 0.2}, ""),
         ({"trough_length_mm": 600}, ""),
         ({"stroke_mm": "0.2:6:4", "trough_angle_deg": "-8:8:3"}, "Regime Speed"),
-        ({"amplitude_mm": "1:9:4", "kinetic_friction": "0.5:0.9:3"}, NO_LENGTH),
-        (
-            {**ELLIPSE, "normal_phase_deg": "0:90:5", "trough_angle_deg": "0:3:2"},
-            NO_LENGTH,
-        ),
+        ({**ELLIPSE, "normal_phase_deg": "0:90:5", "kinetic_friction": "0.5:0.9:3"}, NO_LENGTH),
     ],
 )
 def test_every_cell_is_read_back_as_it_was_solved(
@@ -74,43 +65,24 @@ def test_every_cell_is_read_back_as_it_was_solved(
     book, cells = workbook(tmp_path / "x.xlsx", swept(**quantities))
     assert table_of(book) == [{name: to_16_digits(x) for name, x in cell.items()} for cell in cells]
     assert book.sheetnames == ["Summary", "Cells", *sheets.split()]
-    assert book["Cells"].freeze_panes == "A2"
-
-
-def test_results_over_two_axes_are_those_of_their_row_and_column(tmp_path: Path) -> None:
-    solved = swept(**MAP)
-    book, _ = workbook(tmp_path / "x.xlsx", solved)
-    cycle = solved.cycle
-    times = np.where(np.isfinite(time := cycle.traverse_time(0.6)), time, np.nan)
-    for name, values in (
-        ("Regime", [[Regime(code).label for code in row] for row in cycle.regime.tolist()]),
-        ("Speed", 1e3 * cycle.mean_velocity),
-        ("Traverse", times),
-        ("Impact", 1e3 * cycle.impact_velocity),
-    ):
-        head, across, *rows = rows_of(book[name])
-        assert head[0].endswith(": amplitude_mm down, frequency_hz across")
-        assert across == ["", *solved.axes["frequency_hz"]]
-        assert [row[0] for row in rows] == list(solved.axes["amplitude_mm"])
-        for row, wanted in zip(rows, np.asarray(values), strict=True):
-            assert row[1:] == [None if x != x else to_16_digits(x) for x in wanted.tolist()]
 
 
 def test_a_third_axis_has_one_matrix_below_another_and_more_are_held(tmp_path: Path) -> None:
     solved = swept(**MAP, trough_angle_deg="-8:8:3", drive_angle_deg=[20, 40])
-    book, _ = workbook(tmp_path / "x.xlsx", solved, x="trough_angle", y="frequency", at={"amplitude": 3.0})
-    rows = rows_of(book["Speed"])
-    assert len(rows) == 2 * (2 + 6) + 1
-    assert len(book["Speed"].conditional_formatting) == 2
-    for i, angle in enumerate((20, 40)):
-        head, across, *matrix = rows[9 * i : 9 * i + 8]
-        assert head[0] == (
-            "mean_velocity_mm_s: frequency_hz down, trough_angle_deg across; "
-            f"amplitude = 3 mm, drive angle = {angle} deg"
-        )
-        assert across[1:] == [-8, 0, 8]
-        found = np.array([row[1:] for row in matrix], float)
-        np.testing.assert_allclose(found, 1e3 * solved.cycle.mean_velocity[4, :, i, :], rtol=1e-15)
+    held: dict[str, Any] = {"x": "trough_angle", "y": "frequency", "at": {"amplitude": 3.0}}
+    book, cells = workbook(tmp_path / "x.xlsx", solved, **held)
+    for name, column in SHOWN.items():
+        rows = rows_of(book[name])
+        assert len(rows) == 2 * (2 + 6) + 1
+        for i, angle in enumerate((20, 40)):
+            (head, *_), across, *matrix = rows[9 * i : 9 * i + 8]
+            assert head.startswith(f"{column}: frequency_hz down, trough_angle_deg across; ")
+            assert head.endswith(f"; amplitude = 3 mm, drive angle = {angle} deg")
+            assert across == ["", -8, 0, 8]
+            assert [row[0] for row in matrix] == list(solved.axes["frequency_hz"])
+            there = [cell for cell in cells if (cell["amplitude_mm"], cell["drive_angle_deg"]) == (3, angle)]
+            found = [x for row in matrix for x in row[1:]]
+            assert found == [to_16_digits(cell[column]) for cell in there]
 
 
 def test_results_are_coloured(tmp_path: Path) -> None:
@@ -131,24 +103,18 @@ def test_results_are_coloured(tmp_path: Path) -> None:
 
 
 def test_the_summary_says_what_was_solved_and_found(tmp_path: Path) -> None:
-    solved = swept(**MAP)
-    book, cells = workbook(tmp_path / "x.xlsx", solved, argv=["map", "a b.toml"])
-    assert book["Summary"]["A1"].value == "nut"
-    said = told(book)
+    book, cells = workbook(tmp_path / "x.xlsx", swept(**MAP), argv=["map", "a b.toml"])
+    said = {row[0]: row[1:] for row in rows_of(book["Summary"])}  # of inputs the last row, of their column
     given = {row[0]: row[1] for row in reversed(rows_of(book["Summary"]))}
-    assert said["command"][0] == "vibro map 'a b.toml'"
-    assert said["vibro"][0] == vibro.__version__
+    assert (book["Summary"]["A1"].value, said["in all"][0]) == ("nut", 30)
+    assert (said["command"][0], said["vibro"][0]) == ("vibro map 'a b.toml'", vibro.__version__)
     assert given["drive_angle_deg"] == 20
     assert given["amplitude_mm"].startswith("5 values, 0.1 ... 3 mm")
-    assert said["in all"][0] == 30
-    for regime in Regime:
-        if number := sum(cell["regime"] == regime.label for cell in cells):
-            assert said[regime.label][:2] == [number, f"{number / 30:.2%}"]
+    for regime, number in Counter(cell["regime"] for cell in cells).items():
+        assert said[regime][:2] == [number, f"{number / 30:.2%}"]
     fastest = max(cells, key=lambda cell: cell["mean_velocity_mm_s"])
-    assert said["fastest"][0] == pytest.approx(fastest["mean_velocity_mm_s"], rel=1e-15)
-    assert said["fastest"][2] == (
-        f"amplitude_mm = {fastest['amplitude_mm']:.10g}, frequency_hz = {fastest['frequency_hz']:.10g}"
-    )
+    assert said["fastest"][0] == to_16_digits(fastest["mean_velocity_mm_s"])
+    assert said["fastest"][2].startswith(f"amplitude_mm = {fastest['amplitude_mm']:.10g}, frequency_hz = ")
     for column in columns_of():
         assert said[column.name][2] == column.meaning
 
@@ -167,7 +133,6 @@ def test_no_text_of_a_user_is_run_or_followed(tmp_path: Path, text: str) -> None
     assert "hyperlink" not in xml
     if text.isprintable():
         assert book["Summary"]["A1"].value.rstrip() == text
-        assert text in told(book)["command"][0]
 
 
 def test_pictures_have_sheets(tmp_path: Path) -> None:
@@ -179,22 +144,6 @@ def test_pictures_have_sheets(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "x.xlsx") as archive:
         images = [archive.read(name) for name in archive.namelist() if name.endswith(".png")]
     assert {*images} == {png.getvalue()}
-
-
-def test_equal_sweeps_make_equal_files(tmp_path: Path) -> None:
-    for name in ("one.xlsx", "two.xlsx"):
-        workbook(tmp_path / name, swept(**MAP))
-    assert (tmp_path / "one.xlsx").read_bytes() == (tmp_path / "two.xlsx").read_bytes()
-    assert {path.name for path in tmp_path.iterdir()} == {"one.xlsx", "two.xlsx"}
-
-
-def test_where_nothing_is_feasible_only_statuses_are_shown(tmp_path: Path) -> None:
-    solved = swept(amplitude_mm="1:2:3", trough_angle_deg="0:2:2")
-    grid = replace(solved._grid, fixed={**solved._grid.fixed, "kinetic_friction": 0.9})
-    book, cells = workbook(tmp_path / "x.xlsx", replace(solved, _grid=grid))
-    assert {cell["status"] for cell in cells} == {"infeasible"}
-    assert {row["status"] for row in table_of(book)} == {"infeasible"}
-    assert told(book)["infeasible"][:2] == [6, "100.00%"]
 
 
 def test_what_exceeds_a_sheet_is_refused_or_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -216,15 +165,13 @@ def test_without_xlsxwriter_the_extra_is_named(tmp_path: Path, monkeypatch: pyte
 
 
 def test_what_the_system_refuses_is_its_own_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    books: list[Any] = []
+    close = Workbook.close
 
-    def full(book: Any) -> None:
-        books.append(book)
+    def full(book: Workbook) -> None:
+        close(book)
         raise FileCreateError(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
 
-    with monkeypatch.context() as patch:
-        patch.setattr("xlsxwriter.Workbook.close", full)
-        with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)) as caught:
-            workbook(tmp_path / "x.xlsx", swept())
+    monkeypatch.setattr(Workbook, "close", full)
+    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)) as caught:
+        workbook(tmp_path / "x.xlsx", swept())
     assert caught.value.errno == errno.ENOSPC
-    books[0].close()
