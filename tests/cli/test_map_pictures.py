@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, SMALL, Run, rows_of
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, SMALL, Run
 from helpers.drawn import only_map
 from PIL import Image
 
@@ -19,16 +19,6 @@ if TYPE_CHECKING:
 
 def names() -> list[str]:
     return sorted(path.name for path in Path().rglob("*") if path.is_file())
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
-    args = ("-A", "0.5:2:3", "-f", "10:30:3", "-a", "10,20", "--mu-s", "0.6,0.7", "--mu-d", "0.5")
-    result = run("map", *args, "-o", "nut", "--at", "mu_s=0.7", "--x", "amplitude", "--y", "frequency")
-    assert result.exit_code == 0
-    assert "pictures:" not in result.stderr
-    assert len(rows_of(Path("nut.csv").read_text(encoding="utf-8"))) == 36
-    assert names() == ["nut-regime.png", "nut-speed.png", "nut.csv", "nut.json"]
 
 
 @pytest.mark.usefixtures("unsaved")

@@ -73,16 +73,6 @@ def test_pictures_are_drawn_of_what_is_stored(run: Run, wide: Path, held: Sweep)
     np.testing.assert_array_equal(drawn, expected)
 
 
-def test_what_pictures_do_not_show_is_said(run: Run, wide: Path) -> None:
-    result = run("map", f"{wide}/", "-o", "out/x.svg", "--x", "f", "--y", "mu_ratio", "--speed", "50")
-    assert result.exit_code == 0, result.stderr
-    assert [line for line in result.stderr.splitlines() if line.startswith("pictures")] == [
-        "pictures: amplitude held at 3.1 mm; --at A=VALUE chooses"
-    ]
-    assert sorted(path.name for path in Path("out").iterdir()) == ["x-regime.svg", "x-speed.svg"]
-    assert "50 mm/s" in Path("out/x-speed.svg").read_text(encoding="utf-8")
-
-
 @pytest.mark.usefixtures("unsaved")
 def test_shared_options_work(run: Run, wide: Path) -> None:
     line = ("--at", "A=3.1,mu_s=.3,mu_ratio=0.7")
@@ -94,16 +84,6 @@ def test_shared_options_work(run: Run, wide: Path) -> None:
     assert json.loads(result.stdout) == json.loads(Path("wide.json").read_text(encoding="utf-8"))
     assert run("map", "wide", *line).exit_code == 1
     assert run("map", "wide", *line, "--force").exit_code == 0
-    protected = run("map", "wide", *line, "-o", "wide/_manifest", "--force")
-    assert protected.exit_code == 1
-    assert "this run reads it" in protected.stderr
-
-
-def test_an_unfinished_folder_is_not_drawn(run: Run, wide: Path) -> None:
-    (wide / "_SUCCESS").unlink()
-    result = run("map", "wide", "-o", "x")
-    assert result.exit_code == 1
-    assert "error: wide is not finished: 8 of 8 shards are there\n" in result.stderr
 
 
 def test_pictures_without_their_columns_leave_nothing(
