@@ -25,19 +25,12 @@ if TYPE_CHECKING:
     from vibro.sweeps.whole import Sweep
     from vibro.tables.stored import StoredSweep
 
-NUT: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57, "trough_length_mm": 600}
-
 
 @pytest.fixture(scope="module")
 def held() -> Sweep:
     """Hold cells of which some hop, and whose patterns differ from shard to shard."""
-    return vibro.sweep(
-        amplitude_mm="0.2:6:11",
-        frequency_hz="5:25:7",
-        drive_angle_deg=[20, 70, 85],
-        trough_angle_deg="-4:8:4",
-        **NUT,
-    )
+    axes = {"amplitude_mm": "0.2:6:11", "frequency_hz": "5:25:7", "trough_angle_deg": "-4:8:4"}
+    return swept(**axes, drive_angle_deg=[20, 70, 85], trough_length_mm=600)
 
 
 @pytest.fixture(scope="module")
