@@ -18,10 +18,7 @@ import vibro
 if TYPE_CHECKING:
     from vibro.sweeps.whole import Sweep
 
-GIVEN: dict[str, Any] = {
-    "static_friction": "0.3,0.74",
-    "friction_ratio": "0.5:0.9:5",
-}
+GIVEN: dict[str, Any] = {"static_friction": "0.3,0.74", "friction_ratio": "0.5:0.9:5"}
 
 
 @pytest.fixture(scope="module")

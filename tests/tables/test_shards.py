@@ -142,9 +142,8 @@ def test_nobody_makes_a_shard_without_the_folder_of_the_run_or_with_other_versio
     tmp_path: Path, lines: Sweep
 ) -> None:
     plan = plan_of(lines)
-    with pytest.raises(FileError, match=r"a worker finds no folder .*gone") as caught:
+    with pytest.raises(FileError, match=r"a worker finds no folder .*gone"):
         make_shard(plan, tmp_path, tmp_path / "gone", 0, 1)
-    assert "same files" in caught.value.hint
     other = {**plan.content, "made_by": {**plan.content["made_by"], "numpy": "1.0"}}
     with pytest.raises(FileError, match=r"a worker has .*; this sweep is made with .*numpy 1\.0"):
         make(replace(plan, content=other), tmp_path / "out")

@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 @pytest.fixture(scope="module")
 def held() -> Sweep:
     """Hold cells of which some hop, and whose patterns differ from shard to shard."""
-    axes = {"amplitude_mm": "0.2:6:11", "frequency_hz": "5:25:7", "trough_angle_deg": "-4:8:4"}
-    return swept(**axes, drive_angle_deg=[20, 70, 85], trough_length_mm=600)
+    axes: dict[str, Any] = {"amplitude_mm": "0.2:6:11", "frequency_hz": "5:25:7"}
+    axes |= {"drive_angle_deg": [20, 70, 85], "trough_angle_deg": "-4:8:4"}
+    return swept(**axes, trough_length_mm=600)
 
 
 @pytest.fixture(scope="module")
