@@ -134,6 +134,14 @@ def test_an_interrupt_ends_a_run_whose_processes_run_no_file_of_the_folder(
     check_whole(here / "wide.parquet", undisturbed)
 
 
+def test_twin_runs_of_one_folder_make_it_together(here: Path, undisturbed: str) -> None:
+    run = paused(here)
+    folder = here / "wide.parquet"
+    assert written(folder, read_plan(folder / MANIFEST)).digest == undisturbed
+    assert ended(run) == (0, "")
+    assert written(folder, read_plan(folder / MANIFEST)).digest == undisturbed
+
+
 def test_a_lost_process_ends_the_run_with_a_word(tmp_path: Path, undisturbed: str) -> None:
     killed: list[Any] = []
 

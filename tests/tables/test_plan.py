@@ -83,13 +83,13 @@ def test_what_changes_the_shards_is_named_and_nothing_else_counts() -> None:
     different = {
         "values: [10.0, 15.1] there, [10.0, 15.100000000000001] here":
             plan_of(nut(frequency_hz=[10, float(np.nextafter(15.1, 16))])),
-        'spacing: "log" there, "list" here':
+        "spacing: log there, list here":
             plan_of(nut(amplitude_mm=there.grid.axes["amplitude"].values.tolist())),
         "scene trough_length_mm: null there, 600.0 here": plan_of(nut(trough_length_mm=600)),
         "shard_cells: 1000000 there, 7 here": plan_of(nut(), 7),
         "part: null there": plan_of(nut(), part={"pitch_mm": 25.0}),
         "columns": plan_of(nut(), columns=[c.name for c in reversed(there.table.columns)]),
-        f'made_by numpy: "{made_by()["numpy"]}" there, "1.0" here': with_numpy_1,
+        f"made_by numpy: {made_by()['numpy']} there, 1.0 here": with_numpy_1,
     }  # fmt: skip
     for said, here in different.items():
         assert said in here.differences(there)

@@ -61,8 +61,8 @@ def accuracy_command(
     Scenes are drawn evenly from axes, in the syntax of vibro map; those that hop are left out. Without
     any, from A 0.1:3 mm, f 5:60 Hz (both log), drive angle 2:45 deg, mu_s 0.1:1 and mu_d/mu_s 0.4:1.
     Errors are against arbitrary precision if mpmath is installed (pip install '.[accuracy]' in the
-    project's folder), else against converged event-driven simulation. With -o the table goes to STEM.csv
-    and STEM.json too, the picture to STEM.png.
+    project's folder), else against converged event-driven simulation. -o writes the table
+    and its picture.
     """
     from vibro.cli.answer import count
     from vibro.cli.console import Console

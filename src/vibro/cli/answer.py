@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Flight
-from vibro.cli.outputs import Outputs
+from vibro.cli.outputs import TABLES, Outputs
 from vibro.core.codes import Output, Regime, Status
 from vibro.errors import FileError
 from vibro.quantities import QUANTITIES, as_given
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from vibro.sweeps.request import Request
     from vibro.tables.xlsx import Xlsx
 
-TABLES: Final = ("csv", "xlsx", "json")  # endings of tables alone
 _ROWS_OF_A_SHEET: Final = 1_048_576
 # [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
 # vary, and those that do where bodies hop alone.

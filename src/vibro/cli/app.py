@@ -30,6 +30,7 @@ from vibro.cli.help import GroupedCommand
 from vibro.cli.map import map_command
 from vibro.cli.motion import motion_command
 from vibro.cli.options import print_version, shares_options
+from vibro.cli.outputs import MAPS, PAGES, TABLES
 from vibro.cli.report_page import report_command
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import simulate_command
@@ -175,9 +176,9 @@ def _vibro(
 
 # The functions of the commands, and which of the shared options they take; None if they have only their own.
 _COMMANDS: Final[dict[str, Any]] = {
-    "map": (map_command, {}),
-    "traverse-time": (traverse_time_command, {}),
-    "solve": (solve_command, {}),
+    "map": (map_command, {"forms": MAPS}),
+    "traverse-time": (traverse_time_command, {"forms": TABLES}),
+    "solve": (solve_command, {"forms": TABLES}),
     "accuracy": (accuracy_command, {}),
     "simulate": (simulate_command, {}),
     "compare": (compare_command, {}),
@@ -185,7 +186,7 @@ _COMMANDS: Final[dict[str, Any]] = {
     "design": (design_command, {"of_scene": False}),
     "motion": (motion_command, {"of_drive": False, "of_answer": False}),
     "friction": (friction_command, None),
-    "report": (report_command, {"of_table": False}),
+    "report": (report_command, {"of_table": False, "forms": PAGES}),
     "explore": (explore_command, {"of_answer": False}),
     "schema": (schema_command, None),
 }

@@ -106,8 +106,8 @@ def compare_command(
     """Compare a record of a sensor, or of a CAD motion study, with the exact steady motion of a scene.
 
     Columns are found by their units, or named: --time "Time [s]" --displacement "X [mm]". The unknown
-    trigger time is found. Measured and computed figures are printed; with -o they go to STEM.csv (signals),
-    STEM-summary.csv, STEM.json and a picture.
+    trigger time is found. Measured and computed figures are printed; -o NAME writes NAME.csv (signals),
+    NAME-summary.csv, NAME.json and a picture.
     """
     from vibro.cli.compare_report import comparison_report
     from vibro.cli.outputs import Outputs, scene_record

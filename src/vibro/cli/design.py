@@ -58,8 +58,8 @@ def design_command(
     The design file gives what is known of the parts and the trough as bands lo:hi, the range and drift of
     each drive, and the goal. Drives move along a line, an ellipse or in a given motion. For every drive three
     designs within the goal's highest regime are printed: the gentlest (least acceleration) that meets the
-    goal, the fastest, and the safest; then those within other regimes. With -o they go to STEM.csv and
-    STEM.json too, with pictures of one of them. If no drive meets the goal, the closest designs are printed
+    goal, the fastest, and the safest; then those within other regimes. -o writes them too,
+    with pictures of one of them. If no drive meets the goal, the closest designs are printed
     and the exit code is 4.
     """
     from vibro.cli.design_report import design_report

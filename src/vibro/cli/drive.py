@@ -66,7 +66,7 @@ def drive_command(
     side of resonance on which the drive runs, the guaranteed speed, and the effect of mains, filling and
     other springs. Here --setting takes a list (25,50,100), and --voltage, --filling, --mu-s and --mu-d take
     bands, such as 90:110.
-    With -o the operating points go to STEM.csv, and amplitude and speed over frequency to STEM-response.png.
+    -o NAME writes the operating points, NAME.csv, and amplitude and speed over frequency, NAME-response.png.
     """
     console = Console(quiet=options.quiet)
     if fit is None:

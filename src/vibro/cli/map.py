@@ -134,7 +134,7 @@ def map_command(
     if options.scene is not None and options.scene.suffix == ".parquet":
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.answer import Pictures, make_grid, write_sweep
-    from vibro.cli.outputs import PICTURES, Outputs
+    from vibro.cli.outputs import MAPS, Outputs
     from vibro.cli.request import question, request_of
     from vibro.cli.target_speed import TargetSpeed, target_in_pictures
     from vibro.plots.view import check_drawable
@@ -172,7 +172,7 @@ def map_command(
     names = names_of(view, grid, shown)
     name = request.name or "vibro-map"
     outputs = Outputs(
-        options, name, context.obj, console, forms=("csv", "xlsx", "parquet", "json", *PICTURES),
+        options, name, context.obj, console, forms=MAPS,
         pictures=names, reads=[options.scene], default=name,
     )  # fmt: skip
     number = _workers(workers, outputs)

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
 import typer
 
+from vibro.cli.outputs import SERIES
 from vibro.core.codes import Output
 from vibro.errors import InputError
 from vibro.quantities import DRIVES, MACHINE, QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from vibro.quantities import Quantity
 
@@ -65,17 +66,17 @@ def print_version(context: typer.Context, wanted: bool) -> None:
         raise typer.Exit
 
 
-OutputOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "-o",
-        "--output",
-        metavar="PATH",
-        help="A file to write; its ending says what, .csv .json .png ...; a name without an ending is that of"
-        " all usual ones; - is CSV on stdout. Repeatable.",
-        show_default=False,
-    ),
-]
+def output_option(forms: Sequence[str]) -> Any:
+    """Make the option that says what is written: files with one of these endings."""
+    known = " ".join(f".{form}" for form in forms)
+    text = (
+        f"A file to write; its ending says what: {known}. A name without an ending is that of all usual files"
+    )
+    text += f", - is {forms[0].upper()} on stdout. Repeatable."
+    option = typer.Option("-o", "--output", metavar="PATH", help=text, show_default=False)
+    return Annotated[list[str] | None, option]
+
+
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
 QuietOption = Annotated[bool, typer.Option("-q", "--quiet", help="Print no messages except errors.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
@@ -104,7 +105,7 @@ class Options:
             show_default=False,
         ),
     ] = None
-    output: OutputOption = None
+    output: list[str] | None = None
     json: JsonOption = False
     decimal_comma: Annotated[
         bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.")
@@ -138,6 +139,7 @@ def shares_options(
     of_drive: bool = True,
     of_answer: bool = True,
     of_table: bool = True,
+    forms: Sequence[str] = SERIES,
 ) -> Callable[..., int]:
     """Give a command the shared options.
 
@@ -153,6 +155,8 @@ def shares_options(
         Whether it has an answer, which can be printed and written to files.
     of_table : bool
         Whether that answer is numbers, which can be written as CSV or JSON.
+    forms : sequence of str
+        Endings of the files that it can write.
 
     Returns
     -------
@@ -175,7 +179,9 @@ def shares_options(
         if f.name == "given":
             shared += [_quantity_parameter(QUANTITIES[name]) for name in quantities]
         elif f.name not in left_out:
-            shared.append(_parameter(f.name, f.default, annotations[f.name]))
+            is_output = f.name == "output"
+            kind = output_option(forms) if is_output else annotations[f.name]
+            shared.append(_parameter(f.name, f.default, kind))
     context, _, *own = inspect.signature(run, eval_str=True).parameters.values()
 
     @functools.wraps(run)

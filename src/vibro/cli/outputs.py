@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 #: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
 PICTURES: Final = ("png", "svg", "pdf")
 SERIES: Final = ("csv", "json", *PICTURES)
+#: Endings of what sweeps can be written as: ``vibro map``, and commands that draw nothing.
+MAPS: Final = ("csv", "xlsx", "parquet", "json", *PICTURES)
+TABLES: Final = ("csv", "xlsx", "json")
+PAGES: Final = ("html", "json")
 _OF_A_STEM: Final = ("csv", "html", "toml", "json", "png")  # as far as a command can write them
 _DESCRIBED: Final = ("csv", "xlsx")  # by a JSON of the same stem
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
@@ -134,8 +138,16 @@ class Outputs:
 
     def __enter__(self) -> Self:
         from vibro.tables.files import whole_files
+        from vibro.tables.plan import MANIFEST
 
         targets = [*self.tables, *self.pictures, *self.records]
+        for target in targets:
+            if (target.parent / MANIFEST).exists():
+                raise InputError(
+                    f"-o {target}: {target.parent} is the folder of a sweep; with other files in it, no"
+                    " program can read it",
+                    hint="choose another place, such as -o out/nut",
+                )
         self._whole = whole_files(targets, force=self._force, reads=self._reads)
         self.waiting = self._whole.__enter__()
         return self

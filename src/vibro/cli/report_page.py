@@ -14,7 +14,7 @@ from vibro.cli.console import Console
 from vibro.cli.design import design_record
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options
-from vibro.cli.outputs import Outputs
+from vibro.cli.outputs import PAGES, Outputs
 from vibro.cli.table_options import MassOption, PitchOption, part_of, throughput_of
 from vibro.errors import InputError
 
@@ -34,9 +34,8 @@ def report_command(
 
     The page about a scene has the motion and speed of the part, a map, the next regimes, the sensitivity of
     the speed, the limits of the regime, three cycles of the motion and the assumptions; that about a design
-    file has the designs and their guarantees. With -o the page goes to STEM.html, beside STEM.json; without
-    -o to stdout. It needs no other file and no network, and prints on A4. Install with
-    pip install '.[report]' in the project's folder.
+    file has the designs and their guarantees. Without -o the page goes to stdout. It needs no other file and
+    no network, and prints on A4. Install with pip install '.[report]' in the project's folder.
     """
     from vibro.files.descriptions import DESIGN_FILE
     from vibro.files.toml_files import kind_of, read_toml
@@ -134,5 +133,5 @@ def _placed(name: str, options: Options, argv: Sequence[str], console: Console) 
         sys.stdout.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
     told = replace(options, output=options.output or ["-"])
     reads = [options.scene]
-    with Outputs(told, name, argv, console, forms=("html", "json"), pictures=(), reads=reads) as files:
+    with Outputs(told, name, argv, console, forms=PAGES, pictures=(), reads=reads) as files:
         yield files.write_text

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import DebugOption, ForceOption, Options, OutputOption, QuietOption, VersionOption
+from vibro.cli.options import DebugOption, ForceOption, Options, QuietOption, VersionOption, output_option
 
 
 class SchemaOf(StrEnum):
@@ -22,7 +22,7 @@ def schema_command(
     kind: Annotated[
         SchemaOf, typer.Argument(metavar="scene|design", help="The kind of file.")
     ] = SchemaOf.SCENE,
-    output: OutputOption = None,
+    output: output_option(("json",)) = None,  # type: ignore[valid-type]
     force: ForceOption = False,
     quiet: QuietOption = False,
     debug: DebugOption = False,
@@ -30,8 +30,7 @@ def schema_command(
 ) -> int:
     """Print the JSON Schema of scene files, or of the questions of vibro design.
 
-    Editors complete and check the files with it: keys, units, ranges, and what each key means. With -o it
-    goes to STEM.json.
+    Editors complete and check the files with it: keys, units, ranges, and what each key means.
     """
     from vibro.cli.console import Console
     from vibro.cli.outputs import Outputs

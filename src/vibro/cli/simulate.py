@@ -112,7 +112,7 @@ def simulate_command(
     """Simulate the motion of one body: phases, motion and forces, exact at any time.
 
     The first 24 phases are printed; bounces that die out count as one. With -o all phases go to
-    STEM-phases.csv, the motion and the forces per unit mass to STEM.csv, and their picture to STEM.png.
+    NAME-phases.csv, the motion and the forces per unit mass to NAME.csv, and their picture to NAME.png.
     """
     from vibro.cli.outputs import Outputs, scene_record
     from vibro.cli.request import plain_number, question, request_of, warn_of_machine, whole_number

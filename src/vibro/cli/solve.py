@@ -91,7 +91,7 @@ def solve_command(
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
-    With -o a table of one row is written to STEM.csv too; --columns chooses its columns, and those of --json.
+    -o writes a table of one row; --columns chooses its columns, and those of --json.
     With --speed, and without an amplitude, the amplitudes, or the scales of a motion, that reach the speed
     are listed, with --hopping also those at which the body hops. With --filling the force of that mass on the
     trough is printed, for a trough that moves as given; describe a machine in the table [machine] instead.

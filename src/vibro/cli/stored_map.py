@@ -72,6 +72,12 @@ def map_stored(
     folder = options.scene
     assert folder is not None
     _refuse_others(context, folder)
+    for path in options.output or ():
+        if path.casefold().endswith((".csv", ".xlsx", ".parquet")):
+            raise InputError(
+                f"-o {path}: the cells of {folder} are in tables already",
+                hint="pandas.read_parquet, or vibro.open_sweep(...).to_frame, reads them in Python",
+            )
     console = Console(quiet=options.quiet)
     shown = shown_pictures(show)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)

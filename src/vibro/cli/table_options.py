@@ -119,4 +119,4 @@ def table_of(
 def refuse_without_table(options: Options, columns: str | None) -> None:
     """Refuse to choose columns where a report is printed."""
     if not options.output and not options.json and columns is not None:
-        raise InputError("--columns: the report is no table", hint="add --json, -o - or -o STEM")
+        raise InputError("--columns: the report is no table", hint="add --json, -o - or -o NAME.csv")

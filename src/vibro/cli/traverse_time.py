@@ -37,8 +37,7 @@ def traverse_time_command(
     """Compute the time over the trough's length, or say why the body never arrives.
 
     For one scene it prints the time at the mean speed and the exact time from rest at trough phase 0. With
-    axes, in the syntax of vibro map, or with --sweep it prints a table, or writes it to STEM.csv with -o
-    STEM.
+    axes, in the syntax of vibro map, or with --sweep it prints a table, or writes it with -o.
     """
     from vibro.cli.answer import answer_one, answer_sweep, make_grid
     from vibro.cli.console import Console

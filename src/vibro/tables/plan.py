@@ -158,7 +158,8 @@ class Plan:
 
     def differences(self, there: Plan) -> str:
         """Say how the plan in the folder differs from this one, as far as it changes the shards."""
-        return "; ".join(_differences(_told(there.content), _told(self.content)))
+        said = _differences(_told(there.content), _told(self.content))
+        return "; ".join(said or _differences(_counted(there.content), _counted(self.content)))
 
 
 def read_plan(path: Path) -> Plan:
@@ -225,11 +226,14 @@ def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _told(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the fingerprint covers, without what follows from the values of axes."""
+    """Return what the fingerprint covers, for people."""
+    counted = _counted(content)
+    del counted["cells"]  # they follow from the axes
     axes = {
-        column: {key: axis[key] for key in ("values", "spacing")} for column, axis in content["axes"].items()
+        column: f"{len(axis['values'])} values, {axis['values'][0]:.10g} ... {axis['values'][-1]:.10g}"
+        for column, axis in content["axes"].items()
     }
-    return {**_counted(content), "axes": axes}
+    return {**counted, "axes": axes, "columns": ", ".join(content["columns"])}
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any], within: str = "") -> list[str]:
@@ -239,6 +243,8 @@ def _differences(there: Mapping[str, Any], here: Mapping[str, Any], within: str 
         if isinstance(old, Mapping) and isinstance(new, Mapping):
             said += _differences(old, new, f"{within}{key} ")
         elif old != new:
-            texts = [cut(json.dumps(value), _LONGEST) for value in (old, new)]
+            texts = [
+                cut(value if isinstance(value, str) else json.dumps(value), _LONGEST) for value in (old, new)
+            ]
             said.append(f"{within}{key}: {texts[0]} there, {texts[1]} here")
     return said

@@ -77,17 +77,20 @@ def write_folder(
                 f"{folder} holds something else: {', '.join(foreign[:3])}", hint="choose another name"
             )
         known = None
-        if there and force:
+        try:
+            if there:
+                known = _known(folder, plan)
+        except FileError:
+            if not force:
+                raise
+            there = []
+        if not there:
             _clear(folder)
-        elif there:
-            _check_same(folder, plan)
-            known = read_success(folder, plan)
-            if known and all((folder / shard_name(shard)).is_file() for shard in known.made):
-                return known
-            (folder / SUCCESS).unlink(missing_ok=True)  # until it is true again
-        if force or not there:
             with whole_file(folder / MANIFEST) as path:
                 path.write_text(plan.manifest(argv), encoding="utf-8")
+        if known and all(is_regular(folder / shard_name(shard)) for shard in known.made):
+            return known
+        (folder / SUCCESS).unlink(missing_ok=True)  # until it is true again
         summary = make_shards(plan, folder.absolute(), workers, report, known.made if known else {})
         with whole_file(folder / SUCCESS) as path:
             path.write_text(summary.success(plan), encoding="utf-8")
@@ -96,13 +99,14 @@ def write_folder(
     return summary
 
 
-def _check_same(folder: Path, plan: Plan) -> None:
-    """Refuse to go on in the folder of another sweep."""
+def _known(folder: Path, plan: Plan) -> Summary | None:
+    """Return what is known of this sweep in a folder if it was whole; that of another sweep is an error."""
     if not (folder / MANIFEST).is_file():
         raise FileError(f"{folder} has shards, but no {MANIFEST}", hint=_ANEW)
     there = read_plan(folder / MANIFEST)
     if there.fingerprint != plan.fingerprint:
         raise FileError(f"{folder} holds another sweep: {plan.differences(there)}", hint=_ANEW)
+    return read_success(folder, plan)
 
 
 def _clear(folder: Path) -> None:
