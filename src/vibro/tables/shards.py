@@ -64,7 +64,7 @@ _BLANK: Final = b"0" * 64
 _REASON: Final = 200  # characters of a library's message
 _TAIL: Final = 8  # [B] of a Parquet file: the length of its footer, and what tells the format
 #: A hint for whoever has lost a run.
-GO_ON: Final = "the same command, or call, goes on with what is there"
+GO_ON: Final = "run the same again: it goes on with what is there"
 
 
 class Made(NamedTuple):
