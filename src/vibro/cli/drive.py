@@ -16,6 +16,8 @@ from vibro.quantities import QUANTITIES, kinetic_friction, nearest_double
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from matplotlib.figure import Figure
+
     from vibro.files.machines import GivenMachine
     from vibro.files.scene_files import SceneFile
 
@@ -153,13 +155,13 @@ def _sheet(options: Options, argv: Sequence[str], console: Console) -> int:
         told = content(sheet)
         told["warnings"] = [*map(in_options, told["warnings"])]
 
-        def draw() -> dict[str, object]:
+        def draw() -> dict[str, Figure]:
             from vibro.plots.responses import drive_figure
 
             assert sheet.picture is not None
             return {"response": drive_figure(sheet.picture, *picture_texts(sheet, file.name))}
 
-        output.write(lambda: {"": columns(sheet)}, draw, told)  # type: ignore[arg-type]
+        output.write(lambda: {"": columns(sheet)}, draw, told)
     if options.json and not output.takes_stdout:
         print(json_text(told))
     elif not output.takes_stdout:

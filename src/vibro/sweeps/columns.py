@@ -73,8 +73,7 @@ def _operating(result: Result, block: Block) -> NDArray[Any]:
 
 
 _WHERE_SWEPT: Final = (*MACHINE, "friction_ratio", "normal_acceleration", "restitution")
-# Inputs that do not follow from a machine, which may have no answer. Columns without nulls are written in
-# three quarters of the time.
+# Inputs that do not follow from a machine, which may have no answer; without nulls they are written faster.
 _ALWAYS_KNOWN: Final = {QUANTITIES[name].column for name in SWEPT if name not in (*DRIVES, *MACHINE)}
 # What a table was made with, by the names of ``Grid.made_with``.
 _MADE_WITH: Final = {"restitution": _given("restitution"), "trough_length": WITH_LENGTH}

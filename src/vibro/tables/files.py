@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 OTHER_NAME: Final = "choose another name"
 _REPLACE: Final = f"replace with force=True, or {OTHER_NAME}"
+_KINDS: Final = {stat.S_IFDIR: "a folder", stat.S_IFLNK: "a symbolic link"}
 # A spreadsheet holds a file for as long as it is open, a virus scanner for a moment: outlast the scanner.
 _ATTEMPTS: Final = 10
 _PAUSE: Final = 0.2  # [s]
@@ -108,13 +109,7 @@ def _is_there(target: Path) -> bool:
     except OSError as exc:
         raise FileError(f"cannot write {target}: {reason(exc)}", hint=OTHER_NAME) from exc
     if not stat.S_ISREG(status.st_mode):
-        kind = (
-            "a folder"
-            if stat.S_ISDIR(status.st_mode)
-            else "a symbolic link"
-            if target.is_symlink()
-            else "no file"
-        )
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no file")
         raise FileError(f"cannot write {target}: it is {kind}", hint=OTHER_NAME)
     return True
 

@@ -443,15 +443,15 @@ def _cluster(address: str) -> Iterator[tuple[Executor, int, Callable[[], None]]]
         hint = "start one with dask scheduler, and give the address that it prints, such as tcp://host:8786"
         reason = cut(str(exc)) or "it says nothing"
         raise FileError(f"no Dask scheduler answers at {address}: {reason}", hint=hint) from exc
-    seen = began = time.monotonic()
+    seen = looked = time.monotonic()
 
     def check() -> None:
         """Look now and then whether there is any worker."""
-        nonlocal seen, began
+        nonlocal seen, looked
         now = time.monotonic()
-        if now - began < _LOOK:
+        if now - looked < _LOOK:
             return
-        began = now
+        looked = now
         if client.nthreads():
             seen = now
         elif now - seen > _ALONE:

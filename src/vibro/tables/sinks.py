@@ -70,6 +70,11 @@ def write_table(
         Called with the number of cells done so far.
     look : callable, optional
         Called with every block, in the order of its cells.
+
+    Returns
+    -------
+    Tally
+        Of all cells.
     """
     sinks, tally, done = list(sinks), Tally(), 0
     for block in sweep_blocks(grid):
