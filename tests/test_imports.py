@@ -62,7 +62,6 @@ _MEASURED = (
 _THROWN = (
     "vibro.Scene(amplitude=8e-3, frequency=15, drive_angle=0.5, static_friction=0.6, kinetic_friction=0.5)"
 )
-_FOLLOWED = f"vibro.follow({_THROWN}, 'amplitude', [8e-3, 8.2e-3])"
 
 _OPERATED = (
     "vibro.operate(vibro.Machine.crank(radius=1e-3), frequency=15, drive_angle=0.3, static_friction=0.5,"
@@ -73,8 +72,6 @@ _OPERATED = (
 CALLS = {
     "Attractor": "isinstance(vibro.attractors(scene)[0], vibro.Attractor)",
     "Attractors": "isinstance(vibro.attractors(scene), vibro.Attractors)",
-    "Branch": f"isinstance({_FOLLOWED}, vibro.Branch)",
-    "BranchEvent": f"isinstance({_FOLLOWED}.events[-1], vibro.BranchEvent)",
     "Calibration": "vibro.Calibration(1e-3, 50.0).setting == 1.0",
     "Certificate": "vibro.guarantee(scene, drive_angle=(0, 1)).certificate_min._fields[2] == 'bound'",
     "DesignResult": "vibro.DesignResult(True, (), ()).met",
@@ -100,7 +97,6 @@ CALLS = {
     "design": "len(vibro.design(question, only='goal').designs) == 3",
     "feasible_amplitudes": "len(vibro.feasible_amplitudes(scene, 0.02)) == 1",
     "filling": "0.5 < vibro.filling(scene).added_mass_share < 1.0",
-    "follow": f"{_FOLLOWED}.events[-1].kind == 'end'",
     "guarantee": "vibro.guarantee(scene).speed_min == vibro.solve(scene).mean_velocity",
     "measured_motion": f"{_MEASURED}.order == 1",
     "open_sweep": "vibro.open_sweep(stored).shape == (2,)",

@@ -79,31 +79,6 @@ def test_differences_of_integrated_bodies(
     assert found == pytest.approx(float(cycle.largest_multiplier), rel=2e-4)
 
 
-def test_differences_beside_cycles_that_are_unstable() -> None:
-    """Both sides of a fold, and beyond doublings."""
-    drive, e = math.degrees(0.5), 0.5
-    seen = []
-    for first, last, pattern, row in (
-        (1.3, 1.04, "H", -1),
-        (1.3, 1.9, "H", -1),
-        (1.56, 1.9, "HH", -1),
-        (1.3, 1.6, "H", 1),
-    ):
-        scene = driven(Groups(first / math.sin(0.5), drive, 0.6, 0.5), None, e)
-        (start,) = (one for one in vibro.attractors(scene) if one.pattern == pattern)
-        scale = float(scene.scale) / first
-        branch = vibro.follow(scene, "amplitude", scale * np.linspace(first, last, 9), start=start)
-        groups = Groups(branch.values[row] / scale / math.sin(0.5), drive, 0.6, 0.5)
-        speed = float(branch.values[row]) * TURN * float(scene.frequency)
-        body = Body(groups, e, phase=branch.start_phase[row], velocity=branch.start_velocity[row] / speed)
-        body.aloft, body.state[3] = True, branch.start_normal_velocity[row] / speed
-        body.until(body.p + 0.3)
-        found = strobed(body, groups, e, branch.period_cycles, 0.0)
-        assert found == pytest.approx(branch.largest_multiplier[row], rel=2e-4)
-        seen.append(found)
-    assert (np.array(seen) > 1.0).tolist() == [True, True, True, False]
-
-
 def test_flights_without_contact_have_those_of_the_reference() -> None:
     """Computed in 200-bit arithmetic (tests/data/README.md); one row counts a cycle of one turn twice."""
     seen = 0

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from vibro.machines.operating import OperatingPoints, operate, operating_points
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.attractors import attractors
-    from vibro.motion.branches import Branch, BranchEvent
-    from vibro.motion.continuation import follow
     from vibro.motion.histories import simulate
     from vibro.records.waveforms import MeasuredMotion, measured_motion
     from vibro.results.attractors import Attractor, Attractors
@@ -40,8 +38,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Attractor",
     "Attractors",
-    "Branch",
-    "BranchEvent",
     "Calibration",
     "Certificate",
     "DesignResult",
@@ -67,7 +63,6 @@ __all__ = [
     "design",
     "feasible_amplitudes",
     "filling",
-    "follow",
     "guarantee",
     "measured_motion",
     "open_sweep",
@@ -86,8 +81,6 @@ __version__ = "0.1.0"
 _HOMES = {
     "Attractor": "vibro.results.attractors",
     "Attractors": "vibro.results.attractors",
-    "Branch": "vibro.motion.branches",
-    "BranchEvent": "vibro.motion.branches",
     "Calibration": "vibro.machines.machine",
     "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
@@ -113,7 +106,6 @@ _HOMES = {
     "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.windows",
     "filling": "vibro.fillings",
-    "follow": "vibro.motion.continuation",
     "guarantee": "vibro.inverse.guarantees",
     "measured_motion": "vibro.records.waveforms",
     "open_sweep": "vibro.tables.stored",
