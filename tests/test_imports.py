@@ -59,10 +59,6 @@ _MEASURED = (
     f"vibro.measured_motion({str(RECORD)!r}, trough_along='Trog längs', sensitivity='1V/g', drive_angle=0)"
 )
 
-_THROWN = (
-    "vibro.Scene(amplitude=8e-3, frequency=15, drive_angle=0.5, static_friction=0.6, kinetic_friction=0.5)"
-)
-
 _OPERATED = (
     "vibro.operate(vibro.Machine.crank(radius=1e-3), frequency=15, drive_angle=0.3, static_friction=0.5,"
     " kinetic_friction=0.4)"
