@@ -1,0 +1,149 @@
+"""An answer: named numbers, tables and notes, written as text, JSON, CSV or HTML by one renderer each."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple, TypeAlias
+
+Value: TypeAlias = "float | str | None"
+
+_DIGITS: Final = 4  # for people; JSON and CSV have all
+
+
+class Fact(NamedTuple):
+    """A named value.
+
+    Attributes
+    ----------
+    label : str
+        What it is, for people.
+    value : float, str or None
+        None, or NaN, where it is unknown.
+    unit : str
+        Unit of a number.
+    error : float
+        Standard error of a mean, 0 where the number is exact.
+    note : str
+        What stands in brackets behind it.
+    is_rare : bool
+        Whether it is told on request only.
+    """
+
+    label: str
+    value: Value
+    unit: str = ""
+    error: float = 0.0
+    note: str = ""
+    is_rare: bool = False
+
+    @property
+    def text(self) -> str:
+        """The value with its unit, error and note."""
+        note = f" ({self.note})" if self.note else ""
+        if self.value is None or (isinstance(self.value, float) and math.isnan(self.value)):
+            return f"unknown{note}"
+        spread = f" ± {self.error:.2g}" if self.error > 0.0 else ""
+        return f"{shown(self.value)}{spread} {self.unit}".rstrip() + note
+
+
+class Table(NamedTuple):
+    """Rows of numbers and texts.
+
+    Attributes
+    ----------
+    name : str
+        Its key in JSON, and what is appended to the name of its CSV.
+    columns : sequence of tuple of str
+        Label and unit of each.
+    rows : sequence of sequence
+        Numbers, texts, None.
+    is_rare : bool
+        Whether it is told on request only.
+    """
+
+    name: str
+    columns: Sequence[tuple[str, str]]
+    rows: Sequence[Sequence[Value]]
+    is_rare: bool = False
+
+    @property
+    def texts(self) -> list[list[str]]:
+        """Its rows for people, the heads first."""
+        heads = [f"{label} [{unit}]" if unit else label for label, unit in self.columns]
+        return [heads, *([shown(cell) for cell in row] for row in self.rows)]
+
+    @property
+    def keys(self) -> list[str]:
+        """Names of the columns, with their units."""
+        return [_key(label, unit) for label, unit in self.columns]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is known, made once, and how to write it.
+
+    Attributes
+    ----------
+    facts, tables : sequence of Fact, Table
+        What people read.
+    notes : sequence of str
+        One sentence each: what a status means, what is proved, what is in doubt.
+    record : mapping
+        What JSON says beside the tables, by keys with units.
+    title : str
+        Of a page.
+    """
+
+    facts: Sequence[Fact]
+    tables: Sequence[Table] = ()
+    notes: Sequence[str] = ()
+    record: Mapping[str, Any] = field(default_factory=dict)
+    title: str = ""
+
+    def text(self, *, every: bool = False) -> str:
+        """Write it for a terminal: the usual part, or every fact and table."""
+        facts = [[fact.label, fact.text] for fact in self.facts if every or not fact.is_rare]
+        parts = [aligned(facts, right=False)] if facts else []
+        parts += [aligned(table.texts) for table in self.tables if every or not table.is_rare]
+        return "\n\n".join([*parts, *(["\n".join(self.notes)] if self.notes else [])])
+
+    def content(self) -> dict[str, Any]:
+        """Return what JSON says."""
+        tables = {
+            table.name: [dict(zip(table.keys, map(_known, row), strict=True)) for row in table.rows]
+            for table in self.tables
+        }
+        return {**self.record, **tables, **({"notes": list(self.notes)} if self.notes else {})}
+
+    def json(self) -> str:
+        """Write all of it as JSON; unknown numbers are null."""
+        return json.dumps(self.content(), indent=2, allow_nan=False)
+
+
+def aligned(rows: Sequence[Sequence[str]], *, right: bool = True) -> str:
+    """Return rows as lines with their cells below each other, all but the first to the right if wanted."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = []
+    for first, *rest in rows:
+        cells = [cell.rjust(w) if right else cell.ljust(w) for cell, w in zip(rest, widths[1:], strict=True)]
+        lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
+    return "\n".join(lines)
+
+
+def shown(value: Value, digits: int = _DIGITS) -> str:
+    """Write a value for people: a number to some digits, nothing for None."""
+    if isinstance(value, float):
+        return "-" if math.isnan(value) else f"{value:z.{digits}g}"
+    return "" if value is None else str(value)
+
+
+def _known(value: Value) -> Value:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _key(label: str, unit: str) -> str:
+    words = [*label.split(), *unit.replace("/", " ").replace("%", "percent").split()]
+    return "_".join(words).lower()
