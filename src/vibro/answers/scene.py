@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.answers.answer import Answer, Fact, Table, shown
-from vibro.core.codes import PHASE_NAMES, Regime, Status
+from vibro.core.codes import PHASE_NAMES, Status
 from vibro.quantities import LENGTH
 from vibro.sweeps.one_scene import OneScene, facts_of, machine_lines, throughput_text
 
