@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import TYPE_CHECKING, Any, Final
 
@@ -275,19 +274,13 @@ def _doubt(fit: ResponseFit, table: Mapping[str, Any] | None) -> str:
 
 def _toml(table: Mapping[str, Any]) -> str:
     """Write a table of a scene file, to be pasted."""
-    lines = ["[machine]   # with the fitted values"]
-    lines += [f"{key} = {_toml_value(value)}" for key, value in table.items()]
+    import tomlkit
+
+    written = tomlkit.item(dict(table))
+    written.comment("with the fitted values")
     if table["kind"] == "measured" and "trough_mass_kg" not in table:
-        lines.append("# add trough_mass_kg = ..., that of the trough and what moves with it")
-    return "\n".join(lines)
-
-
-def _toml_value(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_toml_value(x)}" for key, x in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_toml_value, value)) + "]"
-    return json.dumps(value, ensure_ascii=False)
+        written.add(tomlkit.comment("add trough_mass_kg = ..., that of the trough and what moves with it"))
+    return tomlkit.dumps({"machine": written}).rstrip()
 
 
 def _number(value: float) -> float | None:

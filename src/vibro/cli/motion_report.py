@@ -267,6 +267,8 @@ class MotionReport:
 
     def scene_file(self) -> str:
         """Return the scene file."""
+        import tomlkit
+
         m = self.measured
         cycles, plural = f"{m.span * m.frequency:.4g} cycles", "s" if m.order > 1 else ""
         name = printable(self.data.name)
@@ -275,8 +277,7 @@ class MotionReport:
             errors = ", ".join(f"{LENGTH.from_si(x):.2g}" for x in m.standard_errors[:, i])
             head.append(f"# Standard error{plural} of the motion {_TO[channel]}: {errors} mm")
         head.append(f"# Standard error of the frequency: {m.frequency_error:.2g} Hz")
-        lines = [f"{key} = {value!r}" for key, value in self._scene().items()]
-        return "\n".join([*head, "", "[scene]", *lines, ""])
+        return "\n".join([*head, "", tomlkit.dumps({"scene": self._scene()})])
 
 
 def _rounded(quantities: Mapping[str, Estimate]) -> dict[str, float]:
