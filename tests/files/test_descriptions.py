@@ -55,7 +55,7 @@ def test_examples_may_be_what_they_are() -> None:
 @each("key", SCENE_FILE.tables["scene"].entries)
 def test_every_key_of_a_scene_is_read(tmp_path: Path, key: str) -> None:
     entry = SCENE_FILE.tables["scene"].entries[key]
-    value = [0.5, 0.25] if "numbers" in entry.form.spellings else 0.5
+    value = [0.5, 0.25] if "rows" in entry.form.spellings else 0.5
     path = tmp_path / "scene.toml"
     name = entry.quantity.name
     clamped = {"normal_force": "mass_kg = 2", "mass": "normal_force_n = 2"}.get(name, "")

@@ -56,7 +56,7 @@ def test_units_and_ranges_are_told() -> None:
     tables = schema_of(FILES["scene"])["$defs"]
     angle = tables["scene"]["properties"]["drive_angle_deg"]
     assert "[deg]" in angle["description"]
-    assert (angle["minimum"], angle["exclusiveMaximum"]) == (0.0, 90.0)
+    assert angle["anyOf"][0] == {"type": "number", "minimum": 0.0, "exclusiveMaximum": 90.0}
     assert tables["map"]["properties"]["frequency_hz"]["anyOf"][0] == {
         "type": "number",
         "minimum": 1e-12,
@@ -88,7 +88,9 @@ def test_the_docs_show_a_scene_that_is_read_and_valid(tmp_path: Path) -> None:
         {"scenes": {}},
         {"amplitude_mm": 1},
         {"scene": 1},
-        {"scene": {"amplitude_mm": "1.2mm"}},
+        {"scene": {"amplitude_mm": "1.2kg"}},
+        {"scene": {"along_amplitudes_mm": ["1mm", "2deg"]}},
+        {"motion": {"along_harmonics_mm_deg": [["1mm", "2mm"]]}},
         {"scene": {"amplitude_mm": True}},
         {"scene": {"amplitude_mm": 0}},
         {"scene": {"drive_angle_deg": 90}},

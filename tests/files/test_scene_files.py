@@ -50,6 +50,17 @@ def test_a_scene_file_is_read_exactly(tmp_path: Path) -> None:
     assert file.sweep["static_friction"].value == 0.5
 
 
+def test_every_value_may_be_a_text_with_a_unit(tmp_path: Path) -> None:
+    texts = '[scene]\nfrequency_hz = "900rpm"\nalong_amplitudes_mm = ["800um", 0.1]\n'
+    numbers = "[scene]\nfrequency_hz = 15\nalong_amplitudes_mm = [0.8, 0.1]\n"
+    with_units, plain = (read_scene_file(written(tmp_path, text)).scene for text in (texts, numbers))
+    assert with_units == plain
+    texts = '[motion]\nalong_steps = [[0.8, "6.9m/s^2"], [0.2, -27.6]]\n'
+    motion = read_scene_file(written(tmp_path, texts)).motion
+    assert motion is not None
+    assert motion.table == {"along_steps": [[0.8, 6.9], [0.2, -27.6]]}
+
+
 def test_a_list_of_two_in_a_scene_file_is_no_decimal_comma(tmp_path: Path) -> None:
     file = read_scene_file(written(tmp_path, "[map]\ndrive_angle_deg = [0, 20]\n"))
     assert list(file.sweep["drive_angle"].axis(7).values) == [0.0, 20.0]

@@ -8,67 +8,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from vibro import quantities, units
 from vibro.core.codes import Regime
 from vibro.files import entries as form
-from vibro.quantities import (
-    BY_COLUMN,
-    MACHINE,
-    MASS,
-    NORMAL_FORCE,
-    POSITIVE,
-    QUANTITIES,
-    STANDS_FOR,
-    SWEPT,
-    ZERO_OR_MORE,
-    Quantity,
-    Range,
-    of_part,
-)
-from vibro.units import (
-    FORCE,
-    FREQUENCY,
-    IN_GRAVITIES,
-    LENGTH,
-    MOMENT,
-    PERCENT,
-    PURE,
-    ROTATION,
-    SPEED,
-    STIFFNESS,
-    TIME,
-    WORKING_MOMENT,
-    Kind,
-)
-from vibro.units import MASS as IN_MASS
+from vibro.files.entries import TableKind
+from vibro.quantities import BY_COLUMN, MACHINE, POSITIVE, QUANTITIES, SWEPT, ZERO_OR_MORE, Quantity, Range
+from vibro.units import FORCE, FREQUENCY, LENGTH, PERCENT, PURE, SPEED, STIFFNESS
 
 if TYPE_CHECKING:
     from vibro.files.entries import Entry, Form
-
-__all__ = ["DESIGN_FILE", "EXAMPLES", "FILES", "KINDS", "MACHINE_KEYS", "SCENE_FILE", "FileKind", "TableKind"]
-
-
-class TableKind(NamedTuple):
-    """A table of a file.
-
-    Attributes
-    ----------
-    heading : str
-        Its heading in the file: ``[scene]``, or ``[[drive]]`` for a table that may be repeated.
-    meaning : str
-        Description for docs and the schema.
-    entries : mapping of str to Entry
-        Allowed entries, by key.
-    required : bool
-        Whether every file must have it.
-    needs : tuple of tuple of str
-        Groups of keys; the table must have exactly one key of each.
-    """
-
-    heading: str
-    meaning: str
-    entries: dict[str, Entry]
-    required: bool = False
-    needs: tuple[tuple[str, ...], ...] = ()
+    from vibro.units import Kind
 
 
 class FileKind(NamedTuple):
@@ -78,6 +27,11 @@ class FileKind(NamedTuple):
     meaning: str
     function: str
     tables: dict[str, TableKind]
+
+    @property
+    def required(self) -> set[str]:
+        """Names of the tables that every such file has."""
+        return {name for name, kind in self.tables.items() if kind.required}
 
 
 #: Example values by quantity: the nut of examples/safety_nut.toml, and other drives of about its load.
@@ -116,100 +70,102 @@ def _entry(
     return form.Entry(of, told, usual, example)
 
 
-def _harmonics(name: str, meaning: str) -> Entry:
-    return form.Entry(form.LIST, replace(QUANTITIES[name], name=f"{name}s", meaning=meaning))
-
-
-def _moved(of: Form, key: str, meaning: str) -> Entry:
-    return form.Entry(of, Quantity(key, meaning=meaning))
+def _of(kinds: str, *described: Any, **others: Any) -> Entry:
+    """Describe a key of some kinds of machine; those with a ``!`` need it."""
+    entry = _entry(*described, **others)
+    all_of, needed = (
+        tuple(kind.rstrip("!") for kind in kinds.split() if kind.endswith(end)) for end in ("", "!")
+    )
+    both = " and ".join(filter(None, [", ".join(needed[:-1]), *needed[-1:]]))
+    usual = "; ".join(filter(None, [f"needed of {both}" if needed else "", entry.usual]))
+    return entry._replace(usual=usual, kinds=all_of, needed=needed)
 
 
 def _value(quantity: Quantity) -> Entry:
-    quantity = of_part(quantity, is_clamped=True)  # other keys decide whether a part is clamped
+    quantity = quantities.of_part(quantity, is_clamped=True)  # other keys decide whether a part is clamped
     usual = "" if quantity.default is None else f"{quantity.default:g}"
     return form.Entry(form.VALUE, quantity, usual, EXAMPLES.get(quantity.name))
 
 
 def _axis(quantity: Quantity) -> Entry:
-    quantity = of_part(quantity, is_clamped=True)
-    is_swept = STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
-    return form.Entry(form.AXIS if is_swept else form.POINT, quantity)
+    is_swept = quantities.STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
+    return _value(quantity)._replace(form=form.AXIS if is_swept else form.VALUE, usual="", example=None)
 
 
 # fmt: off
-_MOTION: Final = (
-    _moved(form.PAIRS, "along_harmonics_mm_deg", "amplitude [mm] and phase [deg] of each harmonic along"),
-    _moved(form.PAIRS, "normal_harmonics_mm_deg", "the same normal to the trough"),
-    _moved(form.PAIRS, "along_steps", "shares of the period, and the accelerations in them [m/s^2]"),
-    _moved(form.PAIRS, "normal_steps", "the same normal to the trough"),
-    _moved(form.SAMPLES, "along_samples_m_s2", "accelerations of one period along, equally spaced"),
-    _moved(form.SAMPLES, "normal_samples_m_s2", "the same normal to the trough"),
-    _moved(form.SAMPLES, "along_samples_mm", "displacements of one period along, equally spaced"),
-    _moved(form.SAMPLES, "normal_samples_mm", "the same normal to the trough"),
+_MOTION: Final = tuple(
+    form.Entry(of, Quantity(f"{way}_{key}", meaning=meaning))
+    for key, of, along in (
+        ("harmonics_mm_deg", form.HARMONICS, "amplitude [mm] and phase [deg] of each harmonic along"),
+        ("steps", form.STEPS, "shares of the period, and the accelerations in them [m/s^2]"),
+        ("samples_m_s2", form.ACCELERATIONS, "accelerations of one period along, equally spaced"),
+        ("samples_mm", form.DISPLACEMENTS, "displacements of one period along, equally spaced"),
+    )
+    for way, meaning in (("along", along), ("normal", "the same normal to the trough"))
 )
-
-_CALIBRATION: Final = form.table_of(
-    "table",
-    _entry(form.NUMBER, "amplitude", "measured amplitude of the empty trough", example=0.35),
-    _entry(form.NUMBER, "frequency", "frequency at which it was measured", example=50),
-    _entry(form.NUMBER, "setting", "setting at which it was measured", "100"),
-    _entry(form.NUMBER, "voltage", "voltage at which it was measured", "100"),
-    needed=("amplitude_mm", "frequency_hz"),
-)
-_PACKS: Final = form.table_of(
-    "table, or list of tables",
+_CALIBRATION: Final = TableKind(
+    "calibration = { amplitude_mm = 0.35, frequency_hz = 50 }", "one measured amplitude", _by_key(
+        _entry(form.NUMBER, "amplitude", "measured amplitude of the empty trough", example=0.35),
+        _entry(form.NUMBER, "frequency", "frequency at which it was measured", example=50),
+        _entry(form.NUMBER, "setting", "setting at which it was measured", "100"),
+        _entry(form.NUMBER, "voltage", "voltage at which it was measured", "100"),
+    ), needs=(("amplitude_mm",), ("frequency_hz",)))
+_PACK: Final = TableKind("[[machine.pack]]", "a spring pack", _by_key(
     _entry(form.TEXT, "name", "name of the spring pack", example="6 leaves", kind=PURE),
     _entry(form.NUMBER, "natural", "natural frequency of the empty machine with it", example=55.6),
-    needed=("name", "natural_hz"), several=True,
-)
+), needs=(("name",), ("natural_hz",)))
+_SPRUNG: Final = "magnet exciter rod"
+_TURNING: Final = "unbalance exciter"
 #: Keys of a machine, in ``[machine]`` of a scene file and in ``[[drive]]`` of a design question.
 MACHINE_KEYS: Final = (
     _entry(form.one_of({kind: kind for kind in KINDS}), "kind", "what drives the trough", "needed",
            "magnet", kind=PURE),
-    _entry(form.NUMBER, "trough_mass", "mass of the empty trough and of what moves with it",
-           "needed of magnet, exciter, rod and measured", 6, IN_MASS),
-    _entry(form.MASS_OR_FLOOR, "counter_mass", "mass on the other side of the springs, or the floor",
-           "needed of magnet and exciter", 12, IN_MASS),
-    _entry(form.NUMBER, "vibrating_mass", "whole mass on the mounts, with its motors", "needed of unbalance",
-           120, IN_MASS),
-    _entry(form.NUMBER, "natural", "", "needed of magnet, exciter and rod, or packs", 55.6),
-    _entry(_PACKS, "pack", "spring packs that may be fitted: their names and natural_hz", "none", kind=PURE),
-    _entry(form.NUMBER, "damping_ratio", "damping over critical damping, of the empty machine",
-           "needed of magnet, exciter and rod; 0 of unbalance", 0.015, PURE, Range(0.0, 1.0)),
-    _entry(form.NUMBER, "force", "amplitude of the magnet's force at 100 %",
-           "needed of magnet, or the calibration", kind=FORCE),
-    _entry(_CALIBRATION, "calibration", "one measured amplitude, in place of a force: amplitude_mm,"
-           " frequency_hz, setting_percent, voltage_percent", "needed of magnet, or the force", kind=PURE),
-    _entry(form.NUMBER, "voltage_exponent", "exponent of the force over the voltage; 1 for a piezo drive",
-           "2", kind=PURE),
-    _entry(form.NUMBER, "base_stiffness", "stiffness of the counter mass's own mounts", "0", kind=STIFFNESS,
-           allowed=ZERO_OR_MORE),
-    _entry(form.NUMBER, "gap", "largest relative amplitude of trough and counter mass, at which they strike",
-           "no limit", kind=LENGTH),
-    _entry(form.NUMBER, "mount", "natural frequency on the mounts", "0: infinitely soft", kind=FREQUENCY,
-           allowed=ZERO_OR_MORE),
-    _entry(form.COUNT, "motors", "number of motors", "needed with values of one motor", 2, PURE,
-           replace(POSITIVE, low=1.0)),
-    _entry(form.NUMBER, "static_moment", "eccentric mass times its radius, of one motor",
-           "needed of unbalance and exciter, or one of the two below", 95, MOMENT),
-    _entry(form.NUMBER, "working_moment", "vibrating mass times amplitude, or stroke, of all motors together",
-           "", kind=WORKING_MOMENT),
-    _entry(form.one_of({"amplitude": 1.0, "stroke": 0.5}), "working_moment_is",
-           "whether the working moment is taken with amplitude or stroke", "needed with it", "stroke", PURE),
-    _entry(form.NUMBER, "centrifugal_force", "centrifugal force of one motor, at the speed below", "",
-           kind=FORCE),
-    _entry(form.NUMBER, "at", "speed of that force", "needed with it", 25, FREQUENCY),
-    _entry(form.NUMBER, "at", "the same", "needed with it", 1500, ROTATION),
-    _entry(form.NUMBER, "crank_radius", "radius of the crank", "needed of crank and rod", 5, LENGTH),
-    _entry(form.NUMBER, "rod_stiffness", "stiffness of the elastic rod", "needed of rod", kind=STIFFNESS,
-           example=200000),
-    _entry(form.POINTS, "points", "measured frequency [Hz] and amplitude [mm] of the empty trough",
-           "needed of measured", "points.csv", PURE),
-    _entry(form.one_of({"constant": "constant", "square": "square"}), "law",
-           "how the force of the measured machine depends on the frequency", "needed of measured", "constant",
-           PURE),
-    _entry(form.BAND, "setting", "", "100"),
-    _entry(form.BAND, "voltage", "", "100"),
+    _of("magnet! exciter! rod! measured!", form.NUMBER, "trough_mass",
+        "mass of the empty trough and of what moves with it", "", 6, units.MASS),
+    _of("magnet! exciter! measured", form.MASS_OR_FLOOR, "counter_mass",
+        "mass on the other side of the springs, or the floor", "", 12, units.MASS),
+    _of("unbalance!", form.NUMBER, "vibrating_mass", "whole mass on the mounts, with its motors", "", 120,
+        units.MASS),
+    _of(_SPRUNG, form.NUMBER, "natural", "", "needed of magnet, exciter and rod, or packs", 55.6),
+    _of(_SPRUNG, form.table_of("table, or list of tables", _PACK, several=True), "pack",
+        "spring packs that may be fitted: their names and natural_hz", "none", kind=PURE),
+    _of("unbalance magnet! exciter! rod!", form.NUMBER, "damping_ratio",
+        "damping over critical damping, of the empty machine", "0 of unbalance", 0.015, PURE,
+        Range(0.0, 1.0)),
+    _of("magnet", form.NUMBER, "force", "amplitude of the magnet's force at 100 %",
+        "needed of magnet, or the calibration", kind=FORCE),
+    _of("magnet", form.table_of("table", _CALIBRATION), "calibration",
+        "one measured amplitude, in place of a force: amplitude_mm, frequency_hz, setting_percent,"
+        " voltage_percent", "needed of magnet, or the force", kind=PURE),
+    _of("magnet measured", form.NUMBER, "voltage_exponent",
+        "exponent of the force over the voltage; 1 for a piezo drive", "2", kind=PURE),
+    _of("magnet exciter", form.NUMBER, "base_stiffness", "stiffness of the counter mass's own mounts", "0",
+        kind=STIFFNESS, allowed=ZERO_OR_MORE),
+    _of("magnet measured", form.NUMBER, "gap",
+        "largest relative amplitude of trough and counter mass, at which they strike", "no limit",
+        kind=LENGTH),
+    _of("unbalance", form.NUMBER, "mount", "natural frequency on the mounts", "0: infinitely soft",
+        kind=FREQUENCY, allowed=ZERO_OR_MORE),
+    _of(_TURNING, form.COUNT, "motors", "number of motors", "needed with values of one motor", 2, PURE,
+        replace(POSITIVE, low=1.0)),
+    _of(_TURNING, form.NUMBER, "static_moment", "eccentric mass times its radius, of one motor",
+        "needed of unbalance and exciter, or one of the two below", 95, units.MOMENT),
+    _of(_TURNING, form.NUMBER, "working_moment",
+        "vibrating mass times amplitude, or stroke, of all motors together", kind=units.WORKING_MOMENT),
+    _of(_TURNING, form.one_of({"amplitude": 1.0, "stroke": 0.5}), "working_moment_is",
+        "whether the working moment is taken with amplitude or stroke", "needed with it", "stroke", PURE),
+    _of(_TURNING, form.NUMBER, "centrifugal_force", "centrifugal force of one motor, at the speed below",
+        kind=FORCE),
+    _of(_TURNING, form.NUMBER, "at", "speed of that force", "needed with it", 25, FREQUENCY),
+    _of(_TURNING, form.NUMBER, "at", "the same", "needed with it", 1500, units.ROTATION),
+    _of("crank! rod!", form.NUMBER, "crank_radius", "radius of the crank", "", 5, LENGTH),
+    _of("rod!", form.NUMBER, "rod_stiffness", "stiffness of the elastic rod", "", 200000, STIFFNESS),
+    _of("measured!", form.POINTS, "points", "measured frequency [Hz] and amplitude [mm] of the empty trough",
+        "", "points.csv", PURE),
+    _of("measured!", form.one_of({"constant": "constant", "square": "square"}), "law",
+        "how the force of the measured machine depends on the frequency", "", "constant", PURE),
+    _of("unbalance magnet exciter measured", form.BAND, "setting", "", "100"),
+    _of("magnet measured", form.BAND, "voltage", "", "100"),
     _entry(form.BAND, "filling", "", "0"),
     _entry(form.BAND, "added_mass_share", "share of the filling's mass that moves with the trough",
            "computed", kind=PURE, allowed=Range(-10.0, 10.0)),
@@ -221,12 +177,14 @@ MACHINE_KEYS: Final = (
 SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", "read_scene", {
     "scene": TableKind("[scene]", "the operating point: one value each", _by_key(
         *(_value(quantity) for quantity in BY_COLUMN.values() if quantity.name not in MACHINE),
-        _harmonics("along_amplitude", "amplitudes of all harmonics along the trough, from the first on"),
-        _harmonics("along_phase", "phases of all harmonics along the trough"),
-        _harmonics("normal_amplitude", "amplitudes of all harmonics normal to the trough, from the first on"),
-        _harmonics("normal_phase", "phases of all harmonics normal to the trough"),
-        form.Entry(form.VALUE, replace(NORMAL_FORCE, meaning="constant normal force on a clamped part")),
-        form.Entry(form.VALUE, replace(MASS, meaning="mass of the clamped part")),
+        *(
+            form.Entry(form.LIST, replace(QUANTITIES[f"{way}_{what}"], name=f"{way}_{what}s", meaning=told))
+            for way, where in (("along", "along the trough"), ("normal", "normal to the trough"))
+            for what, told in (("amplitude", f"amplitudes of all harmonics {where}, from the first on"),
+                               ("phase", f"phases of all harmonics {where}"))
+        ),
+        _value(replace(quantities.NORMAL_FORCE, meaning="constant normal force on a clamped part")),
+        _value(replace(quantities.MASS, meaning="mass of the clamped part")),
     )),
     "motion": TableKind("[motion]", "how the trough moves, in place of a drive in [scene]",
                         _by_key(*_MOTION)),
@@ -237,10 +195,8 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
 })
 
 # Of a machine in a question settings may be chosen, as amplitudes may.
-_IN_DESIGN: Final = _by_key(
-    _entry(form.LIMITS, "setting", "settings of a machine that may be chosen", "up to 100, of a crank 100",
-           "20:100"),
-)
+_CHOSEN: Final = _of("unbalance magnet exciter measured", form.LIMITS, "setting",
+                     "settings of a machine that may be chosen", "up to 100, of a crank 100", "20:100")
 
 #: Input of ``vibro design``; static friction must be positive, since without it no body rests.
 DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a goal", "design", {
@@ -267,13 +223,13 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
         _entry(form.SPAN, "normal_amplitude", "amplitude of an ellipse normal to the trough",
                "needed of an ellipse", 0.3),
         _entry(form.SPAN, "normal_phase", "phase lead of the normal motion of an ellipse", "0"),
-        *(_IN_DESIGN.get(entry.key, entry) for entry in MACHINE_KEYS),
+        *(_CHOSEN if entry.key == _CHOSEN.key else entry for entry in MACHINE_KEYS),
         *_MOTION,
         _entry(form.SPAN, "motion_scale", "factor by which that motion is multiplied", "1"),
         _entry(form.CHOICES, "frequency", "frequencies that may be chosen", "needed", "15:25"),
         _entry(form.CHOICES, "drive_angle", "drive angles that may be chosen", "needed of a line", "10:40"),
         _entry(form.NUMBER, "acceleration", "largest acceleration along the path, over gravity", "no limit",
-               kind=IN_GRAVITIES),
+               kind=units.IN_GRAVITIES),
     ), True, (("frequency_hz",),)),
     "drift": TableKind("[drift]", "drift of drive and trough from their chosen values, up and down", _by_key(
         _entry(form.NUMBER, "amplitude", "drift of all amplitudes", "0", kind=PERCENT, allowed=_RELATIVE),
@@ -285,7 +241,7 @@ DESIGN_FILE: Final = FileKind("design", "a design question: parts, drives and a 
     "goal": TableKind("[goal]", "requirements for every part", _by_key(
         _entry(form.NUMBER, "speed", "mean speed, at least", "needed, or the time", 80, SPEED),
         _entry(form.NUMBER, "traverse_time", "time over the trough's length, at most",
-               "needed, or the speed", kind=TIME),
+               "needed, or the speed", kind=units.TIME),
         _entry(form.NUMBER, "impact_speed", "largest normal speed of landings; for designs that hop",
                "no limit", kind=SPEED),
         _entry(form.NUMBER, "flight_fraction", "largest share of the time in flight; for designs that hop",

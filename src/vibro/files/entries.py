@@ -1,4 +1,4 @@
-"""Read the values of files: numbers, bands, choices, axes, texts."""
+"""Read the values of files: numbers, bands, choices, axes, texts, lists, tables."""
 
 from __future__ import annotations
 
@@ -6,28 +6,25 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from contextlib import suppress
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.axes import axis_of, parse_axis
-from vibro.errors import InputError, did_you_mean, shown
-from vibro.quantities import MOST_HARMONICS, catalogue_hint, exact_number, nearest_double
+from vibro.errors import MOST_TOLD, InputError, Problems, did_you_mean, shown
+from vibro.quantities import MOST_HARMONICS, STANDS_FOR, SWEPT, nearest_double
 from vibro.reals import NotRealError, real_number
+from vibro.units import ACCELERATION, ANGLE, FREQUENCY, LENGTH, PURE
 from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable
 
     from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
-
-__all__ = [
-    "AXIS", "BAND", "CHOICES", "COUNT", "FRICTION", "LIMITS", "LIST", "MASS_OR_FLOOR", "NUMBER", "PAIRS",
-    "POINT", "POINTS", "SAMPLES", "SPAN", "TEXT", "VALUE", "Entry", "Form", "Span", "one_of", "table_of",
-]  # fmt: skip
+    from vibro.units import Kind
 
 #: Both ends of a closed interval.
 Span = tuple[float, float]
@@ -49,26 +46,28 @@ class Form(NamedTuple):
     says : str
         Its name, for tables of keys.
     read : callable
-        ``read(quantity, value)`` returns an axis as given for scene files, SI units for designs. It
-        raises InputError, which names the key or the quantity.
+        ``read(quantity, value)`` returns an axis, or lists as given, for scene files, SI units for designs.
     spellings : tuple of str
         How it may be written: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
         ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
-        ``list`` of these, a list of a ``single`` one, or a list of ``numbers``, ``pairs`` or ``samples``.
+        ``list`` of these, a list of a ``single`` one, or ``rows``.
     words : tuple of str
         Allowed words, if it is one of a few.
-    entries : tuple of Entry
-        Keys of a table within a table.
-    needed : tuple of str
-        Those of them that every such table has.
+    table : TableKind, optional
+        Of a table within a table.
+    rows : tuple of int
+        Least and largest length of a list of numbers, or of rows of them.
+    columns : tuple of Kind
+        Units of the numbers in each row.
     """
 
     says: str
     read: Callable[[Quantity, Any], Any]
-    spellings: tuple[str, ...]
+    spellings: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
-    entries: tuple[Entry, ...] = ()
-    needed: tuple[str, ...] = ()
+    table: TableKind | None = None
+    rows: tuple[int, int] = (0, 0)
+    columns: tuple[Kind, ...] = ()
 
 
 class Entry(NamedTuple):
@@ -84,12 +83,16 @@ class Entry(NamedTuple):
         Default, for tables of keys.
     example : object
         Example for hints; None where no hint shows it.
+    kinds, needed : tuple of str
+        The kinds of machine that have it, and those that must; none if all have it.
     """
 
     form: Form
     quantity: Quantity
     usual: str = ""
     example: Any = None
+    kinds: tuple[str, ...] = ()
+    needed: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:
@@ -102,20 +105,123 @@ class Entry(NamedTuple):
         return f"{self.key} = {json.dumps(self.example)}"
 
     def read(self, value: Any) -> Any:
-        """Read a value of the key; raise InputError if it is not allowed."""
-        return self.form.read(self.quantity, value)
+        """Read a value of the key; raise InputError, which names the key, if it is not allowed."""
+        try:
+            return self.form.read(self.quantity, value)
+        except InputError as exc:
+            label = f"{self.quantity.label} = "
+            told = (f"{self.key} = {p[len(label) :]}" if p.startswith(label) else p for p in exc.problems)
+            hint = exc.hint if self.key in exc.hint or not exc.hint else f"{self.key}: {exc.hint}"
+            raise InputError(*told, hint=hint) from None
+
+
+class TableKind(NamedTuple):
+    """A table of a file.
+
+    Attributes
+    ----------
+    heading : str
+        Its heading in the file: ``[scene]``, or ``[[drive]]`` for a table that may be repeated.
+    meaning : str
+        Description for docs and the schema.
+    entries : mapping of str to Entry
+        Allowed entries, by key.
+    required : bool
+        Whether every file must have it.
+    needs : tuple of tuple of str
+        Groups of keys; the table must have exactly one key of each.
+    """
+
+    heading: str
+    meaning: str
+    entries: dict[str, Entry]
+    required: bool = False
+    needs: tuple[tuple[str, ...], ...] = ()
+
+    def read(self, given: Any, heading: str, problems: Problems, others: Iterable[TableKind] = ()) -> Any:
+        """Return valid values by the names of their quantities; add the problems, also of unknown keys."""
+        if not isinstance(given, Mapping):
+            name = heading.strip("[]0123456789 ")
+            problems.add(f"{name} = {shown(given)}: must be a table, written {self.heading}")
+            return {}
+        values: dict[str, Any] = {}
+        for key, value in given.items():
+            if key in self.entries:
+                with problems.taken(f"{heading} "):
+                    values[self.entries[key].quantity.name] = self.entries[key].read(value)
+            else:
+                refuse_unknown(f"{heading} unknown key", key, self.entries, others, problems)
+        for keys in self.needs:
+            self.check(given, heading, problems, *keys)
+        return values
+
+    def check(self, given: Mapping[Any, Any], heading: str, problems: Problems, *keys: str) -> None:
+        """Check that exactly one of some keys is given."""
+        found = [key for key in keys if key in given]
+        if not found:
+            hint = f"{heading} for example: {self.example(*keys)}"
+            problems.add(f"{heading} {' or '.join(keys)} is missing", hint)
+        elif len(found) > 1:
+            problems.add(f"{heading} gives both {' and '.join(found)}", f"give {' or '.join(found)}")
+
+    def example(self, *keys: str) -> str:
+        """Return an example line for the first of some keys that has one."""
+        return next((self.entries[key].shown for key in keys if self.entries[key].example is not None), "...")
+
+
+def refuse_unknown(
+    what: str,
+    word: object,
+    known: Iterable[str],
+    tables: Iterable[TableKind],
+    problems: Problems,
+    hint: str = "",
+) -> None:
+    """Refuse a key or table, and suggest the table in which it belongs or a similar name."""
+    homes = [kind.heading for kind in tables if word in kind.entries]
+    if homes:
+        meant = f"; it belongs in {' or '.join(homes)}"
+    elif len(problems.found) >= MOST_TOLD:
+        meant = ""  # the message leaves it out, and each lookup takes 0.1 ms
+    else:
+        meant = "; " + (did_you_mean(word, known) or f"known are {', '.join(known)}")
+    problems.add(f"{what} {shown(word)}{meant}", "" if len(homes) == 1 else hint)
+
+
+def _axis(quantity: Quantity, value: Any) -> AxisSpec:
+    return axis_of(value, quantity)
+
+
+def _one(quantity: Quantity, value: Any) -> AxisSpec:
+    """Read an axis of one value."""
+    spec = axis_of(value, quantity) if type(value) in (int, float, str, list) else None
+    if spec is None or spec.varies:
+        is_swept = STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
+        axes = "; axes belong in the table [map]" if is_swept else ""
+        raise _refusal(quantity, value, "must be one number", f"write {quantity.column} = 1.5{axes}")
+    return spec
 
 
 def _number(quantity: Quantity, value: Any, wanted: str = _NUMBER) -> float:
     return _checked(quantity, value, [_double(quantity, value, wanted)])[0]
 
 
-def _band(quantity: Quantity, value: Any) -> Span:
+def _band(quantity: Quantity, value: Any, wanted: str = _BAND) -> Span:
     """Read a number, or ``lo:hi``, whose ends may be equal."""
-    if _has_ends(value):
-        return _range(quantity, value, _BAND)
-    end = _number(quantity, value, _BAND)
-    return end, end
+    if not _has_ends(value):
+        end = _number(quantity, value, wanted)
+        return end, end
+    ends = value.split(":")
+    if len(ends) != 2 or not all(map(str.strip, ends)):
+        raise _wrong(quantity, value, wanted)
+    low, high = (_double(quantity, end, wanted) for end in ends)
+    if low > high:
+        unit = f"; without a unit of its own an end is in {quantity.unit}" if quantity.unit else ""
+        raise _refusal(quantity, value, "must be lo:hi with lo at most hi", f"give the lower end first{unit}")
+    if wanted == _LIMITS and low == 0.0:
+        return 0.0, _checked(quantity, value, [high])[0]
+    low, high = _checked(quantity, value, [low, high])
+    return low, high
 
 
 def _friction(quantity: Quantity, value: Any) -> Span | str:
@@ -125,27 +231,20 @@ def _friction(quantity: Quantity, value: Any) -> Span | str:
 
 def _limits(quantity: Quantity, value: Any) -> Span:
     """Read the largest value, or ``lo:hi`` where lo may be 0."""
-    if not _has_ends(value):
-        return 0.0, _number(quantity, value, _LIMITS)
-    low, high = _ends(quantity, value, _LIMITS)
-    if low == 0.0:
-        return 0.0, _checked(quantity, value, [high])[0]
-    return _range(quantity, value, _LIMITS)
+    low, high = _band(quantity, value, _LIMITS)
+    return (low if _has_ends(value) else 0.0), high
 
 
 def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
     """Read a number, an ascending list, or ``lo:hi``."""
     if _has_ends(value):
-        return (_range(quantity, value, _CHOICES),)
+        return (_band(quantity, value, _CHOICES),)
     if isinstance(value, str):
-        try:
-            numbers = [float(item) for item in parse_axis(value, quantity).values]
-        except InputError as exc:
-            raise _by_column(exc, quantity) from exc
+        items: Any = parse_axis(value, quantity).values
     else:
         items = value.tolist() if isinstance(value, np.ndarray) else value
         items = items if isinstance(items, list | tuple) else [items]
-        numbers = [_double(quantity, item, _CHOICES) for item in items]
+    numbers = [_double(quantity, item, _CHOICES) for item in items]
     if not numbers:
         raise _wrong(quantity, value, _CHOICES)
     if any(after <= before for before, after in pairwise(numbers)):
@@ -170,11 +269,6 @@ def _count(quantity: Quantity, value: Any) -> int:
     return int(number)
 
 
-def _points(quantity: Quantity, value: Any) -> Any:
-    """Read the name of a table, or pairs of numbers."""
-    return _text(quantity, value) if isinstance(value, str) else _pairs(quantity, value)
-
-
 def _text(quantity: Quantity, value: Any) -> str:
     """Read a text of one line that is not empty."""
     if not isinstance(value, str) or not value.strip() or not value.isprintable():
@@ -182,69 +276,26 @@ def _text(quantity: Quantity, value: Any) -> str:
     return value.strip()
 
 
-def _axis(quantity: Quantity, value: Any) -> AxisSpec:
-    return axis_of(value, quantity)
+def _rows(says: str, most: int, example: str, *columns: Kind, least: int = 1) -> Form:
+    """Make the form of a list of numbers, or of rows of a number in each of several units, all as given."""
+
+    def read(quantity: Quantity, value: Any) -> list[Any]:
+        of = [replace(quantity, kind=kind) for kind in columns] or [quantity]
+        rows = value if isinstance(value, list) else []
+        rows = rows if len(of) > 1 else [[item] for item in rows]
+        if not least <= len(rows) <= most or not all(_is_row(row, len(of)) for row in rows):
+            raise _refusal(quantity, value, f"must be a {says}", f"write {quantity.column} = {example}")
+        found = [
+            [nearest_double(x, q) if isinstance(x, str) else x for q, x in zip(of, row, strict=True)]
+            for row in rows
+        ]
+        return found if len(of) > 1 else [item for (item,) in found]
+
+    return Form(says, read, ("rows",), rows=(least, most), columns=columns)
 
 
-def _point(quantity: Quantity, value: Any) -> AxisSpec:
-    """Read an axis of one value, of a quantity that cannot be swept."""
-    spec = axis_of(value, quantity)
-    if spec.varies:
-        hint = f"give {quantity.column} one value"
-        raise _refusal(quantity, value, f"{quantity.label} cannot be an axis", hint)
-    return spec
-
-
-def _value(quantity: Quantity, value: Any) -> AxisSpec:
-    """Read a number as an axis of one value; a text, also of a number with a unit, is refused."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return axis_of(value, quantity)
-    hint = f"write {quantity.column} = 1.5"
-    if isinstance(value, str):
-        hint = _as_number(value, quantity) or catalogue_hint(value, quantity) or hint
-        hint = "axes belong in the table [map]" if ":" in value else hint
-    raise _refusal(quantity, value, "must be a number, without quotes", hint)
-
-
-def _as_number(text: str, quantity: Quantity) -> str:
-    """Return a text with a unit or a decimal comma rewritten as a number; empty if it is none."""
-    for reading in (text, text.replace(",", ".")):
-        with suppress(InputError):
-            return f"write {quantity.column} = {float(exact_number(reading, quantity)):.15g}"
-    return ""
-
-
-def _list(quantity: Quantity, value: Any) -> list[float]:
-    """Read a number for each harmonic."""
-    if not _is_numbers(value, 1, MOST_HARMONICS):
-        hint = f"write {quantity.column} = [1, 0.2]: a number for each of at most {MOST_HARMONICS} harmonics"
-        raise _refusal(quantity, value, "must be a list of numbers", hint)
-    return [*value]
-
-
-def _pairs(quantity: Quantity, value: Any) -> list[list[float]]:
-    """Read a list of pairs of numbers; the motion checks their values."""
-    if not isinstance(value, list) or not value or not all(_is_numbers(pair, 2, 2) for pair in value):
-        hint = f"write {quantity.column} = [[0.8, 6.9], [0.2, -27.6]]"
-        raise _refusal(quantity, value, "must be a list of pairs of numbers", hint)
-    return value
-
-
-def _samples(quantity: Quantity, value: Any) -> list[float]:
-    """Read samples of one period."""
-    if not _is_numbers(value, LEAST_SAMPLES, MOST_PIECES):
-        hint = f"write {quantity.column} = [0, 1.4, 2, 1.4, 0, -1.4, -2, -1.4]: one period, equally spaced"
-        rule = f"must be a list of {LEAST_SAMPLES} to {MOST_PIECES} numbers"
-        raise _refusal(quantity, value, rule, hint)
-    return [*value]
-
-
-def _is_numbers(value: Any, least: int, most: int) -> bool:
-    return isinstance(value, list) and least <= len(value) <= most and all(map(_is_number, value))
-
-
-def _is_number(value: Any) -> bool:
-    return type(value) in (int, float)
+def _is_row(row: Any, size: int) -> bool:
+    return isinstance(row, list) and len(row) == size and {int, float, str}.issuperset(map(type, row))
 
 
 def one_of(values: Mapping[str, Any]) -> Form:
@@ -256,74 +307,30 @@ def one_of(values: Mapping[str, Any]) -> Form:
             raise _refusal(quantity, value, f"must be {' or '.join(values)}", hint)
         return values[value]
 
-    return Form(" or ".join(f"`{word}`" for word in values), read, (), (*values,))
+    return Form(" or ".join(f"`{word}`" for word in values), read, words=(*values,))
 
 
-def table_of(says: str, *entries: Entry, needed: tuple[str, ...], several: bool = False) -> Form:
-    """Make the form of a table within a table, or of a list of such tables.
-
-    Its ``read`` returns a dict of the values of its entries, by the names of their quantities; or a tuple of
-    such.
-    """
-    keys = {entry.key: entry for entry in entries}
-
-    def read_one(quantity: Quantity, value: Any) -> dict[str, Any]:
-        if not isinstance(value, Mapping):
-            example = ", ".join(entry.shown for entry in entries if entry.key in needed)
-            raise _refusal(quantity, value, "must be a table", f"write {quantity.column} = {{ {example} }}")
-        found = {}
-        for key, given in value.items():
-            if key not in keys:
-                hint = did_you_mean(key, keys) or f"known are {', '.join(keys)}"
-                raise InputError(f"{quantity.column} has an unknown key {shown(key)}", hint=hint)
-            found[keys[key].quantity.name] = keys[key].read(given)
-        for key in needed:
-            if key not in value:
-                raise InputError(
-                    f"{quantity.column}: {key} is missing", hint=f"for example: {keys[key].shown}"
-                )
-        return found
+def table_of(says: str, kind: TableKind, *, several: bool = False) -> Form:
+    """Make the form of a table within a table, or of a list of such tables."""
 
     def read(quantity: Quantity, value: Any) -> Any:
-        if not several:
-            return read_one(quantity, value)
-        tables = value if isinstance(value, list) and value else [value]
-        return tuple(read_one(quantity, table) for table in tables)
+        problems = Problems()
+        tables = value if several and isinstance(value, list) and value else [value]
+        found = tuple(kind.read(table, quantity.column, problems) for table in tables)
+        problems.settle()
+        return found if several else found[0]
 
-    return Form(says, read, ("tables" if several else "table",), (), entries, needed)
+    return Form(says, read, ("tables" if several else "table",), table=kind)
 
 
 def _has_ends(value: Any) -> bool:
     return isinstance(value, str) and ":" in value
 
 
-def _range(quantity: Quantity, value: str, wanted: str) -> Span:
-    low, high = _checked(quantity, value, _ends(quantity, value, wanted))
-    return low, high
-
-
-def _ends(quantity: Quantity, value: str, wanted: str) -> Span:
-    """Read both ends of a range, in users' units."""
-    ends = value.split(":")
-    if len(ends) != 2 or not all(map(str.strip, ends)):
-        raise _wrong(quantity, value, wanted)
-    low, high = (_double(quantity, end, wanted) for end in ends)
-    if low > high:
-        unit = f"; without a unit of its own an end is in {quantity.unit}" if quantity.unit else ""
-        hint = f"{quantity.column}: give the lower end first{unit}"
-        raise _refusal(quantity, value, "must be lo:hi with lo at most hi", hint)
-    return low, high
-
-
 def _double(quantity: Quantity, value: Any, wanted: str) -> float:
     """Read a number, in users' units."""
-    if isinstance(value, str):
-        if "," in value:
-            raise _wrong(quantity, value, wanted)
-        try:
-            return nearest_double(value, quantity)
-        except InputError as exc:
-            raise _by_column(exc, quantity) from exc
+    if isinstance(value, str) and "," not in value:
+        return nearest_double(value, quantity)
     try:
         double = real_number(value)
     except NotRealError:
@@ -333,7 +340,7 @@ def _double(quantity: Quantity, value: Any, wanted: str) -> float:
     return double
 
 
-def _checked(quantity: Quantity, value: Any, numbers: Sequence[float]) -> list[float]:
+def _checked(quantity: Quantity, value: Any, numbers: list[float]) -> list[float]:
     """Convert to SI units; raise InputError outside the quantity's range."""
     converted = [float(quantity.to_si(double)) for double in numbers]
     if not all(map(quantity.allows, converted)):
@@ -343,37 +350,45 @@ def _checked(quantity: Quantity, value: Any, numbers: Sequence[float]) -> list[f
 
 def _wrong(quantity: Quantity, value: Any, wanted: str) -> InputError:
     several = isinstance(value, list | tuple) or (isinstance(value, str) and ("," in value or ":" in value))
-    hint = f"{quantity.column}: {_NO_MORE}" if several and wanted != _NUMBER else ""
-    return _refusal(quantity, value, f"must be {wanted}", hint)
+    return _refusal(quantity, value, f"must be {wanted}", _NO_MORE if several and wanted != _NUMBER else "")
 
 
 def _refusal(quantity: Quantity, value: Any, rule: str, hint: str = "") -> InputError:
     return InputError(f"{quantity.column} = {shown(value)}: {rule}", hint=hint)
 
 
-def _by_column(exc: InputError, quantity: Quantity) -> InputError:
-    """Return the quantity's key, for messages."""
-    (problem,) = exc.problems
-    hint = f"{quantity.column}: {exc.hint}" if exc.hint else ""
-    return InputError(quantity.column + problem.removeprefix(quantity.label), hint=hint)
-
-
 # Forms of scene files.
-VALUE: Final = Form("number", _value, ("number",))
-LIST: Final = Form(f"list of up to {MOST_HARMONICS} numbers", _list, ("numbers",))
-PAIRS: Final = Form("list of pairs of numbers", _pairs, ("pairs",))
-SAMPLES: Final = Form(f"list of {LEAST_SAMPLES} to {MOST_PIECES} numbers", _samples, ("samples",))
+VALUE: Final = Form("number", _one, ("number", "text", "single"))
 AXIS: Final = Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list"))
-POINT: Final = Form("number", _point, ("number", "text", "single"))
+LIST: Final = _rows(f"list of up to {MOST_HARMONICS} numbers", MOST_HARMONICS, "[1, 0.2]")
+HARMONICS: Final = _rows("list of pairs of numbers", MOST_PIECES, "[[20, 0], [5, -110]]", LENGTH, ANGLE)
+STEPS: Final = _rows(
+    "list of pairs of numbers", MOST_PIECES, "[[0.8, 6.9], [0.2, -27.6]]", PURE, ACCELERATION
+)
+ACCELERATIONS, DISPLACEMENTS = (
+    _rows(
+        f"list of {LEAST_SAMPLES} to {MOST_PIECES} numbers",
+        MOST_PIECES,
+        "[0, 1.4, 2, 1.4, 0, -1.4, -2, -1.4]: one period, equally spaced",
+        kind,
+        least=LEAST_SAMPLES,
+    )
+    for kind in (ACCELERATION, LENGTH)
+)
 # Forms of design questions.
 NUMBER: Final = Form("number", _number, ("number", "text"))
 BAND: Final = Form("number or band", _band, ("number", "text", "ends"))
 FRICTION: Final = Form("number, band or row of the catalogue", _friction, (*BAND.spellings, "name"))
-LIMITS: Final = Form("number, the largest, or range", _limits, ("number", "text", "ends"))
+LIMITS: Final = Form("number, the largest, or range", _limits, BAND.spellings)
 SPAN: Final = Form("number, fixed, or range", _band, BAND.spellings)
-CHOICES: Final = Form("number, list or range", _choices, ("number", "text", "ends", "listed", "list"))
+CHOICES: Final = Form("number, list or range", _choices, (*BAND.spellings, "listed", "list"))
 TEXT: Final = Form("text", _text, ("line",))
 # Forms of machines.
-MASS_OR_FLOOR: Final = Form("number or `floor`", _mass_or_floor, ("number", "text"), ("floor",))
-COUNT: Final = Form("whole number", _count, ("number", "text"))
-POINTS: Final = Form("name of a file, or list of pairs of numbers", _points, ("line", "pairs"))
+MASS_OR_FLOOR: Final = Form("number or `floor`", _mass_or_floor, NUMBER.spellings, ("floor",))
+COUNT: Final = Form("whole number", _count, NUMBER.spellings)
+_PAIRS: Final = _rows("list of pairs of numbers", MOST_PIECES, "[[45, 0.2], [50, 0.5]]", FREQUENCY, LENGTH)
+POINTS: Final = _PAIRS._replace(
+    says="name of a file, or list of pairs of numbers",
+    read=lambda quantity, value: (_text if isinstance(value, str) else _PAIRS.read)(quantity, value),
+    spellings=("line", "rows"),
+)

@@ -8,18 +8,14 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.quantities import MOST_HARMONICS
-from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
-
 if TYPE_CHECKING:
-    from vibro.files.descriptions import FileKind, TableKind
-    from vibro.files.entries import Entry
+    from vibro.files.descriptions import FileKind
+    from vibro.files.entries import Entry, TableKind
     from vibro.quantities import Quantity
-
-__all__ = ["VERSION", "schema_of"]
 
 #: Version of the schemas; it rises when files that were valid become invalid.
 VERSION: Final = 1
@@ -90,28 +86,35 @@ def _ways(entry: Entry) -> list[Schema]:
         "line": r"\S[\s\S]*",
     }
     items = {"anyOf": [_bounded(quantity.swept), _matching([text])]}
-    pair = {"type": "array", "items": number, "minItems": 2, "maxItems": 2}
-    others: dict[str, Schema] = {
+    ways: dict[str, Schema] = {
         "number": number,
         "list": {"type": "array", "items": items, "minItems": 1},
         "single": {"type": "array", "items": items, "minItems": 1, "maxItems": 1},
-        "numbers": {"type": "array", "items": number, "minItems": 1, "maxItems": MOST_HARMONICS},
-        "pairs": {"type": "array", "items": pair, "minItems": 1, "maxItems": MOST_PIECES},
-        "samples": {"type": "array", "items": number, "minItems": LEAST_SAMPLES, "maxItems": MOST_PIECES},
+        "rows": _rows(entry),
     }
-    if form.entries:
-        one = {
-            "type": "object",
-            "properties": {inner.key: _entry(inner) for inner in form.entries},
-            "required": [*form.needed],
-            "additionalProperties": False,
-        }
-        several = {"type": "array", "items": one, "minItems": 1}
-        return [several, one] if "tables" in form.spellings else [one]
-    ways = [others[spelling] for spelling in form.spellings if spelling in others]
+    if form.table:
+        one = _table(form.table)
+        return [{"type": "array", "items": one, "minItems": 1}, one] if "tables" in form.spellings else [one]
+    found = [ways[spelling] for spelling in form.spellings if spelling in ways]
     if spelled := [texts[spelling] for spelling in form.spellings if spelling in texts]:
-        ways.append(_matching(spelled))
-    return [*ways, *([{"enum": [*form.words]}] if form.words else [])]
+        found.append(_matching(spelled))
+    return [*found, *([{"enum": [*form.words]}] if form.words else [])]
+
+
+def _rows(entry: Entry) -> Schema:
+    """Return the schema of a list of numbers, or of rows of them, with or without units."""
+    (least, most), kinds = entry.form.rows, entry.form.columns or (entry.quantity.kind,)
+    columns = [
+        {"anyOf": [_bounded(quantity), _matching([_number_text(quantity)])]}
+        for quantity in (replace(entry.quantity, kind=kind) for kind in kinds)
+    ]
+    row = {"type": "array", "prefixItems": columns, "items": False, "minItems": len(columns)}
+    return {
+        "type": "array",
+        "items": row if len(columns) > 1 else columns[0],
+        "minItems": least,
+        "maxItems": most,
+    }
 
 
 def _matching(texts: list[str]) -> Schema:

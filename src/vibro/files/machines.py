@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import InputError, did_you_mean, shown
+from vibro.errors import InputError, Problems, did_you_mean, shown
 from vibro.files.descriptions import KINDS, MACHINE_KEYS
 from vibro.files.points import read_points
 from vibro.quantities import MACHINE, QUANTITIES, nearest_double
@@ -16,49 +16,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
+    from vibro.files.entries import Entry
     from vibro.machines.machine import Machine
-
-__all__ = ["GivenMachine", "given_machine", "machine_of"]
 
 Points = list[tuple[float, float]]
 
 _ENTRIES: Final = {entry.key: entry for entry in MACHINE_KEYS}
-_COMMON: Final = ("kind", "filling_kg", "added_mass_share", "added_damping_share")
-_MOMENTS: Final = (
-    "static_moment_kg_mm", "working_moment_kg_cm", "working_moment_is", "centrifugal_force_n", "at_hz",
-    "at_rpm", "motors",
-)  # fmt: skip
-_SPRINGS: Final = ("natural_hz", "pack", "damping_ratio")
-# Keys of each kind, besides those of all.
-_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
-    "unbalance": ("vibrating_mass_kg", *_MOMENTS, "mount_hz", "damping_ratio", "setting_percent"),
-    "magnet": (
-        "trough_mass_kg", "counter_mass_kg", *_SPRINGS, "force_n", "calibration", "voltage_exponent",
-        "base_stiffness_n_m", "gap_mm", "setting_percent", "voltage_percent",
-    ),
-    "exciter": (
-        "trough_mass_kg", "counter_mass_kg", *_MOMENTS, *_SPRINGS, "base_stiffness_n_m", "setting_percent",
-    ),
-    "crank": ("crank_radius_mm",),
-    "rod": ("trough_mass_kg", "crank_radius_mm", "rod_stiffness_n_m", *_SPRINGS),
-    "measured": (
-        "points", "trough_mass_kg", "counter_mass_kg", "law", "voltage_exponent", "gap_mm", "setting_percent",
-        "voltage_percent",
-    ),
-}  # fmt: skip
-# Those of them that must be given; a moment, a force and springs have checks of their own.
-_NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
-    "unbalance": ("vibrating_mass_kg",),
-    "magnet": ("trough_mass_kg", "counter_mass_kg", "damping_ratio"),
-    "exciter": ("trough_mass_kg", "counter_mass_kg", "damping_ratio"),
-    "crank": ("crank_radius_mm",),
-    "rod": ("trough_mass_kg", "crank_radius_mm", "rod_stiffness_n_m", "damping_ratio"),
-    "measured": ("points", "law", "trough_mass_kg"),
-}
-_EXAMPLES: Final = {
-    "vibrating_mass_kg": 120, "trough_mass_kg": 6, "counter_mass_kg": 12, "damping_ratio": 0.015,
-    "crank_radius_mm": 5, "rod_stiffness_n_m": 200000, "points": '"points.csv"', "law": '"constant"',
-}  # fmt: skip
 _ARGUMENTS: Final = (
     "trough_mass", "counter_mass", "vibrating_mass", "natural", "damping_ratio", "mount", "voltage_exponent",
     "base_stiffness", "gap", "crank_radius", "rod_stiffness", "law", "force",
@@ -66,6 +29,24 @@ _ARGUMENTS: Final = (
 _NAMES: Final = {  # of arguments of Machine, where they are called otherwise
     "natural": "natural_frequency", "mount": "mount_frequency", "crank_radius": "radius",
 }  # fmt: skip
+# What stands beside a way to give a moment, and why.
+_ONE_MOTOR: Final = (("motors",), "is that of one motor", "for example: motors = 2")
+_WITH: Final = (
+    ("static_moment_kg_mm", *_ONE_MOTOR),
+    ("centrifugal_force_n", *_ONE_MOTOR),
+    ("centrifugal_force_n", ("at_hz", "at_rpm"), "is that at a speed", "for example: at_rpm = 1500"),
+    (
+        "working_moment_kg_cm",
+        ("working_moment_is",),
+        "makers print the vibrating mass times the amplitude, or times the stroke, which is twice as much",
+        'add working_moment_is = "amplitude" or working_moment_is = "stroke"',
+    ),
+)
+_ALONE: Final = (
+    ("at_hz", "centrifugal_force_n"),
+    ("at_rpm", "centrifugal_force_n"),
+    ("working_moment_is", "working_moment_kg_cm"),
+)
 _SAME: Final = 0.01  # relative difference of two moments that differ only by the maker's rounding
 _SLIPS: Final = (2.0, 4.0, 0.5, 0.25)  # ratios of moments of makers' conventions
 _MILLIMETRES: Final = 1000.0  # [mm] of a metre
@@ -105,11 +86,11 @@ class GivenMachine:
     @property
     def has_springs(self) -> bool:
         """Whether it has springs that may be exchanged."""
-        return "natural_hz" in _KEYS[self.kind]
+        return _belongs(_ENTRIES["natural_hz"], self.kind)
 
     def takes(self, name: str) -> bool:
         """Whether a quantity of ``MACHINE`` has a meaning for this kind of machine."""
-        return QUANTITIES[name].column in (*_COMMON, *_KEYS[self.kind])
+        return _belongs(_ENTRIES[QUANTITIES[name].column], self.kind)
 
     @property
     def share(self) -> tuple[float, float] | None:
@@ -191,33 +172,29 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
     kind = values.get("kind")
     if kind is None:
         raise InputError("kind is missing", hint=f"it is {', '.join(KINDS)}")
-    allowed = (*_COMMON, *_KEYS[kind])
-    for key in table:
-        if key not in allowed:
-            others = [other for other in KINDS if key in _KEYS[other]]
-            raise InputError(
-                f"{key} = {shown(table[key])}: does not belong to a machine of kind {kind}",
-                hint=f"it belongs to {', '.join(others)}; those of {kind} are {', '.join(_KEYS[kind])}",
-            )
-    for key in _NEEDED[kind]:
-        if key not in table:
-            raise InputError(
-                f"{key} is missing: a machine of kind {kind} needs it",
-                hint=f"for example: {key} = {_EXAMPLES[key]}",
-            )
+    _check_keys(table, kind)
     arguments = {_NAMES.get(name, name): values[name] for name in _ARGUMENTS if name in values}
     table = dict(table)
-    packs = _packs(values)
-    if kind in ("unbalance", "exciter"):
+    packs: dict[str, float] = {}
+    for pack in values.get("pack", ()):
+        if pack["name"] in packs:
+            raise InputError(f"pack {shown(pack['name'])} is given twice", hint="name each pack differently")
+        packs[pack["name"]] = pack["natural"]
+    if _belongs(_ENTRIES["motors"], kind):
         arguments["static_moment"] = _static_moment(table, values)
     if kind == "magnet":
-        arguments |= _force(values)
+        given = [key for key in ("force_n", "calibration") if key in table]
+        if len(given) != 1:
+            said = "force_n and calibration are both given" if given else "force_n or calibration is missing"
+            example = "calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }"
+            raise InputError(said, hint=f"give one of them; for example: {example}")
+        arguments |= {"calibration": values["calibration"]} if "calibration" in values else {}
     if kind == "measured":
-        table["points"] = _points_of(table["points"], folder)
+        table["points"] = _points_of(values["points"], folder)
         arguments["points"] = [(f, mm / _MILLIMETRES) for f, mm in table["points"]]
-    if "natural_hz" in _KEYS[kind] and "natural" not in values:
+    if _belongs(_ENTRIES["natural_hz"], kind) and "natural" not in values:
         _check_springs(kind, values, packs)
-    own, bands = _settings(kind, table)
+    own, bands = _settings(table)
     if "natural" in values:
         own["natural"] = _ends(table["natural_hz"], "natural")[0]
     shares = {name: values[name] for name in ("added_mass_share", "added_damping_share") if name in values}
@@ -226,13 +203,25 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
     return GivenMachine(table, kind, arguments, packs, bands, shares, own)
 
 
-def _packs(values: Mapping[str, Any]) -> dict[str, float]:
-    packs: dict[str, float] = {}
-    for pack in values.get("pack", ()):
-        if pack["name"] in packs:
-            raise InputError(f"pack {shown(pack['name'])} is given twice", hint="name each pack differently")
-        packs[pack["name"]] = pack["natural"]
-    return packs
+def _belongs(entry: Entry, kind: str) -> bool:
+    return not entry.kinds or kind in entry.kinds
+
+
+def _check_keys(table: Mapping[str, Any], kind: str) -> None:
+    """Refuse keys that a kind of machine does not have, and missing ones."""
+    problems = Problems()
+    for key in table:
+        if not _belongs(_ENTRIES[key], kind):
+            own = ", ".join(entry.key for entry in MACHINE_KEYS if kind in entry.kinds)
+            problems.add(
+                f"{key} = {shown(table[key])}: does not belong to a machine of kind {kind}",
+                f"it belongs to {', '.join(_ENTRIES[key].kinds)}; those of {kind} are {own}",
+            )
+    for entry in MACHINE_KEYS:
+        if kind in entry.needed and entry.key not in table:
+            what = f"{entry.key} is missing: a machine of kind {kind} needs it"
+            problems.add(what, f"for example: {entry.shown}")
+    problems.settle()
 
 
 def _check_springs(kind: str, values: Mapping[str, Any], packs: Mapping[str, float]) -> None:
@@ -250,53 +239,24 @@ def _check_springs(kind: str, values: Mapping[str, Any], packs: Mapping[str, flo
         )
 
 
-def _force(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Check that a magnet's force is given in one way, and return its calibration as arguments."""
-    ways = [name for name in ("force", "calibration") if name in values]
-    if len(ways) != 1:
-        said = "force_n and calibration are both given" if ways else "force_n or calibration is missing"
-        raise InputError(
-            said,
-            hint="give one of them; for example:"
-            " calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }",
-        )
-    return {"calibration": {**values["calibration"]}} if ways == ["calibration"] else {}
-
-
 def _static_moment(table: Mapping[str, Any], values: Mapping[str, Any]) -> float:
     """Return the static moment of all motors together [kg m], of all ways in which it is given."""
+    for key, beside, why, hint in _WITH:
+        count = sum(other in table for other in beside)
+        if key in table and count != 1:
+            lacks = f"{' or '.join(beside)} is missing" if not count else f"{' and '.join(beside)} are given"
+            raise InputError(f"{key} = {shown(table[key])}: {why}, and {lacks}", hint=hint)
+    for key, owner in _ALONE:
+        if key in table and owner not in table:
+            raise InputError(f"{key} is given without {owner}", hint="leave it out")
     found: dict[str, float] = {}
-    motors = values.get("motors")
-    for key in ("static_moment_kg_mm", "centrifugal_force_n"):
-        if key in table and motors is None:
-            raise InputError(
-                f"{key} = {shown(table[key])}: is that of one motor, and motors is missing",
-                hint="for example: motors = 2",
-            )
     if "static_moment" in values:
-        found["static_moment_kg_mm"] = motors * values["static_moment"]
+        found["static_moment_kg_mm"] = values["motors"] * values["static_moment"]
     if "centrifugal_force" in values:
-        if ("at_hz" in table) == ("at_rpm" in table):
-            raise InputError(
-                f"centrifugal_force_n = {shown(table['centrifugal_force_n'])}: at_hz or at_rpm"
-                f" {'is missing' if 'at_hz' not in table else 'are both given'}",
-                hint="give the speed at which the motor has that force; for example: at_rpm = 1500",
-            )
-        found["centrifugal_force_n"] = (
-            motors * values["centrifugal_force"] / (2.0 * math.pi * values["at"]) ** 2
-        )
-    elif "at" in values:
-        raise InputError("at_hz or at_rpm is given without centrifugal_force_n", hint="leave it out")
+        of_one = values["centrifugal_force"] / (2.0 * math.pi * values["at"]) ** 2
+        found["centrifugal_force_n"] = values["motors"] * of_one
     if "working_moment" in values:
-        if "working_moment_is" not in values:
-            raise InputError(
-                f"working_moment_kg_cm = {shown(table['working_moment_kg_cm'])}: makers print the vibrating"
-                " mass times the amplitude, or times the stroke, which is twice as much",
-                hint='add working_moment_is = "amplitude" or working_moment_is = "stroke"',
-            )
         found["working_moment_kg_cm"] = values["working_moment"] * values["working_moment_is"]
-    elif "working_moment_is" in values:
-        raise InputError("working_moment_is is given without working_moment_kg_cm", hint="leave it out")
     if not found:
         raise InputError(
             "the moment is missing",
@@ -308,12 +268,9 @@ def _static_moment(table: Mapping[str, Any], values: Mapping[str, Any]) -> float
         ratio = value / moment
         if abs(ratio - 1.0) <= _SAME:
             continue
-        slip = next((slip for slip in _SLIPS if abs(ratio / slip - 1.0) <= 5.0 * _SAME), None)
-        why = (
-            "makers give moments of one motor or of all, of amplitude or of stroke: check which"
-            if slip
-            else "give the one that you are sure of"
-        )
+        slip = any(abs(ratio / slip - 1.0) <= 5.0 * _SAME for slip in _SLIPS)
+        which = "makers give moments of one motor or of all, of amplitude or of stroke: check which"
+        why = which if slip else "give the one that you are sure of"
         raise InputError(
             f"{first} and {other} are moments of {_kg_mm(moment)} and {_kg_mm(value)}"
             f" of all motors: {ratio:.4g} times as much",
@@ -326,20 +283,17 @@ def _kg_mm(moment: float) -> str:
     return f"{moment * _MILLIMETRES:.5g} kg mm"
 
 
-def _settings(kind: str, table: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+def _settings(table: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
     """Return setting, voltage and filling, and those of them that are bands, in the units outside."""
     own: dict[str, float] = {}
     bands: dict[str, tuple[float, float]] = {}
     for name in MACHINE[:3]:
         quantity = QUANTITIES[name]
         low, high = _ends(table.get(quantity.column, quantity.default), name)
-        if low == high:
-            own[name] = low
-            continue
-        bands[name] = low, high
         nominal = quantity.default or 0.0
         inside = nominal if low <= nominal <= high else 0.5 * (low + high)
-        own[name] = {"setting": high, "voltage": inside, "filling": 0.0}[name]
+        own[name] = low if low == high else {"setting": high, "voltage": inside, "filling": 0.0}[name]
+        bands |= {name: (low, high)} if low < high else {}
     return own, bands
 
 
@@ -355,9 +309,8 @@ def _points_of(given: Any, folder: Path | None) -> Points:
     if not isinstance(given, str):
         return [(float(f), float(a)) for f, a in given]
     if folder is None:
-        raise InputError(
-            f"points = {shown(given)}: must be pairs of numbers", hint="points = [[45, 0.2], ...]"
-        )
+        hint = "points = [[45, 0.2], ...]"
+        raise InputError(f"points = {shown(given)}: must be pairs of numbers", hint=hint)
     found = read_points(folder / given)
     amplitudes = (float(f"{_MILLIMETRES * a:.15g}") for a in found.amplitude.tolist())
     return [*zip(found.frequency.tolist(), amplitudes, strict=True)]

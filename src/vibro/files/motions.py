@@ -12,8 +12,6 @@ from vibro.waveforms import Motion, harmonic_motion, sampled_motion, step_motion
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["HARMONICS", "MOTIONS", "GivenMotion", "harmonic_lists", "motion_of", "way_of"]
-
 #: Keys of harmonics, which become single quantities, so that each of them can be an axis.
 HARMONICS: Final = ("along_harmonics_mm_deg", "normal_harmonics_mm_deg")
 _STEPS: Final = ("along_steps", "normal_steps")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +14,11 @@ from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds,
 from vibro.quantities import MASS, MOST_HARMONICS, NORMAL_FORCE, QUANTITIES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from vibro.files.machines import GivenMachine
     from vibro.files.motions import GivenMotion
-
-__all__ = ["SceneFile", "read_scene_file"]
 
 
 @dataclass(frozen=True)
@@ -74,13 +72,10 @@ def read_scene_file(path: Path) -> SceneFile:
     refuse_other_kinds(content, SCENE_FILE, path)
     problems = Problems(f"{path}: ")
     refuse_unknown_tables(content, SCENE_FILE, problems)
-    tables: dict[str, dict[str, Any]] = {}
-    for name in SCENE_FILE.tables:
-        given = content.get(name, ABSENT)
-        if not isinstance(given, Mapping):
-            problems.add(f"{name} must be a table, written [{name}]")
-            given = ABSENT
-        tables[name] = Table(SCENE_FILE, name, given, problems).values
+    tables = {
+        name: Table(SCENE_FILE, name, content.get(name, ABSENT), problems).values
+        for name in SCENE_FILE.tables
+    }
     scene, motion = tables["scene"], None
     lists = {called: scene.pop(called) for called, value in [*scene.items()] if isinstance(value, list)}
     if content.get("motion") is not None and not problems.found:

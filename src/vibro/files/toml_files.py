@@ -8,18 +8,16 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import MOST_TOLD, FileError, InputError, cut, did_you_mean, shown
+from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.descriptions import FILES
+from vibro.files.entries import refuse_unknown
 from vibro.files.nearby import suggestion
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
     from pathlib import Path
 
     from vibro.errors import Problems
     from vibro.files.descriptions import FileKind
-
-__all__ = ["ABSENT", "Table", "kind_of", "read_toml", "refuse_other_kinds", "refuse_unknown_tables"]
 
 #: Stands for a table that a file does not have.
 ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
@@ -106,22 +104,13 @@ class Table:
     """
 
     def __init__(self, file: FileKind, name: str, given: Any, problems: Problems, place: int = 0) -> None:
-        kind = file.tables[name]
+        self._kind = kind = file.tables[name]
         self.heading = f"{kind.heading} {place}" if place else kind.heading
-        self._entries = kind.entries
         self._problems = problems
-        self.values: dict[str, Any] = {}
         self.given: Mapping[Any, Any] = given if isinstance(given, Mapping) else {}
-        if not isinstance(given, Mapping):
-            problems.add(f"{name} = {shown(given)}: must be a table, written {kind.heading}")
-        for key, value in self.given.items():
-            if key not in kind.entries:
-                _refuse_unknown(f"{self.heading} unknown key", key, kind.entries, file, problems)
-                continue
-            with problems.taken(f"{self.heading} "):
-                self.values[kind.entries[key].quantity.name] = kind.entries[key].read(value)
-        for keys in kind.needs if kind.required or given is not ABSENT else ():
-            self.needs(*keys)
+        is_left_out = given is ABSENT and not kind.required
+        others = file.tables.values()
+        self.values = {} if is_left_out else kind.read(given, self.heading, problems, others)
 
     def refuse(self, key: str, why: str, hint: str = "") -> None:
         """Add a problem with an entry."""
@@ -129,73 +118,44 @@ class Table:
 
     def needs(self, *keys: str) -> None:
         """Check that exactly one of some keys is given."""
-        found = [key for key in keys if key in self.given]
-        if not found:
-            hint = f"{self.heading} for example: {self.example(*keys)}"
-            self._problems.add(f"{self.heading} {' or '.join(keys)} is missing", hint)
-        elif len(found) > 1:
-            both = f"{self.heading} gives both {' and '.join(found)}"
-            self._problems.add(both, f"give {' or '.join(found)}")
+        self._kind.check(self.given, self.heading, self._problems, *keys)
 
     def example(self, *keys: str) -> str:
         """Return an example line for the first of some keys that has one."""
-        return next(entry.shown for key in keys if (entry := self._entries[key]).example is not None)
+        return self._kind.example(*keys)
 
 
 def kind_of(content: Mapping[str, Any]) -> FileKind:
     """Return the kind of a file: one whose tables it has, with the fewest unknown names in it."""
-    kinds = [kind for kind in FILES.values() if _required(kind) <= content.keys()]
+    kinds = [kind for kind in FILES.values() if kind.required <= content.keys()]
     return min(kinds, key=lambda kind: _count_unknown(content, kind))
 
 
 def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -> None:
     """Refuse a file of another kind as a whole: one that has its tables, and fewer unknown names in it."""
-    for other in FILES.values():
-        unknown = _count_unknown(content, other)
-        if _required(other) <= content.keys() and unknown < _count_unknown(content, file):
-            raise InputError(f"{path}: this is {other.meaning}", hint=f'run vibro.{other.function}("{path}")')
-
-
-def _required(file: FileKind) -> set[str]:
-    return {name for name, kind in file.tables.items() if kind.required}
+    if (other := kind_of(content)) is not file and _count_unknown(content, other) < _count_unknown(
+        content, file
+    ):
+        raise InputError(f"{path}: this is {other.meaning}", hint=f'run vibro.{other.function}("{path}")')
 
 
 def _count_unknown(content: Mapping[str, Any], file: FileKind) -> int:
     """Count the tables and keys that a kind of file does not have."""
     count = 0
     for name, given in content.items():
-        if name in file.tables:
-            tables = given if isinstance(given, list) else [given]
-            keys = (key for table in tables if isinstance(table, Mapping) for key in table)
-            count += sum(key not in file.tables[name].entries for key in keys)
-        else:
-            count += 1
+        known = file.tables[name].entries if name in file.tables else None
+        tables = given if isinstance(given, list) else [given]
+        keys = (key for table in tables if isinstance(table, Mapping) for key in table)
+        count += 1 if known is None else sum(key not in known for key in keys)
     return count
 
 
 def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: Problems) -> None:
     """Refuse unknown tables, and keys outside of tables."""
-    for name, table in content.items():
-        if name in file.tables:
-            continue
-        tables = table if isinstance(table, list) else [table]
-        if all(isinstance(one, Mapping) for one in tables):
-            _refuse_unknown("unknown table", name, file.tables, file, problems)
-        else:
-            *headings, last = (kind.heading for kind in file.tables.values())
-            hint = f"keys belong in the table {', '.join(headings)} or {last}"
-            _refuse_unknown("unknown key", name, file.tables, file, problems, hint)
-
-
-def _refuse_unknown(
-    what: str, word: object, known: Collection[str], file: FileKind, problems: Problems, hint: str = ""
-) -> None:
-    """Refuse a key or table, and suggest its place or a similar name."""
-    homes = [kind.heading for kind in file.tables.values() if word in kind.entries]
-    if homes:
-        meant = f"; it belongs in {' or '.join(homes)}"
-    elif len(problems.found) >= MOST_TOLD:
-        meant = ""  # the message leaves it out, and each lookup takes 0.1 ms
-    else:
-        meant = "; " + (did_you_mean(word, known) or f"known are {', '.join(known)}")
-    problems.add(f"{what} {shown(word)}{meant}", "" if len(homes) == 1 else hint)
+    for name in (name for name in content if name not in file.tables):
+        tables = content[name] if isinstance(content[name], list) else [content[name]]
+        is_table = all(isinstance(one, Mapping) for one in tables)
+        *headings, last = (kind.heading for kind in file.tables.values())
+        hint = "" if is_table else f"keys belong in the table {', '.join(headings)} or {last}"
+        kinds = file.tables.values()
+        refuse_unknown(f"unknown {'table' if is_table else 'key'}", name, file.tables, kinds, problems, hint)
