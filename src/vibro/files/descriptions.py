@@ -183,8 +183,8 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
             for what, told in (("amplitude", f"amplitudes of all harmonics {where}, from the first on"),
                                ("phase", f"phases of all harmonics {where}"))
         ),
-        _value(replace(quantities.NORMAL_FORCE, meaning="constant normal force on a clamped part")),
-        _value(replace(quantities.MASS, meaning="mass of the clamped part")),
+        _entry(form.NUMBER, "normal_force", "constant normal force on a clamped part", kind=FORCE),
+        _entry(form.NUMBER, "mass", "mass of the clamped part", kind=units.MASS),
     )),
     "motion": TableKind("[motion]", "how the trough moves, in place of a drive in [scene]",
                         _by_key(*_MOTION)),

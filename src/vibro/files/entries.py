@@ -361,20 +361,14 @@ def _refusal(quantity: Quantity, value: Any, rule: str, hint: str = "") -> Input
 VALUE: Final = Form("number", _one, ("number", "text", "single"))
 AXIS: Final = Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list"))
 LIST: Final = _rows(f"list of up to {MOST_HARMONICS} numbers", MOST_HARMONICS, "[1, 0.2]")
-HARMONICS: Final = _rows("list of pairs of numbers", MOST_PIECES, "[[20, 0], [5, -110]]", LENGTH, ANGLE)
-STEPS: Final = _rows(
-    "list of pairs of numbers", MOST_PIECES, "[[0.8, 6.9], [0.2, -27.6]]", PURE, ACCELERATION
-)
-ACCELERATIONS, DISPLACEMENTS = (
-    _rows(
-        f"list of {LEAST_SAMPLES} to {MOST_PIECES} numbers",
-        MOST_PIECES,
-        "[0, 1.4, 2, 1.4, 0, -1.4, -2, -1.4]: one period, equally spaced",
-        kind,
-        least=LEAST_SAMPLES,
-    )
-    for kind in (ACCELERATION, LENGTH)
-)
+_PAIRS: Final = "list of pairs of numbers"
+_HARMONICS: Final = f"list of up to {MOST_HARMONICS} pairs of numbers"
+_SAMPLES: Final = f"list of {LEAST_SAMPLES} to {MOST_PIECES} numbers"
+_PERIOD: Final = "[0, 1.4, 2, 1.4, 0, -1.4, -2, -1.4]: one period, equally spaced"
+HARMONICS: Final = _rows(_HARMONICS, MOST_HARMONICS, "[[20, 0], [5, -110]]", LENGTH, ANGLE)
+STEPS: Final = _rows(_PAIRS, MOST_PIECES, "[[0.8, 6.9], [0.2, -27.6]]", PURE, ACCELERATION)
+ACCELERATIONS: Final = _rows(_SAMPLES, MOST_PIECES, _PERIOD, ACCELERATION, least=LEAST_SAMPLES)
+DISPLACEMENTS: Final = _rows(_SAMPLES, MOST_PIECES, _PERIOD, LENGTH, least=LEAST_SAMPLES)
 # Forms of design questions.
 NUMBER: Final = Form("number", _number, ("number", "text"))
 BAND: Final = Form("number or band", _band, ("number", "text", "ends"))
@@ -386,9 +380,9 @@ TEXT: Final = Form("text", _text, ("line",))
 # Forms of machines.
 MASS_OR_FLOOR: Final = Form("number or `floor`", _mass_or_floor, NUMBER.spellings, ("floor",))
 COUNT: Final = Form("whole number", _count, NUMBER.spellings)
-_PAIRS: Final = _rows("list of pairs of numbers", MOST_PIECES, "[[45, 0.2], [50, 0.5]]", FREQUENCY, LENGTH)
-POINTS: Final = _PAIRS._replace(
-    says="name of a file, or list of pairs of numbers",
-    read=lambda quantity, value: (_text if isinstance(value, str) else _PAIRS.read)(quantity, value),
+_MEASURED: Final = _rows(_PAIRS, MOST_PIECES, "[[45, 0.2], [50, 0.5]]", FREQUENCY, LENGTH)
+POINTS: Final = _MEASURED._replace(
+    says=f"name of a file, or {_PAIRS}",
+    read=lambda quantity, value: (_text if isinstance(value, str) else _MEASURED.read)(quantity, value),
     spellings=("line", "rows"),
 )

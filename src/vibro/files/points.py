@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.errors import FileError, InputError, Problems, shown
-from vibro.files.nearby import suggestion
+from vibro.errors import InputError, Problems, shown
+from vibro.files.cells import read_text, rows_of
 from vibro.quantities import PERCENT, QUANTITIES, Quantity, Range, nearest_double
 
 if TYPE_CHECKING:
@@ -19,8 +17,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-
-__all__ = ["MeasuredPoints", "read_points"]
 
 _EXAMPLE: Final = "frequency_hz,amplitude_mm"
 _ERROR: Final = Quantity("amplitude_error", PERCENT, allowed=Range(0.0, 100.0, with_low=False))
@@ -32,7 +28,6 @@ _COLUMNS: Final = {
     _ERROR.name: "amplitude[ _]error|error|fehler",
 }
 _QUANTITIES: Final = {name: QUANTITIES.get(name, _ERROR) for name in _COLUMNS}
-_MICRO: Final = {"\u03bc": "\u00b5"}  # the Greek letter, for the micro sign
 
 
 class MeasuredPoints(NamedTuple):
@@ -82,12 +77,14 @@ def read_points(path: Path) -> MeasuredPoints:
     InputError
         If a column is missing or given twice, or a cell is no number that it may hold.
     """
-    rows, separator = _rows(path, _text(path))
-    row, header = rows[0]
+    text, _ = read_text(path)
+    first = next((line for line in text.splitlines() if line.strip()), "")
+    separator = next((mark for mark in ";\t," if mark in first), ",")
+    (row, header), *rows = rows_of(path, text, separator) or [(1, [""])]
     units = _found(path, row, header)
     columns: dict[str, list[float]] = {name: [] for name in units}
     problems = Problems(f"{path}: ")
-    for row, cells in rows[1:]:
+    for row, cells in rows:
         if any(cells[len(header) :]):
             wide = f"row {row} has {len(cells)} cells, the header row {len(header)}"
             problems.add(wide, "decimal commas need semicolons between the cells")
@@ -108,7 +105,7 @@ def read_points(path: Path) -> MeasuredPoints:
                     raise InputError(f"{quantity.label} = {shown(cell)}: must be {above}")
                 columns[name].append(value)
     problems.settle()
-    if len(rows) == 1:
+    if not rows:
         raise InputError(f"{path}: no rows under the header row", hint="give a row for each frequency")
     frequency, *others = (np.array(column) for column in columns.values())
     stroke = "stroke" in columns
@@ -120,17 +117,14 @@ def _found(path: Path, row: int, header: list[str]) -> dict[str, tuple[int, str]
     """Find the columns: for each quantity its place and unit."""
     found: dict[str, tuple[int, str]] = {}
     for name, names in _COLUMNS.items():
-        quantity = _QUANTITIES[name]
-        units = "|".join(sorted(map(re.escape, quantity.kind.ratios), key=len, reverse=True))
+        units = "|".join(sorted(map(re.escape, _QUANTITIES[name].kind.ratios), key=len, reverse=True))
         units = units.replace("%", "%|percent")
         pattern = re.compile(rf"(?:{names})[\s_]*(?:[\[(/]|in\s)?\s*({units})\s*[\])]?")
         for place, text in enumerate(header):
-            folded = text.casefold()
-            for greek, sign in _MICRO.items():
-                folded = folded.replace(sign, greek)
-            match = pattern.fullmatch(folded)
+            match = pattern.fullmatch(text.casefold())
             if match and name in found:
-                raise InputError(f"{path}: row {row} names {quantity.label} twice", hint="leave one column")
+                label = _QUANTITIES[name].label
+                raise InputError(f"{path}: row {row} names {label} twice", hint="leave one column")
             if match:
                 found[name] = place, match[1].replace("percent", "%")
     if "amplitude" in found and "stroke" in found:
@@ -144,35 +138,3 @@ def _found(path: Path, row: int, header: list[str]) -> dict[str, tuple[int, str]
             hint=f"name the columns with their units in the first row: {_EXAMPLE}",
         )
     return found
-
-
-def _text(path: Path) -> str:
-    try:
-        data = path.read_bytes()
-    except OSError as exc:
-        near = suggestion(path, (".csv", ".txt"))
-        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=near) from exc
-    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
-    if b"\0" in data and not wide:
-        raise InputError(f"{path}: not a text file", hint="export the table as CSV")
-    for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
-        try:
-            return data.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-    raise InputError(f"{path}: not a text file", hint="save it as CSV in UTF-8")
-
-
-def _rows(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Split lines into cells, numbered as spreadsheets do; the separator is that of the header row."""
-    first = next((line for line in text.splitlines() if line.strip()), "")
-    separator = next((mark for mark in ";\t," if mark in first), ",")
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-    try:
-        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
-    except csv.Error as exc:
-        raise InputError(f"{path}: not a table: {exc}", hint="export the table as CSV") from exc
-    rows = [(row, cells) for row, cells in rows if any(cells)]
-    if not rows:
-        raise InputError(f"{path}: empty", hint=f"the first row names the columns: {_EXAMPLE}")
-    return rows, separator

@@ -11,7 +11,7 @@ from vibro.files.descriptions import SCENE_FILE
 from vibro.files.machines import given_machine
 from vibro.files.motions import HARMONICS, motion_of, way_of
 from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
-from vibro.quantities import MASS, MOST_HARMONICS, NORMAL_FORCE, QUANTITIES
+from vibro.quantities import MASS, NORMAL_FORCE, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -78,20 +78,20 @@ def read_scene_file(path: Path) -> SceneFile:
     }
     scene, motion = tables["scene"], None
     lists = {called: scene.pop(called) for called, value in [*scene.items()] if isinstance(value, list)}
-    if content.get("motion") is not None and not problems.found:
-        with problems.taken("[motion] "):
-            if way_of(tables["motion"]) == HARMONICS:
-                lists |= _lists_of(tables["motion"], lists)
-            else:
-                motion = motion_of(tables["motion"])
     machine = None
-    if content.get("machine") is not None and not problems.found:
+    if not problems.found:
+        with problems.taken("[motion] "):
+            if "motion" in content and way_of(tables["motion"]) == HARMONICS:
+                lists |= _lists_of(tables["motion"], lists)
+            elif "motion" in content:
+                motion = motion_of(tables["motion"])
         with problems.taken("[machine] "):
-            machine = given_machine(content["machine"], tables["machine"], path.parent)
+            if "machine" in content:
+                machine = given_machine(content["machine"], tables["machine"], path.parent)
+        with problems.taken("[scene] "):
+            scene |= _clamped(scene)
     with problems.taken("[scene] "):
         scene |= _harmonics(lists, scene)
-    with problems.taken("[scene] "):
-        scene |= _clamped(scene)
     problems.settle()
     return SceneFile(path.stem, scene, tables["map"], motion, machine)
 
@@ -101,8 +101,6 @@ def _lists_of(table: Mapping[str, list[list[float]]], lists: Mapping[str, Any]) 
     if lists:
         raise InputError("gives harmonics beside lists of [scene]", hint="give either [motion] or the lists")
     count = max(map(len, table.values()))
-    if count > MOST_HARMONICS:
-        raise InputError(f"gives {count} harmonics", hint=f"give at most {MOST_HARMONICS}")
     found = {}
     for key, pairs in table.items():
         way = key.partition("_")[0]
@@ -111,28 +109,18 @@ def _lists_of(table: Mapping[str, list[list[float]]], lists: Mapping[str, Any]) 
     return found
 
 
-def _clamped(scene: dict[str, AxisSpec]) -> dict[str, AxisSpec]:
+def _clamped(scene: dict[str, Any]) -> dict[str, AxisSpec]:
     """Replace the normal force on a part and its mass by their quotient."""
-    given = [
-        (quantity, scene.pop(quantity.name)) for quantity in (NORMAL_FORCE, MASS) if quantity.name in scene
-    ]
-    if not given:
-        return {}
-    for quantity, spec in given:
-        if not quantity.allows(spec.value):
-            told = f"{quantity.column} = {spec.value:.15g}"
-            raise InputError(f"{told}: must be {quantity.allowed.text(quantity.unit)}")
+    force, mass = (scene.pop(quantity.name, None) for quantity in (NORMAL_FORCE, MASS))
     clamped = QUANTITIES["normal_acceleration"]
-    if len(given) < 2:
-        told = f"{given[0][0].column} is given alone"
-        raise InputError(told, hint=f"give {NORMAL_FORCE.column} and {MASS.column}, or {clamped.column}")
-    if clamped.name in scene:
-        told = f"{NORMAL_FORCE.column} beside {clamped.column}"
-        raise InputError(
-            told, hint=f"give {NORMAL_FORCE.column} and {MASS.column}, or {clamped.column} alone"
-        )
-    (_, force), (_, mass) = given
-    return {clamped.name: axis_of(force.value / mass.value, clamped)}
+    if force is None and mass is None:
+        return {}
+    if force is None or mass is None or clamped.name in scene:
+        both = f"{NORMAL_FORCE.column} and {MASS.column}"
+        alone = f"{MASS.column if force is None else NORMAL_FORCE.column} is given alone"
+        told = f"{both} beside {clamped.column}" if clamped.name in scene else alone
+        raise InputError(told, hint=f"give {both}, or {clamped.column}")
+    return {clamped.name: axis_of(force / mass, clamped)}
 
 
 def _harmonics(lists: Mapping[str, list[float]], others: Mapping[str, AxisSpec]) -> dict[str, AxisSpec]:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -15,8 +13,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibro.errors import FileError, InputError, cut, shown
-from vibro.files.nearby import suggestion
+from vibro.errors import InputError, cut, shown
+from vibro.files.cells import read_text, rows_of
 from vibro.records.folding import Floats
 from vibro.records.headers import Columns, Header, Wanted, columns_of
 from vibro.records.signals import DERIVATIVES, SIGNALS, TROUGH, Sensitivity
@@ -145,7 +143,7 @@ def read_record(
         If a column is missing, ambiguous or without a unit; if a cell is no number, or too many are empty; if
         the time has gaps, repeats or goes back. Row and column are named.
     """
-    text, notes = _decode(path)
+    text, notes = read_text(path)
     table, chosen = _take_apart(path, text, Wanted(columns or {}, sensitivities, body))
     if table.separator != "," or table.decimal_comma:
         decimals = ", decimal commas" if table.decimal_comma else ""
@@ -171,36 +169,6 @@ def read_record(
     return Record(values["time"], signals, trough, headers, texts, tuple(notes), kinds)
 
 
-def _decode(path: Path) -> tuple[str, list[str]]:
-    try:
-        data = path.read_bytes()
-    except OSError as exc:
-        near = suggestion(path, (".csv", ".txt"))
-        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=near) from exc
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        try:
-            return data.decode("utf-16"), [f"{path.name}: UTF-16"]
-        except UnicodeDecodeError as exc:
-            raise InputError(f"{path}: not a text file", hint="save it as CSV") from exc
-    if b"\0" in data[:4096]:
-        raise InputError(f"{path}: not a text file", hint="export the table as CSV")
-    try:
-        return data.decode("utf-8-sig"), []
-    except UnicodeDecodeError:
-        # Older spreadsheets write micro and degree signs in this code page. A byte that it does not define
-        # cannot be part of a unit: replace it.
-        return data.decode("cp1252", errors="replace"), [f"{path.name}: not UTF-8, read as Windows-1252"]
-
-
-def _rows(text: str, separator: str) -> Iterable[tuple[int, list[str]]]:
-    """Split lines into cells, without blank lines; number them as editors and spreadsheets do."""
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-    for cells in reader:
-        stripped = [cell.strip() for cell in cells]
-        if any(stripped):
-            yield reader.line_num, stripped
-
-
 def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
     """Return the index of the first row with at least as many numbers as most rows have."""
     looked_at = [cells for _, cells in rows[: TOL.looked_at]]
@@ -212,10 +180,7 @@ def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
 def _take_apart(path: Path, text: str, wanted: Wanted) -> tuple[_Table, Columns]:
     """Find separator, decimals and header row, and the columns of the signals."""
     for separator in _SEPARATORS:
-        try:
-            rows = list(_rows(text, separator))
-        except csv.Error as exc:
-            raise InputError(f"{path}: not a table: {exc}", hint="export the table as CSV") from exc
+        rows = rows_of(path, text, separator)
         first = _first_data(rows)
         if first is not None:
             break

@@ -1,0 +1,53 @@
+"""Read texts of columns that spreadsheets and instruments write: any encoding, and rows of cells."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import TYPE_CHECKING
+
+from vibro.errors import FileError, InputError
+from vibro.files.nearby import suggestion
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def read_text(path: Path) -> tuple[str, list[str]]:
+    """Return the text of a file, and a note if it is not in UTF-8.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read.
+    InputError
+        If it is no text.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as exc:
+        near = suggestion(path, (".csv", ".txt"))
+        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=near) from exc
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        try:
+            return data.decode("utf-16"), [f"{path.name}: UTF-16"]
+        except UnicodeDecodeError as exc:
+            raise InputError(f"{path}: not a text file", hint="save it as CSV") from exc
+    if b"\0" in data[:4096]:
+        raise InputError(f"{path}: not a text file", hint="export the table as CSV")
+    try:
+        return data.decode("utf-8-sig"), []
+    except UnicodeDecodeError:
+        # Older spreadsheets write micro and degree signs in this code page. A byte that it does not define
+        # cannot be part of a unit: replace it.
+        return data.decode("cp1252", errors="replace"), [f"{path.name}: not UTF-8, read as Windows-1252"]
+
+
+def rows_of(path: Path, text: str, separator: str) -> list[tuple[int, list[str]]]:
+    """Split lines into cells, without blank lines; number them as editors and spreadsheets do."""
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    try:
+        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    except csv.Error as exc:
+        raise InputError(f"{path}: not a table: {exc}", hint="export the table as CSV") from exc
+    return [(row, cells) for row, cells in rows if any(cells)]
