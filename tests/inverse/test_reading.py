@@ -144,7 +144,7 @@ def test_a_ratio_of_ones_own_replaces_the_kinetic_friction_of_the_catalogue() ->
         ("[scene]\nstatic_friction = 0.3\n[map]\n", True),
         ("[scene]\nstatic_friction = 0.3\namplitude_mm = 1\n", True),
         ("[scene]\nstatic_friction = 0.3\namplitude_mm = 1\n[goal]\n", False),  # as near to either
-        ("[scene]\nstatic_friction = 0.3\n", False),
+        ("[scene]\nstatic_friction = 0.3\n", True),
     ],
 )
 def test_a_scene_is_told_from_a_question(tmp_path: Path, text: str, is_scene: bool) -> None:

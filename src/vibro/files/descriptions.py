@@ -28,11 +28,6 @@ class FileKind(NamedTuple):
     function: str
     tables: dict[str, TableKind]
 
-    @property
-    def required(self) -> set[str]:
-        """Names of the tables that every such file has."""
-        return {name for name, kind in self.tables.items() if kind.required}
-
 
 #: Example values by quantity: the nut of examples/safety_nut.toml, and other drives of about its load.
 EXAMPLES: Final = {

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from vibro.files.entries import Entry
     from vibro.machines.machine import Machine
 
-Points = list[tuple[float, float]]
-
 _ENTRIES: Final = {entry.key: entry for entry in MACHINE_KEYS}
 _ARGUMENTS: Final = (
     "trough_mass", "counter_mass", "vibrating_mass", "natural", "damping_ratio", "mount", "voltage_exponent",
@@ -29,11 +27,10 @@ _ARGUMENTS: Final = (
 _NAMES: Final = {  # of arguments of Machine, where they are called otherwise
     "natural": "natural_frequency", "mount": "mount_frequency", "crank_radius": "radius",
 }  # fmt: skip
-# What stands beside a way to give a moment, and why.
-_ONE_MOTOR: Final = (("motors",), "is that of one motor", "for example: motors = 2")
-_WITH: Final = (
-    ("static_moment_kg_mm", *_ONE_MOTOR),
-    ("centrifugal_force_n", *_ONE_MOTOR),
+# What stands beside a way to give a moment, one of them, and why.
+_BESIDE: Final = (
+    ("static_moment_kg_mm", ("motors",), "is that of one motor", "for example: motors = 2"),
+    ("centrifugal_force_n", ("motors",), "is that of one motor", "for example: motors = 2"),
     ("centrifugal_force_n", ("at_hz", "at_rpm"), "is that at a speed", "for example: at_rpm = 1500"),
     (
         "working_moment_kg_cm",
@@ -41,11 +38,6 @@ _WITH: Final = (
         "makers print the vibrating mass times the amplitude, or times the stroke, which is twice as much",
         'add working_moment_is = "amplitude" or working_moment_is = "stroke"',
     ),
-)
-_ALONE: Final = (
-    ("at_hz", "centrifugal_force_n"),
-    ("at_rpm", "centrifugal_force_n"),
-    ("working_moment_is", "working_moment_kg_cm"),
 )
 _SAME: Final = 0.01  # relative difference of two moments that differ only by the maker's rounding
 _SLIPS: Final = (2.0, 4.0, 0.5, 0.25)  # ratios of moments of makers' conventions
@@ -193,7 +185,12 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
         table["points"] = _points_of(values["points"], folder)
         arguments["points"] = [(f, mm / _MILLIMETRES) for f, mm in table["points"]]
     if _belongs(_ENTRIES["natural_hz"], kind) and "natural" not in values:
-        _check_springs(kind, values, packs)
+        why = "the calibration was measured with one of the packs" if "calibration" in values else ""
+        if not packs:
+            why = f"the amplitude of a machine of kind {kind} depends on it most"
+        if why:
+            hint = "measure it on the empty machine, which side of resonance it runs on is never assumed"
+            raise InputError(f"natural_hz is missing: {why}", hint=f"{hint}; for example: natural_hz = 55.6")
     own, bands = _settings(table)
     if "natural" in values:
         own["natural"] = _ends(table["natural_hz"], "natural")[0]
@@ -224,31 +221,15 @@ def _check_keys(table: Mapping[str, Any], kind: str) -> None:
     problems.settle()
 
 
-def _check_springs(kind: str, values: Mapping[str, Any], packs: Mapping[str, float]) -> None:
-    """Refuse a machine whose springs are not known."""
-    if not packs:
-        raise InputError(
-            f"natural_hz is missing: the amplitude of a machine of kind {kind} depends on it most",
-            hint="measure it on the empty machine, which side of resonance it runs on is never assumed;"
-            " for example: natural_hz = 55.6",
-        )
-    if "calibration" in values:
-        raise InputError(
-            "natural_hz is missing: the calibration was measured with one of the packs",
-            hint="give natural_hz of that one beside the packs",
-        )
-
-
 def _static_moment(table: Mapping[str, Any], values: Mapping[str, Any]) -> float:
     """Return the static moment of all motors together [kg m], of all ways in which it is given."""
-    for key, beside, why, hint in _WITH:
-        count = sum(other in table for other in beside)
-        if key in table and count != 1:
-            lacks = f"{' or '.join(beside)} is missing" if not count else f"{' and '.join(beside)} are given"
+    for key, beside, why, hint in _BESIDE:
+        there = [other for other in beside if other in table]
+        if key in table and len(there) != 1:
+            lacks = f"{' and '.join(there)} are given" if there else f"{' or '.join(beside)} is missing"
             raise InputError(f"{key} = {shown(table[key])}: {why}, and {lacks}", hint=hint)
-    for key, owner in _ALONE:
-        if key in table and owner not in table:
-            raise InputError(f"{key} is given without {owner}", hint="leave it out")
+        if key not in table and there and there != ["motors"]:
+            raise InputError(f"{there[0]} is given without {key}", hint="leave it out")
     found: dict[str, float] = {}
     if "static_moment" in values:
         found["static_moment_kg_mm"] = values["motors"] * values["static_moment"]
@@ -305,12 +286,10 @@ def _ends(value: Any, name: str) -> tuple[float, float]:
     return ends[0], ends[-1]
 
 
-def _points_of(given: Any, folder: Path | None) -> Points:
+def _points_of(given: Any, folder: Path | None) -> list[list[float]]:
     if not isinstance(given, str):
-        return [(float(f), float(a)) for f, a in given]
+        return [[float(x) for x in pair] for pair in given]
     if folder is None:
         hint = "points = [[45, 0.2], ...]"
         raise InputError(f"points = {shown(given)}: must be pairs of numbers", hint=hint)
-    found = read_points(folder / given)
-    amplitudes = (float(f"{_MILLIMETRES * a:.15g}") for a in found.amplitude.tolist())
-    return [*zip(found.frequency.tolist(), amplitudes, strict=True)]
+    return [[f, float(f"{_MILLIMETRES * a:.15g}")] for f, a in read_points(folder / given).pairs.tolist()]

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import FileError, InputError, cut, shown
-from vibro.files.descriptions import FILES
+from vibro.files.descriptions import DESIGN_FILE, SCENE_FILE
 from vibro.files.entries import refuse_unknown
 from vibro.files.nearby import suggestion
 
@@ -25,6 +25,7 @@ ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
 _DECIMAL_COMMA: Final = re.compile(
     r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?[0-9]{1,20}),([0-9]{1,20})[ \t]*(#.*)?$", re.MULTILINE
 )
+_OF_DESIGNS: Final = {"drive", "goal"}  # tables
 _REASON: Final = 200  # characters of the parser's message
 # Matches whole numbers that may be too long for Python (4300 digits), and the digits that are kept: more than
 # the 309 of the largest double, even if every other character were an underscore.
@@ -126,28 +127,15 @@ class Table:
 
 
 def kind_of(content: Mapping[str, Any]) -> FileKind:
-    """Return the kind of a file: one whose tables it has, with the fewest unknown names in it."""
-    kinds = [kind for kind in FILES.values() if kind.required <= content.keys()]
-    return min(kinds, key=lambda kind: _count_unknown(content, kind))
+    """Return the kind of a file: a question of ``vibro design`` has drives and a goal."""
+    return DESIGN_FILE if content.keys() >= _OF_DESIGNS else SCENE_FILE
 
 
 def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -> None:
-    """Refuse a file of another kind as a whole: one that has its tables, and fewer unknown names in it."""
-    if (other := kind_of(content)) is not file and _count_unknown(content, other) < _count_unknown(
-        content, file
-    ):
+    """Refuse a file of another kind as a whole, but not one that lacks a table."""
+    other = kind_of(content)
+    if other is not file and (other is DESIGN_FILE or not content.keys() & _OF_DESIGNS):
         raise InputError(f"{path}: this is {other.meaning}", hint=f'run vibro.{other.function}("{path}")')
-
-
-def _count_unknown(content: Mapping[str, Any], file: FileKind) -> int:
-    """Count the tables and keys that a kind of file does not have."""
-    count = 0
-    for name, given in content.items():
-        known = file.tables[name].entries if name in file.tables else None
-        tables = given if isinstance(given, list) else [given]
-        keys = (key for table in tables if isinstance(table, Mapping) for key in table)
-        count += 1 if known is None else sum(key not in known for key in keys)
-    return count
 
 
 def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: Problems) -> None:
