@@ -15,7 +15,7 @@ import numpy as np
 from vibro.axes import axis_of, parse_axis
 from vibro.errors import MOST_TOLD, InputError, Problems, did_you_mean, shown
 from vibro.quantities import MOST_HARMONICS, STANDS_FOR, SWEPT, nearest_double
-from vibro.reals import NotRealError, real_number
+from vibro.reals import real_number
 from vibro.units import ACCELERATION, ANGLE, FREQUENCY, LENGTH, PURE
 from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
 
@@ -29,11 +29,6 @@ if TYPE_CHECKING:
 #: Both ends of a closed interval.
 Span = tuple[float, float]
 
-_NUMBER: Final = "a finite number"
-_BAND: Final = 'a finite number or a band "lo:hi"'
-_LIMITS: Final = 'a finite number, the largest, or a range "lo:hi"'
-_CHOICES: Final = 'a finite number, a list, or a range "lo:hi"'
-_NO_MORE: Final = 'no list or count is possible: "lo:hi" is all between two ends; decimals have a point'
 # Matches the beginning of a name in the friction catalogue, but not of a number.
 _NAME: Final = re.compile(r"\s*(?!(nan|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
 
@@ -47,10 +42,13 @@ class Form(NamedTuple):
         Its name, for tables of keys.
     read : callable
         ``read(quantity, value)`` returns an axis, or lists as given, for scene files, SI units for designs.
+        It raises ValueError for a value of another form, InputError for one that is not allowed.
     spellings : tuple of str
         How it may be written: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
         ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
         ``list`` of these, a list of a ``single`` one, or ``rows``.
+    example : str
+        How such a value is written, for hints.
     words : tuple of str
         Allowed words, if it is one of a few.
     table : TableKind, optional
@@ -64,6 +62,7 @@ class Form(NamedTuple):
     says: str
     read: Callable[[Quantity, Any], Any]
     spellings: tuple[str, ...] = ()
+    example: str = "1.5"
     words: tuple[str, ...] = ()
     table: TableKind | None = None
     rows: tuple[int, int] = (0, 0)
@@ -113,6 +112,11 @@ class Entry(NamedTuple):
             told = (f"{self.key} = {p[len(label) :]}" if p.startswith(label) else p for p in exc.problems)
             hint = exc.hint if self.key in exc.hint or not exc.hint else f"{self.key}: {exc.hint}"
             raise InputError(*told, hint=hint) from None
+        except ValueError:
+            says = f"a {self.form.says}" if self.form.spellings else self.form.says
+            hint = did_you_mean(value, self.form.words) or f"write {self.key} = {self.form.example}"
+            rule = f"must be {says.replace('`', '')}"
+            raise InputError(f"{self.key} = {shown(value)}: {rule}", hint=hint) from None
 
 
 class TableKind(NamedTuple):
@@ -202,26 +206,34 @@ def _one(quantity: Quantity, value: Any) -> AxisSpec:
     return spec
 
 
-def _number(quantity: Quantity, value: Any, wanted: str = _NUMBER) -> float:
-    return _checked(quantity, value, [_double(quantity, value, wanted)])[0]
-
-
-def _band(quantity: Quantity, value: Any, wanted: str = _BAND) -> Span:
-    """Read a number, or ``lo:hi``, whose ends may be equal."""
-    if not _has_ends(value):
-        end = _number(quantity, value, wanted)
-        return end, end
-    ends = value.split(":")
-    if len(ends) != 2 or not all(map(str.strip, ends)):
-        raise _wrong(quantity, value, wanted)
-    low, high = (_double(quantity, end, wanted) for end in ends)
-    if low > high:
+def _ends(quantity: Quantity, value: Any) -> list[float]:
+    """Read a number, or both ends of ``lo:hi``, in users' units."""
+    items = value.split(":") if isinstance(value, str) else [value]
+    if len(items) > 2 or (len(items) > 1 and not all(map(str.strip, items))):
+        raise ValueError
+    ends = [_double(quantity, item) for item in items]
+    if ends[0] > ends[-1]:
         unit = f"; without a unit of its own an end is in {quantity.unit}" if quantity.unit else ""
         raise _refusal(quantity, value, "must be lo:hi with lo at most hi", f"give the lower end first{unit}")
-    if wanted == _LIMITS and low == 0.0:
-        return 0.0, _checked(quantity, value, [high])[0]
-    low, high = _checked(quantity, value, [low, high])
-    return low, high
+    return ends
+
+
+def _double(quantity: Quantity, value: Any) -> float:
+    double = nearest_double(value, quantity) if isinstance(value, str) else real_number(value)
+    if not math.isfinite(double):
+        raise _refusal(quantity, value, "must be a finite number")
+    return double
+
+
+def _number(quantity: Quantity, value: Any) -> float:
+    (number,) = _checked(quantity, value, _ends(quantity, value))
+    return number
+
+
+def _band(quantity: Quantity, value: Any) -> Span:
+    """Read a number, or ``lo:hi``, whose ends may be equal."""
+    ends = _checked(quantity, value, _ends(quantity, value))
+    return ends[0], ends[-1]
 
 
 def _friction(quantity: Quantity, value: Any) -> Span | str:
@@ -231,22 +243,19 @@ def _friction(quantity: Quantity, value: Any) -> Span | str:
 
 def _limits(quantity: Quantity, value: Any) -> Span:
     """Read the largest value, or ``lo:hi`` where lo may be 0."""
-    low, high = _band(quantity, value, _LIMITS)
-    return (low if _has_ends(value) else 0.0), high
+    *low, high = _ends(quantity, value)
+    return _checked(quantity, value, low)[0] if any(low) else 0.0, _checked(quantity, value, [high])[0]
 
 
 def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
     """Read a number, an ascending list, or ``lo:hi``."""
-    if _has_ends(value):
-        return (_band(quantity, value, _CHOICES),)
-    if isinstance(value, str):
-        items: Any = parse_axis(value, quantity).values
-    else:
-        items = value.tolist() if isinstance(value, np.ndarray) else value
-        items = items if isinstance(items, list | tuple) else [items]
-    numbers = [_double(quantity, item, _CHOICES) for item in items]
+    if isinstance(value, str) and ":" in value:
+        return (_band(quantity, value),)
+    items = [*map(float, parse_axis(value, quantity).values)] if isinstance(value, str) else value
+    items = items.tolist() if isinstance(items, np.ndarray) else items
+    numbers = [_double(quantity, item) for item in (items if isinstance(items, list | tuple) else [items])]
     if not numbers:
-        raise _wrong(quantity, value, _CHOICES)
+        raise ValueError
     if any(after <= before for before, after in pairwise(numbers)):
         raise _refusal(quantity, value, "the values of a list must ascend and differ")
     return tuple((end, end) for end in _checked(quantity, value, numbers))
@@ -254,25 +263,23 @@ def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
 
 def _mass_or_floor(quantity: Quantity, value: Any) -> float:
     """Read a mass; that of the floor is infinite."""
-    if value == "floor":
-        return math.inf
-    if isinstance(value, str) and not value.strip()[:1].isdigit():
-        raise _wrong(quantity, value, f'{_NUMBER} or "floor"')
-    return _number(quantity, value)
+    if isinstance(value, str) and not value.strip()[:1].isdigit() and value != "floor":
+        raise ValueError
+    return math.inf if value == "floor" else _number(quantity, value)
 
 
 def _count(quantity: Quantity, value: Any) -> int:
     """Read a whole number, 1 or more."""
     number = _number(quantity, value)
-    if number != int(number) or number < 1:
-        raise _refusal(quantity, value, "must be a whole number, 1 or more")
+    if number != int(number):
+        raise ValueError
     return int(number)
 
 
 def _text(quantity: Quantity, value: Any) -> str:
     """Read a text of one line that is not empty."""
     if not isinstance(value, str) or not value.strip() or not value.isprintable():
-        raise _refusal(quantity, value, "must be a text on one line")
+        raise ValueError
     return value.strip()
 
 
@@ -284,14 +291,14 @@ def _rows(says: str, most: int, example: str, *columns: Kind, least: int = 1) ->
         rows = value if isinstance(value, list) else []
         rows = rows if len(of) > 1 else [[item] for item in rows]
         if not least <= len(rows) <= most or not all(_is_row(row, len(of)) for row in rows):
-            raise _refusal(quantity, value, f"must be a {says}", f"write {quantity.column} = {example}")
+            raise ValueError
         found = [
             [nearest_double(x, q) if isinstance(x, str) else x for q, x in zip(of, row, strict=True)]
             for row in rows
         ]
         return found if len(of) > 1 else [item for (item,) in found]
 
-    return Form(says, read, ("rows",), rows=(least, most), columns=columns)
+    return Form(says, read, ("rows",), example, rows=(least, most), columns=columns)
 
 
 def _is_row(row: Any, size: int) -> bool:
@@ -303,11 +310,11 @@ def one_of(values: Mapping[str, Any]) -> Form:
 
     def read(quantity: Quantity, value: Any) -> Any:
         if not isinstance(value, str) or value not in values:
-            hint = did_you_mean(value, values)
-            raise _refusal(quantity, value, f"must be {' or '.join(values)}", hint)
+            raise ValueError
         return values[value]
 
-    return Form(" or ".join(f"`{word}`" for word in values), read, words=(*values,))
+    example = json.dumps(next(iter(values)))
+    return Form(" or ".join(f"`{word}`" for word in values), read, (), example, (*values,))
 
 
 def table_of(says: str, kind: TableKind, *, several: bool = False) -> Form:
@@ -323,34 +330,12 @@ def table_of(says: str, kind: TableKind, *, several: bool = False) -> Form:
     return Form(says, read, ("tables" if several else "table",), table=kind)
 
 
-def _has_ends(value: Any) -> bool:
-    return isinstance(value, str) and ":" in value
-
-
-def _double(quantity: Quantity, value: Any, wanted: str) -> float:
-    """Read a number, in users' units."""
-    if isinstance(value, str) and "," not in value:
-        return nearest_double(value, quantity)
-    try:
-        double = real_number(value)
-    except NotRealError:
-        double = math.nan
-    if not math.isfinite(double):
-        raise _wrong(quantity, value, wanted)
-    return double
-
-
 def _checked(quantity: Quantity, value: Any, numbers: list[float]) -> list[float]:
     """Convert to SI units; raise InputError outside the quantity's range."""
     converted = [float(quantity.to_si(double)) for double in numbers]
     if not all(map(quantity.allows, converted)):
         raise _refusal(quantity, value, f"must be {quantity.allowed.text(quantity.unit)}")
     return converted
-
-
-def _wrong(quantity: Quantity, value: Any, wanted: str) -> InputError:
-    several = isinstance(value, list | tuple) or (isinstance(value, str) and ("," in value or ":" in value))
-    return _refusal(quantity, value, f"must be {wanted}", _NO_MORE if several and wanted != _NUMBER else "")
 
 
 def _refusal(quantity: Quantity, value: Any, rule: str, hint: str = "") -> InputError:
@@ -370,16 +355,21 @@ STEPS: Final = _rows(_PAIRS, MOST_PIECES, "[[0.8, 6.9], [0.2, -27.6]]", PURE, AC
 ACCELERATIONS: Final = _rows(_SAMPLES, MOST_PIECES, _PERIOD, ACCELERATION, least=LEAST_SAMPLES)
 DISPLACEMENTS: Final = _rows(_SAMPLES, MOST_PIECES, _PERIOD, LENGTH, least=LEAST_SAMPLES)
 # Forms of design questions.
+_LOHI: Final = '0.5 or "0.3:0.7", which is all between two ends'
 NUMBER: Final = Form("number", _number, ("number", "text"))
-BAND: Final = Form("number or band", _band, ("number", "text", "ends"))
-FRICTION: Final = Form("number, band or row of the catalogue", _friction, (*BAND.spellings, "name"))
-LIMITS: Final = Form("number, the largest, or range", _limits, BAND.spellings)
-SPAN: Final = Form("number, fixed, or range", _band, BAND.spellings)
-CHOICES: Final = Form("number, list or range", _choices, (*BAND.spellings, "listed", "list"))
-TEXT: Final = Form("text", _text, ("line",))
+BAND: Final = Form("number or band", _band, ("number", "text", "ends"), _LOHI)
+FRICTION: Final = Form("number, band or row of the catalogue", _friction, (*BAND.spellings, "name"), _LOHI)
+LIMITS: Final = Form("number, the largest, or range", _limits, BAND.spellings, _LOHI)
+SPAN: Final = Form("number, fixed, or range", _band, BAND.spellings, _LOHI)
+CHOICES: Final = Form(
+    "number, list or range", _choices, (*BAND.spellings, "listed", "list"), f"[0.3, 0.7], {_LOHI}"
+)
+TEXT: Final = Form("text on one line", _text, ("line",), '"feeder"')
 # Forms of machines.
-MASS_OR_FLOOR: Final = Form("number or `floor`", _mass_or_floor, NUMBER.spellings, ("floor",))
-COUNT: Final = Form("whole number", _count, NUMBER.spellings)
+MASS_OR_FLOOR: Final = Form(
+    "number or `floor`", _mass_or_floor, NUMBER.spellings, '12 or "floor"', ("floor",)
+)
+COUNT: Final = Form("whole number", _count, NUMBER.spellings, "2")
 _MEASURED: Final = _rows(_PAIRS, MOST_PIECES, "[[45, 0.2], [50, 0.5]]", FREQUENCY, LENGTH)
 POINTS: Final = _MEASURED._replace(
     says=f"name of a file, or {_PAIRS}",
