@@ -9,9 +9,9 @@ from helpers.cases import each
 
 from vibro.errors import Problems
 from vibro.files.descriptions import EXAMPLES, FILES, SCENE_FILE, FileKind
+from vibro.files.entries import ABSENT
 from vibro.files.motions import MOTIONS
 from vibro.files.scene_files import read_scene_file
-from vibro.files.toml_files import ABSENT, Table
 from vibro.quantities import BY_COLUMN, MACHINE, QUANTITIES
 
 KINDS = pytest.mark.parametrize("file", FILES.values(), ids=FILES)
@@ -31,11 +31,11 @@ def test_every_key_says_its_unit_and_what_it_is(file: FileKind) -> None:
 def test_what_is_needed_is_known_and_has_an_example(file: FileKind) -> None:
     for name, table in file.tables.items():
         problems = Problems()
-        Table(file, name, {}, problems)
+        file.table(name, {}, problems)
         assert len(problems.found) == len(table.needs)
         assert all(set(keys) <= table.entries.keys() for keys in table.needs)
         none = Problems()
-        Table(file, name, ABSENT, none)
+        file.table(name, ABSENT, none)
         assert len(none.found) == (len(table.needs) if table.required else 0)
 
 

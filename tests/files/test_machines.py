@@ -49,6 +49,26 @@ def test_a_machine_is_read_exactly(tmp_path: Path) -> None:
     assert made.response(50.0).amplitude == pytest.approx(0.35e-3, rel=1e-14)
 
 
+def test_every_value_may_be_a_text_with_a_unit(tmp_path: Path) -> None:
+    texts = FEEDER
+    for number, text in (
+        ("6", "6000g"),
+        ("12", "12kg"),
+        ("55.6", "3336rpm"),
+        ("0.35", "350um"),
+        ("50", "50Hz"),
+    ):
+        texts = texts.replace(f"= {number}\n", f'= "{text}"\n').replace(f"= {number},", f'= "{text}",')
+    with_units, plain = machine(tmp_path, texts), machine(tmp_path, FEEDER)
+    assert '"350um"' in texts
+    assert '"3336rpm"' in texts
+    assert with_units.own == plain.own
+    assert with_units.arguments.keys() == plain.arguments.keys()
+    assert with_units.machine.response(50.0).amplitude == pytest.approx(0.35e-3, rel=1e-14)
+    points = KINDS["measured"].replace("[[48.0, ", '[["2880rpm", ')
+    assert machine(tmp_path, points).arguments == machine(tmp_path, KINDS["measured"]).arguments
+
+
 def test_a_band_of_voltage_without_the_nominal_one_stands_for_its_middle(tmp_path: Path) -> None:
     assert machine(tmp_path, FEEDER + 'voltage_percent = "80:90"\n').own["voltage"] == 85.0
 

@@ -249,9 +249,10 @@ def _machine_table(fit: ResponseFit, given: GivenMachine | None, path: Path) -> 
         natural: found,
         "damping_ratio": _rounded(fit.damping_ratio, fit.damping_ratio_sd),
     }
-    fitted = given.table.get(natural)  # the springs that were measured, which may be one of the packs
+    fitted = given.own.get("natural")  # the springs that were measured, which may be one of the packs
     if "pack" in table:
-        table["pack"] = [{**p, natural: found} if p[natural] == fitted else p for p in table["pack"]]
+        packs = table["pack"] if isinstance(table["pack"], list) else [table["pack"]]
+        table["pack"] = [{**p, natural: found} if given.packs[p["name"]] == fitted else p for p in packs]
     return table
 
 

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from vibro import quantities, units
 from vibro.core.codes import Regime
 from vibro.files import entries as form
-from vibro.files.entries import TableKind
+from vibro.files.entries import Table, TableKind
 from vibro.quantities import BY_COLUMN, MACHINE, POSITIVE, QUANTITIES, SWEPT, ZERO_OR_MORE, Quantity, Range
 from vibro.units import FORCE, FREQUENCY, LENGTH, PERCENT, PURE, SPEED, STIFFNESS
 
 if TYPE_CHECKING:
+    from vibro.errors import Problems
     from vibro.files.entries import Entry, Form
     from vibro.units import Kind
 
@@ -27,6 +28,11 @@ class FileKind(NamedTuple):
     meaning: str
     function: str
     tables: dict[str, TableKind]
+
+    def table(self, name: str, given: Any, problems: Problems, place: int = 0) -> Table:
+        """Read a table; ``place`` is its number, if it is repeated."""
+        kind = self.tables[name]
+        return Table(kind, given, problems, f"{kind.heading} {place or ''}".rstrip(), self.tables.values())
 
 
 #: Example values by quantity: the nut of examples/safety_nut.toml, and other drives of about its load.

@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from vibro.quantities import Quantity
     from vibro.units import Kind
 
+#: Stands for a table that a file does not have.
+ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
 #: Both ends of a closed interval.
 Span = tuple[float, float]
 
@@ -142,35 +145,71 @@ class TableKind(NamedTuple):
     required: bool = False
     needs: tuple[tuple[str, ...], ...] = ()
 
-    def read(self, given: Any, heading: str, problems: Problems, others: Iterable[TableKind] = ()) -> Any:
-        """Return valid values by the names of their quantities; add the problems, also of unknown keys."""
-        if not isinstance(given, Mapping):
-            name = heading.strip("[]0123456789 ")
-            problems.add(f"{name} = {shown(given)}: must be a table, written {self.heading}")
-            return {}
-        values: dict[str, Any] = {}
-        for key, value in given.items():
-            if key in self.entries:
-                with problems.taken(f"{heading} "):
-                    values[self.entries[key].quantity.name] = self.entries[key].read(value)
-            else:
-                refuse_unknown(f"{heading} unknown key", key, self.entries, others, problems)
-        for keys in self.needs:
-            self.check(given, heading, problems, *keys)
-        return values
-
-    def check(self, given: Mapping[Any, Any], heading: str, problems: Problems, *keys: str) -> None:
-        """Check that exactly one of some keys is given."""
-        found = [key for key in keys if key in given]
-        if not found:
-            hint = f"{heading} for example: {self.example(*keys)}"
-            problems.add(f"{heading} {' or '.join(keys)} is missing", hint)
-        elif len(found) > 1:
-            problems.add(f"{heading} gives both {' and '.join(found)}", f"give {' or '.join(found)}")
-
     def example(self, *keys: str) -> str:
         """Return an example line for the first of some keys that has one."""
-        return next((self.entries[key].shown for key in keys if self.entries[key].example is not None), "...")
+        return next(self.entries[key].shown for key in keys if self.entries[key].example is not None)
+
+
+class Table:
+    """One table of a file; every key is read or refused.
+
+    Parameters
+    ----------
+    kind : TableKind
+        Its description.
+    given : object
+        Content in the file; ``ABSENT`` without such a table.
+    problems : Problems
+        Collects the problems.
+    heading : str, optional
+        As messages call it, in place of its heading.
+    others : iterable of TableKind
+        The tables of the file, to which an unknown key may belong.
+
+    Attributes
+    ----------
+    values : dict
+        Valid values by the names of their quantities.
+    """
+
+    def __init__(
+        self,
+        kind: TableKind,
+        given: Any,
+        problems: Problems,
+        heading: str = "",
+        others: Iterable[TableKind] = (),
+    ) -> None:
+        self.heading = heading or kind.heading
+        self._kind, self._problems = kind, problems
+        self.values: dict[str, Any] = {}
+        self.given: Mapping[Any, Any] = given if isinstance(given, Mapping) else {}
+        if not isinstance(given, Mapping):
+            name = self.heading.strip("[]0123456789 ")
+            problems.add(f"{name} = {shown(given)}: must be a table, written {kind.heading}")
+            return
+        for key, value in given.items():
+            if key in kind.entries:
+                with problems.taken(f"{self.heading} "):
+                    self.values[kind.entries[key].quantity.name] = kind.entries[key].read(value)
+            else:
+                refuse_unknown(f"{self.heading} unknown key", key, kind.entries, others, problems)
+        for keys in kind.needs if kind.required or given is not ABSENT else ():
+            self.needs(*keys)
+
+    def refuse(self, key: str, why: str, hint: str = "") -> None:
+        """Add a problem with an entry."""
+        self._problems.add(f"{self.heading} {key} = {shown(self.given[key])}: {why}", hint)
+
+    def needs(self, *keys: str) -> None:
+        """Check that exactly one of some keys is given."""
+        found = [key for key in keys if key in self.given]
+        if not found:
+            hint = f"{self.heading} for example: {self._kind.example(*keys)}"
+            self._problems.add(f"{self.heading} {' or '.join(keys)} is missing", hint)
+        elif len(found) > 1:
+            both = f"{self.heading} gives both {' and '.join(found)}"
+            self._problems.add(both, f"give {' or '.join(found)}")
 
 
 def refuse_unknown(
@@ -323,7 +362,7 @@ def table_of(says: str, kind: TableKind, *, several: bool = False) -> Form:
     def read(quantity: Quantity, value: Any) -> Any:
         problems = Problems()
         tables = value if several and isinstance(value, list) and value else [value]
-        found = tuple(kind.read(table, quantity.column, problems) for table in tables)
+        found = tuple(Table(kind, table, problems, quantity.column).values for table in tables)
         problems.settle()
         return found if several else found[0]
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 from vibro.axes import AxisSpec, axis_of
 from vibro.errors import InputError, Problems
 from vibro.files.descriptions import SCENE_FILE
+from vibro.files.entries import ABSENT
 from vibro.files.machines import given_machine
 from vibro.files.motions import HARMONICS, motion_of, way_of
-from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
+from vibro.files.toml_files import read_toml, refuse_other_kinds, refuse_unknown_tables
 from vibro.quantities import MASS, NORMAL_FORCE, QUANTITIES
 
 if TYPE_CHECKING:
@@ -73,8 +74,7 @@ def read_scene_file(path: Path) -> SceneFile:
     problems = Problems(f"{path}: ")
     refuse_unknown_tables(content, SCENE_FILE, problems)
     tables = {
-        name: Table(SCENE_FILE, name, content.get(name, ABSENT), problems).values
-        for name in SCENE_FILE.tables
+        name: SCENE_FILE.table(name, content.get(name, ABSENT), problems).values for name in SCENE_FILE.tables
     }
     scene, motion = tables["scene"], None
     lists = {called: scene.pop(called) for called, value in [*scene.items()] if isinstance(value, list)}

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import FileError, InputError, cut, shown
+from vibro.errors import FileError, InputError, cut
 from vibro.files.descriptions import DESIGN_FILE, SCENE_FILE
 from vibro.files.entries import refuse_unknown
 from vibro.files.nearby import suggestion
@@ -18,9 +17,6 @@ if TYPE_CHECKING:
 
     from vibro.errors import Problems
     from vibro.files.descriptions import FileKind
-
-#: Stands for a table that a file does not have.
-ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
 
 _DECIMAL_COMMA: Final = re.compile(
     r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?[0-9]{1,20}),([0-9]{1,20})[ \t]*(#.*)?$", re.MULTILINE
@@ -80,50 +76,6 @@ def _parsed(text: str) -> dict[str, Any]:
         # Python refuses whole numbers of thousands of digits without naming them. So they are shortened, but
         # stay beyond every double, and are refused by name like any other number.
         return tomllib.loads(_LONG_NUMBER.sub(lambda digits: digits[0][:_KEPT].rstrip("_"), text))
-
-
-class Table:
-    """One table of a file; every key is read or refused.
-
-    Parameters
-    ----------
-    file : FileKind
-        Description of the file.
-    name : str
-        Name of the table in it.
-    given : object
-        Content in the file; ``ABSENT`` without such a table.
-    problems : Problems
-        Collects the problems.
-    place : int, optional
-        Its number, if the table is repeated.
-
-    Attributes
-    ----------
-    values : dict
-        Valid values by the names of their quantities.
-    """
-
-    def __init__(self, file: FileKind, name: str, given: Any, problems: Problems, place: int = 0) -> None:
-        self._kind = kind = file.tables[name]
-        self.heading = f"{kind.heading} {place}" if place else kind.heading
-        self._problems = problems
-        self.given: Mapping[Any, Any] = given if isinstance(given, Mapping) else {}
-        is_left_out = given is ABSENT and not kind.required
-        others = file.tables.values()
-        self.values = {} if is_left_out else kind.read(given, self.heading, problems, others)
-
-    def refuse(self, key: str, why: str, hint: str = "") -> None:
-        """Add a problem with an entry."""
-        self._problems.add(f"{self.heading} {key} = {shown(self.given[key])}: {why}", hint)
-
-    def needs(self, *keys: str) -> None:
-        """Check that exactly one of some keys is given."""
-        self._kind.check(self.given, self.heading, self._problems, *keys)
-
-    def example(self, *keys: str) -> str:
-        """Return an example line for the first of some keys that has one."""
-        return self._kind.example(*keys)
 
 
 def kind_of(content: Mapping[str, Any]) -> FileKind:

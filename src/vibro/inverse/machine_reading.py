@@ -12,8 +12,8 @@ from vibro.inverse.specs import Drive
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
+    from vibro.files.entries import Table
     from vibro.files.machines import GivenMachine
-    from vibro.files.toml_files import Table
     from vibro.inverse.specs import Span
     from vibro.machines.machine import Machine
 

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.drives import Ellipse, Harmonics, Line, Piecewise
 from vibro.errors import InputError, Problems, shown
 from vibro.files.descriptions import DESIGN_FILE, MACHINE_KEYS
+from vibro.files.entries import ABSENT
 from vibro.files.machines import given_machine
 from vibro.files.motions import MOTIONS, motion_of
-from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
+from vibro.files.toml_files import read_toml, refuse_other_kinds, refuse_unknown_tables
 from vibro.friction_catalogue import static_row
 from vibro.inverse.machine_reading import machine_drives
 from vibro.inverse.spaces import SPACES, MotionSpace
@@ -25,7 +26,7 @@ from vibro.waveforms import HarmonicMotion, Motion
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from vibro.files.entries import Span
+    from vibro.files.entries import Span, Table
     from vibro.friction_catalogue import Row
 
 __all__ = ["read_spec"]
@@ -86,7 +87,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
 def _spec(content: Mapping[Any, Any], name: str, problems: Problems, folder: Path | None) -> Spec:
     refuse_unknown_tables(content, DESIGN_FILE, problems)
     scene, drift, goal, part = (
-        Table(DESIGN_FILE, table, content.get(table, ABSENT), problems)
+        DESIGN_FILE.table(table, content.get(table, ABSENT), problems)
         for table in ("scene", "drift", "goal", "part")
     )
     tables = _drive_tables(content.get("drive", []), problems)
@@ -145,13 +146,13 @@ def _drive_tables(given: Any, problems: Problems) -> list[Table]:
     """Read the drives; a single one may be a table of its own."""
     tables = list(given) if isinstance(given, list | tuple) else [given]
     if not tables:
-        entries = DESIGN_FILE.tables["drive"].entries
-        example = ", ".join(entries[key].shown for key in ("amplitude_mm", "frequency_hz", "drive_angle_deg"))
+        kind = DESIGN_FILE.tables["drive"]
+        example = ", ".join(kind.example(key) for key in ("amplitude_mm", "frequency_hz", "drive_angle_deg"))
         problems.add(
             "[[drive]] is missing: there must be one drive or more", f"[[drive]] for example: {example}"
         )
     several = len(tables) > 1
-    return [Table(DESIGN_FILE, "drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
+    return [DESIGN_FILE.table("drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
 
 
 def _drives(
@@ -230,7 +231,7 @@ def _keys(names: Sequence[str]) -> list[str]:
 def _goal(goal: Table, scene: Table) -> Goal:
     time, length = goal.values.pop("traverse_time", None), scene.values.get("trough_length")
     if "traverse_time_s" in goal.given and "trough_length_mm" not in scene.given:
-        hint = f"[scene] for example: {scene.example('trough_length_mm')}"
+        hint = f"[scene] for example: {DESIGN_FILE.tables['scene'].example('trough_length_mm')}"
         goal.refuse("traverse_time_s", "needs trough_length_mm in [scene]", hint)
     if time and length:
         goal.values["speed"] = speed = length / time

@@ -102,7 +102,7 @@ def _machine(given: GivenMachine, one: Mapping[str, float]) -> str:
 
 def _mounts(given: GivenMachine) -> str:
     if given.machine.natural_frequency:
-        return f"mounts {QUANTITIES['natural'].text(given.table['mount_hz'])}"
+        return f"mounts {QUANTITIES['natural'].text(given.arguments['mount_frequency'])}"
     more = 100.0 / (_SOFT**2 - 1.0)
     return f"infinitely soft mounts, as no mount_hz is given (at f/f0 = {_SOFT:g} they add {more:.3g} %)"
 
