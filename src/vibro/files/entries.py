@@ -245,7 +245,7 @@ def _one(quantity: Quantity, value: Any) -> AxisSpec:
     return spec
 
 
-def _ends(quantity: Quantity, value: Any) -> list[float]:
+def ends_of(quantity: Quantity, value: Any) -> list[float]:
     """Read a number, or both ends of ``lo:hi``, in users' units."""
     items = value.split(":") if isinstance(value, str) else [value]
     if len(items) > 2 or (len(items) > 1 and not all(map(str.strip, items))):
@@ -265,13 +265,13 @@ def _double(quantity: Quantity, value: Any) -> float:
 
 
 def _number(quantity: Quantity, value: Any) -> float:
-    (number,) = _checked(quantity, value, _ends(quantity, value))
+    (number,) = _checked(quantity, value, ends_of(quantity, value))
     return number
 
 
 def _band(quantity: Quantity, value: Any) -> Span:
     """Read a number, or ``lo:hi``, whose ends may be equal."""
-    ends = _checked(quantity, value, _ends(quantity, value))
+    ends = _checked(quantity, value, ends_of(quantity, value))
     return ends[0], ends[-1]
 
 
@@ -282,7 +282,7 @@ def _friction(quantity: Quantity, value: Any) -> Span | str:
 
 def _limits(quantity: Quantity, value: Any) -> Span:
     """Read the largest value, or ``lo:hi`` where lo may be 0."""
-    *low, high = _ends(quantity, value)
+    *low, high = ends_of(quantity, value)
     return _checked(quantity, value, low)[0] if any(low) else 0.0, _checked(quantity, value, [high])[0]
 
 

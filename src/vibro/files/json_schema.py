@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
@@ -22,7 +21,6 @@ VERSION: Final = 1
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 _DIGITS: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_LAST_FOLDED: Final = 0x2200  # beyond the Kelvin sign, the last character that folds to an ASCII letter
 
 Schema = dict[str, Any]
 
@@ -140,15 +138,8 @@ def _number_text(quantity: Quantity) -> str:
 
 def _folded(word: str) -> str:
     """Return the pattern of a word in letters of any case."""
-    return "".join(map(_any_case, word))
-
-
-@cache
-def _any_case(character: str) -> str:
-    """Return the pattern of a character in any case: of the letter s also the long one, as units fold it."""
-    folded = character.casefold()
-    same = [c for c in map(chr, range(_LAST_FOLDED)) if c.casefold() == folded]
-    return f"[{''.join(same)}]" if len(same) > 1 else re.escape(character)
+    cases = (sorted({c, c.lower(), c.upper(), c.casefold()}) for c in word)
+    return "".join(f"[{''.join(same)}]" if len(same) > 1 else re.escape(same[0]) for same in cases)
 
 
 def _sentence(text: str) -> str:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import InputError, Problems, did_you_mean, shown
 from vibro.files.descriptions import KINDS, MACHINE_KEYS
+from vibro.files.entries import ends_of
 from vibro.files.points import read_points
-from vibro.quantities import MACHINE, QUANTITIES, nearest_double
+from vibro.quantities import MACHINE, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -120,9 +121,8 @@ class GivenMachine:
             If there is no such pack.
         """
         if name not in self.packs:
-            hint = did_you_mean(name, self.packs) or (
-                f"there are {', '.join(self.packs)}" if self.packs else "give [[machine.pack]] tables"
-            )
+            known = f"there are {', '.join(self.packs)}" if self.packs else "give [[machine.pack]] tables"
+            hint = did_you_mean(name, self.packs) or known
             raise InputError(f"there is no spring pack {shown(name)}", hint=hint)
         return self.packs[name]
 
@@ -193,7 +193,7 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
             raise InputError(f"natural_hz is missing: {why}", hint=f"{hint}; for example: natural_hz = 55.6")
     own, bands = _settings(table)
     if "natural" in values:
-        own["natural"] = _ends(table["natural_hz"], "natural")[0]
+        own["natural"] = ends_of(QUANTITIES["natural"], table["natural_hz"])[0]
     shares = {name: values[name] for name in ("added_mass_share", "added_damping_share") if name in values}
     if "added_damping_share" in shares and "added_mass_share" not in shares:
         raise InputError("added_damping_share is given alone", hint="give added_mass_share too, or neither")
@@ -270,20 +270,12 @@ def _settings(table: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, tup
     bands: dict[str, tuple[float, float]] = {}
     for name in MACHINE[:3]:
         quantity = QUANTITIES[name]
-        low, high = _ends(table.get(quantity.column, quantity.default), name)
+        low, *_, high = 2 * ends_of(quantity, table.get(quantity.column, quantity.default))
         nominal = quantity.default or 0.0
         inside = nominal if low <= nominal <= high else 0.5 * (low + high)
         own[name] = low if low == high else {"setting": high, "voltage": inside, "filling": 0.0}[name]
         bands |= {name: (low, high)} if low < high else {}
     return own, bands
-
-
-def _ends(value: Any, name: str) -> tuple[float, float]:
-    """Return both ends of a valid value or band, in the units outside, exactly as given."""
-    if not isinstance(value, str):
-        return float(value), float(value)
-    ends = [nearest_double(end, QUANTITIES[name]) for end in value.split(":")]
-    return ends[0], ends[-1]
 
 
 def _points_of(given: Any, folder: Path | None) -> list[list[float]]:

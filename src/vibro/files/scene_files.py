@@ -137,11 +137,8 @@ def _harmonics(lists: Mapping[str, list[float]], others: Mapping[str, AxisSpec])
         for n, value in enumerate(values, 1):
             name = first if n == 1 else f"{first}_{n}"
             specs[name] = axis_of(value, QUANTITIES[name])
-    for name in ("along_amplitude", "normal_amplitude"):
-        still = axis_of(0.0, QUANTITIES[name])
-        specs.setdefault(name, others.get(name, still))
-    twice = [name for name in specs if name in others and specs[name] is not others[name]]
-    if twice:
-        said = ", ".join(QUANTITIES[name].column for name in twice)
-        raise InputError(f"{said} beside lists of harmonics", hint="give either the lists or single numbers")
-    return specs
+    if twice := ", ".join(QUANTITIES[name].column for name in specs if name in others):
+        raise InputError(f"{twice} beside lists of harmonics", hint="give either the lists or single numbers")
+    moved = {*specs, *others}
+    still = [name for name in ("along_amplitude", "normal_amplitude") if name not in moved]
+    return specs | {name: axis_of(0.0, QUANTITIES[name]) for name in still}

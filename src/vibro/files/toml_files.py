@@ -60,22 +60,13 @@ def read_toml(path: Path) -> dict[str, Any]:
     except ValueError as exc:  # the path has a zero character
         raise FileError(f"cannot read {path}: {exc}") from exc
     try:
-        return _parsed(text)
+        # Python refuses whole numbers of thousands of digits without naming them. So they are shortened, but
+        # stay beyond every double, and are refused by name like any other number.
+        return tomllib.loads(_LONG_NUMBER.sub(lambda digits: digits[0][:_KEPT].rstrip("_"), text))
     except (tomllib.TOMLDecodeError, RecursionError) as exc:
         comma = _DECIMAL_COMMA.search(text)
         hint = f"write a decimal point: {comma[1]} = {comma[2]}.{comma[3]}" if comma else ""
         raise InputError(f"{path}: not valid TOML: {cut(str(exc), _REASON)}", hint=hint) from exc
-
-
-def _parsed(text: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
-        raise
-    except ValueError:
-        # Python refuses whole numbers of thousands of digits without naming them. So they are shortened, but
-        # stay beyond every double, and are refused by name like any other number.
-        return tomllib.loads(_LONG_NUMBER.sub(lambda digits: digits[0][:_KEPT].rstrip("_"), text))
 
 
 def kind_of(content: Mapping[str, Any]) -> FileKind:
