@@ -270,7 +270,8 @@ def _settings(table: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, tup
     bands: dict[str, tuple[float, float]] = {}
     for name in MACHINE[:3]:
         quantity = QUANTITIES[name]
-        low, *_, high = 2 * ends_of(quantity, table.get(quantity.column, quantity.default))
+        ends = ends_of(quantity, table.get(quantity.column, quantity.default))
+        low, high = ends[0], ends[-1]
         nominal = quantity.default or 0.0
         inside = nominal if low <= nominal <= high else 0.5 * (low + high)
         own[name] = low if low == high else {"setting": high, "voltage": inside, "filling": 0.0}[name]
