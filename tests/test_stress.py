@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from engines.digits_walk import exact_cycle
 from extremes import ends_of, extreme_fields
 from stress import NAMES, against_reference, broken_invariants
 
 import vibro
-from vibro.accuracy.reference import exact_cycle
 
 SCENES = 2_000
 REFERENCE_SCENES = 180

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import math
 import sys
 from pathlib import Path
@@ -11,18 +12,19 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 import pytest
+from engines.digits_walk import exact_cycle, exact_sensitivity
 from helpers.scenes import line_of
 from matplotlib.text import Text
 
 import vibro
 from vibro.accuracy.events import simulate_by_events
-from vibro.accuracy.methods import METHODS, Answers, Method
+from vibro.accuracy.methods import METHODS, Answers, Method, reference_answers
 from vibro.accuracy.motion import TroughBody, motion_arrays, motions
-from vibro.accuracy.reference import exact_cycle, exact_sensitivity
+from vibro.accuracy.reference import exact
 from vibro.accuracy.sample import draw_scenes
 from vibro.accuracy.smoothed import simulate_smoothed
 from vibro.accuracy.stepping import simulate_by_steps
-from vibro.accuracy.trade import Row, Trade, advice, best_reference, run_methods, runs
+from vibro.accuracy.trade import Row, Trade, advice, run_methods, runs
 from vibro.axes import parse_axis
 from vibro.plots.trade import trade_figure
 from vibro.quantities import QUANTITIES
@@ -222,7 +224,7 @@ def trade() -> Iterator[Trade]:
     """Run slow methods on seven scenes."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("vibro.accuracy.trade._FEWEST", 7)
-        yield run_methods(grid(), SCENES, tolerance=1e-3, reference=best_reference())
+        yield run_methods(grid(), SCENES, tolerance=1e-3)
 
 
 def named(trade: Trade, method: str, setting: str) -> Row:
@@ -316,7 +318,7 @@ def test_errors_are_counted_where_they_are() -> None:
         return Answers(displacement, regime, 1.0)
 
     method = Method("odd", "", 1.0, answer)
-    result = run_methods(grid(), 100, tolerance=1e-3, reference=best_reference(), methods=[method])
+    result = run_methods(grid(), 100, tolerance=1e-3, methods=[method])
     (found,) = result.rows
     assert found.beyond_tolerance == 2
     assert found.wrong_regime_share == pytest.approx(1 / 99)
@@ -326,32 +328,50 @@ def test_errors_are_counted_where_they_are() -> None:
     assert found.time_us == 1e4
 
 
-def test_without_mpmath_a_converged_simulation_is_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_reference_is_the_cycle_of_another_walk() -> None:
+    fields = draw_scenes(grid(), 0, 60).flat()[:-1]
+    stays = 0
+    for values in zip(*(field.tolist() for field in fields), strict=True):
+        known = exact_cycle(values)
+        if known.pattern != "hopping":
+            found = exact(values)
+            assert abs(found.displacement - known.displacement) < 1e-17
+            assert sorted(found.slides) == sorted(set(known.pattern) - {"_"})
+            stays += 1
+    assert stays > 30
+
+
+@pytest.fixture
+def without_mpmath(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setitem(sys.modules, "mpmath", None)
-    monkeypatch.delitem(sys.modules, "vibro.accuracy.reference")
-    reference = best_reference()
-    assert reference.name == "event-driven simulation, DOP853 at rtol 1e-13"
+    yield
+    monkeypatch.undo()
+    importlib.reload(sys.modules["vibro.accuracy.reference"])
+
+
+@pytest.mark.usefixtures("without_mpmath")
+def test_without_mpmath_the_reference_is_a_walk_in_doubles() -> None:
+    reference = importlib.reload(sys.modules["vibro.accuracy.reference"])
+    assert reference.NAME == "event walk in double precision"
+    fields = draw_scenes(grid(), 0, 60).flat()[:-1]
+    for values in zip(*(field.tolist() for field in fields), strict=True):
+        known = exact_cycle(values)
+        if known.pattern != "hopping":
+            assert reference.exact(values).displacement == pytest.approx(float(known.displacement), abs=1e-10)
+
+
+def test_the_reference_leaves_out_what_hops_and_what_cannot_rest() -> None:
     scene = vibro.Scene(
-        amplitude=np.array([1e-3, 20e-3]),
+        amplitude=np.array([1e-3, 20e-3, 1e-3]),
         frequency=FREQUENCY,
         drive_angle=ALPHA,
         static_friction=MU_S,
         kinetic_friction=MU_D,
+        trough_angle=np.array([0.0, 0.0, -0.7]),
     )
-    answers = reference.answer(draw_flat(scene), lambda: None)
+    answers = reference_answers(scene, lambda: None)
     assert answers.displacement[0] == pytest.approx(KNOWN[1.0][0], abs=1e-9)
-    assert np.isnan(answers.displacement[1])
-
-
-def test_a_broken_library_does_not_pass_for_a_missing_mpmath(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
-    monkeypatch.delitem(sys.modules, "vibro.accuracy.reference")
-    with pytest.raises(ImportError, match=r"scipy\.optimize"):
-        best_reference()
-
-
-def draw_flat(scene: vibro.Scene) -> vibro.Scene:
-    return vibro.Scene(**scene.flat()._asdict())
+    assert np.isnan(answers.displacement[1:]).all()
 
 
 def test_labels_of_the_picture_do_not_overlap(trade: Trade) -> None:
@@ -375,6 +395,6 @@ def test_labels_of_the_picture_do_not_overlap(trade: Trade) -> None:
 def test_progress_reaches_its_total() -> None:
     seen: list[int] = []
     methods = METHODS[:3]
-    run_methods(grid(), 40, tolerance=1e-3, reference=best_reference(), methods=methods, report=seen.append)
+    run_methods(grid(), 40, tolerance=1e-3, methods=methods, report=seen.append)
     assert seen == sorted(seen)
     assert 40 + sum(runs(methods, 40)) <= seen[-1] <= 2 * 40 + 40 + sum(runs(methods, 40))

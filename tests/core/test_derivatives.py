@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mpmath
 import numpy as np
 import pytest
+from engines.digits_walk import DIGITS, exact_cycle
 from helpers.cases import each
 from helpers.contact_loads import random_loads
 from helpers.scenes import at_load, loads_of
 
 from vibro import Scene, critical_loads, solve
-from vibro.accuracy.reference import DIGITS, exact_cycle
 from vibro.core.codes import PATTERNS, Pattern, Status
 from vibro.core.contact import Steady, steady_cycle
 from vibro.core.derivatives import Change, displacement_rate, load_slope

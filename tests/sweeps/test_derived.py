@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import mpmath
 import numpy as np
 import pytest
+from engines.digits_walk import DIGITS, exact_cycle
 from helpers.scenes import at_load, replaced
 
 from vibro import Scene, critical_loads, solve
-from vibro.accuracy.reference import DIGITS, exact_cycle
 from vibro.core.codes import PATTERNS, Status
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block

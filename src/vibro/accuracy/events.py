@@ -1,8 +1,10 @@
-"""Event-driven simulation: an ODE solver integrates each slide, and an event ends it."""
+"""Event-driven simulation: each slide is followed to its end, which an event or a root finds."""
 
 from __future__ import annotations
 
+import itertools
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from scipy.integrate import solve_ivp
@@ -10,16 +12,101 @@ from scipy.integrate import solve_ivp
 from vibro.accuracy.motion import Found
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from vibro.accuracy.motion import TroughBody
 
     Solver = Literal["RK45", "DOP853", "LSODA"]
+    Visit = tuple[Any, Any, int]  # start of a slide: phase, place [A], and the number of slides before it
 
-__all__ = ["simulate_by_events"]
+__all__ = ["simulate_by_events", "walk"]
 
 _TURN: Final = 2.0 * math.pi
 _LONGEST_SLIDE: Final = 2.0 * _TURN  # [rad] no slide of a steady cycle lasts longer than one turn
 _MOST_SLIDES: Final = 2000
 _SETTLED: Final = 10.0  # [rtol] smaller changes of a slide's start from cycle to cycle count as none
+_ROUNDING: Final = 1e-13  # [rad] of phases after many cycles
+
+
+def walk(
+    motion: TroughBody,
+    slide: Callable[[TroughBody, str, Any], tuple[Any, Any]],
+    settled: float,
+    most_slides: int = _MOST_SLIDES,
+    library: Any = math,
+    *,
+    extrapolates: bool = False,
+) -> Found:
+    """Follow one scene in contact from rest, from slide to slide, until the motion repeats.
+
+    Parameters
+    ----------
+    motion : TroughBody
+        One scene.
+    slide : callable
+        ``slide(motion, kind, phase)`` follows a slide from rest, forward (F) or back (B): its end and its
+        distance [A]; the end is None if there is none.
+    settled : float
+        Smaller changes of the start of a slide from cycle to cycle count as none [rad].
+    most_slides : int, optional
+        When to give up.
+    library : module, optional
+        Where functions come from: ``math``, or a context of ``mpmath``.
+    extrapolates : bool, optional
+        Speed up chains of slides without rest: Steffensen's method on the starts of forward slides.
+
+    Returns
+    -------
+    Found
+        NaN if the motion does not repeat or a slide does not end.
+    """
+    turn = 2 * library.pi
+    onsets = dict(zip("FB", motion.onsets(library), strict=True))
+    phase, place, slides, kind = 0.0, 0.0, "", ""
+    from_rest = True
+    seen: dict[str, Visit] = {}  # last start from rest
+    starts: list[Visit] = []  # of the forward slides since the last rest
+    while len(slides) < most_slides:
+        if from_rest:
+            coming = [
+                (onset + turn * library.ceil((phase - onset) / turn), way)
+                for way, onset in onsets.items()
+                if onset is not None
+            ]
+            if not coming:
+                return Found(0.0, "")
+            phase, kind = min(coming)
+            starts = []
+        here = (phase, place, len(slides))
+        if from_rest:
+            if kind in seen:
+                return _cycle(seen[kind], here, slides)
+            seen[kind] = here
+        elif kind == "F":
+            starts.append(here)
+            changes = [again[0] - first[0] - turn for first, again in itertools.pairwise(starts)]
+            if changes and abs(changes[-1]) <= settled:
+                return _cycle(starts[-2], here, slides)
+            if extrapolates and len(changes) == 2 and changes[0] != changes[1]:
+                limit = phase + changes[1] ** 2 / (changes[0] - changes[1])
+                load, held = motion.load_and_hold(library.sin(limit))
+                if load > held:
+                    phase = limit
+                starts = [(phase, place, len(slides))]
+        end, distance = slide(motion, kind, phase)
+        if end is None:
+            break
+        slides += kind
+        phase, place = end, place + distance
+        load, held = motion.load_and_hold(library.sin(phase))
+        from_rest = abs(load) <= held
+        kind = "F" if load > 0.0 else "B"
+    return Found(math.nan, "")
+
+
+def _cycle(first: Visit, again: Visit, slides: str) -> Found:
+    turns = round(float(again[0] - first[0]) / _TURN)
+    return Found((again[1] - first[1]) / turns, "".join(sorted(set(slides[first[2] : again[2]]))))
 
 
 def simulate_by_events(
@@ -53,62 +140,19 @@ def simulate_by_events(
     Found
         NaN if the motion does not repeat or a slide does not end.
     """
-    onsets = dict(zip("FB", motion.onsets(), strict=True))
-    phase, place = 0.0, 0.0
-    kind = _next_from_rest(onsets, phase)[0]
-    if not kind:
-        return Found(0.0, "")
-    from_rest = True
-    seen: dict[str, tuple[float, float, int]] = {}  # last start from rest: phase, place, slides so far
-    previous: tuple[float, float, int] | None = None  # last start of a forward slide
-    slides = ""
-    while len(slides) < most_slides:
-        if from_rest:
-            kind, phase = _next_from_rest(onsets, phase)
-            previous = None
-        here = (phase, place, len(slides))
-        if from_rest and kind in seen:
-            return _cycle(seen[kind], here, slides)
-        if from_rest:
-            seen[kind] = here
-        elif kind == "F":
-            if previous and abs(phase - previous[0] - _TURN) <= max(_SETTLED * rtol, 1e-13):
-                return _cycle(previous, here, slides)
-            previous = here
-        end, distance = _slide(motion, kind, phase, solver, rtol, max_step)
-        if end is None:
-            break
-        slides += kind
-        phase, place = end, place + distance
-        load = motion.along * math.sin(phase) - motion.tangential
-        held = motion.static_friction * (motion.normal - motion.across * math.sin(phase))
-        from_rest = abs(load) <= held
-        kind = "F" if load > 0.0 else "B"
-    return Found(math.nan, "")
-
-
-def _next_from_rest(onsets: dict[str, float | None], phase: float) -> tuple[str, float]:
-    """Direction and phase of the next slide of a body at rest; an empty direction if there is none."""
-    coming = [
-        (onset + _TURN * math.ceil((phase - onset) / _TURN), kind)
-        for kind, onset in onsets.items()
-        if onset is not None
-    ]
-    start, kind = min(coming, default=(phase, ""))
-    return kind, start
+    slide = partial(_slide, solver=solver, rtol=rtol, max_step=max_step)
+    return walk(motion, slide, max(_SETTLED * rtol, _ROUNDING), most_slides)
 
 
 def _slide(
-    motion: TroughBody, kind: str, start: float, solver: Solver, rtol: float, max_step: float
+    motion: TroughBody, kind: str, start: float, *, solver: Solver, rtol: float, max_step: float
 ) -> tuple[float | None, float]:
     """End and distance of one slide from rest; no end if the solver finds none."""
     sign = 1.0 if kind == "F" else -1.0
-    drag = sign * motion.kinetic_friction
-    load = motion.along + drag * motion.across
-    resistance = motion.tangential + drag * motion.normal
+    load, resistance = motion.sliding(sign)
 
     def rates(phase: float, y: Any) -> tuple[float, float]:
-        return y[1], load * math.sin(phase) - resistance
+        return y[1], load * math.sin(phase) - sign * resistance
 
     def speed(phase: float, y: Any) -> float:
         return float(y[1])
@@ -122,8 +166,3 @@ def _slide(
     if run.status != 1:
         return None, math.nan
     return float(run.t[-1]), float(run.y[0, -1])
-
-
-def _cycle(first: tuple[float, float, int], again: tuple[float, float, int], slides: str) -> Found:
-    turns = round((again[0] - first[0]) / _TURN)
-    return Found((again[1] - first[1]) / turns, "".join(sorted(set(slides[first[2] : again[2]]))))

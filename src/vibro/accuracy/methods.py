@@ -12,10 +12,12 @@ import numpy as np
 
 from vibro.accuracy.events import simulate_by_events
 from vibro.accuracy.motion import Found, motion_arrays, motions
+from vibro.accuracy.reference import exact
 from vibro.accuracy.sample import take_scenes
 from vibro.accuracy.smoothed import simulate_smoothed
 from vibro.accuracy.stepping import simulate_by_steps
 from vibro.core.codes import Output, Regime
+from vibro.drives import Ability
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Tick = Callable[[], None]
 
-__all__ = ["METHODS", "Answers", "Method", "answers_of", "converged_answers"]
+__all__ = ["METHODS", "Answers", "Method", "answers_of", "reference_answers"]
 
 # One run of the solver takes milliseconds, too short to be timed: take the best of several, on at least this
 # many scenes.
@@ -125,9 +127,18 @@ def _by_vibro(output: Output, scene: Scene, tick: Tick) -> Answers:
     return Answers(displacement, cycle.regime[:n], min(seconds) * n / batch.shape[0])
 
 
-def converged_answers(scene: Scene, tick: Tick) -> Answers:
-    """Solve scenes by event-driven runs of the highest accuracy, DOP853 at rtol 1e-13."""
-    return _one_by_one(partial(simulate_by_events, solver="DOP853", rtol=1e-13), scene, tick)
+def reference_answers(scene: Scene, tick: Tick) -> Answers:
+    """Follow the scenes that stay in contact and can rest as exactly as possible; NaN in all others."""
+    flat: Any = scene.flat()
+    flat.require(Ability.PROOF)
+    body = motion_arrays(scene)
+    cells = (body.across <= body.normal) & (np.abs(body.tangential) < body.static_friction * body.normal)
+    found = []
+    for here, values in zip(cells.tolist(), zip(*(f.tolist() for f in flat[:-1]), strict=True), strict=True):
+        displacement, slides = exact(values) if here else Found(math.nan, "")
+        found.append(Found(float(displacement), slides))
+        tick()
+    return answers_of(found, 0.0)
 
 
 def _events(solver: Any, rtol: float, share: float, max_step: float = np.inf) -> Method:

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from vibro.scene import Scene
 
-__all__ = ["Found", "TroughBody", "motion_arrays", "motions"]
+__all__ = ["Found", "TroughBody", "motion_arrays", "motions", "trough_body"]
 
 
 class TroughBody(NamedTuple):
@@ -40,16 +40,28 @@ class TroughBody(NamedTuple):
     static_friction: Any
     kinetic_friction: Any
 
-    def onsets(self) -> tuple[float | None, float | None]:
+    def onsets(self, library: Any = math) -> tuple[Any, Any]:
         """Phases in [0, 2 pi) at which one scene at rest starts forward and back; None if it never does."""
         mu_s = self.static_friction
-        phases: list[float | None] = []
-        for sign, zero in ((1.0, 0.0), (-1.0, math.pi)):
+        phases: list[Any] = []
+        for sign, zero in ((1, 0), (-1, library.pi)):
             load = self.along + sign * mu_s * self.across
             threshold = mu_s * self.normal + sign * self.tangential
             starts = 0.0 <= threshold < load
-            phases.append(zero + math.asin(threshold / load) if starts else None)
+            phases.append(zero + library.asin(threshold / load) if starts else None)
         return phases[0], phases[1]
+
+    def load_and_hold(self, sine: Any) -> tuple[Any, Any]:
+        """Load along the trough, and the static friction that can balance it, at the sine of a phase."""
+        return (
+            self.along * sine - self.tangential,
+            self.static_friction * (self.normal - self.across * sine),
+        )
+
+    def sliding(self, sign: float) -> tuple[Any, Any]:
+        """Amplitude of the load on a body that slides forward (1) or back (-1), and what resists it."""
+        mu_d = self.kinetic_friction
+        return self.along + sign * mu_d * self.across, mu_d * self.normal + sign * self.tangential
 
 
 class Found(NamedTuple):
@@ -67,12 +79,17 @@ class Found(NamedTuple):
     slides: str
 
 
+def trough_body(values: Iterable[Any], library: Any) -> TroughBody:
+    """Form the equations of motion from the fields of scenes, with functions of NumPy, math or mpmath."""
+    amplitude, frequency, alpha, mu_s, mu_d, beta, gravity = values
+    weight = gravity / (amplitude * (2 * library.pi * frequency) ** 2)
+    along, across = library.cos(alpha), library.sin(alpha)
+    return TroughBody(along, across, weight * library.cos(beta), weight * library.sin(beta), mu_s, mu_d)
+
+
 def motion_arrays(scene: Scene) -> TroughBody:
     """Form the equations of motion of all scenes at once, as flat arrays in the order of their cells."""
-    flat = (field.reshape(-1) for field in np.broadcast_arrays(*scene.arrays()))
-    amplitude, frequency, alpha, mu_s, mu_d, beta, gravity, _ = flat
-    weight = gravity / (amplitude * (2.0 * np.pi * frequency) ** 2)
-    return TroughBody(np.cos(alpha), np.sin(alpha), weight * np.cos(beta), weight * np.sin(beta), mu_s, mu_d)
+    return trough_body(scene.flat()[:-1], np)
 
 
 def motions(scene: Scene) -> Iterator[TroughBody]:

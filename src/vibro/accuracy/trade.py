@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.accuracy.methods import METHODS, Answers, answers_of, converged_answers
+from vibro.accuracy.methods import METHODS, Answers, reference_answers
+from vibro.accuracy.reference import NAME
 from vibro.accuracy.sample import draw_scenes, take_scenes
 from vibro.core.codes import Regime
-from vibro.drives import Ability, Line
+from vibro.drives import Line
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -23,31 +23,13 @@ if TYPE_CHECKING:
     from vibro.accuracy.methods import Method, Tick
     from vibro.sweeps.grid import Grid
 
-__all__ = ["Row", "Trade", "advice", "best_reference", "run_methods", "runs"]
+__all__ = ["Row", "Trade", "advice", "run_methods", "runs"]
 
 _FEWEST: Final = 20  # scenes that every method is run on at least
 _DRAWS: Final = 20  # most times that a sample is drawn to find enough scenes in contact
 
 # [1] An error of this fraction of the true speed, or more, is a failure and no lack of accuracy.
 _FAILURE: Final = 0.5
-
-
-class Reference(NamedTuple):
-    """What errors are measured against.
-
-    Attributes
-    ----------
-    name : str
-        In words.
-    answer : callable
-        As that of a method; NaN if no steady cycle in contact exists or was found.
-    most : int
-        Number of scenes that it solves in reasonable time.
-    """
-
-    name: str
-    answer: Callable[[Scene, Tick], Answers]
-    most: int
 
 
 @dataclass(frozen=True)
@@ -116,41 +98,6 @@ class Trade:
     tolerance: float
 
 
-def best_reference() -> Reference:
-    """Return arbitrary precision if mpmath is installed, else a converged event-driven simulation."""
-    try:
-        from vibro.accuracy.reference import DIGITS, exact_cycle
-    except ModuleNotFoundError as exc:
-        if exc.name != "mpmath":  # another library that is missing or broken must not go unnoticed
-            raise
-        return Reference("event-driven simulation, DOP853 at rtol 1e-13", _converged, 300)
-
-    def answer(scene: Scene, tick: Tick) -> Answers:
-        cycles = []
-        start = time.perf_counter()
-        flat: Any = scene.flat()
-        flat.require(Ability.PROOF)
-        for values in zip(*(field.tolist() for field in flat[:-1]), strict=True):
-            cycles.append(exact_cycle(values))
-            tick()
-        seconds = time.perf_counter() - start
-        return answers_of([(float(c.displacement), c.pattern) for c in cycles], seconds)
-
-    return Reference(f"event walk in {DIGITS}-digit arithmetic", answer, 1_000_000)
-
-
-def _converged(scene: Scene, tick: Tick) -> Answers:
-    """Solve the scenes that stay in contact and can rest, by event-driven simulation."""
-    holds = np.abs(np.tan(scene.trough_angle)) < scene.static_friction
-    assert scene.drive_angle is not None
-    stays = scene.load * np.sin(scene.drive_angle) <= np.cos(scene.trough_angle)
-    cells = np.flatnonzero(stays & holds)
-    found = converged_answers(take_scenes(scene, cells), tick)
-    displacement, regime = np.full(scene.shape, np.nan), np.zeros(scene.shape, np.int8)
-    displacement[cells], regime[cells] = found.displacement, found.regime
-    return Answers(displacement, regime, found.seconds)
-
-
 def runs(methods: Sequence[Method], scenes: int) -> list[int]:
     """Return how many scenes each method is run on."""
     return [min(scenes, max(_FEWEST, round(method.share * scenes))) for method in methods]
@@ -161,7 +108,6 @@ def run_methods(
     scenes: int,
     *,
     tolerance: float,
-    reference: Reference,
     methods: Sequence[Method] = METHODS,
     report: Callable[[int], None] = lambda done: None,
 ) -> Trade:
@@ -175,8 +121,6 @@ def run_methods(
         How many to draw; each method is run on the first of them, according to its share.
     tolerance : float
         Errors in mean speed up to this count as none [A f].
-    reference : Reference
-        What errors are measured against.
     methods : sequence of Method, optional
         What to run.
     report : callable, optional
@@ -194,7 +138,7 @@ def run_methods(
         done += number
         report(done)
 
-    sample, truth, drawn = _sample(grid, scenes, reference, tick)
+    sample, truth, drawn = _sample(grid, scenes, tick)
     found = sample.shape[0]
     rows = []
     for method, n in zip(methods, runs(methods, found), strict=True):
@@ -202,10 +146,10 @@ def run_methods(
         answers = method.answer(take_scenes(sample, slice(n)), tick)
         tick(n - (done - before))
         rows.append(_row(method, answers, Answers(truth.displacement[:n], truth.regime[:n], 0.0), tolerance))
-    return Trade(tuple(rows), reference.name, found, drawn, tolerance)
+    return Trade(tuple(rows), NAME, found, drawn, tolerance)
 
 
-def _sample(grid: Grid, scenes: int, reference: Reference, tick: Tick) -> tuple[Scene, Answers, int]:
+def _sample(grid: Grid, scenes: int, tick: Tick) -> tuple[Scene, Answers, int]:
     """Draw scenes until enough of them have a steady cycle in contact."""
     parts: list[tuple[Scene, Answers]] = []
     found = drawn = 0
@@ -216,7 +160,7 @@ def _sample(grid: Grid, scenes: int, reference: Reference, tick: Tick) -> tuple[
             if grid.size <= scenes:
                 break
             continue
-        answers = reference.answer(part, tick)
+        answers = reference_answers(part, tick)
         cells = np.flatnonzero(np.isfinite(answers.displacement))[: scenes - found]
         found += cells.size
         parts.append(

@@ -60,9 +60,9 @@ def accuracy_command(
 
     Scenes are drawn evenly from axes, in the syntax of vibro map; those that hop are left out. Without
     any, from A 0.1:3 mm, f 5:60 Hz (both log), drive angle 2:45 deg, mu_s 0.1:1 and mu_d/mu_s 0.4:1.
-    Errors are against arbitrary precision if mpmath is installed (pip install '.[accuracy]' in the
-    project's folder), else against converged event-driven simulation. -o writes the table
-    and its picture.
+    Errors are against a walk from event to event, in arbitrary precision if mpmath is installed (pip
+    install '.[accuracy]' in the project's folder), else in double precision. -o writes the table and its
+    picture.
     """
     from vibro.cli.answer import count
     from vibro.cli.console import Console
@@ -130,15 +130,10 @@ def _grid(request: Request, console: Console) -> Grid:
 
 def _run(grid: Grid, scenes: int, tolerance: float, console: Console) -> Trade:
     from vibro.accuracy.methods import METHODS
-    from vibro.accuracy.trade import best_reference, run_methods, runs
-    from vibro.cli.answer import count
+    from vibro.accuracy.trade import run_methods, runs
 
-    reference = best_reference()
-    number = min(scenes, reference.most)
-    if number < scenes:
-        console.warn(f"{count(number)} scenes: mpmath is not installed, and the {reference.name} is slow")
-    with console.progress("scenes", 2 * number + sum(runs(METHODS, number))) as report:
-        trade = run_methods(grid, number, tolerance=tolerance, reference=reference, report=report)
+    with console.progress("scenes", 2 * scenes + sum(runs(METHODS, scenes))) as report:
+        trade = run_methods(grid, scenes, tolerance=tolerance, report=report)
     if not trade.scenes:
         raise InputError(
             "no scene stays in contact", hint="lower the amplitude, the frequency or the drive angle"
