@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     Solver = Literal["RK45", "DOP853", "LSODA"]
     Visit = tuple[Any, Any, int]  # start of a slide: phase, place [A], and the number of slides before it
 
-__all__ = ["simulate_by_events", "walk"]
 
 _TURN: Final = 2.0 * math.pi
 _LONGEST_SLIDE: Final = 2.0 * _TURN  # [rad] no slide of a steady cycle lasts longer than one turn

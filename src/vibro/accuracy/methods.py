@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Tick = Callable[[], None]
 
-__all__ = ["METHODS", "Answers", "Method", "answers_of", "reference_answers"]
 
 # One run of the solver takes milliseconds, too short to be timed: take the best of several, on at least this
 # many scenes.
@@ -79,16 +78,8 @@ class Method(NamedTuple):
 
 def answers_of(found: Sequence[tuple[float, str]], seconds: float) -> Answers:
     """Collect displacements, NaN where a method gave up, and regimes from the directions of the slides."""
-    regimes = [
-        Regime.UNDEFINED
-        if math.isnan(displacement)
-        else Regime.BACK_SLIP
-        if "B" in slides
-        else Regime.FORWARD_SLIP
-        if "F" in slides
-        else Regime.NO_SLIP
-        for displacement, slides in found
-    ]
+    codes = {"": Regime.NO_SLIP, "F": Regime.FORWARD_SLIP, "B": Regime.BACK_SLIP, "BF": Regime.BACK_SLIP}
+    regimes = [Regime.UNDEFINED if math.isnan(d) else codes["".join(sorted(slides))] for d, slides in found]
     return Answers(np.array([displacement for displacement, _ in found]), np.array(regimes, np.int8), seconds)
 
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from vibro.scene import Scene
 
-__all__ = ["Found", "TroughBody", "motion_arrays", "motions", "trough_body"]
-
 
 class TroughBody(NamedTuple):
     """A body on a trough; numbers for one scene, or arrays for many.

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from vibro.accuracy.motion import Found, TroughBody
 
-__all__ = ["NAME", "exact"]
 
 try:
     import mpmath

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibro.quantities import scene_fields
 from vibro.scene import Scene
+from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.sweeps.grid import Grid
-
-__all__ = ["draw_scenes", "take_scenes"]
 
 
 def draw_scenes(grid: Grid, start: int, count: int) -> Scene:
@@ -35,20 +33,15 @@ def draw_scenes(grid: Grid, start: int, count: int) -> Scene:
         Of a 1-D shape; infeasible combinations are left out.
     """
     if grid.size <= count:
-        cells = np.unravel_index(np.arange(grid.size if start == 0 else 0), grid.shape)
+        cells = np.arange(grid.size if start == 0 else 0)
     else:
         phi = 2.0
         for _ in range(60):  # each step reduces the error by a factor of at least 2
             phi = (1.0 + phi) ** (1.0 / (len(grid.shape) + 1))
         numbers = np.arange(start + 1, start + count + 1)
-        cells = tuple(
-            (n * ((0.5 + numbers * phi**-j) % 1.0)).astype(np.intp) for j, n in enumerate(grid.shape, 1)
-        )
-    values: dict[str, Any] = dict(grid.fixed)
-    values |= {axis.name: axis.values[i] for axis, i in zip(grid.axes.values(), cells, strict=True)}
-    drawn = Scene.allowing_infeasible(
-        **{name: np.broadcast_to(value, cells[0].shape) for name, value in scene_fields(values).items()}
-    )
+        places = [(n * ((0.5 + numbers * phi**-j) % 1.0)).astype(int) for j, n in enumerate(grid.shape, 1)]
+        cells = np.ravel_multi_index(places, grid.shape)
+    drawn = scene_of(grid.picked(cells))
     return take_scenes(drawn, ~drawn.infeasible)
 
 

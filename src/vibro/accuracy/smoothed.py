@@ -13,7 +13,6 @@ from vibro.accuracy.motion import Found
 if TYPE_CHECKING:
     from vibro.accuracy.motion import TroughBody
 
-__all__ = ["simulate_smoothed"]
 
 _TURN: Final = 2.0 * math.pi
 _RTOL: Final = 1e-6
@@ -58,21 +57,13 @@ def simulate_smoothed(motion: TroughBody, width: float) -> Found:
 
     speed, before = 0.0, math.inf
     for _ in range(_MOST_TURNS):
-        run = solve_ivp(
-            rates,
-            (0.0, _TURN),
-            (0.0, speed),
-            method="LSODA",
-            rtol=_RTOL,
-            atol=(_PLACE_ATOL, _SPEED_ATOL * width),
-        )
+        atol = (_PLACE_ATOL, _SPEED_ATOL * width)
+        run = solve_ivp(rates, (0.0, _TURN), (0.0, speed), method="LSODA", rtol=_RTOL, atol=atol)
         if run.status != 0:
             break
         place, speed = run.y[:, -1]
         if abs(place - before) <= _SETTLED * width:
-            slides = "F" * bool(np.max(run.y[1]) > _PEAK * width) + "B" * bool(
-                np.min(run.y[1]) < -_PEAK * width
-            )
-            return Found(float(place), slides)
+            forward, back = np.max(run.y[1]) > _PEAK * width, np.min(run.y[1]) < -_PEAK * width
+            return Found(float(place), "F" * bool(forward) + "B" * bool(back))
         before = place
     return Found(math.nan, "")

@@ -12,12 +12,10 @@ from vibro.accuracy.motion import Found, TroughBody
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["simulate_by_steps"]
 
 _TURN: Final = 2.0 * math.pi
-_SETTLED: Final = (
-    1e-3  # [A per rad of a step] smaller changes of the displacement from cycle to cycle count as none
-)
+# [A per rad of a step] Smaller changes of the displacement from cycle to cycle count as none.
+_SETTLED: Final = 1e-3
 _MOST_TURNS: Final = 300
 
 
@@ -47,11 +45,8 @@ def simulate_by_steps(motion: TroughBody, steps: int) -> list[Found]:
         speed, place, highest, lowest = _turn(motion, speed, steps)
         settled = np.abs(place - before) <= _SETTLED * _TURN / steps
         done = cells[settled]
-        displacement[done], forward[done], back[done] = (
-            place[settled],
-            highest[settled] > 0.0,
-            lowest[settled] < 0.0,
-        )
+        displacement[done] = place[settled]
+        forward[done], back[done] = highest[settled] > 0.0, lowest[settled] < 0.0
         going = ~settled
         if not going.any():
             break

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from vibro.accuracy.methods import Method, Tick
     from vibro.sweeps.grid import Grid
 
-__all__ = ["Row", "Trade", "advice", "run_methods", "runs"]
 
 _FEWEST: Final = 20  # scenes that every method is run on at least
 _DRAWS: Final = 20  # most times that a sample is drawn to find enough scenes in contact
