@@ -1,12 +1,17 @@
-"""An answer: named numbers, tables and notes, written as text, JSON, CSV or HTML by one renderer each."""
+"""An answer: named numbers, tables and notes, written as text, JSON, CSV or a page by one renderer each."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Value: TypeAlias = "float | str | None"
 
@@ -25,7 +30,7 @@ class Fact(NamedTuple):
     unit : str
         Unit of a number.
     error : float
-        Standard error of a mean, 0 where the number is exact.
+        Standard error, 0 where there is none.
     note : str
         What stands in brackets behind it.
     is_rare : bool
@@ -45,8 +50,8 @@ class Fact(NamedTuple):
         note = f" ({self.note})" if self.note else ""
         if self.value is None or (isinstance(self.value, float) and math.isnan(self.value)):
             return f"unknown{note}"
-        spread = f" ± {self.error:.2g}" if self.error > 0.0 else ""
-        return f"{shown(self.value)}{spread} {self.unit}".rstrip() + note
+        number = uncertain(self.value, self.error) if isinstance(self.value, float) else str(self.value)
+        return f"{number} {self.unit}".rstrip() + note
 
 
 class Table(NamedTuple):
@@ -57,9 +62,11 @@ class Table(NamedTuple):
     name : str
         Its key in JSON, and what is appended to the name of its CSV.
     columns : sequence of tuple of str
-        Label and unit of each.
+        Label and unit of each; from both follows its key.
     rows : sequence of sequence
-        Numbers, texts, None.
+        Numbers, texts, None; the first of a row names it.
+    title : str
+        What stands above it, if anything.
     is_rare : bool
         Whether it is told on request only.
     """
@@ -67,6 +74,7 @@ class Table(NamedTuple):
     name: str
     columns: Sequence[tuple[str, str]]
     rows: Sequence[Sequence[Value]]
+    title: str = ""
     is_rare: bool = False
 
     @property
@@ -88,13 +96,13 @@ class Answer:
     Attributes
     ----------
     facts, tables : sequence of Fact, Table
-        What people read.
+        What people read; those that are rare on request only.
     notes : sequence of str
         One sentence each: what a status means, what is proved, what is in doubt.
     record : mapping
-        What JSON says beside the tables, by keys with units.
+        What JSON says, by keys with units; a table that is not in it is added under its name.
     title : str
-        Of a page.
+        Of its page.
     """
 
     facts: Sequence[Fact]
@@ -107,7 +115,9 @@ class Answer:
         """Write it for a terminal: the usual part, or every fact and table."""
         facts = [[fact.label, fact.text] for fact in self.facts if every or not fact.is_rare]
         parts = [aligned(facts, right=False)] if facts else []
-        parts += [aligned(table.texts) for table in self.tables if every or not table.is_rare]
+        for table in self.tables:
+            if every or not table.is_rare:
+                parts.append("\n".join(filter(None, [table.title, aligned(table.texts)])))
         return "\n\n".join([*parts, *(["\n".join(self.notes)] if self.notes else [])])
 
     def content(self) -> dict[str, Any]:
@@ -115,12 +125,35 @@ class Answer:
         tables = {
             table.name: [dict(zip(table.keys, map(_known, row), strict=True)) for row in table.rows]
             for table in self.tables
+            if table.name not in self.record
         }
         return {**self.record, **tables, **({"notes": list(self.notes)} if self.notes else {})}
 
     def json(self) -> str:
         """Write all of it as JSON; unknown numbers are null."""
         return json.dumps(self.content(), indent=2, allow_nan=False)
+
+    def csv(self, name: str) -> str:
+        """Write a table as CSV, its numbers with all digits."""
+        table = next(table for table in self.tables if table.name == name)
+        text = io.StringIO()
+        rows = [table.keys, *([_known(cell) for cell in row] for row in table.rows)]
+        csv.writer(text, lineterminator="\n").writerows(rows)
+        return text.getvalue()
+
+    def html(self, pictures: Mapping[str, Figure] | None = None, command: str = "") -> str:
+        """Write all of it as a page to print, which needs no other file.
+
+        Parameters
+        ----------
+        pictures : mapping of str to Figure
+            By what each shows.
+        command : str
+            That makes the same page.
+        """
+        from vibro.answers.page import page_html
+
+        return page_html(self, pictures or {}, command)
 
 
 def aligned(rows: Sequence[Sequence[str]], *, right: bool = True) -> str:
@@ -138,6 +171,14 @@ def shown(value: Value, digits: int = _DIGITS) -> str:
     if isinstance(value, float):
         return "-" if math.isnan(value) else f"{value:z.{digits}g}"
     return "" if value is None else str(value)
+
+
+def uncertain(value: float, error: float, digits: int = _DIGITS) -> str:
+    """Write a value with its standard error, to two digits of that; one without to some digits."""
+    if not 0.0 < error < math.inf:
+        return shown(value, digits)
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:z.{decimals}f} ± {error:.{decimals}f}"
 
 
 def _known(value: Value) -> Value:
