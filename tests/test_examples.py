@@ -126,10 +126,10 @@ def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets() -> None:
 
 def test_a_full_feeder_is_slower_above_resonance_and_faster_below() -> None:
     def speed(filling: int, *more: object) -> float:
-        result = run("solve", EXAMPLES / "full_feeder.toml", "--filling", filling, *more, "--json")
+        result = run("solve", EXAMPLES / "full_feeder.toml", f"filling={filling}", *more, "--json")
         return float(json.loads(result.stdout)["mean_velocity_mm_s"])
 
-    below = ("--pack", "6 leaves", "--setting", 92.6)
+    below = ("--pack", "6 leaves", "setting=92.6")
     assert [speed(0), speed(0, *below)] == pytest.approx([24.2, 24.2], abs=0.05)
     assert speed(4) / speed(0) - 1.0 == pytest.approx(-0.56, abs=0.005)
     assert speed(4, *below) / speed(0, *below) - 1.0 == pytest.approx(0.35, abs=0.005)

@@ -8,7 +8,7 @@ Half a turn away parts go back at the same speed. The command writes ``out/phase
 
 .. code-block:: bash
 
-    vibro map --along .2:2 --phase=-180:180 --normal .3 -f 25 --mu-s .4 --mu-d .3 -o out/phase
+    vibro map along=.2:2 phase=-180:180 normal=.3 -f 25 --mu-s .4 --mu-d .3 -o out/phase
 """
 
 import vibro

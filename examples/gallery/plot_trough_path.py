@@ -9,7 +9,7 @@ slides back. The command writes ``out/ellipse.png``.
 
 .. code-block:: bash
 
-    vibro simulate --along 1 --normal .3 --phase=-60 -f 25 --mu-s .4 --mu-d .3 --cycles 4 \
+    vibro simulate along=1 normal=.3 phase=-60 -f 25 --mu-s .4 --mu-d .3 --cycles 4 \
       -o out/ellipse
 
 .. image:: /gallery/images/sphx_glr_plot_trough_path_001.png

@@ -81,7 +81,7 @@ class Quantity:
     letter, symbol : str
         Short name as people type it, and as TeX for pictures.
     options : tuple of str
-        The command line's, the shortest first.
+        The command line's, the shortest first; a name without dashes is that of ``NAME=VALUE``.
     allowed : Range
         What it may be.
     meaning : str
@@ -130,6 +130,15 @@ class Quantity:
     def column(self) -> str:
         """Name with unit, as tables and scene files spell it."""
         return self.name + self.kind.suffix
+
+    @property
+    def is_option(self) -> bool:
+        """Whether the command line has an option for it; else it is given as ``NAME=VALUE``."""
+        return any(option.startswith("-") for option in self.options)
+
+    def typed(self, value: str = "VALUE") -> str:
+        """Write how the command line gives a value: ``-A 3mm``, ``gravity=3.7``."""
+        return f"{self.options[0]}{' ' if self.is_option else '='}{value}"
 
     @property
     def swept(self) -> Quantity:
@@ -215,10 +224,10 @@ def _harmonic(n: int) -> tuple[Quantity, ...]:
         for way, size, letter, symbol, where in parts
         for quantity in (
             Quantity(f"{way}_amplitude_{n}", LENGTH, f"{size}{n}", f"{size}_{n}",
-                     (f"--{way}-{n}",) if n == 2 else (), _SIZE_OR_NONE,
+                     (f"{way}_{n}",) if n == 2 else (), _SIZE_OR_NONE,
                      f"amplitude of harmonic {n} of the motion {where}"),
             Quantity(f"{way}_phase_{n}", ANGLE, f"{letter}{n}", rf"{symbol}_{n}",
-                     (f"--{way}-phase-{n}",) if n == 2 else (), _PHASE,
+                     (f"{way}_phase_{n}",) if n == 2 else (), _PHASE,
                      f"phase of harmonic {n} of the motion {where}"),
         )
     )
@@ -228,15 +237,15 @@ _LENGTHS: Final = ("for metres write {0}m", "for micrometres write {0}um")
 _FRICTIONS: Final = ("", "for {0} % write {1}")
 _PERCENT: Final = ("it is in percent: 100 is all of it", "100 is all of it")
 _ALL: Final = (
-    Quantity("setting", PERCENT, "s", "s", ("--setting",), POSITIVE,
+    Quantity("setting", PERCENT, "s", "s", ("setting",), POSITIVE,
              "setting of a machine: its force over that at 100 %", 100.0, Range(2.0, 100.0, with_high=True),
              _PERCENT),
-    Quantity("voltage", PERCENT, "U", "U", ("--voltage",), POSITIVE,
+    Quantity("voltage", PERCENT, "U", "U", ("voltage",), POSITIVE,
              "voltage of a machine's supply over its nominal voltage", 100.0, Range(50.0, 150.0), _PERCENT),
-    Quantity("filling", _MASS, "m", "m", ("--filling",), ZERO_OR_MORE,
+    Quantity("filling", _MASS, "m", "m", ("filling",), ZERO_OR_MORE,
              "mass of the filling in the trough", 0.0, Range(high=1e5),
              ("", "for grams write {0}g")),
-    Quantity("natural", FREQUENCY, "f0", "f_0", ("--natural",), POSITIVE,
+    Quantity("natural", FREQUENCY, "f0", "f_0", ("natural",), POSITIVE,
              "natural frequency of the empty machine", usual=Range(high=1000.0),
              slips=("", "for cycles a minute write {0}rpm"), called="natural frequency"),
     Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _SIZE,
@@ -245,23 +254,23 @@ _ALL: Final = (
     Quantity("stroke", LENGTH, "stroke", "2A", ("--stroke",), _SIZE,
              "stroke of the trough from peak to peak, twice the amplitude",
              usual=Range(0.004, 200.0), slips=_LENGTHS),
-    Quantity("along_amplitude", LENGTH, "X", "X", ("--along",), _SIZE_OR_NONE,
+    Quantity("along_amplitude", LENGTH, "X", "X", ("along",), _SIZE_OR_NONE,
              "amplitude of an elliptical motion along the trough",
              usual=Range(high=100.0), slips=_LENGTHS),
-    Quantity("normal_amplitude", LENGTH, "Y", "Y", ("--normal",), _SIZE_OR_NONE,
+    Quantity("normal_amplitude", LENGTH, "Y", "Y", ("normal",), _SIZE_OR_NONE,
              "amplitude of an elliptical motion normal to the trough",
              usual=Range(high=100.0), slips=_LENGTHS),
     Quantity("frequency", FREQUENCY, "f", "f", ("-f", "--frequency"), POSITIVE, "frequency of the drive",
              usual=Range(high=1000.0), slips=("", "for revolutions a minute write {0}rpm")),
-    Quantity("drive_angle", ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
-             Range(0.0, 90.0), "angle of the drive's line above the trough's surface",
+    Quantity("drive_angle", ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle"),
+             Range(0.0, 90.0), "angle of the drive's line above the trough",
              usual=Range(1.0), slips=("for radians write {0}rad", "")),
-    Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), _PHASE,
+    Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("phase",), _PHASE,
              "phase lead of the normal motion over the motion along the trough"),
     Quantity("along_phase", ANGLE, "xi", r"\xi", (), _PHASE,
              "phase of the first harmonic along the trough, where arrays give it; else 0"),
     *(quantity for n in range(2, MOST_HARMONICS + 1) for quantity in _harmonic(n)),
-    Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), POSITIVE,
+    Quantity("motion_scale", PURE, "c", "c", ("motion_scale",), POSITIVE,
              "factor by which all amplitudes, or accelerations, of a motion are multiplied", 1.0),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), ZERO_OR_MORE,
              "coefficient of friction at rest", usual=Range(high=2.0), slips=_FRICTIONS),
@@ -270,11 +279,11 @@ _ALL: Final = (
     Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), ZERO_OR_MORE,
              "coefficient of friction while sliding, at most the static one",
              usual=Range(high=2.0), slips=_FRICTIONS),
-    Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
+    Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle",),
              Range(-90.0, 90.0, with_low=False), "inclination of the trough, > 0 uphill", 0.0),
-    Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), POSITIVE, "acceleration of gravity",
+    Quantity("gravity", ACCELERATION, "g", "g", ("gravity",), POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY, Range(1.0, 100.0), 2 * ("it is in m/s^2, 9.81 on Earth",)),
-    Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("--normal-acceleration",), POSITIVE,
+    Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("normal_acceleration",), POSITIVE,
              "constant normal force on a clamped part over its mass"),
     Quantity("restitution", PURE, "e", "e", ("--restitution",), Range(0.0, 1.0),
              "normal coefficient of restitution of an impact on the trough", 0.0),
@@ -364,13 +373,20 @@ _SPELLED_DIGITS: Final = 15  # every double has them, and people write no more
 
 
 def find_quantity(text: str) -> Quantity | None:
-    """Find a quantity of a scene by its name, column, letter or option."""
+    """Find a quantity of a scene by its name, letter or option, or a name with its unit."""
     called = text.strip()
     spelled = called.removeprefix("--").replace("-", "_").replace(" ", "_").casefold()
     # A single letter keeps its case: A is the amplitude, while the option -a is the drive angle.
     letters = {called} if len(called) == 1 else {called, spelled}
-    found = (q for q in _ALL if called in q.options or spelled in (q.name, q.column) or q.letter in letters)
-    return next(found, None)
+    for q in _ALL:
+        names = {q.name, *q.options}
+        if (
+            called in q.options
+            or spelled in {*names, *(n + q.kind.suffix for n in names)}
+            or q.letter in letters
+        ):
+            return q
+    return None
 
 
 def of_part(quantity: Quantity, *, is_clamped: bool) -> Quantity:

@@ -12,7 +12,7 @@ import pytest
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES
 
-BOWL = ("--along", "3", "--normal", "1", "-f", "25", "--mu-s", ".4", "--mu-d", ".3")
+BOWL = ("along=3", "normal=1", "-f", "25", "--mu-s", ".4", "--mu-d", ".3")
 
 
 def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
@@ -40,12 +40,12 @@ def test_hopping_goes_on_to_a_throw_number_of_10(run: Run) -> None:
 
 
 def test_both_amplitudes_of_an_ellipse_keep_their_proportion(run: Run) -> None:
-    scene = (*BOWL, "--phase", "-60")
+    scene = (*BOWL, "phase=-60")
     (found,) = json.loads(run("solve", *scene, "--speed", "5m/min", "--json").stdout)["amplitudes"]
     for end in ("low", "high"):
         x, y = (found[f"{way}_amplitude_{end}_mm"] for way in ("along", "normal"))
         assert x == pytest.approx(3.0 * y, rel=1e-15)
-        at = ("--along", repr(x), "--normal", repr(y), *scene[4:])
+        at = (f"along={repr(x)}", f"normal={repr(y)}", *scene[4:])
         cycle = json.loads(run("solve", *at, "--json").stdout)
         assert cycle["mean_velocity_mm_s"] >= 250.0 / 3.0 * (1.0 - 1e-12)
         assert cycle["regime"] != "hopping"
@@ -99,7 +99,7 @@ def test_the_scales_of_a_motion_that_reach_a_speed(
     assert ("motion" in answer["scene"]) == ("[motion]" in text)
 
     def solved(scale: float) -> dict[str, Any]:
-        found = json.loads(run("solve", file, "--motion-scale", repr(scale), "--json").stdout)
+        found = json.loads(run("solve", file, f"motion_scale={repr(scale)}", "--json").stdout)
         assert isinstance(found, dict)
         return found
 
@@ -129,7 +129,7 @@ def test_scales_of_a_line_are_its_amplitudes(run: Run, tmp_path: Path) -> None:
     file.write_text(text + "[scene]\nfrequency_hz = 15\n", encoding="utf-8")
     for speed, hopping in (("50m/min", ("--hopping",)),):
         line = json.loads(run("solve", *NUT[2:], "--speed", speed, *hopping, "--json").stdout)
-        given = ("--mu-s", 0.74, "--mu-d", 0.57, "--along-2", 0, "--normal-2", 0)
+        given = ("--mu-s", 0.74, "--mu-d", 0.57, "along_2=0", "normal_2=0")
         moved = json.loads(run("solve", file, *given, "--speed", speed, *hopping, "--json").stdout)
         assert len(line["amplitudes"]) == len(moved["amplitudes"]) > 1
         for a, b in zip(line["amplitudes"], moved["amplitudes"], strict=True):

@@ -119,8 +119,8 @@ ASKED = {
         "solve", "--speed", "5"
     ),
     "`vibro simulate`: history, and its picture": command("simulate", "--cycles", "3", "-o", "{}-history"),
-    "`vibro simulate --start-height`: a part that is dropped, or thrown": command(
-        "simulate", "--start-height", "2"
+    "`vibro simulate start_height=`: a part that is dropped, or thrown": command(
+        "simulate", "start_height=2"
     ),
     "`vibro traverse-time`: mean and exact": command("traverse-time"),
     "`vibro map`: tables and pictures": command("map", "-f", "4:9:3", "-o", "{}-map"),

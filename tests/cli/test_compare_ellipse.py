@@ -14,7 +14,7 @@ from helpers.made_records import FREQUENCY, Walked, bowl, trough_record
 
 from vibro.plots.comparison import comparison_figure
 
-GIVEN = ("--along", "1", "--normal", ".5", "--phase=-60", "-f", "15")
+GIVEN = ("along=1", "normal=.5", "phase=-60", "-f", "15")
 FRICTION = ("--mu-s", ".4", "--mu-d", ".3")
 BODY = ("--displacement", "x [mm]", "--velocity", "v [mm/s]")
 TROUGH = ("--trough-along", "along [m/s^2]", "--trough-normal", "normal [m/s^2]")

@@ -191,7 +191,7 @@ def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
     result = run("compare", short, *FRICTION, *SENSORS, "--fit", "mu_d")
     assert (result.exit_code, result.stdout) == (2, "")
 
-    one = ("--trough-along", "trough_along", "--normal", "0.3mm", "--phase=-60deg", *FRICTION)
+    one = ("--trough-along", "trough_along", "normal=0.3mm", "phase=-60deg", *FRICTION)
     data = feeder_file(0.2, ellipse=-1.0)
     assert run("compare", data, *one).exit_code == 0
     assert run("compare", data, *one, "--fit", "mu_d").exit_code == 2

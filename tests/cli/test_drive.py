@@ -45,8 +45,8 @@ def test_bands_of_options_replace_those_of_the_file(run: Run, tmp_path: Path) ->
     path = written(tmp_path, feeder(1.05, BANDS))
     told = json.loads(
         run(
-            "drive", path, "--voltage", "95:105", "--filling", "1kg", "--mu-s", "0.32:0.38", "--mu-d",
-            "0.26:0.30", "--setting", "50,100", "--json",
+            "drive", path, "voltage=95:105", "filling=1kg", "--mu-s", "0.32:0.38", "--mu-d",
+            "0.26:0.30", "setting=50,100", "--json",
         ).stdout
     )  # fmt: skip
     assert told["bands"] == {
@@ -59,7 +59,7 @@ def test_bands_of_options_replace_those_of_the_file(run: Run, tmp_path: Path) ->
     assert told["scene"]["static_friction"] == 0.35  # the file's own, as it lies within the band
     outside = json.loads(run("drive", path, "--mu-s", "0.4:0.5", "--json").stdout)
     assert outside["scene"]["static_friction"] == pytest.approx(0.45)
-    fixed = json.loads(run("drive", path, "--voltage", "95", "--json").stdout)
+    fixed = json.loads(run("drive", path, "voltage=95", "--json").stdout)
     assert "voltage_percent" not in fixed["bands"]
     assert fixed["settings"][-1]["empty"]["voltage_percent"] == 95.0
 
@@ -119,14 +119,14 @@ def test_settings_are_quarters_of_the_machines_own(run: Run, tmp_path: Path) -> 
     path = written(tmp_path, feeder(1.05, "setting_percent = 80\n"))
     told = json.loads(run("drive", path, "--json").stdout)
     assert [row["empty"]["setting_percent"] for row in told["settings"]] == [20.0, 40.0, 60.0, 80.0]
-    told = json.loads(run("drive", path, "--setting", "40:100", "--json").stdout)
+    told = json.loads(run("drive", path, "setting=40:100", "--json").stdout)
     assert [row["empty"]["setting_percent"] for row in told["settings"]] == [40.0, 60.0, 80.0, 100.0]
 
 
 def test_bands_of_friction_are_cut_where_kinetic_exceeds_static(run: Run, tmp_path: Path) -> None:
     path = written(tmp_path, feeder(1.05, BANDS))
-    cut = json.loads(run("drive", path, "--mu-s", "0:0.5", "--setting", "20", "--json").stdout)
-    whole = json.loads(run("drive", path, "--mu-s", "0.28:0.5", "--setting", "20", "--json").stdout)
+    cut = json.loads(run("drive", path, "--mu-s", "0:0.5", "setting=20", "--json").stdout)
+    whole = json.loads(run("drive", path, "--mu-s", "0.28:0.5", "setting=20", "--json").stdout)
     assert cut["guaranteed"][0]["amplitude_mm"] == whole["guaranteed"][0]["amplitude_mm"]
 
 

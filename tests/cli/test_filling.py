@@ -1,4 +1,4 @@
-"""``vibro solve --filling``: what lies in a trough that moves as the scene says."""
+"""``vibro solve filling=``: what lies in a trough that moves as the scene says."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def lines_of(stdout: str) -> list[str]:
 
 
 def test_json_and_tables_have_the_same_numbers(run: Run, tmp_path: Path) -> None:
-    args = "solve", *FEEDER, "--filling", "2000g", "--trough-mass", "6kg"
+    args = "solve", *FEEDER, "filling=2000g", "trough_mass=6kg"
     told = json.loads(run(*args, "--json").stdout)
     assert set(told) >= KEYS
     assert set(json.loads(run("solve", *FEEDER, "--json").stdout)).isdisjoint(KEYS)
@@ -55,7 +55,7 @@ def test_json_and_tables_have_the_same_numbers(run: Run, tmp_path: Path) -> None
 
 
 def test_means_over_irregular_motion_have_errors(run: Run) -> None:
-    args = [*NUT, "-A", "12", "--restitution", ".6", "--filling", "2kg"]
+    args = [*NUT, "-A", "12", "--restitution", ".6", "filling=2kg"]
     filling = lines_of(run("solve", *args).stdout)[0]
     assert filling.count("(standard error)") == 2
     told = json.loads(run("solve", *args, "--json").stdout)

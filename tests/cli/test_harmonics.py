@@ -55,7 +55,7 @@ def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None
         for phase in (-90, 90)
     )
     assert forth == pytest.approx(-back, rel=1e-13)
-    answer = json.loads(run("solve", file, "--normal", "0.2", "--normal-2", "0.1", "--json").stdout)
+    answer = json.loads(run("solve", file, "normal=0.2", "normal_2=0.1", "--json").stdout)
     assert [answer[f"normal_{name}"] for name in ("amplitude_mm", "amplitude_2_mm", "phase_2_deg")] == [
         0.2,
         0.1,
@@ -96,7 +96,7 @@ def test_patterns_that_are_longer_than_codes_are_whole(run: Run, tmp_path: Path)
 
 
 def test_the_second_harmonic_is_an_axis_and_has_columns(run: Run, tmp_path: Path) -> None:
-    result = run("map", written(tmp_path, FILE), "--along-2", "0:.3:4", "--along-phase-2=-90:90:3", "-o", "x")
+    result = run("map", written(tmp_path, FILE), "along_2=0:.3:4", "along_phase_2=-90:90:3", "-o", "x")
     assert result.exit_code == 0, result.stderr
     rows = rows_of((tmp_path / "x.csv").read_text(encoding="utf-8"))
     assert list(rows[0])[:8] == [
@@ -118,7 +118,7 @@ def test_regions_of_a_map_are_those_of_its_cells() -> None:
 
 
 def test_a_traverse_time_and_the_arrival_of_a_body(run: Run) -> None:
-    result = run("traverse-time", *SLIP_STICK, "--along-phase-2=-90", "-L", "600", "--json")
+    result = run("traverse-time", *SLIP_STICK, "along_phase_2=-90", "-L", "600", "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
     cycles = (answer["arrival_time_s"] - answer["traverse_time_s"]) * answer["frequency_hz"]

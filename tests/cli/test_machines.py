@@ -28,7 +28,7 @@ def lines_of(text: str) -> dict[str, str]:
 
 
 def test_json_has_the_columns_of_a_machine(run: Run, tmp_path: Path) -> None:
-    answer = json.loads(run("solve", feeder(tmp_path), "--filling", "2", "--json").stdout)
+    answer = json.loads(run("solve", feeder(tmp_path), "filling=2", "--json").stdout)
     assert (answer["setting_percent"], answer["filling_kg"], answer["natural_hz"]) == (100.0, 2.0, 55.6)
     assert answer["amplitude_empty_mm"] == pytest.approx(0.35)
     assert answer["amplitude_mm"] == pytest.approx(0.3763, rel=1e-4)
@@ -40,7 +40,7 @@ def test_json_has_the_columns_of_a_machine(run: Run, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("unsaved")
 def test_a_map_over_bands_is_written_and_described(run: Run, tmp_path: Path) -> None:
     path = feeder(tmp_path, BANDS.replace("setting", "# setting"))
-    result = run("map", path, "-o", tmp_path / "m", "--voltage", "90:110:5", "--filling", "0:2:5")
+    result = run("map", path, "-o", tmp_path / "m", "voltage=90:110:5", "filling=0:2:5")
     assert result.exit_code == 0, result.stderr
     assert {p.name for p in tmp_path.iterdir()} == {
         "feeder.toml", "m.csv", "m.json", "m-regime.png", "m-speed.png",
@@ -52,7 +52,7 @@ def test_a_map_over_bands_is_written_and_described(run: Run, tmp_path: Path) -> 
     rows = rows_of((tmp_path / "m.csv").read_text())
     assert [*rows[0]][:3] == ["voltage_percent", "filling_kg", "amplitude_mm"]
     assert len(rows) == 25
-    single = json.loads(run("solve", path, "--voltage", "95", "--filling", "1.5", "--json").stdout)
+    single = json.loads(run("solve", path, "voltage=95", "filling=1.5", "--json").stdout)
     (row,) = (r for r in rows if (r["voltage_percent"], r["filling_kg"]) == ("95", "1.5"))
     assert float(row["mean_velocity_mm_s"]) == single["mean_velocity_mm_s"]
     assert float(row["amplitude_mm"]) == single["amplitude_mm"]
@@ -70,7 +70,7 @@ def test_axes_of_a_machine_stand_in_the_table_of_a_map(run: Run, tmp_path: Path)
 
 @pytest.mark.usefixtures("unsaved")
 def test_a_stored_map_is_drawn_again(run: Run, tmp_path: Path) -> None:
-    args = ("map", feeder(tmp_path), "--setting", "30:100:4", "--filling", "0:2:4")
+    args = ("map", feeder(tmp_path), "setting=30:100:4", "filling=0:2:4")
     stored = tmp_path / "stored.parquet"
     assert run(*args, "-o", stored).exit_code == 0
     assert "complete already" in run(*args, "-o", stored).stderr
@@ -84,21 +84,21 @@ def test_a_stored_map_is_drawn_again(run: Run, tmp_path: Path) -> None:
 
 def test_a_traverse_time_follows_the_filling(run: Run, tmp_path: Path) -> None:
     path = feeder(tmp_path)
-    told = lines_of(run("traverse-time", path, "--filling", "2", "-L", "600").stdout)
+    told = lines_of(run("traverse-time", path, "filling=2", "-L", "600").stdout)
     assert told["traverse time"].startswith("21.783")
     assert told["amplitude"].startswith("0.35 mm empty, 0.3763 mm")
-    table = run("traverse-time", path, "-L", "600", "--filling", "0:2:3").stdout
+    table = run("traverse-time", path, "-L", "600", "filling=0:2:3").stdout
     assert [*rows_of(table)[0]][:2] == ["filling_kg", "amplitude_mm"]
 
 
 def test_a_body_is_followed_in_a_full_trough(run: Run, tmp_path: Path) -> None:
     path = feeder(tmp_path)
-    result = run("simulate", path, "--filling", "2", "--cycles", "2", "--json")
+    result = run("simulate", path, "filling=2", "--cycles", "2", "--json")
     content = json.loads(result.stdout)
     assert content["scene"]["machine"]["kind"] == "magnet"
     assert content["scene"]["filling_kg"] == 2.0
     assert "second harmonic" in result.stderr
-    amplitude = json.loads(run("solve", path, "--filling", "2", "--json").stdout)["amplitude_mm"]
+    amplitude = json.loads(run("solve", path, "filling=2", "--json").stdout)["amplitude_mm"]
     same = run("simulate", "-A", f"{amplitude!r}", "-f", "50", "-a", "20", "--mu-s", "0.35", "--mu-d", "0.28",
                "--cycles", "2", "--json")  # fmt: skip
     assert json.loads(same.stdout)["phases"] == content["phases"]
@@ -125,7 +125,7 @@ def test_plain_scenes_load_no_machine() -> None:
     assert result.stdout.endswith("LOADED []\n")
 
 
-OF_CELLS = ("-f", "49,50", "--filling", "1,2", "--columns", "amplitude_mm,natural_hz")
+OF_CELLS = ("-f", "49,50", "filling=1,2", "--columns", "amplitude_mm,natural_hz")
 
 
 @each(("kind", "table"), [*((kind, "csv") for kind in KINDS), ("magnet", "xlsx"), ("magnet", "parquet")])
@@ -146,7 +146,7 @@ def test_maps_of_every_kind_are_drawn(run: Run, tmp_path: Path, kind: str) -> No
 @each("table", ["csv", "xlsx", "parquet"])
 @pytest.mark.usefixtures("no_pictures")
 def test_maps_with_masses_that_strike_are_written(run: Run, tmp_path: Path, table: str) -> None:
-    of_cells = "-f", "45:55:11", "--setting", "50,150", "-o", f"of-{table}.{table}"
+    of_cells = "-f", "45:55:11", "setting=50,150", "-o", f"of-{table}.{table}"
     result = run("map", feeder(tmp_path, "gap_mm = 0.6\n"), *of_cells)
     assert result.exit_code == 0, result.stderr
     assert "of 22 cells: infeasible" in result.stderr

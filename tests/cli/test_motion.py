@@ -277,7 +277,7 @@ def test_compare_takes_harmonics_of_one_sensor_along_the_line_of_the_scene(run: 
     assert scene["normal_amplitude_3_mm"] == pytest.approx(
         np.tan(np.radians(25.0)) * scene["along_amplitude_3_mm"]
     )
-    ellipse = run(*args, "--normal", "0.2")
+    ellipse = run(*args, "normal=0.2")
     assert ellipse.exit_code == 0, ellipse.stderr
     assert "along_amplitude_2_mm" not in json.loads(ellipse.stdout)["scene"]
 

@@ -91,7 +91,7 @@ def test_intervals_of_classes_are_told(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize("table", [STEPS, SAMPLES])
 def test_the_scale_is_an_axis_and_a_column(run: Run, tmp_path: Path, table: str) -> None:
     file = written(tmp_path, POINT + table)
-    result = run("map", file, "--motion-scale", "0.5:1.5:3", "-f", "2,3", "-o", "-")
+    result = run("map", file, "motion_scale=0.5:1.5:3", "-f", "2,3", "-o", "-")
     assert result.exit_code == 0, result.stderr
     rows = rows_of(result.stdout)
     assert [*rows[0]][:2] == ["frequency_hz", "motion_scale"]
@@ -153,15 +153,15 @@ def test_a_clamped_part_on_a_vertical_trough(run: Run, tmp_path: Path) -> None:
     assert answer["mean_velocity_mm_s"] == pytest.approx(
         1e3 * float(vibro.solve(own).mean_velocity), rel=1e-13
     )
-    force = run("map", written(tmp_path, text), "--normal-acceleration", "30:50:3", "-o", "-")
+    force = run("map", written(tmp_path, text), "normal_acceleration=30:50:3", "-o", "-")
     assert [float(row["normal_acceleration_m_s2"]) for row in rows_of(force.stdout)] == [30.0, 40.0, 50.0]
 
 
 def test_an_ellipse_has_a_scale_too(run: Run) -> None:
-    ellipse = ("--along", 1, "--normal", 0.3, "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
-    other = ("--along", 2, "--normal", 0.6, "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
+    ellipse = ("along=1", "normal=0.3", "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
+    other = ("along=2", "normal=0.6", "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
     scaled, same = (
-        json.loads(run("solve", *x, "--json").stdout) for x in ((*ellipse, "--motion-scale", 2), other)
+        json.loads(run("solve", *x, "--json").stdout) for x in ((*ellipse, "motion_scale=2"), other)
     )
     for name in ("mean_velocity_mm_s", "stroke_mm", "throw_number"):
         assert scaled[name] == pytest.approx(same[name], rel=1e-14)

@@ -54,7 +54,7 @@ def page(run: Run, *args: object, code: int = 0) -> ReadPage:
 
 
 def test_what_is_given_is_not_assumed(run: Run) -> None:
-    read = page(run, *NUT, "--gravity", "9.81")
+    read = page(run, *NUT, "gravity=9.81")
     assert "The trough is level" in read.text
     assert "Gravity is" not in read.text
 

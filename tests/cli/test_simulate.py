@@ -173,7 +173,7 @@ def test_numbers_read_back_as_the_same_doubles(run: Run) -> None:
 
 
 def test_a_body_is_dropped_or_thrown(run: Run) -> None:
-    thrown = ("--start-height", "2mm", "--start-normal-velocity", "-0.1m/s", "--json")
+    thrown = ("start_height=2mm", "start_normal_velocity=-0.1m/s", "--json")
     answer = json.loads(run("simulate", SCENE, *thrown).stdout)
     assert (answer["start_height_mm"], answer["start_normal_velocity_mm_s"]) == (2, -100)
     assert answer["phases"][0]["phase"] == "flight"

@@ -54,14 +54,14 @@ def test_the_length_gives_a_traverse_time(run: Run) -> None:
         (("--stroke", "2mm"), ("-A", "1000um")),
         (("-A", "0.05in"), ("-A", "1.27")),
         (("-f", "900rpm"), ("-f", "15")),
-        (("-a", "20\u00b0"), ("--alpha", "20")),
+        (("-a", "20\u00b0"), ("--drive-angle", "20")),
         (("--mu-ratio", "0.5"), ("--mu-d", "0.37")),
     ],
 )
 def test_the_same_scene_in_other_words(run: Run, one: tuple[str, str], other: tuple[str, str]) -> None:
     base = dict(zip(NUT[::2], NUT[1::2], strict=True))
     for option in (one[0], other[0]):
-        base.pop({"--stroke": "-A", "--mu-ratio": "--mu-d", "--alpha": "-a"}.get(option, option), None)
+        base.pop({"--stroke": "-A", "--mu-ratio": "--mu-d", "--drive-angle": "-a"}.get(option, option), None)
     common = [part for pair in base.items() for part in pair]
     first, second = (run("solve", *common, *given, "--json") for given in (one, other))
     assert first.exit_code == 0

@@ -127,7 +127,7 @@ def test_what_begins_is_the_same(run: Run, tmp_path: Path, case: Case) -> None:
         ),
         (
             ELLIPSE,
-            ("--along", "--normal"),
+            ("along=", "normal="),
             1e-4,
             {"forward slip": ("no-slip", "forward-slip"), "hopping": ("back-slip", "hopping")},
         ),

@@ -57,7 +57,7 @@ def written(folder: Path, text: str, name: str = "drive.toml") -> Path:
 
 
 @pytest.mark.parametrize(
-    "phase", [("--phase=-60",), ("--phase", "-60"), ("--phase", "-60deg"), ("--phase=300",)]
+    "phase", [("phase=-60",), ("phase=-60"), ("phase=-60deg"), ("phase=300",)]
 )
 def test_a_negative_phase_needs_no_equals_sign(run: Run, phase: tuple[str, ...]) -> None:
     rest = tuple(text for text in ELLIPSE if not text.startswith("--phase"))
@@ -98,12 +98,12 @@ def test_a_speed_is_found_for_the_line_that_replaces_an_ellipse(run: Run, tmp_pa
 def test_a_drive_given_whole_takes_the_place_of_a_file_s(run: Run, tmp_path: Path) -> None:
     line, ellipse = written(tmp_path, LINE_FILE), tmp_path / "ellipse.toml"
     ellipse.write_text(ELLIPSE_FILE, encoding="utf-8")
-    answer = json.loads(run("solve", line, "--along", "1", "--normal", ".3", "--phase=-60", "--json").stdout)
+    answer = json.loads(run("solve", line, "along=1", "normal=.3", "phase=-60", "--json").stdout)
     assert answer["mean_velocity_mm_s"] == pytest.approx(89.0577, rel=1e-6)
     assert "amplitude_mm" not in answer
     answer = json.loads(run("solve", ellipse, "--stroke", "2", "-a", "20", "--json").stdout)
     assert (answer["amplitude_mm"], answer["drive_angle_deg"]) == (1.0, 20.0)
-    assert json.loads(run("solve", ellipse, "--phase", "30", "--json").stdout)["normal_phase_deg"] == 30.0
+    assert json.loads(run("solve", ellipse, "phase=30", "--json").stdout)["normal_phase_deg"] == 30.0
 
 
 def test_a_file_s_map_may_sweep_another_drive_than_its_scene(run: Run, tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_a_file_s_map_may_sweep_another_drive_than_its_scene(run: Run, tmp_path:
 
 
 def test_all_three_are_axes_and_have_columns(run: Run) -> None:
-    result = run("map", "--along", ".5:1:2", "--normal", ".1:.3:3", "--phase=-90:90:5", "-f", "25", *FRICTION,
+    result = run("map", "along=.5:1:2", "normal=.1:.3:3", "phase=-90:90:5", "-f", "25", *FRICTION,
                  "-o", "-")  # fmt: skip
     rows = rows_of(result.stdout)
     assert tuple(rows[0])[: len(COLUMNS)] == COLUMNS
@@ -145,14 +145,14 @@ def test_a_line_s_table_keeps_its_columns(run: Run) -> None:
 
 def test_columns_are_chosen_by_name(run: Run) -> None:
     names = "normal_phase_deg,stroke_mm,acceleration_g"
-    rows = rows_of(run("map", *ELLIPSE, "--phase=-90:90:3", "-o", "-", "--columns", names).stdout)
+    rows = rows_of(run("map", *ELLIPSE, "phase=-90:90:3", "-o", "-", "--columns", names).stdout)
     assert [float(row["normal_phase_deg"]) for row in rows] == [-90, 0, 90]
     assert float(rows[0]["stroke_mm"]) == pytest.approx(2.0, rel=1e-15)  # the axes of the ellipse are X and Y
     assert float(rows[1]["stroke_mm"]) == pytest.approx(2.0 * math.hypot(1.0, 0.3), rel=1e-15)
 
 
 def test_the_sidecar_gives_what_was_solved(run: Run, tmp_path: Path) -> None:
-    run("map", *ELLIPSE, "--phase=-180:180:9", "-o", "x")
+    run("map", *ELLIPSE, "phase=-180:180:9", "-o", "x")
     content = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
     assert content["axes"]["normal_phase_deg"] == {
         "count": 9,
@@ -165,7 +165,7 @@ def test_the_sidecar_gives_what_was_solved(run: Run, tmp_path: Path) -> None:
 
 
 def test_an_axis_is_held_by_its_letter(run: Run, tmp_path: Path) -> None:
-    sweep = ("--along", ".5:1:3", "--normal", ".1:.3:3", "--phase=-90:90:3", "-f", "25", *FRICTION, "-o", "x")
+    sweep = ("along=.5:1:3", "normal=.1:.3:3", "phase=-90:90:3", "-f", "25", *FRICTION, "-o", "x")
     assert run("map", *sweep, "--at", "phi=-90", "--x", "Y").exit_code == 0
 
 
@@ -176,7 +176,7 @@ def test_python_sweeps_the_same(run: Run) -> None:
     )  # fmt: skip
     frame = swept.to_frame()
     assert tuple(frame.columns)[: len(COLUMNS)] == COLUMNS
-    rows = rows_of(run("map", *ELLIPSE, "--phase=-180:180:5", "-o", "-").stdout)
+    rows = rows_of(run("map", *ELLIPSE, "phase=-180:180:5", "-o", "-").stdout)
     assert [float(row["mean_velocity_mm_s"]) for row in rows] == frame["mean_velocity_mm_s"].tolist()
     assert list(swept.axes) == ["normal_phase_deg"]
     with pytest.raises(vibro.VibroError, match=r"the call gives amplitude, along amplitude: a drive moves"):

@@ -24,7 +24,6 @@ OPTIONS = [
     "--mu-d",
     "--mu-ratio",
     "--trough-angle",
-    "--gravity",
     "--restitution",
     "-L",
 ]
@@ -46,7 +45,7 @@ OWN = {
     "traverse-time": (["--exact", "--sweep", "--json", "-q", "-o-"], []),
     "simulate": (
         ["-q"],
-        ["--cycles", "--duration", "--start-phase", "--start-velocity", "--samples-per-cycle"],
+        ["--cycles", "--duration", "--samples-per-cycle"],
     ),
     "map": (["-q", "--decimal-comma"], ["--at", "--x", "--y", "--show"]),
 }

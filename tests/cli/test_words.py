@@ -42,7 +42,7 @@ def test_functions_and_commands_are_there() -> None:
         ("replace with force=True, or go", "replace with --force, or go"),
         ("may be inverted (reverse=True, or", "may be inverted (--reverse, or"),
         ('name time="t [s]" mass="0.02kg"', 'name --time "t [s]" --mass 0.02kg'),
-        ('give normal_phase="-60deg"', "give --phase=-60deg"),
+        ('give normal_phase="-60deg"', "give phase=-60deg"),
         ("mass='20 g': no", '--mass "20 g": no'),
         ('output="-" writes it', "-o - writes it"),
         ("frequency=15.25", "-f 15.25"),

@@ -21,10 +21,10 @@ NUT_ANGLE_AND_FRICTION = NUT[4:]
 
 FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
 
-ELLIPSE = ("--along", "1", "--normal", "0.3", "--phase=-60", "-f", "25", *FRICTION)
+ELLIPSE = ("along=1", "normal=0.3", "phase=-60", "-f", "25", *FRICTION)
 
 SLIP_STICK = (
-    *("--along", "1", "--normal", "0", "--along-2", "0.3", "--along-phase-2", "90", "-f", "10"), *FRICTION,
+    *("along=1", "normal=0", "along_2=0.3", "along_phase_2=90", "-f", "10"), *FRICTION,
 )  # fmt: skip
 """Two harmonics along the trough."""
 

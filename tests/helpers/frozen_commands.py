@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 
 _NUT: Final = "-f 15 -a 20 --mu-s .74 --mu-d .57"
-_BOWL: Final = "--along 1 --phase=-60 -f 25 --mu-s .4 --mu-d .3 --normal"
-_TWO: Final = "--along 2 --along-2 .4 --along-phase-2 90 -f 10 --mu-s .4 --mu-d .3 --normal"
+_BOWL: Final = "along=1 phase=-60 -f 25 --mu-s .4 --mu-d .3 normal"
+_TWO: Final = "along=2 along_2=.4 along_phase_2=90 -f 10 --mu-s .4 --mu-d .3 normal"
 _SIDES: Final = "--trough-along along --trough-normal normal"
 
 #: Commands whose answers are kept as JSON, or as the rows of a table where they write to stdout.
@@ -40,35 +40,35 @@ solve -A 8 {_NUT} --flight off
 solve -A 1 {_NUT} --regimes-only
 solve -A 1 -f 15 -a 20 --mu-s .2 --mu-ratio .5 --trough-angle=-15
 solve --stroke 2 -f 900rpm -a 20 --mu-s .74 --mu-ratio .8
-solve {_BOWL} .3 -L 400
-solve {_BOWL} 1
-solve {_TWO} .5 -L 400
-solve {_TWO} 4 --restitution .2
+solve {_BOWL}=.3 -L 400
+solve {_BOWL}=1
+solve {_TWO}=.5 -L 400
+solve {_TWO}=4 --restitution .2
 solve steps.toml
 solve samples.toml -L 500
 solve clamped.toml
 solve feeder.toml
-solve feeder.toml --filling 1.5
+solve feeder.toml filling=1.5
 solve {_NUT} --speed 30
 solve {_NUT} --speed 40 --hopping
-solve {_BOWL} .3 --speed 20
-solve {_TWO} .5 --speed 20
+solve {_BOWL}=.3 --speed 20
+solve {_TWO}=.5 --speed 20
 traverse-time -A 1 {_NUT} -L 600
 traverse-time -A 4 {_NUT} -L 600 --restitution .2
-traverse-time {_BOWL} .3 -L 300 --exact
+traverse-time {_BOWL}=.3 -L 300 --exact
 traverse-time samples.toml -L 300
 simulate -A 1 {_NUT}
-simulate -A 2 {_NUT} --cycles 2 --start-phase 30 --start-velocity 50
-simulate -A 5 {_NUT} --duration .2 --start-height 2
-simulate {_BOWL} .3 --cycles 2
+simulate -A 2 {_NUT} --cycles 2 start_phase=30 start_velocity=50
+simulate -A 5 {_NUT} --duration .2 start_height=2
+simulate {_BOWL}=.3 --cycles 2
 simulate steps.toml
 drive feeder.toml
-drive feeder.toml --filling 0:2 --voltage 95:105
+drive feeder.toml filling=0:2 voltage=95:105
 friction
 design line.toml --only goal
 friction 'steel on steel'
 map -A .5:4:4 {_NUT} -L 600 --force
-map {_BOWL} .2:1.4:4 --restitution .2 --force
+map {_BOWL}=.2:1.4:4 --restitution .2 --force
 compare slide.csv -A 1 {_NUT} --fit mu_s,mu_d
 motion trough.csv {_SIDES}
 motion trough.csv --trough-along along -a 20 --mu-s .74 --mu-d .57
@@ -77,10 +77,10 @@ drive feeder.toml --fit points.csv
 drive --fit points.csv --law square
 map -A .5:4:8 {_NUT} -f 10:20:6 -L 600 -o -
 map -A .5:4:8 {_NUT} -f 10:20:6 --decimal-comma -o -
-map {_BOWL} .2:1.4:7 --phase=-90:90:7 -o -
-map {_TWO} .5 --motion-scale .5:2:30 -o -
-map samples.toml --motion-scale .5:2:30 -o -
-map feeder.toml --filling 0:2:5 --voltage 90:110:5 -o -
+map {_BOWL}=.2:1.4:7 phase=-90:90:7 -o -
+map {_TWO}=.5 motion_scale=.5:2:30 -o -
+map samples.toml motion_scale=.5:2:30 -o -
+map feeder.toml filling=0:2:5 voltage=90:110:5 -o -
 map -A 3:9:40 {_NUT} --restitution .5 --columns amplitude_mm,mean_velocity_mm_s,pattern,status -o -
 traverse-time -A .5:4:40 {_NUT} -L 600 --exact -o -
 simulate -A 2 {_NUT} --cycles 12 -o -

@@ -39,7 +39,7 @@ The exit code says how a run ended. Code 1 means a file that is missing or exist
 end `vibro explore` with Ctrl-C; its exit code is then 0."""
 OTHERS = "Bold symbols have another meaning on these pages: German practice (VDI 2333) swaps letters."
 FILLING = """\
-What `vibro solve --filling` adds, where the trough moves as the scene says (theory, section 18). Three
+What `vibro solve filling=` adds, where the trough moves as the scene says (theory, section 18). Three
 columns `given_motion_..._percent` say up to which filling, as a share of the trough's mass, this holds within
 1 % of the speed."""
 REFERENCE = Path(__file__).parents[2] / "docs" / "reference"

@@ -18,7 +18,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 #: The longest pages: a path below four panels, bounces, parts in a row; two drives of which none will do.
 PAGES = {
     "bowl": (
-        "bowl_feeder.toml", "--along", "0.5", "--normal", "0.3", "--phase=-60", "--restitution", "0.3",
+        "bowl_feeder.toml", "along=0.5", "normal=0.3", "phase=-60", "--restitution", "0.3",
         "--pitch", "20", "--mass", "12g",
     ),
     "design": ("design_feeder.toml",),

@@ -137,8 +137,9 @@ class Answer:
         """Write a table as CSV, its numbers with all digits."""
         table = next(table for table in self.tables if table.name == name)
         text = io.StringIO()
-        rows = [table.keys, *([_known(cell) for cell in row] for row in table.rows)]
-        csv.writer(text, lineterminator="\n").writerows(rows)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(table.keys)
+        writer.writerows(map(_known, row) for row in table.rows)
         return text.getvalue()
 
     def html(self, pictures: Mapping[str, Figure] | None = None, command: str = "") -> str:

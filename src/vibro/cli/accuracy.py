@@ -37,7 +37,7 @@ _SAMPLE: Final = {
 _AROUND_A_SCENE: Final = {name: _SAMPLE[name] for name in ("amplitude", "frequency")}
 _LINE_ALONE: Final = (
     "vibro accuracy runs methods for a drive along a line alone",
-    "give -A and -a in place of --along, --normal and --phase",
+    "give -A and -a in place of along=, normal= and phase=",
 )
 _VALUES: Final = 1001  # of a range that leaves it open
 _SCENES: Final = 5000

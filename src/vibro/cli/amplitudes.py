@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 __all__ = ["list_amplitudes"]
 
 _NO_MACHINE: Final = (
-    "--speed asks for an amplitude, which follows from the machine; vibro map --setting 10:100 shows"
+    "--speed asks for an amplitude, which follows from the machine; vibro map setting=10:100 shows"
     " the setting that reaches a speed"
 )
 _MOST_AMPLITUDES: Final = 2  # of a motion in the table; more would not fit
@@ -172,7 +172,7 @@ class _Drive:
         if names and not any(fixed[name] for name in names):
             raise InputError(
                 "along amplitude = normal amplitude = 0 mm: their proportion is that of the answer",
-                hint="give --along or --normal a value above 0",
+                hint="give along= or normal= a value above 0",
             )
         scene = Scene(**scene_fields(given))
         sizes = {name: float(getattr(scene, name)) for name in names or ["amplitude"]}
@@ -331,7 +331,7 @@ class _Drive:
         phase = QUANTITIES["normal_phase"]
         now = float(phase.from_si(float(self.scene.arrays()._asdict()["normal_phase"])))
         turned = now - 180.0 if now > 0.0 else now + 180.0
-        return f"; {phase.options[0]} {turned:.6g} drives it the other way"
+        return f"; {phase.typed(f'{turned:.6g}')} drives it the other way"
 
 
 def _word(name: str) -> str:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Flight
 from vibro.cli.outputs import TABLES, Outputs
 from vibro.core.codes import Output, Regime, Status
 from vibro.errors import FileError
@@ -83,12 +82,11 @@ def make_grid(
     console: Console | None = None,
     *,
     output: Output = Output.EXACT,
-    flight: Flight = Flight.ON,
     coexistence: bool = False,
     arrivals: bool = False,
 ) -> Grid:
     """Spell out the axes of a request, and echo them."""
-    follows = output is Output.EXACT and flight is Flight.ON
+    follows = output is Output.EXACT
     grid = request.grid(output, flight=follows, coexistence=coexistence, arrivals=arrivals)
     if console is not None:
         for axis in grid.told_axes.values():

@@ -12,7 +12,6 @@ from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import compare_command
-from vibro.cli.completion import check_shell, complete_in_plain_text
 from vibro.cli.console import (
     open_closed_streams,
     print_error,
@@ -26,26 +25,20 @@ from vibro.cli.drive import drive_command
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
-from vibro.cli.help import GroupedCommand
 from vibro.cli.map import map_command
 from vibro.cli.motion import motion_command
 from vibro.cli.options import print_version, shares_options
-from vibro.cli.outputs import MAPS, PAGES, TABLES
-from vibro.cli.report_page import report_command
+from vibro.cli.outputs import HISTORIES, MAPS, TABLES
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
-from vibro.cli.words import options_of, speak_in
 from vibro.errors import FileError, InputError, VibroError
 from vibro.interrupts import end_on_signals, ignore_signals
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-__all__ = ["app", "main"]
-
-_OF_COMPLETION = frozenset({"--install-completion", "--show-completion"})
 _OBJECTS = 100_000  # made before garbage is collected
 
 
@@ -55,7 +48,7 @@ class _Made(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         run, shared = _COMMANDS[name]
         alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-        alone.command(name, cls=GroupedCommand)(run if shared is None else shares_options(run, **shared))
+        alone.command(name)(run if shared is None else shares_options(run, **shared))
         return typer.main.get_command(alone)
 
     def __iter__(self) -> Iterator[str]:
@@ -83,10 +76,7 @@ class _Commands(TyperGroup):
     ) -> NoReturn:
         argv = list(sys.argv[1:] if args is None else args)
         tolerate_any_encoding()
-        speak_in({})
         try:
-            if _OF_COMPLETION.intersection(argv):
-                check_shell()
             code = super().main(
                 args=argv,
                 prog_name="vibro",
@@ -108,14 +98,12 @@ class _Commands(TyperGroup):
         """Write the summaries of the commands, none of which is made for that."""
         with formatter.section("Commands"):
             formatter.write_dl(
-                [(name, run.__doc__.partition("\n\n")[0]) for name, (run, _) in _COMMANDS.items()]
+                [
+                    (name, run.__doc__.partition("\n\n")[0])
+                    for name, (run, _) in _COMMANDS.items()
+                    if name not in _HIDDEN
+                ]
             )
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command, in whose options errors and warnings speak from now on."""
-        name, command, rest = super().resolve_command(ctx, args)
-        speak_in(options_of(command.params if command else ()))
-        return name, command, rest
 
 
 def _report(exc: Exception, argv: Sequence[str]) -> int:
@@ -158,6 +146,9 @@ app = typer.Typer(
 )
 
 
+_RECORD: Final = "[SCENE.toml] RECORD.csv"
+#: Commands that lists leave out: their names, or what they do, belong to few.
+_HIDDEN: Final = ("motion", "compare", "schema")
 _EXIT_CODES = "\b\nExit codes:\n" + "".join(f"  {code:<3}  {code.meaning}\n" for code in ExitCode)
 
 
@@ -176,18 +167,20 @@ def _vibro(
 
 # The functions of the commands, and which of the shared options they take; None if they have only their own.
 _COMMANDS: Final[dict[str, Any]] = {
-    "map": (map_command, {"forms": MAPS}),
-    "traverse-time": (traverse_time_command, {"forms": TABLES}),
     "solve": (solve_command, {"forms": TABLES}),
-    "accuracy": (accuracy_command, {}),
-    "simulate": (simulate_command, {}),
-    "compare": (compare_command, {}),
+    "traverse-time": (traverse_time_command, {"forms": TABLES[:-1]}),
+    "map": (map_command, {"forms": MAPS}),
+    "simulate": (simulate_command, {"forms": HISTORIES}),
+    "design": (design_command, {"files": "DESIGN.toml", "of_scene": False}),
     "drive": (drive_command, {}),
-    "design": (design_command, {"of_scene": False}),
-    "motion": (motion_command, {"of_drive": False, "of_answer": False}),
-    "friction": (friction_command, None),
-    "report": (report_command, {"of_table": False, "forms": PAGES}),
+    "motion": (
+        motion_command,
+        {"files": "[SCENE.toml] RECORD.csv", "most": 2, "of_drive": False, "of_answer": False},
+    ),
+    "compare": (compare_command, {"files": _RECORD, "most": 2}),
     "explore": (explore_command, {"of_answer": False}),
+    "accuracy": (accuracy_command, {"forms": HISTORIES}),
+    "friction": (friction_command, None),
     "schema": (schema_command, None),
 }
 
@@ -195,7 +188,6 @@ _COMMANDS: Final[dict[str, Any]] = {
 def main() -> None:
     """Run the command line of this process."""
     end_on_signals()
-    complete_in_plain_text()
     open_closed_streams()
     # Imports and figures make many small objects, nearly all of them in use. Searching them for garbage as
     # often as Python does takes a tenth of a map's time.

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 import shlex
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from vibro.cli.completion import complete_fitted
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options
@@ -22,7 +20,6 @@ from vibro.cli.record_options import (
     column_option,
     scene_and_data,
 )
-from vibro.cli.words import in_options
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import (
     AMPLITUDES,
@@ -36,6 +33,7 @@ from vibro.quantities import (
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
     from vibro.records.folding import Estimate
     from vibro.records.reading import Record
@@ -61,9 +59,6 @@ _HARMLESS: Final = {
 def compare_command(
     context: typer.Context,
     options: Options,
-    data: Annotated[
-        Path | None, typer.Argument(metavar="DATA.csv", help="Signals over time.", show_default=False)
-    ] = None,
     time: TimeOption = None,
     displacement: Annotated[
         str | None,
@@ -99,7 +94,6 @@ def compare_command(
             metavar="mu_s,mu_d,A,alpha",
             help="Estimate any of these from the data; of an ellipse mu_s,mu_d,X,Y,phi.",
             show_default=False,
-            autocompletion=complete_fitted,
         ),
     ] = None,
 ) -> int:
@@ -123,7 +117,7 @@ def compare_command(
 
     console = Console(quiet=options.quiet)
     names = _fitted_names(fit)
-    options, data = scene_and_data(options, data, "compare")
+    options, data = scene_and_data(options, "compare")
     body = None
     if mass is not None:
         body = checked_number(mass, MASS)
@@ -201,7 +195,7 @@ def compare_command(
         tables = ComparisonTables(comparison, record, body, found, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
         for told in filter(None, (content, content.get("trough"))):
-            told["warnings"] = [*map(in_options, told["warnings"])]
+            told["warnings"] = list(told["warnings"])
         computed = f"computed pattern {comparison.motion.pattern}"
         title = f"{' – '.join(filter(None, (data.name, request.name)))}, {computed}"
 
@@ -241,11 +235,12 @@ def _motion_command(
         given |= line | {name: text for name, text in options.given.items() if name == "drive_angle"}
     typed = [(f"--{name.replace('_', '-')}", text) for name, text in columns.items()]
     typed += [("--sensitivity", text) for text in sensitivity]
-    typed += [(QUANTITIES[name].options[0], text) for name, text in given.items()]
     words = [str(path) for path in (options.scene, data) if path]
     for option, text in typed:
         # Behind a blank, -60deg would be an option.
         words += [f"{option}={text}"] if text.startswith("-") else [option, text]
+    for name, text in given.items():
+        words += QUANTITIES[name].typed(text).split(" ", 1)
     words += ["--reverse"] if reverse else []
     return shlex.join(["vibro", "motion", *words, *(["--json"] if options.json else [])])
 
@@ -291,13 +286,13 @@ def _with_measured(
         found = ["amplitude", "frequency", *(["drive_angle"] if trough.drive_angle else [])]
     columns = " and ".join(shown(wave.header) for wave in trough.waves)
     problems = [
-        f"{QUANTITIES[name].options[0]} {cut(text)}: the {QUANTITIES[slot].label} is measured already"
+        f"{QUANTITIES[name].typed(cut(text))}: the {QUANTITIES[slot].label} is measured already"
         for name, text in options.given.items()
         if (slot := STANDS_FOR.get(name, name)) in found
     ]
     if on_an_ellipse:
         problems += [
-            f"{QUANTITIES[name].options[0]} {cut(text)}: the trough moves on an ellipse, which is measured"
+            f"{QUANTITIES[name].typed(cut(text))}: the trough moves on an ellipse, which is measured"
             for name, text in options.given.items()
             if STANDS_FOR.get(name, name) in LINEAR
         ]

@@ -9,7 +9,6 @@ import sys
 import traceback
 from typing import TYPE_CHECKING
 
-from vibro.cli.words import in_options
 from vibro.errors import printable
 from vibro.interrupts import OnEnd
 
@@ -72,9 +71,9 @@ def silence(stream: TextIO) -> None:
 def print_error(problems: Sequence[str], hint: str = "") -> None:
     """Print problems and remedies, a line each."""
     for problem in problems:
-        tell(f"error: {in_options(problem)}")
+        tell(f"error: {problem}")
     for line in hint.splitlines():
-        tell(f"hint: {in_options(line)}")
+        tell(f"hint: {line}")
 
 
 def print_unexpected(exc: Exception) -> None:
@@ -117,7 +116,7 @@ class Console:
 
     def warn(self, text: str) -> None:
         """Say what the user should know about the answer."""
-        self.echo(f"warning: {in_options(text)}")
+        self.echo(f"warning: {text}")
 
     @contextlib.contextmanager
     def progress(self, label: str, total: int | None) -> Iterator[Callable[..., None]]:

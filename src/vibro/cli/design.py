@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -11,8 +10,11 @@ import typer
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from matplotlib.figure import Figure
 
     from vibro.files.csv_tables import TableColumns
@@ -49,7 +51,6 @@ DigitsOption = Annotated[
 def design_command(
     context: typer.Context,
     options: Options,
-    source: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="The question.", show_default=False)],
     only: OnlyOption = None,
     digits: DigitsOption = None,
 ) -> int:
@@ -73,6 +74,9 @@ def design_command(
 
     console = Console(quiet=options.quiet)
     count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))
+    source = options.scene
+    if source is None:
+        raise InputError("missing: a design file", hint="for example: vibro design design.toml")
     spec = read_spec(source)
     for doubt in spec.doubts():
         console.warn(doubt)

@@ -82,7 +82,7 @@ def drive_command(
         )
     from vibro.cli.drive_fit import fit_points
 
-    unused = [QUANTITIES[name].options[0] for name in options.given]
+    unused = [QUANTITIES[name].typed() for name in options.given]
     if unused := unused + (["--pack"] if options.pack is not None else []):
         names = ", ".join(unused)
         raise InputError(f"{names}: not used by --fit", hint="leave it out, or leave out --fit")
@@ -117,7 +117,6 @@ def _sheet(options: Options, argv: Sequence[str], console: Console) -> int:
     from vibro.cli.exit_codes import ExitCode
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import question, request_of
-    from vibro.cli.words import in_options
     from vibro.core.codes import Status
     from vibro.reports.set_up_sheet import SheetRequest, make_sheet
     from vibro.tables.record import json_text
@@ -153,7 +152,6 @@ def _sheet(options: Options, argv: Sequence[str], console: Console) -> int:
         for warning in sheet.warnings:
             console.warn(warning)
         told = content(sheet)
-        told["warnings"] = [*map(in_options, told["warnings"])]
 
         def draw() -> dict[str, Figure]:
             from vibro.plots.responses import drive_figure
@@ -180,8 +178,8 @@ def _settings(typed: dict[str, str], given: GivenMachine) -> tuple[float, ...]:
         text = typed["setting"]
         settings = sorted({*parse_axis(text, quantity).axis(len(_SETTINGS)).values.tolist()})
         if len(settings) > _MOST_SETTINGS:
-            hint = "--setting 25,50,75,100, or 25:100:4"
-            raise InputError(f"--setting {cut(text)}: at most {_MOST_SETTINGS} settings are told", hint=hint)
+            hint = "setting=25,50,75,100, or setting=25:100:4"
+            raise InputError(f"setting={cut(text)}: at most {_MOST_SETTINGS} settings are told", hint=hint)
         typed["setting"] = f"{settings[-1]:.15g}"
         return tuple(settings)
     if not given.takes("setting"):
@@ -206,17 +204,20 @@ def _given_bands(
         if text is None:
             continue
         quantity = QUANTITIES[name]
-        option = quantity.options[0]
         if ":" not in text and name != "filling":
             bands.pop(name, None)
             continue
         ends = [nearest_double(end, quantity) for end in text.split(":")]
         if len(ends) > 2 or ends[0] > ends[-1]:
-            hint = f"{option} lo:hi is all between two ends"
-            raise InputError(f"{option} {cut(text)}: must be a value or lo:hi with lo at most hi", hint=hint)
+            hint = f"{quantity.typed('lo:hi')} is all between two ends"
+            raise InputError(
+                f"{quantity.typed(cut(text))}: must be a value or lo:hi with lo at most hi", hint=hint
+            )
         for end in ends:
             if not quantity.allows(quantity.to_si(end)):
-                raise InputError(f"{option} {cut(text)}: must be {quantity.allowed.text(quantity.unit)}")
+                raise InputError(
+                    f"{quantity.typed(cut(text))}: must be {quantity.allowed.text(quantity.unit)}"
+                )
         low, high = ends[0], ends[-1]
         bands[name] = low, high
         nominal = own.get(name, quantity.default)

@@ -225,7 +225,7 @@ def _settings(sheet: Sheet) -> str:
 
 def _guaranteed(sheet: Sheet) -> str:
     if not sheet.bounds:
-        return "guaranteed speed: of bands alone; give --voltage 90:110 or --mu-s 0.3:0.4"
+        return "guaranteed speed: of bands alone; give voltage=90:110 or --mu-s 0.3:0.4"
     rows = [("guaranteed", "amplitude", "slowest", "fastest", "how sure")]
     rows.append(("", "[mm]", "[mm/s]", "[mm/s]", ""))
     for one in sheet.bounds:

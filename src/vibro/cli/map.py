@@ -6,12 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibro.cli.completion import complete_axes, complete_held_axes, listed
 from vibro.cli.console import Console
 from vibro.cli.options import (
     CoexistOption,
-    Flight,
-    FlightOption,
     Options,
     RegimesOnlyOption,
     refuse_without_flight,
@@ -60,7 +57,6 @@ def map_command(
             metavar="AXIS",
             help="Horizontal axis of the pictures.",
             show_default=False,
-            autocompletion=complete_axes,
         ),
     ] = None,
     y: Annotated[
@@ -70,7 +66,6 @@ def map_command(
             metavar="AXIS",
             help="Vertical axis of the pictures.",
             show_default=False,
-            autocompletion=complete_axes,
         ),
     ] = None,
     at: Annotated[
@@ -81,7 +76,6 @@ def map_command(
             help="Fix an axis at one of its values in the pictures; repeatable. By default axes that are not"
             " drawn are fixed at the middle of their feasible values.",
             show_default=False,
-            autocompletion=complete_held_axes,
         ),
     ] = None,
     show: Annotated[
@@ -91,7 +85,6 @@ def map_command(
             metavar="|".join(SHOWN),
             help="Draw the impact speed, or the share of time in flight, too; repeatable.",
             show_default=False,
-            autocompletion=listed(lambda: SHOWN),
         ),
     ] = None,
     speed: Annotated[
@@ -105,7 +98,6 @@ def map_command(
             show_default=False,
         ),
     ] = None,
-    flight: FlightOption = Flight.ON,
     regimes_only: RegimesOnlyOption = False,
     coexist: CoexistOption = False,
     columns: ColumnsOption = None,
@@ -149,16 +141,16 @@ def map_command(
     shown = shown_pictures(show or [])
     output = Output.REGIMES if regimes_only else Output.EXACT
     if shown:
-        refuse_without_flight(f"--show {','.join(shown)}", flight, output)
+        refuse_without_flight(f"--show {','.join(shown)}", output)
     if coexist:
-        refuse_without_flight("--coexist", flight, output)
+        refuse_without_flight("--coexist", output)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
     if target_speed is not None and output is not Output.EXACT:
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question(request, options)
-    grid = make_grid(request, console, output=output, flight=flight, coexistence=coexist)
+    grid = make_grid(request, console, output=output, coexistence=coexist)
     usual = columns_of(
         grid.axes,
         *throughput_of(part),

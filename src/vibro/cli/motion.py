@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -36,10 +35,6 @@ _FRICTIONS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 def motion_command(
     context: typer.Context,
     options: Options,
-    data: Annotated[
-        Path | None,
-        typer.Argument(metavar="RECORD.csv", help="The trough's motion over time.", show_default=False),
-    ] = None,
     time: TimeOption = None,
     trough_along: TroughAlongOption = None,
     trough_normal: TroughNormalOption = None,
@@ -86,7 +81,7 @@ def motion_command(
     from vibro.tables.record import json_text
 
     console = Console(quiet=options.quiet)
-    options, data = scene_and_data(options, data, "motion", "RECORD.csv")
+    options, data = scene_and_data(options, "motion", "RECORD.csv")
     options = replace(options, output=output, json=json, force=force)
     files = Outputs(
         options, f"{data.stem}-drive", context.obj, console,

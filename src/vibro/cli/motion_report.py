@@ -112,8 +112,7 @@ class MotionReport:
             return "-o DRIVE.toml writes all harmonics as a scene file, for vibro solve DRIVE.toml"
         said = []
         for name, value in self._quantities().items():
-            option = QUANTITIES[name].options[0]
-            said.append(f"{option}{'=' if option.startswith('--') and value < 0.0 else ' '}{value!r}")
+            said.append(QUANTITIES[name].typed(repr(value)))
         friction = "" if self.speeds is not None else ", and --mu-s and --mu-d"
         return f"vibro solve {' '.join(said)}{friction}"
 

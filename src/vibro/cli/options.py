@@ -1,12 +1,12 @@
-"""The options that every command shares."""
+"""The options that every command shares, and its arguments: files and quantities."""
 
 from __future__ import annotations
 
 import functools
 import inspect
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
-from enum import StrEnum
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
@@ -14,27 +14,17 @@ import typer
 
 from vibro.cli.outputs import SERIES
 from vibro.core.codes import Output
-from vibro.errors import InputError
-from vibro.quantities import DRIVES, MACHINE, QUANTITIES
+from vibro.errors import InputError, cut, did_you_mean, shown
+from vibro.quantities import DRIVES, MACHINE, QUANTITIES, find_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from vibro.quantities import Quantity
 
-
-class Flight(StrEnum):
-    """Whether hopping bodies are followed through the air."""
-
-    ON = "on"
-    OFF = "off"
-
-
-FlightOption = Annotated[
-    Flight, typer.Option("--flight", help="Without flight, cells that hop have a regime but no numbers.")
-]
 RegimesOnlyOption = Annotated[
-    bool, typer.Option("--regimes-only", help="Compute regimes, ratios and statuses only, no speeds.")
+    bool,
+    typer.Option("--regimes-only", help="Regimes, ratios and statuses alone, no speeds.", hidden=True),
 ]
 CoexistOption = Annotated[
     bool,
@@ -42,17 +32,15 @@ CoexistOption = Annotated[
         "--coexist",
         help="Search for other motions in which a hopping body could settle after a push; it takes several ms"
         " per hopping cell, of tables and of pictures. In contact they are known without a search.",
+        hidden=True,
     ),
 ]
 
 
-def refuse_without_flight(option: str, flight: Flight, output: Output) -> None:
+def refuse_without_flight(option: str, output: Output) -> None:
     """Refuse an option about hopping bodies if no flights are computed."""
-    if flight is Flight.OFF or output is Output.REGIMES:
-        raise InputError(
-            f"{option}: no flight is modelled with --flight off or --regimes-only",
-            hint="leave one of them out",
-        )
+    if output is Output.REGIMES:
+        raise InputError(f"{option}: no flight is computed with --regimes-only", hint="leave one of them out")
 
 
 def print_version(context: typer.Context, wanted: bool) -> None:
@@ -66,35 +54,66 @@ def print_version(context: typer.Context, wanted: bool) -> None:
         raise typer.Exit
 
 
+def _print_all_help(context: typer.Context, wanted: bool) -> None:
+    """Print the help with the options that it leaves out, and the quantities that have none."""
+    if wanted and not context.resilient_parsing:
+        for parameter in context.command.params:
+            parameter.hidden = False  # type: ignore[attr-defined]
+        named = "".join(
+            f"  {quantity.typed().ljust(26)} {_text_of(quantity)}\n"
+            for quantity in QUANTITIES.values()
+            if quantity.options and not quantity.is_option
+        )
+        if any("NAME=VALUE" in (getattr(p, "metavar", None) or "") for p in context.command.params):
+            context.command.epilog = f"\b\nQuantities, as NAME=VALUE:\n{named}"
+        print(context.get_help())
+        raise typer.Exit
+
+
 def output_option(forms: Sequence[str]) -> Any:
     """Make the option that says what is written: files with one of these endings."""
     known = " ".join(f".{form}" for form in forms)
-    text = (
-        f"A file to write; its ending says what: {known}. A name without an ending is that of all usual files"
-    )
-    text += f", - is {forms[0].upper()} on stdout. Repeatable."
+    text = f"File to write, by its ending: {known}; - is {forms[0].upper()} on stdout. Repeatable."
     option = typer.Option("-o", "--output", metavar="PATH", help=text, show_default=False)
     return Annotated[list[str] | None, option]
 
 
-ForceOption = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
-QuietOption = Annotated[bool, typer.Option("-q", "--quiet", help="Print no messages except errors.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace existing files.", hidden=True)]
+QuietOption = Annotated[
+    bool, typer.Option("-q", "--quiet", help="Print no messages except errors.", hidden=True)
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
-DebugOption = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+AllOption = Annotated[bool, typer.Option("--all", help="Print all that is known.")]
+DebugOption = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.", hidden=True)]
 VersionOption = Annotated[
     bool,
-    typer.Option("--version", help="Print the version and exit.", callback=print_version, is_eager=True),
+    typer.Option(
+        "--version",
+        help="Print the version and exit.",
+        callback=print_version,
+        is_eager=True,
+        hidden=True,
+    ),
+]
+HelpAllOption = Annotated[
+    bool,
+    typer.Option("--help-all", help="Show all options.", callback=_print_all_help, is_eager=True),
 ]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What the shared options say, as typed; ``given`` are the quantities by their names."""
+    """What the shared options say, as typed.
 
-    scene: Annotated[
-        Path | None,
-        typer.Argument(metavar="SCENE.toml", help="A scene file; options override it.", show_default=False),
-    ] = None
+    Attributes
+    ----------
+    files : tuple of Path
+        The files among the arguments.
+    given : mapping of str to str
+        Quantities by their names.
+    """
+
+    files: tuple[Path, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)
     pack: Annotated[
         str | None,
@@ -103,38 +122,122 @@ class Options:
             metavar="NAME",
             help="Spring pack that is fitted: a name from [[machine.pack]] of the scene file.",
             show_default=False,
+            hidden=True,
         ),
     ] = None
     output: list[str] | None = None
     json: JsonOption = False
     decimal_comma: Annotated[
-        bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.")
+        bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.", hidden=True)
     ] = False
     force: ForceOption = False
     quiet: QuietOption = False
     debug: DebugOption = False
     version: VersionOption = False
+    help_all: HelpAllOption = False
+
+    @property
+    def scene(self) -> Path | None:
+        """The scene file, or None."""
+        return self.files[0] if self.files else None
+
+    def of(self, *files: Path, **changed: Any) -> Options:
+        """Return the same with other files."""
+        return replace(self, files=files, **changed)
 
 
 _OF_TABLE: Final = ("json", "decimal_comma")
 _OF_ANSWER: Final = ("output", *_OF_TABLE, "force")
+_NAMED: Final = re.compile(r"([A-Za-z_][\w -]*?)\s*=\s*(.*)", re.DOTALL)
+_NUMBER: Final = re.compile(r"[+\N{MINUS SIGN}-]?\.?[0-9][0-9.,:eE+-]*\s*[\w/%\N{DEGREE SIGN}^ ]*")
+
+
+def read_arguments(texts: Sequence[str], most: int | None) -> tuple[tuple[Path, ...], dict[str, str]]:
+    """Tell the files and the quantities among the arguments of a command.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        As typed.
+    most : int or None
+        Largest number of files; None if there is none.
+
+    Returns
+    -------
+    tuple of Path, dict of str to str
+        The files, and quantities by their names.
+
+    Raises
+    ------
+    InputError
+        If an argument is neither, or a quantity is given twice.
+    """
+    files: list[Path] = []
+    given: dict[str, str] = {}
+    for text in texts:
+        found = _NAMED.fullmatch(text)
+        if found and not Path(text).exists():
+            quantity = find_quantity(found[1])
+            if quantity is None or not quantity.options:
+                names = [name for q in QUANTITIES.values() if q.options for name in (q.column, q.letter)]
+                hint = did_you_mean(found[1], names) or "vibro map --help-all lists the quantities"
+                raise InputError(f"{cut(text)}: {shown(found[1])} is no quantity", hint=hint)
+            if quantity.name in given:
+                raise InputError(f"{quantity.label} is given twice", hint="give it once")
+            given[quantity.name] = found[2]
+        elif text.casefold() in _UNITS or (_NUMBER.fullmatch(text) and not Path(text).exists()):
+            raise InputError(
+                f"{cut(text)}: a value without its option, such as -A or gravity=",
+                hint="a number and its unit are one word, -A 1mm; in PowerShell quote a list, -A '1,2'",
+            )
+        else:
+            files.append(Path(text))
+    if most is not None and len(files) > most:
+        told = " and ".join(map(str, files[:2]))
+        raise InputError(
+            f"{told}: {'one file' if most == 1 else f'{most} files'} at most", hint="leave one out"
+        )
+    return tuple(files), given
+
+
+_UNITS: Final = {
+    unit.casefold() for quantity in QUANTITIES.values() for unit in quantity.kind.sizes if unit.isalpha()
+}
 
 
 def _parameter(name: str, default: Any, annotation: Any) -> inspect.Parameter:
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
+_FIRST: Final = (
+    "amplitude", "stroke", "frequency", "drive_angle", "static_friction", "kinetic_friction",
+    "friction_ratio", "trough_length",
+)  # fmt: skip
+
+
+def _text_of(quantity: Quantity) -> str:
+    """Say in a few words what a quantity is, and its unit."""
+    meaning, *_ = quantity.meaning.split(", ")
+    return f"{meaning[:1].upper()}{meaning[1:]}{f' [{quantity.unit}]' if quantity.unit else ''}."
+
+
 def _quantity_parameter(quantity: Quantity) -> inspect.Parameter:
     """Make the option of a quantity."""
-    unit = f" [{quantity.unit}]" if quantity.unit else ""
-    text = f"{quantity.meaning[:1].upper()}{quantity.meaning[1:]}{unit}."
-    option = typer.Option(*quantity.options, metavar="VALUE", help=text, show_default=False)
+    option = typer.Option(
+        *quantity.options,
+        metavar="X",
+        help=_text_of(quantity),
+        show_default=False,
+        hidden=quantity.name not in _FIRST,
+    )
     return _parameter(quantity.name, None, Annotated[str | None, option])
 
 
 def shares_options(
     run: Callable[..., int],
     *,
+    files: str = "[SCENE.toml]",
+    most: int | None = 1,
     of_scene: bool = True,
     of_drive: bool = True,
     of_answer: bool = True,
@@ -147,8 +250,12 @@ def shares_options(
     ----------
     run : callable
         ``run(context, options, **own)``, where ``own`` are the command's own options; returns the exit code.
+    files : str
+        How help calls the files that it takes.
+    most : int or None
+        Largest number of these.
     of_scene : bool
-        Whether it takes a scene file, and the quantities of a scene.
+        Whether it takes the quantities of a scene.
     of_drive : bool
         Whether it takes those of the drive too.
     of_answer : bool
@@ -166,19 +273,24 @@ def shares_options(
     annotations = get_type_hints(Options, include_extras=True)
     refused = () if of_drive else ("stroke", "frequency", *DRIVES, *MACHINE)
     quantities = [
-        name for name, quantity in QUANTITIES.items() if of_scene and quantity.options and name not in refused
+        name
+        for name, quantity in QUANTITIES.items()
+        if of_scene and quantity.is_option and name not in refused
     ]
     left_out = {
-        *([] if of_scene else ["scene"]),
         *([] if of_scene and of_drive else ["pack"]),
         *([] if of_answer else _OF_ANSWER),
         *([] if of_table else _OF_TABLE),
     }
-    shared = []
+    metavar = f"{files}{' [NAME=VALUE]...' if of_scene else ''}"
+    argument = typer.Argument(
+        metavar=metavar, help="Files; other quantities, such as gravity=3.7.", show_default=False, hidden=True
+    )
+    shared = [_parameter("arguments", None, Annotated[list[str] | None, argument])]
     for f in fields(Options):
         if f.name == "given":
             shared += [_quantity_parameter(QUANTITIES[name]) for name in quantities]
-        elif f.name not in left_out:
+        elif f.name != "files" and f.name not in left_out:
             is_output = f.name == "output"
             kind = output_option(forms) if is_output else annotations[f.name]
             shared.append(_parameter(f.name, f.default, kind))
@@ -188,7 +300,14 @@ def shares_options(
     def command(**values: Any) -> int:
         typed = {p.name: values.pop(p.name) for p in shared}
         texts = {name: typed.pop(name) for name in quantities}
-        options = Options(**typed, given={name: text for name, text in texts.items() if text is not None})
+        given = {name: text for name, text in texts.items() if text is not None}
+        paths, named = read_arguments(typed.pop("arguments") or (), most)
+        for name in named:
+            if not of_scene or name in refused:
+                raise InputError(f"{QUANTITIES[name].label}: not used by this command", hint="leave it out")
+            if name in given:
+                raise InputError(f"{QUANTITIES[name].label} is given twice", hint="give it once")
+        options = Options(**typed, files=paths, given={**given, **named})
         return run(values.pop(context.name), options, **values)
 
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (context, *shared, *own)]

@@ -23,12 +23,14 @@ if TYPE_CHECKING:
 
 #: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
 PICTURES: Final = ("png", "svg", "pdf")
-SERIES: Final = ("csv", "json", *PICTURES)
+SERIES: Final = ("csv", "json", "html", *PICTURES)
+#: The same of commands whose answers are no pages.
+HISTORIES: Final = ("csv", "json", *PICTURES)
 #: Endings of what sweeps can be written as: ``vibro map``, and commands that draw nothing.
 MAPS: Final = ("csv", "xlsx", "parquet", "json", *PICTURES)
-TABLES: Final = ("csv", "xlsx", "json")
-PAGES: Final = ("html", "json")
-_OF_A_STEM: Final = ("csv", "html", "toml", "json", "png")  # as far as a command can write them
+TABLES: Final = ("csv", "xlsx", "json", "html")
+_OF_A_STEM: Final = ("csv", "json", "png")  # as far as a command can write them
+_TEXTS: Final = ("html", "toml")
 _DESCRIBED: Final = ("csv", "xlsx")  # by a JSON of the same stem
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
 _NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
@@ -66,6 +68,8 @@ class Outputs:
         A folder of Parquet files.
     tables, pictures : dict of Path to tuple of str
         Name and form of each file.
+    texts : dict of Path to str
+        Form of each file that is one text: a page, a scene file.
     records : dict of Path to None
         Files that describe the run.
 
@@ -91,6 +95,7 @@ class Outputs:
         self.takes_stdout, self.folder = False, None
         self.tables: dict[Path, tuple[str, str]] = {}
         self.pictures: dict[Path, tuple[str, str]] = {}
+        self.texts: dict[Path, str] = {}
         self.records: dict[Path, None] = {}
         self._written: list[Path] = []
         self.argv, self._console, self._force = argv, console, options.force
@@ -127,6 +132,8 @@ class Outputs:
         stem = path if is_stem else path.with_suffix("")
         if form == "json" and self._has_record:
             self.records[_suffixed(stem, ".json") if is_stem else path] = None
+        elif form in _TEXTS:
+            self.texts[path] = form
         elif form in PICTURES:
             for name in pictures:
                 alone = not is_stem and len(pictures) == 1
@@ -140,7 +147,7 @@ class Outputs:
         from vibro.tables.files import whole_files
         from vibro.tables.plan import MANIFEST
 
-        targets = [*self.tables, *self.pictures, *self.records]
+        targets = [*self.tables, *self.texts, *self.pictures, *self.records]
         for target in targets:
             if (target.parent / MANIFEST).exists():
                 raise InputError(
@@ -162,8 +169,9 @@ class Outputs:
         tables: Callable[[], Mapping[str, TableColumns]],
         draw: Callable[[], Mapping[str, Figure]],
         content: Mapping[str, Any],
+        texts: Mapping[str, Callable[[Mapping[str, Figure]], str]] = _NOTHING,
     ) -> None:
-        """Write columns, pictures and the record, as far as they are wanted.
+        """Write columns, texts, pictures and the record, as far as they are wanted.
 
         Parameters
         ----------
@@ -173,7 +181,12 @@ class Outputs:
             Makes the pictures, by their names: all of them, or none.
         content : mapping
             What the record says beside version, arguments and files.
+        texts : mapping of str to callable
+            By form, such as ``html``: makes the text, of the pictures that a page has.
         """
+        figures = draw() if self.pictures or "html" in self.texts.values() else _NOTHING
+        for path, form in self.texts.items():
+            self.waiting[path].write_text(texts[form](figures), encoding="utf-8")
         if self.tables or self.takes_stdout:
             from vibro.files.csv_tables import CsvFormat
 
@@ -182,7 +195,7 @@ class Outputs:
                 self.waiting[path].write_bytes(form.table(made[name]))
             if self.takes_stdout:
                 sys.stdout.buffer.write(form.table(next(iter(made.values()))))
-        self.finish(content, draw() if self.pictures else _NOTHING)
+        self.finish(content, figures)
 
     def write_text(self, text: str, content: Mapping[str, Any] = _NOTHING) -> None:
         """Write a text in place of tables, and the record."""
@@ -212,7 +225,7 @@ class Outputs:
         from vibro.tables.record import json_text, picture_metadata, run_record
 
         pictures = {path: which for path, which in self.pictures.items() if which[0] in figures}
-        self._written = [*self.tables, *pictures, *self.records]
+        self._written = [*self.tables, *self.texts, *pictures, *self.records]
         record = {**run_record(self.argv, content), "files": [path.name for path in self._written]}
         if self.pictures and not pictures:
             self._console.echo("no pictures: there is nothing to draw")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -59,18 +58,13 @@ ReverseOption = Annotated[
 ]
 
 
-def scene_and_data(
-    options: Options, data: Path | None, command: str, called: str = "DATA.csv"
-) -> tuple[Options, Path]:
+def scene_and_data(options: Options, command: str, called: str = "DATA.csv") -> tuple[Options, Path]:
     """Tell scene file and data apart: the scene may be given by options alone."""
-    if data is None and options.scene is not None and options.scene.suffix.casefold() != ".toml":
-        return replace(options, scene=None), options.scene
-    if data is None:
-        raise InputError(f"missing: {called}", hint=f"for example: vibro {command} scene.toml data.csv")
-    first, second = (path.suffix.casefold() if path else "" for path in (options.scene, data))
-    if second == ".toml" != first:
+    scenes = [path for path in options.files if path.suffix.casefold() == ".toml"]
+    others = [path for path in options.files if path not in scenes]
+    if len(others) != 1:
         raise InputError(
-            f"{data} is a scene file: the scene comes before the data",
-            hint=f"vibro {command} {data} {options.scene}",
+            f"{len(others)} records of {len(options.files)} files: one is wanted, {called}",
+            hint=f"for example: vibro {command} scene.toml data.csv",
         )
-    return options, data
+    return options.of(*scenes), others[0]

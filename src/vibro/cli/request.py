@@ -35,14 +35,14 @@ class _CommandLine(NamedTuple):
         )
 
     def axis(self, quantity: Quantity) -> str:
-        return f"{quantity.options[0]} 0.1:3:200"
+        return quantity.typed("0.1:3:200")
 
     def name(self, quantity: Quantity) -> str:
-        return quantity.options[0]
+        return quantity.options[0] if quantity.is_option else quantity.typed()
 
     def example(self, values: Mapping[str, str], *, from_scratch: bool) -> str:
         typed = self.argv[:1] if from_scratch else self.argv
-        wanted = (f"{QUANTITIES[name].options[0]} {value}" for name, value in values.items())
+        wanted = (QUANTITIES[name].typed(value) for name, value in values.items())
         return " ".join(["vibro", shlex.join(typed), *wanted])
 
 

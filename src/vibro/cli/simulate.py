@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from vibro.cli.completion import complete_panels
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options
@@ -88,7 +87,6 @@ def simulate_command(
             metavar="NAMES",
             help="Panels of the picture, from trough,forces,acceleration,velocity,position,gap.",
             show_default=False,
-            autocompletion=complete_panels,
         ),
     ] = None,
     begin: Annotated[

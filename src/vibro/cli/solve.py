@@ -11,8 +11,6 @@ import typer  # typer reads the annotations
 
 from vibro.cli.options import (
     CoexistOption,
-    Flight,
-    FlightOption,
     Options,
     RegimesOnlyOption,
     refuse_without_flight,
@@ -47,7 +45,6 @@ _NEEDS: Final = {
 def solve_command(
     context: typer.Context,
     options: Options,
-    flight: FlightOption = Flight.ON,
     regimes_only: RegimesOnlyOption = False,
     coexist: CoexistOption = False,
     stand_ratio: Annotated[
@@ -111,11 +108,10 @@ def solve_command(
 
     output = Output.REGIMES if regimes_only else Output.EXACT
     if coexist:
-        refuse_without_flight("--coexist", flight, output)
+        refuse_without_flight("--coexist", output)
     if speed is not None:
         others = {
             "-o": bool(options.output),
-            "--flight": flight is not Flight.ON,
             "--regimes-only": output is not Output.EXACT,
             "--coexist": coexist,
             "--stand-ratio": stand_ratio is not None,
@@ -140,7 +136,7 @@ def solve_command(
     refuse_without_table(options, columns)
     request = request_of(options, context.obj)
     question(request, options)
-    grid = make_grid(request, output=output, flight=flight, coexistence=coexist)
+    grid = make_grid(request, output=output, coexistence=coexist)
     described: dict[str, Any] = {
         "drive": grid.drive, "made_with": grid.made_with, "machine": grid.machine is not None,
     }  # fmt: skip

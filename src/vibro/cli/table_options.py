@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from vibro.cli.completion import complete_columns
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -24,7 +23,6 @@ ColumnsOption = Annotated[
         help="Columns of the table, in this order, such as amplitude_mm,regime; further ones are stroke_mm,"
         " restitution, acceleration_g, speed_amplitude_exponent and strokes.",
         show_default=False,
-        autocompletion=complete_columns,
     ),
 ]
 PitchOption = Annotated[

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibro.cli.options import Flight, FlightOption, Options  # typer reads the annotations
+from vibro.cli.options import Options  # typer reads the annotations
 from vibro.cli.table_options import ColumnsOption, refuse_without_table, table_of
 from vibro.errors import InputError
 
@@ -31,7 +31,6 @@ def traverse_time_command(
             " cell in contact and 1 ms a cell that hops, a hundred times the rest.",
         ),
     ] = False,
-    flight: FlightOption = Flight.ON,
     columns: ColumnsOption = None,
 ) -> int:
     """Compute the time over the trough's length, or say why the body never arrives.
@@ -50,12 +49,12 @@ def traverse_time_command(
     question(request, options)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     if sweep and not request.varying:
-        option = QUANTITIES[request.drive[0]].options[0]
-        raise InputError("nothing varies", hint=f"give an axis, for example {option} 0.1:3:200")
+        example = QUANTITIES[request.drive[0]].typed("0.1:3:200")
+        raise InputError("nothing varies", hint=f"give an axis, for example {example}")
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     console = Console(quiet=options.quiet)
-    grid = make_grid(request, console, flight=flight, arrivals=follows)
+    grid = make_grid(request, console, arrivals=follows)
     usual = columns_of(
         grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
     )

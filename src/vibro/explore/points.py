@@ -88,9 +88,7 @@ def command_of(state: State) -> str:
     """Return the command line that makes the same map, of the same cells."""
     words = ["vibro", "map", *[_SAVED] * state.is_given]
     for name, text in _given(state).items() if not state.is_given else ():
-        option = QUANTITIES[name].options[0]
-        # an option of two dashes may begin its value with one only behind =
-        words += [f"{option}={text}"] if option.startswith("--") else [option, text]
+        words += QUANTITIES[name].typed(text).split(" ", 1)
     words += ["--x", state.x.quantity.name, "--y", state.y.quantity.name]
     words += ["--show", state.view] if state.view in ("impact", "flight") else []
     words += ["--speed", typed_number(state.target)] if state.target is not None else []

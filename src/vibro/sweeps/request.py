@@ -182,7 +182,7 @@ class Request:
         length, is_given = QUANTITIES["trough_length"], f"{self.length:.15g}"
         return (
             f"{length.label} = {is_given} {length.unit} is less than the {largest}stroke,"
-            f" {QUANTITIES['stroke'].text(stroke)}: for metres write {length.options[0]} {is_given}m"
+            f" {QUANTITIES['stroke'].text(stroke)}: for metres write {length.typed(is_given)}m"
         )
 
     def scene(self) -> Scene:

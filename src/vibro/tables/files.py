@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 OTHER_NAME: Final = "choose another name"
-_REPLACE: Final = f"replace with force=True, or {OTHER_NAME}"
+_REPLACE: Final = f"the option force replaces them; or {OTHER_NAME}"
 _KINDS: Final = {stat.S_IFDIR: "a folder", stat.S_IFLNK: "a symbolic link"}
 # A spreadsheet holds a file for as long as it is open, a virus scanner for a moment: outlast the scanner.
 _ATTEMPTS: Final = 10

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _ADDRESS: Final = re.compile(r"(tcp|tls|wss?)://\S+:[0-9]+")
 _MOST_WORKERS: Final = 1024
-_ANEW: Final = "choose another name, or replace it with force=True"
+_ANEW: Final = "choose another name, or replace it with the option force"
 _OURS: Final = re.compile(rf"part-[0-9]{{6}}\.parquet|{MANIFEST}|{SUCCESS}")
 
 
