@@ -346,7 +346,9 @@ SHIFTED: Final = Quantity("displacement", LENGTH, allowed=Range(-_FAR, _FAR, wit
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS, allowed=POSITIVE)
 #: Mass of an empty trough and of what moves with it, beside the mass of its filling.
-TROUGH_MASS: Final = Quantity("trough_mass", _MASS, allowed=POSITIVE)
+TROUGH_MASS: Final = Quantity(
+    "trough_mass", _MASS, "", "", ("trough_mass",), POSITIVE, "mass of the empty trough, beside a filling"
+)
 PITCH: Final = Quantity("pitch", LENGTH, allowed=POSITIVE)
 LEAST_SPEED: Final = Quantity("speed", SPEED, allowed=POSITIVE)
 STAND_RATIO: Final = Quantity("stand_ratio", allowed=POSITIVE)
@@ -354,10 +356,25 @@ STAND_RATIO: Final = Quantity("stand_ratio", allowed=POSITIVE)
 WAY: Final = Quantity("length", LENGTH, allowed=POSITIVE)
 CYCLES: Final = Quantity("cycles", allowed=Range(_FEW, 1e15, with_high=True))  # as many as doubles count
 DURATION: Final = Quantity("duration", TIME, allowed=POSITIVE)
-START_PHASE: Final = Quantity("start_phase", ANGLE, allowed=_PHASE)
-START_VELOCITY: Final = Quantity("start_velocity", SPEED, allowed=EITHER_WAY)
-START_HEIGHT: Final = Quantity("start_height", LENGTH, allowed=ZERO_OR_MORE)
-START_NORMAL_VELOCITY: Final = Quantity("start_normal_velocity", SPEED, allowed=EITHER_WAY)
+START_PHASE: Final = Quantity(
+    "start_phase", ANGLE, "", "", ("start_phase",), _PHASE, "phase of the trough at the start"
+)
+START_VELOCITY: Final = Quantity(
+    "start_velocity",
+    SPEED,
+    "",
+    "",
+    ("start_velocity",),
+    EITHER_WAY,
+    "velocity at the start, along the trough",
+)
+START_HEIGHT: Final = Quantity(
+    "start_height", LENGTH, "", "", ("start_height",), ZERO_OR_MORE, "height above the trough at the start"
+)
+START_NORMAL_VELOCITY: Final = Quantity(
+    "start_normal_velocity", SPEED, "", "", ("start_normal_velocity",), EITHER_WAY,
+    "speed at the start, away from the trough",
+)  # fmt: skip
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
 _NUMBER = re.compile(

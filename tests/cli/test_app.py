@@ -55,7 +55,7 @@ def test_products_of_matrices_take_one_thread_unless_the_user_wants_more(
 def test_every_command_has_every_shared_option(run: Run, command: str) -> None:
     text = run(command, "--help").stdout
     for option in (
-        "-A", "--amplitude", "--stroke", "-f", "--frequency", "-a", "--drive-angle", "--drive-angle", "--mu-s",
+        "-A", "--amplitude", "--stroke", "-f", "--frequency", "-a", "--drive-angle", "--mu-s",
         "--mu-d", "--mu-ratio", "--trough-angle", "--restitution", "-L", "--length", "-o",
         "--output", "--json", "--force", "-q", "--quiet", "--debug", "--version", "SCENE.toml",
     ):  # fmt: skip

@@ -16,10 +16,7 @@ def warnings(stderr: str) -> list[str]:
 
 
 def test_a_size_that_is_asked_for_is_no_slip(run: Run) -> None:
-    assert (
-        run("solve", "-f", "400", *FRICTION, "along=10", "normal=1", "--speed", "5m/min").stderr
-        == ""
-    )
+    assert run("solve", "-f", "400", *FRICTION, "along=10", "normal=1", "--speed", "5m/min").stderr == ""
 
 
 @each(

@@ -56,9 +56,7 @@ def written(folder: Path, text: str, name: str = "drive.toml") -> Path:
 # --- one scene --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "phase", [("phase=-60",), ("phase=-60"), ("phase=-60deg"), ("phase=300",)]
-)
+@pytest.mark.parametrize("phase", [("phase=-60",), ("phase=-60"), ("phase=-60deg"), ("phase=300",)])
 def test_a_negative_phase_needs_no_equals_sign(run: Run, phase: tuple[str, ...]) -> None:
     rest = tuple(text for text in ELLIPSE if not text.startswith("--phase"))
     answer = json.loads(run("solve", *rest, *phase, "--json").stdout)

@@ -8,6 +8,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
@@ -114,10 +115,13 @@ class Answer:
     def text(self, *, every: bool = False) -> str:
         """Write it for a terminal: the usual part, or every fact and table."""
         facts = [[fact.label, fact.text] for fact in self.facts if every or not fact.is_rare]
+        tables = [table for table in self.tables if every or not table.is_rare]
         parts = [aligned(facts, right=False)] if facts else []
-        for table in self.tables:
-            if every or not table.is_rare:
-                parts.append("\n".join(filter(None, [table.title, aligned(table.texts)])))
+        if facts and tables and not tables[0].title:  # one that goes on where the facts end
+            label = max(len(fact[0]) for fact in facts)
+            (head, *heads), *rows = tables.pop(0).texts
+            parts[0] += "\n" + aligned([[head.ljust(label), *heads], *rows])
+        parts += ["\n".join(filter(None, [table.title, aligned(table.texts)])) for table in tables]
         return "\n\n".join([*parts, *(["\n".join(self.notes)] if self.notes else [])])
 
     def content(self) -> dict[str, Any]:
@@ -182,8 +186,31 @@ def uncertain(value: float, error: float, digits: int = _DIGITS) -> str:
     return f"{value:z.{decimals}f} ± {error:.{decimals}f}"
 
 
+def decimals(value: float, digits: int) -> str:
+    """Write a number to some digits, zeros at its end among them: ``0.310``."""
+    if not 1e-4 <= abs(value) < 1e6:
+        return shown(value, digits)
+    return f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(value))))}f}"
+
+
+def number(value: float, unit: str = "") -> str:
+    """Write a number for people, with six digits."""
+    return f"{shown(float(value), 6)} {unit}".rstrip()
+
+
+def bound(value: float, unit: str = "", *, upper: bool) -> str:
+    """Write a bound for people with six digits, rounded so that it still holds."""
+    rounding = ROUND_CEILING if upper else ROUND_FLOOR
+    return number(float(Context(prec=6, rounding=rounding).create_decimal(repr(float(value)))), unit)
+
+
 def _known(value: Value) -> Value:
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def label_of(key: str, unit: str) -> str:
+    """Return the name of a column without its unit: that of ``energy_per_cycle_j`` is energy per cycle."""
+    return key.removesuffix(f"_{_key('', unit)}").replace("_", " ")
 
 
 def _key(label: str, unit: str) -> str:

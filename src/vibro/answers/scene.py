@@ -5,22 +5,150 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.answers.answer import Answer, Fact, Table, shown
-from vibro.core.codes import PHASE_NAMES, Status
-from vibro.quantities import LENGTH
-from vibro.sweeps.one_scene import OneScene, facts_of, machine_lines, throughput_text
+import numpy as np
+
+from vibro.answers.answer import Answer, Fact, Table, decimals, label_of, shown, uncertain
+from vibro.core.codes import PHASE_NAMES, Regime, Status
+from vibro.inverse.costs import changed_cycles
+from vibro.limits import Transition, transitions
+from vibro.motion.settled import cycle_phases
+from vibro.quantities import (
+    DEFAULTS,
+    LENGTH,
+    MACHINE,
+    QUANTITIES,
+    SCALE,
+    SIZES,
+    SPEED,
+    TOLD_HARMONICS,
+    as_given,
+    scene_fields,
+)
+from vibro.results.operating import OPERATING
+from vibro.scene import Scene
+from vibro.sweeps.derived import (
+    WITH_ACCELERATION,
+    WITH_EXPONENT,
+    WITH_STROKE,
+    standing,
+    throughput,
+)
+from vibro.sweeps.weighed import weighed
+from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
+    from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
 
-_RATE: Final = 0.06  # m/min a mm/s
+_RATE: Final = 0.06  # [m/min] of 1 mm/s
 _SHORT: Final = 3  # digits of ratios, and of where a regime begins
 _NEXT: Final = ("forward slip", "back slip", "hopping")  # what people ask for; the others on request
+_MOST_PHASES: Final = 40  # a longer table is not readable
+_LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
+_STANDS: Final = {1: "yes", 0: "no", -1: "unknown"}
+_WAYS: Final = {True: "backwards, down the track", False: "forwards, down the trough"}
+_ROUNDING: Final = 1e-9  # [%] change of a speed that is rounding alone
 
 
-def scene_answer(one: OneScene, grid: Grid, part: Mapping[str, float], record: Mapping[str, Any]) -> Answer:
+class OneScene:
+    """One solved scene in the user's units.
+
+    Parameters
+    ----------
+    block : Block
+        Of a single cell.
+
+    Attributes
+    ----------
+    given : dict of str to float
+        Every quantity of the scene, in the units outside; the stroke in place of the amplitude if it was
+        given.
+    scene : Scene
+        The same.
+    length : float
+        Length of the trough, NaN without one [mm].
+    regime : Regime
+        Class of the motion.
+    status : Status
+        Whether the numbers are exact, or why there are none.
+    """
+
+    def __init__(self, block: Block) -> None:
+        values = {name: float(value.item()) for name, value in block.values.items() if name in QUANTITIES}
+        self.given = as_given(values, in_stroke=block.in_stroke)
+        moved = {name: value for name, value in block.values.items() if name not in QUANTITIES}
+        self.scene = Scene(**scene_fields({**self.given, **moved}))
+        self.length = math.nan if block.length is None else block.length
+        self.regime = Regime(int(block.cycle.regime.item()))
+        self.status = Status(int(block.cycle.status.item()))
+        self.block, self.cycle = block, block.cycle
+
+    def value(self, column: Column) -> float:
+        """Return the number that a table has in a column."""
+        return float(np.asarray(column.values(self.block)).item())
+
+    def result(self, name: str) -> float:
+        """Return a length or speed of the cycle [mm, mm/s]."""
+        return float(LENGTH.from_si(getattr(self.cycle, name).item()))
+
+    @property
+    def relative_error(self) -> float:
+        """Standard error of the mean speed over its size; 0 if the speed is not a mean [1]."""
+        error = float(self.cycle.mean_velocity_error)
+        return error / abs(float(self.cycle.mean_velocity)) if error > 0.0 else 0.0
+
+    @property
+    def size(self) -> str:
+        """What the drive is scaled by, as it was given: ``stroke``, ``both amplitudes``, ``motion scale``."""
+        sizes = [name for name in self.given if name in SIZES]
+        if len(sizes) > 1:
+            return "both amplitudes" if len(sizes) == 2 else "all amplitudes"
+        return QUANTITIES[sizes[0] if sizes else SCALE].label
+
+    @property
+    def sized(self) -> float:
+        """The one size of the drive, in the unit outside; NaN where it has several."""
+        return self.given.get(self.size.replace(" ", "_"), math.nan)
+
+    @property
+    def traverse_time(self) -> float:
+        """Length over mean speed [s]; NaN without a length or a known speed, inf where it never arrives."""
+        if math.isnan(self.length):
+            return math.nan
+        return float(self.cycle.traverse_time(LENGTH.to_si(self.length)))
+
+    @property
+    def arrival_time(self) -> float:
+        """Time from rest at trough phase 0 to the arrival; inf if it never arrives, NaN if unknown [s]."""
+        return math.nan if self.block.arrival is None else float(self.block.arrival.item())
+
+    @property
+    def runs(self) -> str:
+        """Direction of a body that gains speed every cycle; empty for other bodies."""
+        slope = float(self.scene.trough_angle)
+        return _WAYS[slope > 0.0] if self.status is Status.RUNAWAY and slope else ""
+
+    def transitions(self) -> tuple[Transition, ...]:
+        """Return where each class of motion begins."""
+        return transitions(self.scene)
+
+    @property
+    def frequency_counts(self) -> bool:
+        """Whether the frequency changes the accelerations, and the amplitude stays as it is."""
+        return not isinstance(self.scene.motion, PiecewiseMotion) and OPERATING not in self.block.values
+
+
+def scene_answer(
+    one: OneScene,
+    grid: Grid,
+    part: Mapping[str, float],
+    record: Mapping[str, Any],
+    *,
+    every: bool,
+    title: str = "",
+) -> Answer:
     """Make the answer about one solved scene.
 
     Parameters
@@ -30,63 +158,250 @@ def scene_answer(one: OneScene, grid: Grid, part: Mapping[str, float], record: M
     grid : Grid
         Its single cell.
     part : mapping of str to float
-        What is known of parts in a row, by its names with units.
+        What is known of the parts, by its names with units: pitch and mass, stand ratio, filling.
     record : mapping
         What JSON says.
+    every : bool
+        Whether all is told: phases, sensitivities, the scene.
+    title : str
+        Of its page.
     """
-    return Answer(
-        [*_usual(one), *_rare(one, grid, part)],
-        [table for table in (_next(one), _beginnings(one), _phases(one)) if table.rows],
-        [one.status.message] if one.status is not Status.OK else [],
-        record,
-    )
+    facts = [_motion(one), *_traverse(one), *_speeds(one), *_asked(one, part)]
+    if grid.machine is not None:
+        from vibro.sweeps.machine_facts import machine_facts  # late: few scenes have a machine
+
+        found = machine_facts(grid.machine, one.block.values)
+        facts += [Fact(label, text, is_rare=label != "amplitude") for label, text in found]
+    tables = [_next(one)]
+    if every:
+        facts += _rare(one)
+        tables = [_beginnings(one), _sensitivities(one), _phases(one)]
+    return Answer(facts, [table for table in tables if table.rows], _notes(one), record, title)
 
 
-def _usual(one: OneScene) -> list[Fact]:
+def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
+    """Make the answer about the time over a trough: at the mean speed, and from rest."""
+    facts, time = _traverse(one), one.traverse_time
+    if math.isfinite(time):
+        strokes = time * one.given["frequency"]
+        facts.append(Fact("strokes", strokes, error=strokes * one.relative_error))
+    never = [_next(one)] if one.regime is Regime.NO_SLIP else []
+    return Answer([*facts, _motion(one)], [table for table in never if table.rows], _notes(one), record)
+
+
+def cells_answer(
+    head: Sequence[tuple[str, str]], heads: Sequence[Sequence[Any]], cells: Sequence[Mapping[str, Any]]
+) -> Answer:
+    """Make the answer about several scenes: a line for each.
+
+    Parameters
+    ----------
+    head : sequence of tuple of str
+        Label and unit of what tells the scenes apart.
+    heads : sequence of sequence
+        That of each scene.
+    cells : sequence of mapping
+        The results of each, by column.
+    """
+    columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), ("a cycle", "mm")]
+    keys = ["displacement_per_cycle_mm", "throw_number"]
+    columns += [("throw number", "")]
+    timed = any(cell.get("traverse_time_s") is not None for cell in cells)
+    columns += [("traverse time", "s")] if timed else []
+    keys += ["traverse_time_s"] if timed else []
+    rows = []
+    for names, cell in zip(heads, cells, strict=True):
+        speed = cell["mean_velocity_mm_s"]
+        rate = None if speed is None else _RATE * speed
+        rows.append([*names, cell["regime"] or "none", speed, rate, *(cell[key] for key in keys)])
+    told = {cell["status"] for cell in cells}
+    notes = [code.message for code in Status if code is not Status.OK and code.label in told]
+    return Answer((), [Table("scenes", columns, rows)], notes)
+
+
+def _motion(one: OneScene) -> Fact:
     speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
-    cycle = f"{shown(_RATE * speed, _SHORT)} m/min, {shown(one.result('displacement_per_cycle'))} mm a cycle"
-    facts = [Fact(one.regime.label or "none", speed, "mm/s", error, "" if math.isnan(speed) else cycle)]
-    if not math.isnan(one.length):
-        time, exact = one.traverse_time, one.arrival_time
-        over = f" over {one.length:.10g} mm"
-        from_rest = f"{shown(exact, 6)} s from rest" if math.isfinite(exact) else ""
-        if time is None:
-            facts.append(Fact("traverse time", one.why_never()))
-        else:
-            facts.append(Fact("traverse time", time, f"s{over}", time * one.relative_error, from_rest))
-    if not math.isnan(speed):
+    label = one.regime.label or "none"
+    if math.isnan(speed):
+        return Fact(label, f"gains speed every cycle, {one.runs}" if one.runs else None)
+    rate = uncertain(_RATE * speed, _RATE * error, _SHORT)
+    cycle = shown(one.result("displacement_per_cycle"))
+    return Fact(label, f"{uncertain(speed, error)} mm/s ({rate} m/min), {cycle} mm a cycle")
+
+
+def _traverse(one: OneScene) -> list[Fact]:
+    """Tell the time over the trough at the mean speed, and exactly from rest."""
+    if math.isnan(one.length):
+        return []
+    time, exact = one.traverse_time, one.arrival_time
+    from_rest = f"{shown(exact, 6)} s from rest" if math.isfinite(exact) else ""
+    if math.isfinite(time):
+        over = f"s over {one.length:.10g} mm"
+        return [Fact("traverse time", time, over, time * one.relative_error, from_rest)]
+    return [Fact("traverse time", _why_never(one), note=from_rest)]
+
+
+def _why_never(one: OneScene) -> str:
+    speed = one.result("mean_velocity")
+    if math.isnan(speed):
+        return "none: it gains speed every cycle" if one.runs else "unknown"
+    if one.regime is Regime.NO_SLIP:
+        return "never: the part rests"
+    if one.relative_error > _LEAST_CERTAIN:
+        return "unknown: within its error the mean speed has either direction"
+    if speed < 0.0:
+        return "never: the part is conveyed backwards"
+    return "never: the part slides to and fro without being conveyed"
+
+
+def _speeds(one: OneScene) -> list[Fact]:
+    facts = []
+    if not math.isnan(one.result("mean_velocity")):
         facts.append(Fact("peak speed", one.result("peak_velocity"), "mm/s"))
-    facts.append(Fact("throw number", shown(one.throw_number, _SHORT), note="the part hops above 1"))
+    if one.cycle.flight_fraction > 0.0:
+        impact, period = shown(one.result("impact_velocity")), float(one.cycle.period_cycles)
+        again = "never repeats" if math.isnan(period) else "repeats every cycle"
+        again = f"repeats every {period:.0f} cycles" if period > 1.0 else again
+        share = 100.0 * float(one.cycle.flight_fraction)
+        facts.append(Fact("in flight", share, "% of the time", note=f"lands at {impact} mm/s, {again}"))
+    throw = decimals(float(one.cycle.throw_number), _SHORT)
+    return [*facts, Fact("throw number", throw, note="the part hops above 1")]
+
+
+def _asked(one: OneScene, part: Mapping[str, float]) -> list[Fact]:
+    """Tell what follows from the parts: how many pass, whether they stand, what they weigh."""
+    facts = []
+    if "pitch_mm" in part:
+        note = f"at most, one every {part['pitch_mm']:g} mm"
+        for column in throughput(part["pitch_mm"], part.get("mass_kg")):
+            rate = one.value(column) if one.relative_error <= _LEAST_CERTAIN else math.nan
+            unit = column.unit.replace("1/min", "parts/min")
+            facts.append(Fact("throughput", rate, unit, rate * one.relative_error, note))
+    if "stand_ratio" in part:
+        upright, load = (one.value(column) for column in standing(part["stand_ratio"]))
+        note = f"an edge lifts at {decimals(1.0 / load, _SHORT)} times the drive" if load > 0.0 else ""
+        facts.append(Fact("upright", _STANDS[int(upright)], note=note))
+    for column in weighed(part):
+        facts.append(Fact(label_of(column.name, column.unit), one.value(column), column.unit))
     return facts
 
 
-def _rare(one: OneScene, grid: Grid, part: Mapping[str, float]) -> list[Fact]:
-    pairs = [*machine_lines(one, grid), *facts_of(one, grid)]
-    if text := throughput_text(one, part):
-        pairs.append(("throughput", text))
-    return [Fact(label, text, is_rare=True) for label, text in pairs]
-
-
 def _next(one: OneScene) -> Table:
-    """Where the regimes begin that have not begun."""
-    rows = [
-        (t.name, f"{shown(LENGTH.from_si(t.amplitude), _SHORT)} mm", f"{shown(t.frequency, _SHORT)} Hz")
-        for t in one.transitions()
-        if t.name in _NEXT and t.ratio < 1.0 and not one.is_two_axis
+    """List the regimes that begin as the drive grows, with their units in the cells."""
+    rows = []
+    for t in one.transitions():
+        if t.name in _NEXT and t.ratio < 1.0:
+            size = one.sized / t.ratio
+            cells = ["-" if math.isnan(t.frequency) else f"{decimals(t.frequency, _SHORT)} Hz"]
+            unit = QUANTITIES[one.size.replace(" ", "_")].unit if not math.isnan(one.sized) else ""
+            told = f"{decimals(size, _SHORT)} {unit}".rstrip()
+            told = f"{decimals(1.0 / t.ratio, _SHORT)} x" if math.isnan(size) else told
+            rows.append((t.name, told, *cells[: one.frequency_counts]))
+    heads = [("begins", ""), (one.size, ""), ("frequency", "")]
+    return Table("next", heads[: 2 + one.frequency_counts], rows)
+
+
+def _rare(one: OneScene) -> list[Fact]:
+    told = {
+        name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+        for name, value in one.given.items()
+        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS and name not in MACHINE
+    }
+    if OPERATING in one.block.values:  # which follows, to as many digits as mean something
+        told["amplitude"] = f"amplitude {shown(one.given['amplitude'], 6)} mm"
+    scene = ", ".join([*([motion_text(one.scene)] if one.scene.motion else []), *told.values()])
+    facts = [
+        Fact("scene", scene),
+        Fact("stroke", one.value(WITH_STROKE), "mm", note="peak to peak"),
+        Fact("pattern", str(one.cycle.pattern) or None),
+        Fact("acceleration", one.value(WITH_ACCELERATION), "g", note="the largest of the trough"),
     ]
-    return Table("next", [("begins", ""), (one.size, ""), ("frequency", "")], rows)
+    if one.cycle.flight_fraction > 0.0:
+        facts.append(Fact("restitution", one.given["restitution"]))
+    exponent = one.value(WITH_EXPONENT)
+    if not math.isnan(exponent):
+        facts.append(Fact("speed over amplitude", exponent, "% a %"))
+    return [fact._replace(is_rare=True) for fact in facts]
 
 
 def _beginnings(one: OneScene) -> Table:
-    rows = [(t.name, t.ratio, LENGTH.from_si(t.amplitude), t.frequency) for t in one.transitions()]
-    columns = [("begins", ""), ("load over its load", ""), ("amplitude", "mm"), ("frequency", "Hz")]
-    return Table("beginnings", columns, rows, is_rare=True)
+    """List where each motion begins, and where under a given motion it ends."""
+    columns = [("begins", ""), ("times the drive", "")]
+    columns += [] if math.isnan(one.sized) else [(one.size, QUANTITIES[one.size.replace(" ", "_")].unit)]
+    columns += [("frequency", "Hz")] if one.frequency_counts else []
+    columns += [("until times the drive", "")] if one.scene.motion is not None else []
+    rows = []
+    for t in one.transitions():
+        row: list[float | str | None] = [t.name, 1.0 / t.ratio if t.ratio else math.inf]
+        row += [] if math.isnan(one.sized) else [one.sized / t.ratio if t.ratio else math.inf]
+        row += [t.frequency] if one.frequency_counts else []
+        row += [1.0 / t.end_ratio if t.end_ratio else None] if one.scene.motion is not None else []
+        rows.append(row)
+    return Table("beginnings", columns, rows, "Where each motion begins")
+
+
+def _sensitivities(one: OneScene) -> Table:
+    """List what a little more of each input does to the speed, solved again."""
+    names, cycle = changed_cycles(one.scene)
+    speeds, errors = (SPEED.from_si(x) for x in (cycle.mean_velocity, cycle.mean_velocity_error))
+    columns = [("more of", ""), ("speed", "mm/s"), ("change", "%"), ("then", "")]
+    rows = []
+    for cell, name in enumerate(names, 1):
+        if name == "frequency" and OPERATING in one.block.values:  # with which a machine's amplitude changes
+            continue
+        label = (
+            f"{one.size}, 10 %"
+            if name == "drive"
+            else f"{_input(name)}, {'1 deg' if '_deg' in name else '1 %'}"
+        )
+        change = 100.0 * (speeds[cell] / speeds[0] - 1.0) if speeds[0] and errors[0] == 0.0 else math.nan
+        change = 0.0 if abs(change) < _ROUNDING else change
+        regime, status = Regime(int(cycle.regime[cell])), Status(int(cycle.status[cell]))
+        then = regime.label if regime != cycle.regime[0] else ""
+        then = then if status.answered else status.label
+        rows.append((label, float(speeds[cell]), None if math.isnan(change) else float(change), then))
+    return Table("sensitivities", columns, rows, "A little more of each input")
+
+
+def _input(name: str) -> str:
+    return QUANTITIES[name.removesuffix("_deg")].label
 
 
 def _phases(one: OneScene) -> Table:
+    known = one.regime is not Regime.HOPPING or one.cycle.flight_fraction > 0.0
+    phases = cycle_phases(one.scene) if known else ()
     rows = [
-        (PHASE_NAMES[p.kind], 1e3 * p.start, 1e3 * p.end, LENGTH.from_si(p.displacement))
-        for p in one.phases()
+        (PHASE_NAMES[p.kind], 1e3 * p.start, 1e3 * p.end, float(LENGTH.from_si(p.displacement)))
+        for p in phases[:_MOST_PHASES]
     ]
     columns = [("phase", ""), ("start", "ms"), ("end", "ms"), ("displacement", "mm")]
-    return Table("phases", columns, rows, is_rare=True)
+    return Table("phases", columns, rows, "One cycle, from the drive's middle on")
+
+
+def _notes(one: OneScene) -> list[str]:
+    """Return a sentence for a status, and for each doubt."""
+    notes = [] if one.status is Status.OK else [one.status.message]
+    if one.status is Status.AVERAGED:
+        from vibro.motion.attractors import attractors
+
+        speeds = sorted(float(SPEED.from_si(x.mean_velocity)) for x in attractors(one.scene) if x.stable)
+        if speeds:
+            ends = " to ".join(dict.fromkeys(shown(speed) for speed in (speeds[0], speeds[-1])))
+            notes.append(f"motions that repeat, at {ends} mm/s, may capture a part for good")
+    elif one.cycle.coexists > 0:
+        if abs(math.tan(float(one.scene.trough_angle))) > float(one.scene.kinetic_friction):
+            notes.append("a part pushed downhill runs away: the slope exceeds kinetic friction")
+        else:
+            notes.append("a disturbed part can settle into another steady motion than one from rest")
+    if one.cycle.flight_fraction > 0.0 and one.given["restitution"] == 0.0:
+        notes.append("restitution 0: parts land without a bounce")
+    return notes
+
+
+def motion_text(scene: Scene) -> str:
+    """Say what kind of motion a scene has: ``motion of 2 pieces``."""
+    motion = scene.motion
+    if isinstance(motion, PiecewiseMotion):
+        return f"motion of {motion.breaks.size - 1} pieces"
+    count = max(len(scene.along_harmonics or ()), len(scene.normal_harmonics or ()))
+    return f"motion of {count} harmonic{'s' * (count > 1)}"

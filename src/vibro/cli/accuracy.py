@@ -64,10 +64,10 @@ def accuracy_command(
     install '.[accuracy]' in the project's folder), else in double precision. -o writes the table and its
     picture.
     """
-    from vibro.cli.answer import count
     from vibro.cli.console import Console
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import plain_number, question, whole_number
+    from vibro.cli.sweeps import count
     from vibro.tables.record import json_text
 
     console = Console(quiet=options.quiet)

@@ -1,235 +1,85 @@
-"""From a checked request to its answer: what the commands that solve sweeps share."""
+"""From a checked request to its answer: one scene, or a few of them."""
 
 from __future__ import annotations
 
-import io
 import json
-import shutil
-import sys
-from contextlib import ExitStack, contextmanager
+import shlex
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
+from vibro.answers.scene import OneScene, cells_answer, scene_answer
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.outputs import TABLES, Outputs
-from vibro.core.codes import Output, Regime, Status
-from vibro.errors import FileError
+from vibro.core.codes import Status
 from vibro.quantities import QUANTITIES, as_given
-from vibro.results.steady import NO_REGIME, RESULTS
-from vibro.sweeps.columns import arrow_table
-from vibro.sweeps.one_scene import OneScene, bounce_text, estimate, number
 from vibro.sweeps.run import sweep_blocks
-from vibro.sweeps.tally import Tally
-from vibro.tables.record import json_text, sweep_record
-from vibro.tables.sinks import Csv, Sink, write_table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Sequence
 
-    from matplotlib.figure import Figure
-
-    from vibro.axes import Axis
+    from vibro.answers.answer import Answer
     from vibro.cli.options import Options
-    from vibro.plots.view import View
-    from vibro.results.sweep import Block, Peak
+    from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
-    from vibro.tables.xlsx import Xlsx
-
-_ROWS_OF_A_SHEET: Final = 1_048_576
-# [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
-# vary, and those that do where bodies hop alone.
-_LONG, _SHORT = 19, 8
 
 
 @dataclass(frozen=True)
-class Pictures:
-    """Pictures to be made of a sweep.
+class Run:
+    """A request to solve.
 
     Attributes
     ----------
-    names : sequence of str
-        What ``draw`` returns.
-    draw : callable
-        Returns the figures by name; called with what shows how many are drawn, and a note beside.
-    """
-
-    names: Sequence[str]
-    draw: Callable[[Callable[..., None]], Mapping[str, Figure]]
-
-
-@contextmanager
-def drawn(pictures: Pictures | None, console: Console) -> Iterator[Mapping[str, Figure]]:
-    """Draw pictures, if there are any, and show progress until they are written."""
-    if pictures is None:
-        yield {}
-        return
-    with console.progress("drawing", len(pictures.names)) as bar:
-        bar(0)
-        yield pictures.draw(bar)
-
-
-def count(number: int) -> str:
-    """Write a whole number for people, its thousands apart."""
-    return f"{number:,}".replace(",", " ")
-
-
-def make_grid(
-    request: Request,
-    console: Console | None = None,
-    *,
-    output: Output = Output.EXACT,
-    coexistence: bool = False,
-    arrivals: bool = False,
-) -> Grid:
-    """Spell out the axes of a request, and echo them."""
-    follows = output is Output.EXACT
-    grid = request.grid(output, flight=follows, coexistence=coexistence, arrivals=arrivals)
-    if console is not None:
-        for axis in grid.told_axes.values():
-            console.echo(str(axis))
-    return grid
-
-
-def write_sweep(
-    grid: Grid,
-    table: Table,
-    outputs: Outputs,
-    options: Options,
-    console: Console,
-    pictures: Pictures | None = None,
-    look: Callable[[Block], None] = lambda block: None,
-    view: View | None = None,
-    more: Callable[[], Mapping[str, Any]] = dict,
-) -> int:
-    """Solve a grid and write its table, pictures and JSON.
-
-    Parameters
-    ----------
+    request : Request
+        It.
     grid : Grid
-        What to solve.
+        Its cells.
     table : Table
-        What is written of it.
-    outputs : Outputs
-        Where to.
-    options : Options
-        How.
-    console : Console
-        For progress and messages.
-    pictures : Pictures, optional
-        What to draw.
-    look : callable, optional
-        Called with every block of solved cells, in their order.
-    view : View, optional
-        What the pictures show.
-    more : callable, optional
-        Returns what the record says beside, once all is solved.
-
-    Returns
-    -------
-    int
-        The exit code.
-
-    Raises
-    ------
-    InputError, FileError
-        If the grid is too large, or the files cannot be written.
+        What files hold of it.
+    columns : sequence of Column
+        What JSON holds of a cell.
     """
-    from vibro.files.csv_tables import CsvFormat
-    from vibro.tables.files import hidden_folder
 
-    with outputs, ExitStack() as stack:
-        form = CsvFormat(decimal_comma=options.decimal_comma)
-        sinks: list[Sink] = []
-        books: dict[Path, Xlsx] = {}
-        for path, (_, ending) in outputs.tables.items():
-            if ending == "csv":
-                _check_size(grid, _row_bytes(grid, table), path.parent, console)
-                sinks.append(Csv(stack.enter_context(outputs.waiting[path].open("wb")), table, form))
-            else:
-                from vibro.tables.xlsx import Xlsx
+    request: Request
+    grid: Grid
+    table: Table
+    columns: Sequence[Column]
 
-                scratch = stack.enter_context(hidden_folder(path.parent))
-                books[path] = Xlsx(outputs.waiting[path], scratch, grid, table, view)
-        if outputs.takes_stdout:
-            sinks.append(Csv(sys.stdout.buffer, table, form))
-        with console.progress("solving", grid.size) as bar:
-            tally = write_table(grid, table, [*sinks, *books.values()], report=bar, look=look)
-        content = sweep_record(grid, table, tally.told())
-        with drawn(pictures if outputs.pictures or books else None, console) as figures:
-            record = outputs.finish({**content, **more()}, figures)
-            if books:
-                console.echo("writing the workbook")
-            for path, book in books.items():
-                book.close(
-                    {"name": path.stem, **record, **content},
-                    {name: _png(figure, record) for name, figure in figures.items()},
-                )
-    if options.json:
-        print(json_text(record))
-    return conclude(tally, grid, console)
+    def records(self, block: Block) -> list[dict[str, Any]]:
+        """Return cells as JSON has them."""
+        from vibro.sweeps.columns import arrow_table
 
-
-def _png(figure: Figure, record: Mapping[str, Any]) -> bytes:
-    from vibro.plots import save
-    from vibro.tables.record import picture_metadata
-
-    stream = io.BytesIO()
-    save(figure, stream, "png", picture_metadata(record))
-    return stream.getvalue()
-
-
-def answer_sweep(
-    grid: Grid, table: Table, options: Options, argv: Sequence[str], console: Console, name: str
-) -> int:
-    """Solve a grid and print its table, as CSV or as JSON; write files if the options name an output.
-
-    Parameters and errors are those of ``write_sweep`` and ``Outputs``.
-    """
-    if options.output or not options.json:
-        outputs = Outputs(options, name, argv, console, forms=TABLES, pictures=(), default="-")
-        return write_sweep(grid, table, outputs, options, console)
-    tally = Tally()
-    between = "[\n"
-    for block in sweep_blocks(grid):
-        tally.add(block)
-        for cell in arrow_table(table.columns, block).to_pylist():
-            print(between, json.dumps(cell, allow_nan=False), sep="", end="")
-            between = ",\n"
-    print("\n]")
-    return conclude(tally, grid, console)
+        found: list[dict[str, Any]] = arrow_table(self.columns, block).to_pylist()
+        return found
 
 
 def answer_one(
-    grid: Grid,
-    table: Table,
+    run: Run,
     options: Options,
     argv: Sequence[str],
     name: str,
-    report: Callable[[OneScene], str],
-    answer: Table | None = None,
+    make: Callable[[OneScene, dict[str, Any]], Answer] | None = None,
+    *,
+    every: bool = False,
 ) -> int:
-    """Solve one scene and print its report or its JSON; write its row if the options name an output.
+    """Solve one scene and print its answer; write its row and its page if the options name an output.
 
     Parameters
     ----------
-    grid : Grid
+    run : Run
         Of a single cell.
-    table : Table
-        What the row holds.
     options : Options
         What to print and where to write.
     argv : sequence of str
         The arguments as typed.
     name : str
         The files' name where the options name a folder.
-    report : callable
-        Writes the report.
-    answer : Table, optional
-        What the JSON holds, if not the same.
+    make : callable, optional
+        Makes another answer than that of ``vibro solve``, from the scene and its record.
+    every : bool
+        Whether all that is known is printed.
 
     Returns
     -------
@@ -241,6 +91,7 @@ def answer_one(
     InputError, FileError
         If the files cannot be written.
     """
+    grid, console = run.grid, Console(quiet=options.quiet)
     if grid.machine is not None:
         from vibro.sweeps.machine_facts import machine_warnings
         from vibro.sweeps.machines import check_operating
@@ -248,88 +99,128 @@ def answer_one(
         values = grid.values()
         check_operating(grid.machine, values)
         for text in machine_warnings(grid.machine, values):
-            Console(quiet=options.quiet).warn(text)
+            console.warn(text)
     blocks: list[Block] = []
+    title = run.request.name or "Scene"
 
-    def told() -> dict[str, Any]:
-        cells = arrow_table((answer or table).columns, blocks[0])
-        found: dict[str, Any] = cells.to_pylist()[0]
-        return found
+    def answer(*, whole: bool, recorded: bool) -> Answer:
+        one = OneScene(blocks[0])
+        record = run.records(blocks[0])[0] if recorded else {}
+        if make is not None:
+            return make(one, record)
+        return scene_answer(one, grid, run.table.part, record, every=whole, title=title)
 
-    if not options.output:
+    def page() -> str:
+        from vibro.answers.scene_pictures import scene_pictures
+
+        found = answer(whole=True, recorded=False)
+        found = replace(found, notes=[*found.notes, *run.request.doubts()])
+        pictures = scene_pictures(run.request, grid, OneScene(blocks[0]))
+        return found.html(pictures, shlex.join(["vibro", *argv]))
+
+    if options.output:
+        outputs = Outputs(
+            options, run.request.name or name, argv, console,
+            forms=TABLES if make is None else TABLES[:-1], pictures=(), reads=options.files,
+        )  # fmt: skip
+        if outputs.tables or outputs.records or outputs.takes_stdout:
+            from vibro.cli.sweeps import write_sweep
+
+            code = write_sweep(
+                grid, run.table, outputs, replace(options, json=False), console, look=blocks.append,
+                more=lambda: answer(whole=True, recorded=True).content(), page=page,
+            )  # fmt: skip
+            if outputs.takes_stdout:
+                return code
+        else:
+            blocks += sweep_blocks(grid)
+            with outputs:
+                outputs.write_texts({"html": page})
+                outputs.finish()
+    else:
         blocks += sweep_blocks(grid)
-    else:
-        console = Console(quiet=options.quiet)
-        outputs = Outputs(options, name, argv, console, forms=TABLES, pictures=(), reads=[options.scene])
-        # JSON on stdout is the answer here, not the description of the files.
-        quiet = replace(options, json=False)
-        code = write_sweep(grid, table, outputs, quiet, console, look=blocks.append, more=told)
-        if outputs.takes_stdout:
-            return code
-    (block,) = blocks
     if options.json:
-        print(json_text(told()))
+        print(answer(whole=True, recorded=True).json())
     else:
-        print(report(OneScene(block)))
-    return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE
+        print(answer(whole=every, recorded=False).text(every=every))
+    return ExitCode.UNRESOLVED if blocks[0].cycle.status == Status.UNRESOLVED else ExitCode.DONE
 
 
-def _row_bytes(grid: Grid, table: Table) -> int:
-    """Estimate what a row of a table comes to [B]."""
-    short = {QUANTITIES[name].column for name in (*grid.fixed, "trough_length")}
-    short |= {result.column for result in RESULTS if result.in_contact is not None or not result.is_number}
-    return sum(_SHORT if column.name in short else _LONG for column in table.columns)
+def answer_cells(runs: Sequence[Run], options: Options, argv: Sequence[str], name: str) -> int:
+    """Solve a few scenes and print a line for each; write their table if the options name an output.
 
-
-def _check_size(grid: Grid, row_bytes: int, folder: Path, console: Console) -> None:
-    """Refuse a CSV for which there is no space, and warn of one that no spreadsheet opens."""
-    cells, free, needed = count(grid.size), shutil.disk_usage(folder).free, grid.size * row_bytes
-    if needed > free:
-        raise FileError(
-            f"{cells} cells are about {byte_count(needed)}, but only {byte_count(free)} are free in {folder}",
-            hint="free some space, ask for fewer values, or write a folder, such as -o wide.parquet",
+    Parameters are those of ``answer_one``.
+    """
+    console = Console(quiet=options.quiet)
+    varying = [name for name in QUANTITIES if any(name in run.grid.told_axes for run in runs)]
+    head = [("scene", "")] * (len(runs) > 1)
+    head += [(QUANTITIES[name].label, QUANTITIES[name].unit) for name in varying]
+    heads: list[list[Any]] = []
+    cells: list[dict[str, Any]] = []
+    for i, run in enumerate(runs, 1):
+        for block in sweep_blocks(run.grid):
+            values = as_given(block.values, in_stroke=run.grid.in_stroke)
+            axes = [_cells(values.get(name), block) for name in varying]
+            names = [run.request.name or f"scene {i}"] * (len(runs) > 1)
+            heads += [[*names, *(axis[k] for axis in axes)] for k in range(block.cycle.status.size)]
+            own = {"scene": names[0]} if names else {}
+            cells += [{**own, **record} for record in run.records(block)]
+    answer = cells_answer(head, heads, cells)
+    with Outputs(
+        options, name, argv, console, forms=("csv", "json", "html"), pictures=(), reads=options.files
+    ) as outputs:
+        keys = list(dict.fromkeys(key for cell in cells for key in cell))
+        outputs.write(
+            lambda: {"": {key: _column([cell.get(key) for cell in cells]) for key in keys}},
+            dict,
+            {"cells": cells},
+            {"html": lambda figures: answer.html(figures, shlex.join(["vibro", *argv]))},
         )
-    if grid.size > _ROWS_OF_A_SHEET:
-        console.warn(
-            f"{cells} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet;"
-            " a folder suits them better, such as -o wide.parquet"
-        )
+    if options.json:
+        print(json.dumps(cells, indent=2, allow_nan=False))
+    elif not outputs.takes_stdout:
+        print(answer.text())
+    unresolved = any(cell["status"] == Status.UNRESOLVED.label for cell in cells)
+    return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
 
 
-def byte_count(number: float) -> str:
-    """Write a number of bytes for people."""
-    for unit in ("B", "kB", "MB", "GB", "TB"):
-        if number < 1000:
-            return f"{number:.3g} {unit}"
-        number /= 1000
-    return f"{number:.3g} PB"
+def _cells(values: Any, block: Block) -> list[float | None]:
+    """Return a quantity of each cell of a block; None where a scene has none."""
+    import numpy as np
+
+    size = block.cycle.status.size
+    if values is None:
+        return [None] * size
+    found: list[float | None] = np.broadcast_to(values, block.shape).reshape(-1).tolist()
+    return found
 
 
-def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
-    """Tell which cells of a sweep are conveyed fastest, forwards and backwards."""
-    for name, peak in tally.peaks.items():
-        console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.told_axes)}")
+def _column(values: Sequence[Any]) -> Any:
+    """Return a column of a CSV: texts, or numbers that are NaN where there is none."""
+    import numpy as np
+
+    if any(isinstance(value, str) for value in values):
+        return [value or "" for value in values]
+    return np.array(values, np.float64)
 
 
-def peak_text(peak: Peak, axes: Mapping[str, Axis]) -> str:
-    """Write how fast the fastest cell of a sweep is, and where it lies."""
-    values = as_given(peak.values, in_stroke="stroke" in axes)
-    place = [f"{axis.label} {number(values[name], axis.unit)}" for name, axis in axes.items()]
-    return f"{estimate(peak.speed, peak.error, 'mm/s')} at {', '.join(place)}"
+def answer_sweep(run: Run, options: Options, argv: Sequence[str], console: Console, name: str) -> int:
+    """Solve a grid and print its table, as CSV or as JSON; write files if the options name an output.
 
+    Parameters and errors are those of ``write_sweep`` and ``Outputs``.
+    """
+    from vibro.cli.sweeps import conclude, write_sweep
+    from vibro.sweeps.tally import Tally
 
-def conclude(tally: Tally, grid: Grid, console: Console) -> int:
-    """Tell how it went, and return the exit code."""
-    size = grid.size
-    for status in Status:
-        if status is not Status.OK and tally.status[status]:
-            cells = "cell" if size == 1 else f"of {count(size)} cells"
-            console.echo(f"{count(tally.status[status])} {cells}: {status.label} ({status.message})")
-    if size > 1:
-        for regime in Regime:
-            if tally.regime[regime]:
-                console.echo(f"{regime.label or NO_REGIME:>12} {tally.regime[regime] / size:7.1%}")
-        if tally.regime[Regime.HOPPING] and grid.flight and grid.fixed.get("restitution") == 0.0:
-            console.echo(f"restitution {bounce_text(0.0)}; --restitution changes that")
-        tell_peaks(tally, grid, console)
-    return ExitCode.UNRESOLVED if tally.status[Status.UNRESOLVED] else ExitCode.DONE
+    if options.output or not options.json:
+        outputs = Outputs(options, name, argv, console, forms=TABLES[:-1], pictures=(), default="-")
+        return write_sweep(run.grid, run.table, outputs, options, console)
+    tally = Tally()
+    between = "[\n"
+    for block in sweep_blocks(run.grid):
+        tally.add(block)
+        for cell in run.records(block):
+            print(between, json.dumps(cell, allow_nan=False), sep="", end="")
+            between = ",\n"
+    print("\n]")
+    return conclude(tally, run.grid, console)

@@ -35,6 +35,7 @@ from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
 from vibro.errors import FileError, InputError, VibroError
 from vibro.interrupts import end_on_signals, ignore_signals
+from vibro.quantities import TROUGH_MASS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -167,7 +168,10 @@ def _vibro(
 
 # The functions of the commands, and which of the shared options they take; None if they have only their own.
 _COMMANDS: Final[dict[str, Any]] = {
-    "solve": (solve_command, {"forms": TABLES}),
+    "solve": (
+        solve_command,
+        {"files": "[SCENE.toml]...", "most": None, "forms": TABLES, "more": (TROUGH_MASS,)},
+    ),
     "traverse-time": (traverse_time_command, {"forms": TABLES[:-1]}),
     "map": (map_command, {"forms": MAPS}),
     "simulate": (simulate_command, {"forms": HISTORIES}),

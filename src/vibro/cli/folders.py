@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path
 
-    from vibro.cli.answer import Pictures
     from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.cli.outputs import Outputs
+    from vibro.cli.sweeps import Pictures
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
     from vibro.tables.plan import Plan
@@ -61,7 +61,7 @@ def write_stored(
     InputError, FileError
         If the files cannot be written, or the folder holds something else.
     """
-    from vibro.cli.answer import byte_count, conclude, drawn
+    from vibro.cli.sweeps import byte_count, conclude, drawn
     from vibro.tables.plan import Plan
     from vibro.tables.record import json_text, sweep_record
     from vibro.tables.writing import write_folder
@@ -89,7 +89,7 @@ def write_stored(
 @contextmanager
 def _progress(console: Console, folder: Path, plan: Plan) -> Iterator[Callable[[Progress], None]]:
     """Print the progress of a run: a bar on a terminal, else a line for every tenth."""
-    from vibro.cli.answer import byte_count, count
+    from vibro.cli.sweeps import byte_count, count
 
     said = seen = 0
     cells = plan.grid.size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,6 +14,7 @@ from vibro.cli.options import (
     RegimesOnlyOption,
     refuse_without_flight,
 )
+from vibro.cli.outputs import MAPS, Outputs
 from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
@@ -24,27 +26,20 @@ from vibro.cli.table_options import (
 )
 from vibro.cli.views import SHOWN, names_of, shown_pictures, tell_choices, view_of
 from vibro.core.codes import Output
-from vibro.errors import FileError, InputError
-from vibro.files.nearby import suggestion
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from matplotlib.figure import Figure
 
-    from vibro.cli.outputs import Outputs
+    from vibro.cli.target_speed import TargetSpeed
+    from vibro.plots.view import View
     from vibro.results.sweep import Block
-
-WorkersOption = Annotated[
-    str | None,
-    typer.Option(
-        "--workers",
-        metavar="NUMBER|ADDRESS",
-        help="With -o NAME.parquet: number of processes that make it, or the address of a Dask cluster,"
-        " such as tcp://host:8786; by default threads of one process.",
-        show_default=False,
-    ),
-]
+    from vibro.sweeps.columns import Table
+    from vibro.sweeps.grid import Grid
+    from vibro.sweeps.request import Request
+    from vibro.sweeps.run import DrawnCells
 
 
 def map_command(
@@ -52,30 +47,19 @@ def map_command(
     options: Options,
     x: Annotated[
         str | None,
-        typer.Option(
-            "--x",
-            metavar="AXIS",
-            help="Horizontal axis of the pictures.",
-            show_default=False,
-        ),
+        typer.Option("--x", metavar="AXIS", help="Horizontal axis of pictures.", show_default=False),
     ] = None,
     y: Annotated[
-        str | None,
-        typer.Option(
-            "--y",
-            metavar="AXIS",
-            help="Vertical axis of the pictures.",
-            show_default=False,
-        ),
+        str | None, typer.Option("--y", metavar="AXIS", help="Vertical axis of pictures.", show_default=False)
     ] = None,
     at: Annotated[
         list[str] | None,
         typer.Option(
             "--at",
-            metavar="AXIS=VALUE",
-            help="Fix an axis at one of its values in the pictures; repeatable. By default axes that are not"
-            " drawn are fixed at the middle of their feasible values.",
+            metavar="AXIS=X",
+            help="Value at which pictures hold an axis; repeatable.",
             show_default=False,
+            hidden=True,
         ),
     ] = None,
     show: Annotated[
@@ -85,17 +69,13 @@ def map_command(
             metavar="|".join(SHOWN),
             help="Draw the impact speed, or the share of time in flight, too; repeatable.",
             show_default=False,
+            hidden=True,
         ),
     ] = None,
     speed: Annotated[
         str | None,
         typer.Option(
-            "--speed",
-            metavar="SPEED",
-            rich_help_panel="Pictures",
-            help="Draw the contour of this speed, and print the share of the cells that reach it; in a map of"
-            " both frictions, also which frictions reach it [mm/s].",
-            show_default=False,
+            "--speed", metavar="X", help="Speed to mark, and to count cells [mm/s].", show_default=False
         ),
     ] = None,
     regimes_only: RegimesOnlyOption = False,
@@ -103,63 +83,47 @@ def map_command(
     columns: ColumnsOption = None,
     pitch: PitchOption = None,
     mass: MassOption = None,
-    workers: WorkersOption = None,
+    workers: Annotated[
+        str | None,
+        typer.Option(
+            "--workers",
+            metavar="N|ADDRESS",
+            help="With -o NAME.parquet: number of processes, or the address of a Dask cluster.",
+            show_default=False,
+            hidden=True,
+        ),
+    ] = None,
 ) -> int:
-    """Map the regimes, speeds and traverse times of a scene over any of its quantities.
+    """Map regimes, speed and traverse time over any quantities: tables and pictures.
 
-    An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log;
-    without a count a range has 200 values, 100 beside another axis and 20 beside more. Numbers may carry
-    units: 800um, 900rpm, 0.35rad. Without amplitude or frequency the map covers 0.1:3 mm and 5:60 Hz. The
-    results go to NAME.csv, NAME.json and pictures; with -o NAME.xlsx to a workbook, with -o NAME.parquet to a
-    folder, in which the same command goes on. Give such a folder instead of a scene file to draw its
-    pictures. A list of at most 12 values is drawn as curves beside one range, and as several maps beside two.
+    An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log.
+    Without amplitude and frequency it sweeps 0.1:3 mm and 5:60 Hz. Files: NAME.csv, NAME.json, pictures, or
+    as -o says. A folder NAME.parquet in place of a scene gives its pictures.
     """
     if options.scene is not None and options.scene.is_dir():
         from vibro.cli.stored_map import map_stored
 
         return map_stored(context, options, x, y, at or [], show or [], speed)
-    if options.scene is not None and not options.scene.exists():
-        raise FileError(
-            f"cannot read {options.scene}: there is no such file or folder",
-            hint=suggestion(options.scene, (".toml",), folders=True),
-        )
-    if options.scene is not None and options.scene.suffix == ".parquet":
-        raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
-    from vibro.cli.answer import Pictures, make_grid, write_sweep
-    from vibro.cli.outputs import MAPS, Outputs
     from vibro.cli.request import question, request_of
-    from vibro.cli.target_speed import TargetSpeed, target_in_pictures
     from vibro.plots.view import check_drawable
     from vibro.quantities import LEAST_SPEED, checked_number
-    from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC, bent
-    from vibro.results.sweep import at_rest, where_motion_begins
-    from vibro.sweeps.columns import columns_of
     from vibro.sweeps.request import RANGES
-    from vibro.sweeps.run import DrawnCells, limits_of, solved_picture, sweep_picture
 
     console = Console(quiet=options.quiet)
     shown = shown_pictures(show or [])
     output = Output.REGIMES if regimes_only else Output.EXACT
-    if shown:
-        refuse_without_flight(f"--show {','.join(shown)}", output)
-    if coexist:
-        refuse_without_flight("--coexist", output)
+    for option, given in ((f"--show {','.join(shown)}", shown), ("--coexist", coexist)):
+        if given:
+            refuse_without_flight(option, output)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
     if target_speed is not None and output is not Output.EXACT:
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question(request, options)
-    grid = make_grid(request, console, output=output, coexistence=coexist)
-    usual = columns_of(
-        grid.axes,
-        *throughput_of(part),
-        drive=grid.drive,
-        made_with=grid.made_with,
-        machine=grid.machine is not None,
-    )
-    written = table_of(usual, columns, needed=NEEDS_PART, has_length=grid.length is not None, part=part)
-    axes = grid.told_axes
+    grid = request.grid(output, coexistence=coexist)
+    console.echo_all(map(str, grid.told_axes.values()))
+    table = table_of(grid, columns, throughput_of(part), needed=NEEDS_PART, part=part)
     view, held = view_of(grid, x, y, at or [])
     names = names_of(view, grid, shown)
     name = request.name or "vibro-map"
@@ -167,72 +131,132 @@ def map_command(
         options, name, context.obj, console, forms=MAPS,
         pictures=names, reads=[options.scene], default=name,
     )  # fmt: skip
-    number = _workers(workers, outputs)
-    draws = bool(outputs.pictures) or any(form == "xlsx" for _, form in outputs.tables.values())
-    if draws:
+    made_by = _workers(workers, outputs)
+    sweep = _Map(
+        request=request, grid=grid, table=table, view=view, names=names, target_speed=target_speed,
+        outputs=outputs, console=console,
+    )  # fmt: skip
+    if sweep.draws:
         check_drawable(view)
-        tell_choices(view, axes, held, console)
-    target = None if target_speed is None else TargetSpeed(axes, target_speed)
-    cells = None if outputs.folder or not draws else DrawnCells.of(grid, view.drawn)
-    reached = ""
+        tell_choices(view, grid.told_axes, held, console)
+    return sweep.into_folder(options, made_by) if outputs.folder else sweep.into_files(options)
 
-    def draw(show: Callable[..., None]) -> dict[str, Figure]:
+
+@dataclass(kw_only=True)
+class _Map:
+    """A sweep that is solved and drawn.
+
+    Attributes
+    ----------
+    request, grid, table : Request, Grid, Table
+        What is solved, and written of it.
+    view, names : View, list of str
+        What pictures show, and which there are.
+    target_speed : float or None
+        What ``--speed`` says [mm/s].
+    outputs, console : Outputs, Console
+        Where to.
+    """
+
+    request: Request
+    grid: Grid
+    table: Table
+    view: View
+    names: list[str]
+    target_speed: float | None
+    outputs: Outputs
+    console: Console
+    cells: DrawnCells | None = None
+    target: TargetSpeed | None = None
+    moves: bool = False
+    bends: int = 0
+
+    @property
+    def draws(self) -> bool:
+        """Whether any picture is wanted, beside the table or in its workbook."""
+        return bool(self.outputs.pictures) or any(form == "xlsx" for _, form in self.outputs.tables.values())
+
+    def look(self, block: Block) -> None:
+        """Take from solved cells what is told, or drawn, of them."""
+        from vibro.results.operating import bent
+        from vibro.results.sweep import at_rest
+
+        self.moves = self.moves or not at_rest(block.cycle).all()
+        self.bends += bent(block)
+        if self.target:
+            self.target.add(block)
+        if self.cells:
+            self.cells.add(block)
+
+    def draw(self, show: Callable[..., None]) -> dict[str, Figure]:
+        """Draw the pictures, from the cells of the table where these are dear."""
         from vibro.plots import map_figures
+        from vibro.sweeps.run import solved_picture, sweep_picture
 
-        nonlocal reached
-        what = grid, view.drawn, request.own, request.name or ""
-        if cells:
-            result = solved_picture(*what, names, cells.results)
+        what = self.grid, self.view.drawn, self.request.own, self.request.name or ""
+        if self.cells:
+            result = solved_picture(*what, self.names, self.cells.results)
         else:
             result = sweep_picture(*what, lambda done, size: show(0, f"solving {done / size:.0%}"))
-        if target and outputs.folder:
-            reached = target_in_pictures(result, axes, target.speed)
         return map_figures(
             result,
-            names,
-            x=view.x.name,
-            y=view.y.name if view.y else None,
-            target_speed=target_speed,
+            self.names,
+            x=self.view.x.name,
+            y=self.view.y.name if self.view.y else None,
+            target_speed=self.target_speed,
             progress=lambda done, size: show(done),
         )
 
-    pictures = Pictures(names, draw) if draws else None
-    if outputs.folder:
-        from vibro.cli.folders import write_stored
+    def into_files(self, options: Options) -> int:
+        """Solve the sweep into tables, and tell what came out."""
+        from vibro.cli.sweeps import Pictures, write_sweep
+        from vibro.cli.target_speed import TargetSpeed
+        from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC
+        from vibro.sweeps.run import DrawnCells
 
-        if target and (target.is_of_frictions or not draws):
-            raise InputError("--speed: not known of a folder alone", hint="leave it out, or add -o NAME.png")
-        code, rests = write_stored(
-            grid, written, request.name or "", request.own, outputs, number, options, console, pictures
+        if self.target_speed is not None:
+            self.target = TargetSpeed(self.grid.told_axes, self.target_speed)
+        if self.draws:
+            self.cells = DrawnCells.of(self.grid, self.view.drawn)
+        pictures = Pictures(self.names, self.draw) if self.draws else None
+        code = write_sweep(
+            self.grid, self.table, self.outputs, options, self.console, pictures, self.look, self.view
         )
-        if reached:
-            console.echo(reached)
-        if rests:
-            console.echo(where_motion_begins(axes, grid.told(grid.fixed), limits_of(grid.values())))
+        if self.target:
+            self.console.echo(self.target.text())
+        if self.bends:
+            self.console.warn(
+                f"{self.bends} of {self.grid.size} cells: the filling adds a second harmonic above"
+                f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; {BENT_SPEED.column} of --columns has the"
+                " speed with it"
+            )
+        if not self.moves:
+            self._tell_beginning()
         return code
-    moves, bends = False, 0
 
-    def look(block: Block) -> None:
-        nonlocal moves, bends
-        moves = moves or not at_rest(block.cycle).all()
-        bends += bent(block)
-        if target:
-            target.add(block)
-        if cells:
-            cells.add(block)
+    def into_folder(self, options: Options, workers: int | str | None) -> int:
+        """Solve the sweep into a folder of Parquet files, and tell what came out."""
+        from vibro.cli.folders import write_stored
+        from vibro.cli.sweeps import Pictures
 
-    code = write_sweep(grid, written, outputs, options, console, pictures, look, view)
-    if target:
-        console.echo(target.text())
-    if bends:
-        console.warn(
-            f"{bends} of {grid.size} cells: the filling adds a second harmonic to the trough's motion, above"
-            f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; the speed with it is the column"
-            f" {BENT_SPEED.column} of --columns"
+        if self.target_speed is not None:
+            raise InputError("--speed: not told of a folder", hint="vibro map NAME.parquet --speed draws it")
+        code, rests = write_stored(
+            self.grid, self.table, self.request.name or "", self.request.own, self.outputs, workers, options,
+            self.console, Pictures(self.names, self.draw) if self.draws else None,
+        )  # fmt: skip
+        if rests:
+            self._tell_beginning()
+        return code
+
+    def _tell_beginning(self) -> None:
+        from vibro.results.sweep import where_motion_begins
+        from vibro.sweeps.run import limits_of
+
+        grid = self.grid
+        self.console.echo(
+            where_motion_begins(grid.told_axes, grid.told(grid.fixed), limits_of(grid.values()))
         )
-    if not moves:
-        console.echo(where_motion_begins(axes, grid.told(grid.fixed), limits_of(grid.values())))
-    return code
 
 
 def _workers(text: str | None, outputs: Outputs) -> int | str | None:

@@ -61,7 +61,7 @@ def _print_all_help(context: typer.Context, wanted: bool) -> None:
             parameter.hidden = False  # type: ignore[attr-defined]
         named = "".join(
             f"  {quantity.typed().ljust(26)} {_text_of(quantity)}\n"
-            for quantity in QUANTITIES.values()
+            for quantity in (*QUANTITIES.values(), *getattr(context.command.callback, "more", ()))
             if quantity.options and not quantity.is_option
         )
         if any("NAME=VALUE" in (getattr(p, "metavar", None) or "") for p in context.command.params):
@@ -110,11 +110,14 @@ class Options:
     files : tuple of Path
         The files among the arguments.
     given : mapping of str to str
-        Quantities by their names.
+        Quantities of the scene by their names.
+    own : mapping of str to str
+        Quantities of the command alone, by their names.
     """
 
     files: tuple[Path, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)
+    own: Mapping[str, str] = field(default_factory=dict)
     pack: Annotated[
         str | None,
         typer.Option(
@@ -152,7 +155,9 @@ _NAMED: Final = re.compile(r"([A-Za-z_][\w -]*?)\s*=\s*(.*)", re.DOTALL)
 _NUMBER: Final = re.compile(r"[+\N{MINUS SIGN}-]?\.?[0-9][0-9.,:eE+-]*\s*[\w/%\N{DEGREE SIGN}^ ]*")
 
 
-def read_arguments(texts: Sequence[str], most: int | None) -> tuple[tuple[Path, ...], dict[str, str]]:
+def read_arguments(
+    texts: Sequence[str], most: int | None, more: Mapping[str, Quantity]
+) -> tuple[tuple[Path, ...], dict[str, str]]:
     """Tell the files and the quantities among the arguments of a command.
 
     Parameters
@@ -161,6 +166,8 @@ def read_arguments(texts: Sequence[str], most: int | None) -> tuple[tuple[Path, 
         As typed.
     most : int or None
         Largest number of files; None if there is none.
+    more : mapping of str to Quantity
+        By name, further quantities than those of a scene.
 
     Returns
     -------
@@ -177,10 +184,10 @@ def read_arguments(texts: Sequence[str], most: int | None) -> tuple[tuple[Path, 
     for text in texts:
         found = _NAMED.fullmatch(text)
         if found and not Path(text).exists():
-            quantity = find_quantity(found[1])
+            quantity = _own(found[1], more) or find_quantity(found[1])
             if quantity is None or not quantity.options:
-                names = [name for q in QUANTITIES.values() if q.options for name in (q.column, q.letter)]
-                hint = did_you_mean(found[1], names) or "vibro map --help-all lists the quantities"
+                names = [q.column for q in (*QUANTITIES.values(), *more.values())]
+                hint = did_you_mean(found[1], names) or "--help-all lists the quantities"
                 raise InputError(f"{cut(text)}: {shown(found[1])} is no quantity", hint=hint)
             if quantity.name in given:
                 raise InputError(f"{quantity.label} is given twice", hint="give it once")
@@ -198,6 +205,12 @@ def read_arguments(texts: Sequence[str], most: int | None) -> tuple[tuple[Path, 
             f"{told}: {'one file' if most == 1 else f'{most} files'} at most", hint="leave one out"
         )
     return tuple(files), given
+
+
+def _own(called: str, more: Mapping[str, Quantity]) -> Quantity | None:
+    """Find a quantity of the command alone."""
+    name = called.strip().replace("-", "_").replace(" ", "_").casefold()
+    return next((q for q in more.values() if name in (q.name, q.column)), None)
 
 
 _UNITS: Final = {
@@ -243,6 +256,7 @@ def shares_options(
     of_answer: bool = True,
     of_table: bool = True,
     forms: Sequence[str] = SERIES,
+    more: Sequence[Quantity] = (),
 ) -> Callable[..., int]:
     """Give a command the shared options.
 
@@ -264,6 +278,8 @@ def shares_options(
         Whether that answer is numbers, which can be written as CSV or JSON.
     forms : sequence of str
         Endings of the files that it can write.
+    more : sequence of Quantity
+        Further quantities, which are given as ``NAME=VALUE``.
 
     Returns
     -------
@@ -282,6 +298,7 @@ def shares_options(
         *([] if of_answer else _OF_ANSWER),
         *([] if of_table else _OF_TABLE),
     }
+    own_ones = {quantity.name: quantity for quantity in more}
     metavar = f"{files}{' [NAME=VALUE]...' if of_scene else ''}"
     argument = typer.Argument(
         metavar=metavar, help="Files; other quantities, such as gravity=3.7.", show_default=False, hidden=True
@@ -290,7 +307,7 @@ def shares_options(
     for f in fields(Options):
         if f.name == "given":
             shared += [_quantity_parameter(QUANTITIES[name]) for name in quantities]
-        elif f.name != "files" and f.name not in left_out:
+        elif f.name not in ("files", "own", *left_out):
             is_output = f.name == "output"
             kind = output_option(forms) if is_output else annotations[f.name]
             shared.append(_parameter(f.name, f.default, kind))
@@ -301,16 +318,18 @@ def shares_options(
         typed = {p.name: values.pop(p.name) for p in shared}
         texts = {name: typed.pop(name) for name in quantities}
         given = {name: text for name, text in texts.items() if text is not None}
-        paths, named = read_arguments(typed.pop("arguments") or (), most)
+        paths, named = read_arguments(typed.pop("arguments") or (), most, own_ones)
+        beside = {name: named.pop(name) for name in own_ones if name in named}
         for name in named:
             if not of_scene or name in refused:
                 raise InputError(f"{QUANTITIES[name].label}: not used by this command", hint="leave it out")
             if name in given:
                 raise InputError(f"{QUANTITIES[name].label} is given twice", hint="give it once")
-        options = Options(**typed, files=paths, given={**given, **named})
+        options = Options(**typed, files=paths, given={**given, **named}, own=beside)
         return run(values.pop(context.name), options, **values)
 
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (context, *shared, *own)]
+    command.more = more  # type: ignore[attr-defined]  # for help
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {p.name: p.annotation for p in parameters}
     return command

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from vibro.answers.answer import Answer
     from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.files.csv_tables import TableColumns
@@ -185,8 +188,7 @@ class Outputs:
             By form, such as ``html``: makes the text, of the pictures that a page has.
         """
         figures = draw() if self.pictures or "html" in self.texts.values() else _NOTHING
-        for path, form in self.texts.items():
-            self.waiting[path].write_text(texts[form](figures), encoding="utf-8")
+        self.write_texts({form: partial(make, figures) for form, make in texts.items()})
         if self.tables or self.takes_stdout:
             from vibro.files.csv_tables import CsvFormat
 
@@ -196,6 +198,16 @@ class Outputs:
             if self.takes_stdout:
                 sys.stdout.buffer.write(form.table(next(iter(made.values()))))
         self.finish(content, figures)
+
+    def write_answer(self, answer: Answer) -> None:
+        """Write the page and the record of an answer that has no table of cells."""
+        self.write_texts({"html": lambda: answer.html(command=shlex.join(["vibro", *self.argv]))})
+        self.finish(answer.content())
+
+    def write_texts(self, texts: Mapping[str, Callable[[], str]]) -> None:
+        """Write files of one text each, such as pages; ``texts`` makes them, by form."""
+        for path, form in self.texts.items():
+            self.waiting[path].write_text(texts[form](), encoding="utf-8")
 
     def write_text(self, text: str, content: Mapping[str, Any] = _NOTHING) -> None:
         """Write a text in place of tables, and the record."""

@@ -58,8 +58,8 @@ def map_stored(
     FileError
         If the folder cannot be read, or the files cannot be written.
     """
-    from vibro.cli.answer import Pictures, drawn, tell_peaks
     from vibro.cli.outputs import PICTURES, Outputs
+    from vibro.cli.sweeps import Pictures, drawn, tell_peaks
     from vibro.cli.target_speed import target_in_pictures
     from vibro.plots import map_figures
     from vibro.plots.view import check_drawable

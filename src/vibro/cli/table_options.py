@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -11,9 +12,9 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from vibro.cli.options import Options
     from vibro.results.sweep import Column
     from vibro.sweeps.columns import Table
+    from vibro.sweeps.grid import Grid
 
 ColumnsOption = Annotated[
     str | None,
@@ -23,6 +24,7 @@ ColumnsOption = Annotated[
         help="Columns of the table, in this order, such as amplitude_mm,regime; further ones are stroke_mm,"
         " restitution, acceleration_g, speed_amplitude_exponent and strokes.",
         show_default=False,
+        hidden=True,
     ),
 ]
 PitchOption = Annotated[
@@ -30,16 +32,16 @@ PitchOption = Annotated[
     typer.Option(
         "--pitch",
         metavar="LENGTH",
-        help="Distance from one part to the next [mm], to print parts per minute: an upper bound, as parts"
-        " in a row do not push each other in this model.",
+        help="Distance from one part to the next [mm], to tell parts per minute.",
         show_default=False,
+        hidden=True,
     ),
 ]
 MassOption = Annotated[
     str | None,
     typer.Option(
-        "--mass", metavar="MASS", help="Mass of a part [kg]; with --pitch, to print kg per hour.",
-        show_default=False,
+        "--mass", metavar="MASS", help="Mass of a part [kg]; with --pitch, to tell kg per hour.",
+        show_default=False, hidden=True,
     ),
 ]  # fmt: skip
 #: Columns that follow from the part's pitch and mass, and what gives these.
@@ -71,25 +73,25 @@ def throughput_of(part: Mapping[str, float]) -> tuple[Column, ...]:
 
 
 def table_of(
-    usual: Sequence[Column],
+    grid: Grid,
     columns: str | None,
+    extra: Sequence[Column] = (),
     *,
     needed: Mapping[str, str],
-    has_length: bool,
-    part: Mapping[str, float] | None = None,
+    part: Mapping[str, float] = MappingProxyType({}),
 ) -> Table:
     """Choose what a table holds.
 
     Parameters
     ----------
-    usual : sequence of Column
-        Its columns by default.
+    grid : Grid
+        What is solved.
     columns : str or None
-        The names of columns, as typed.
+        The names of columns, as typed; None for the usual ones.
+    extra : sequence of Column
+        Further columns among the usual ones.
     needed : mapping of str to str
         Columns that are there with options alone, and an example of these.
-    has_length : bool
-        Whether the trough has a length.
     part : mapping of str to float, optional
         What is known of the part, for the sidecar.
 
@@ -100,21 +102,25 @@ def table_of(
     """
     from vibro.sweeps.columns import Table, chosen
 
+    usual: Sequence[Column] = usual_columns(grid, extra)
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         there = {column.name for column in usual}
         missing = {name: option for name, option in needed.items() if name not in there}
-        missing |= {} if has_length else _NEEDS_LENGTH
+        missing |= {} if grid.length is not None else _NEEDS_LENGTH
         for name in names:
             if name in missing:
                 raise InputError(
                     f"column {name}: an option that it needs is missing", hint=f"add {missing[name]}"
                 )
         usual = chosen(names, usual)
-    return Table(usual, part or {})
+    return Table(usual, part)
 
 
-def refuse_without_table(options: Options, columns: str | None) -> None:
-    """Refuse to choose columns where a report is printed."""
-    if not options.output and not options.json and columns is not None:
-        raise InputError("--columns: the report is no table", hint="add --json, -o - or -o NAME.csv")
+def usual_columns(grid: Grid, extra: Sequence[Column] = ()) -> tuple[Column, ...]:
+    """Return the columns of a table by default, and further ones."""
+    from vibro.sweeps.columns import columns_of
+
+    return columns_of(
+        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+    )

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.cli.answer import count, peak_text
+from vibro.answers.answer import number
+from vibro.cli.sweeps import count, peak_text
 from vibro.core.codes import Status
 from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.sweep import cell_values
-from vibro.sweeps.one_scene import number
 from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:

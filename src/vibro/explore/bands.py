@@ -6,12 +6,12 @@ import math
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
+from vibro.answers.answer import number
 from vibro.core.codes import Regime
 from vibro.inverse.certain import Certain, certain
 from vibro.inverse.guarantees import guarantee
 from vibro.quantities import LENGTH, MACHINE, scene_fields
 from vibro.scene import Scene
-from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from vibro.explore.state import State

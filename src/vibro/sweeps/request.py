@@ -206,7 +206,12 @@ class Request:
         return {name: self.specs[name].axis(count or usual) for name in self.varying}
 
     def grid(
-        self, output: Output, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
+        self,
+        output: Output = Output.EXACT,
+        *,
+        flight: bool = True,
+        coexistence: bool = False,
+        arrivals: bool = False,
     ) -> Grid:
         """Make the grid of all combinations."""
         return Grid(
@@ -393,8 +398,8 @@ def _check_machine(
         if len(machine.packs) == 1:
             own[natural.name] = axis_of(next(iter(machine.packs.values())), natural)
         else:
-            packs = " or ".join(f'pack="{name}"' for name in machine.packs)
-            hint = f"give {packs}, or a natural frequency"
+            packs = " or ".join(f'"{name}"' for name in machine.packs)
+            hint = f"give the option pack, {packs}, or a natural frequency"
             problems.add("which spring pack is fitted is not given", hint, natural.name)
 
 

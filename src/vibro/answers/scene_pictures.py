@@ -1,0 +1,84 @@
+"""The pictures on the page about a scene: maps around it, and its motion over time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.axes import Axis
+from vibro.core.codes import Status
+from vibro.errors import VibroError
+from vibro.motion.histories import simulate
+from vibro.motion.trace import trace
+from vibro.plots import map_figures
+from vibro.plots.history import choose_panels, history_figure
+from vibro.quantities import SCALE, SWEPT
+from vibro.sweeps.run import sweep_picture
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibro.answers.scene import OneScene
+    from vibro.sweeps.grid import Grid
+    from vibro.sweeps.request import Request
+
+_AROUND: Final = (0.25, 2.5)  # [1] ends of the map's axes over the scene's own values
+_CYCLES: Final = 3.0  # of the drive that are drawn
+_FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
+_SAMPLES: Final = 200  # a cycle
+_SIZES: Final = ("setting", "amplitude", "along_amplitude", "normal_amplitude", SCALE)
+
+
+def scene_pictures(request: Request, grid: Grid, one: OneScene) -> dict[str, Figure]:
+    """Draw a scene, by what each picture shows.
+
+    Parameters
+    ----------
+    request : Request
+        The scene as it was given.
+    grid : Grid
+        Its single cell.
+    one : OneScene
+        The same, solved.
+    """
+    return {**_maps(request, grid), **_motion(request, one)}
+
+
+def _maps(request: Request, grid: Grid) -> dict[str, Figure]:
+    """Draw what the drive would do at other sizes and frequencies."""
+    sizes = [name for name in _SIZES if grid.fixed.get(name)]
+    names = [name for name in SWEPT if name in (sizes[:1] or ["static_friction"]) or name == "frequency"]
+    low, high = _AROUND
+    axes = {
+        name: Axis(name, np.array([low * grid.fixed[name], high * grid.fixed[name]]), "linear")
+        for name in names
+    }
+    fixed = {name: value for name, value in grid.fixed.items() if name not in axes}
+    around = replace(grid, axes=axes, fixed=fixed, arrivals=False, coexistence=False)
+    own = {name: grid.fixed[name] for name in axes}
+    figures = map_figures(sweep_picture(around, {}, own, request.name or "Scene"), ["regime", "speed"])
+    over = " and ".join(axis.label for axis in around.told_axes.values())
+    shows = {"regime": "What the part does", "speed": "How fast it is conveyed"}
+    return {f"{shows[name]} over {over}": figure for name, figure in figures.items()}
+
+
+def _motion(request: Request, one: OneScene) -> dict[str, Figure]:
+    """Draw three cycles of the steady motion, or the first three where none is known."""
+    try:
+        history = simulate(one.scene, cycles=_FOLLOWED)
+    except VibroError:  # it runs away, or its motion is not determined
+        return {}
+    period = 1.0 / float(one.scene.frequency)
+    since, told = history.settles_at, "Three cycles of the steady motion"
+    steady = one.status.answered and one.status is not Status.AVERAGED
+    if not steady or not since + _CYCLES * period <= _FOLLOWED * period:
+        since, told = 0.0, "The first three cycles from rest"
+    history = simulate(one.scene, cycles=since / period + _CYCLES)
+    phases = [p for p in history.phases if p.end > since]
+    flies = any(p.kind == "H" for p in phases)
+    rows = trace(history, since=since, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
+    panels = choose_panels("trough,velocity,position" + ",gap" * flies, flies=flies)
+    title = request.name or "Motion"
+    return {told: history_figure(phases, rows, panels, title, request.told, period=period)}

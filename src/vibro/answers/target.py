@@ -1,0 +1,207 @@
+"""The answer to a target: which amplitudes, or scales of a motion, convey a part at least so fast."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.answers.answer import Answer, Fact, Table, bound, shown
+from vibro.core.codes import Regime
+from vibro.errors import InputError
+from vibro.inverse.extremes import counted
+from vibro.inverse.questions import MOST_DESIGN_THROW
+from vibro.inverse.windows import HOPS_SAMPLED, feasible_amplitudes
+from vibro.limits import critical_loads
+from vibro.quantities import LEAST_SPEED, QUANTITIES, SCALE, SPEED, as_given, scene_fields
+from vibro.scene import Scene
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.results.designs import Interval
+    from vibro.sweeps.request import Request
+
+    Floats = NDArray[np.float64]
+
+_MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
+_SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
+_LEAST: Final = 1e-6  # of the largest of them, where parts start at once or hop
+_MOST: Final = 1e3  # times the largest critical load, where parts never hop
+_BELOW_HOP: Final = 1e-12
+_SETS: Final = {
+    "speed": "the speed is reached",
+    "onset": "forward slip begins",
+    "back slip": "back slip",
+    "hop": "hopping",
+    "unconfirmed": "the speed beyond is unknown",
+    "limit": f"throw number {MOST_DESIGN_THROW:g}",
+}
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """The drive whose size is searched.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene at some size.
+    size : float
+        That size: an amplitude [m], or the scale of a motion [1].
+    shares : mapping of str to float
+        Every amplitude over the size, and of a motion its scale, by name [1], of a motion's amplitudes [m].
+    """
+
+    scene: Scene
+    size: float
+    shares: Mapping[str, float]
+
+    @classmethod
+    def of(cls, request: Request) -> _Drive:
+        """Return the drive of a request."""
+        fixed = request.fixed
+        if request.is_waveform:
+            scene = request.scene()
+            ways = (("along_amplitude", scene.along_harmonics), ("normal_amplitude", scene.normal_harmonics))
+            amplitudes = {
+                first if n == 1 else f"{first}_{n}": float(x)
+                for first, pairs in ways
+                for n, (x, _) in enumerate(pairs or (), 1)
+            }
+            return cls(scene, 1.0, {SCALE: 1.0, **amplitudes})
+        names = [name for name in ("along_amplitude", "normal_amplitude") if name in fixed]
+        if names and not any(fixed[name] for name in names):
+            raise InputError(
+                "along amplitude = normal amplitude = 0 mm: their proportion is that of the answer",
+                hint="give along= or normal= a value above 0",
+            )
+        given = fixed if names else {**fixed, "amplitude": 1.0}  # its value has no effect
+        scene = Scene(**scene_fields(given))
+        sizes = {name: float(getattr(scene, name)) for name in names or ["amplitude"]}
+        size = next(filter(None, sizes.values()))
+        return cls(scene, size, {name: x / size for name, x in sizes.items()})
+
+    def scenes(self, sizes: Floats) -> Scene:
+        """Return the scenes of some sizes."""
+        given = {f.name: getattr(self.scene, f.name) for f in fields(self.scene)}
+        scaled = [SCALE] if SCALE in self.shares else self.shares
+        given |= {name: sizes * self.shares[name] for name in scaled}
+        return Scene(**{name: value for name, value in given.items() if value is not None})
+
+    def limit(self) -> float:
+        """Return the size up to which hops are searched; inf where parts do not hop."""
+        throw = float(solve(self.scene, output="regimes").throw_number)
+        return self.size * (MOST_DESIGN_THROW / throw) if throw > 0.0 else math.inf
+
+    def best(self, limit: float) -> tuple[float, float]:
+        """Return the largest speed of the sizes that are tried [m/s], and its size; NaN without any."""
+        low, high = (_LEAST * limit, limit) if math.isfinite(limit) else self._contact()
+        if not low < high:
+            return math.nan, math.nan
+        sizes = np.geomspace(low, high, _SAMPLES)
+        speeds = np.asarray(counted(solve(self.scenes(sizes), flight=math.isfinite(limit)), fast=False))
+        best = int(np.argmax(np.where(np.isfinite(speeds), speeds, -np.inf)))
+        return float(speeds[best]), float(sizes[best])
+
+    def _contact(self) -> tuple[float, float]:
+        """Return the sizes between which a part moves that does not hop; NaN where there are none."""
+        loads = critical_loads(self.scene)
+        known = [float(load) for load in loads if 0.0 < float(load) < math.inf]
+        if not known:
+            return math.nan, math.nan
+        high = min((1.0 - _BELOW_HOP) * float(loads.hop), _MOST * max(known))
+        low = min(known) if float(loads.forward_onset) else _LEAST * high
+        per_load = self.size / float(self.scene.load)
+        return low * per_load, high * per_load
+
+    def record(self, interval: Interval) -> dict[str, Any]:
+        """Return an interval as JSON has it."""
+        ends = {}
+        for name, share in self.shares.items():
+            for side, end in (("low", interval.low), ("high", interval.high)):
+                quantity = QUANTITIES[name]
+                value = float(quantity.from_si(end * share)) if share else 0.0
+                ends[f"{name}_{side}{quantity.kind.suffix}"] = value if math.isfinite(value) else None
+        return {**ends, "low_set_by": interval.low_set_by, "high_set_by": interval.high_set_by}
+
+
+def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) -> Answer:
+    """Find the amplitudes that reach a speed.
+
+    Parameters
+    ----------
+    request : Request
+        The scene. The amplitude of a line is not given, nor the scale of a motion; the amplitudes of an
+        ellipse give its proportion.
+    speed : float
+        To be reached [mm/s].
+    asked : str
+        The same as it was typed, with its unit.
+    hopping : bool
+        Whether the part may hop, up to a throw number of 10.
+
+    Returns
+    -------
+    Answer
+        Its record says under ``met`` whether there are any.
+    """
+    drive = _Drive.of(request)
+    limit = drive.limit() if hopping else math.inf
+    highest = {"highest_regime": Regime.HOPPING.label, "limit": limit} if math.isfinite(limit) else {}
+    found = feasible_amplitudes(drive.scene, SPEED.to_si(speed), **highest)
+    shares = {SCALE: 1.0} if SCALE in drive.shares else as_given(drive.shares, in_stroke=request.in_stroke)
+    notes = []
+    if math.isfinite(limit):
+        count = HOPS_SAMPLED[bool(drive.scene.restitution > 0.0)]
+        notes.append(f"hops are sampled at {count} sizes up to throw number {MOST_DESIGN_THROW:g}: what lies")
+        notes[-1] += " between two of them may be missed; irregular ones count with 3 standard errors less"
+    kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
+    if len(kept) < len(found):
+        notes.append(f"and {len(found) - len(kept)} narrower ones, where hops are irregular: --json has all")
+    given = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items() if name != SCALE}
+    moved = {} if request.motion is None else {"motion": dict(request.motion.table)}
+    record = {
+        "scene": {**given, **moved},
+        LEAST_SPEED.column: speed,
+        "highest_regime": (Regime.HOPPING if hopping else Regime.BACK_SLIP).label,
+        "met": bool(found),
+        "amplitudes": [drive.record(interval) for interval in found],
+    }
+    where = f"up to throw number {MOST_DESIGN_THROW:g}" if math.isfinite(limit) else "without hopping"
+    name, share = next(iter(shares.items()))
+    label, unit = QUANTITIES[name].label, QUANTITIES[name].unit
+    if not found:
+        most, at = drive.best(limit)
+        told = f"none reaches {asked} {where}"
+        if most > 0.0:
+            size = shown(float(QUANTITIES[name].from_si(at * share)))
+            told += f"; the most is {shown(float(SPEED.from_si(most)))} mm/s at {size} {unit}".rstrip()
+        return Answer([Fact(label, told)], (), notes, record)
+    least, _ = _rounded(found[0], name, share)
+    facts = [Fact(label, f"{least} {unit}".rstrip(), note=f"the least for {asked} {where}")]
+    columns = [(f"{QUANTITIES[n].label} {end}", QUANTITIES[n].unit) for end in ("from", "to") for n in shares]
+    rows = []
+    for interval in found:
+        if interval in kept:
+            lows, highs = zip(*(_rounded(interval, n, x) for n, x in shares.items()), strict=True)
+            ends = _SETS[interval.low_set_by], _SETS[interval.high_set_by]
+            rows.append((*lows, *highs, ends[0], ends[1] if math.isfinite(interval.high) else "-"))
+    table = Table("amplitudes", [*columns, ("begins by", ""), ("ends by", "")], rows)
+    return Answer(facts, [table], notes, record)
+
+
+def _rounded(interval: Interval, name: str, share: float) -> tuple[str, str]:
+    """Write both ends of a size in the unit outside, with six digits inside the interval."""
+    if not share:
+        return "0", "0"
+    ends = [float(QUANTITIES[name].from_si(end * share)) for end in interval[:2]]
+    if math.isinf(ends[1]):
+        return bound(ends[0], upper=True), "any"
+    low, high = bound(ends[0], upper=True), bound(ends[1], upper=False)
+    return (low, high) if float(low) <= float(high) else (repr(ends[0]), repr(ends[1]))

@@ -1,0 +1,227 @@
+"""Sweeps that a command solves: their tables, pictures and record, and how they went."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import sys
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.answers.answer import number, uncertain
+from vibro.cli.exit_codes import ExitCode
+from vibro.core.codes import Regime, Status
+from vibro.errors import FileError
+from vibro.quantities import QUANTITIES, as_given
+from vibro.results.steady import NO_REGIME, RESULTS
+from vibro.sweeps.tally import Tally
+from vibro.tables.record import json_text, sweep_record
+from vibro.tables.sinks import Csv, Sink, write_table
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+    from vibro.axes import Axis
+    from vibro.cli.console import Console
+    from vibro.cli.options import Options
+    from vibro.cli.outputs import Outputs
+    from vibro.plots.view import View
+    from vibro.results.sweep import Block, Peak
+    from vibro.sweeps.columns import Table
+    from vibro.sweeps.grid import Grid
+    from vibro.tables.xlsx import Xlsx
+
+_ROWS_OF_A_SHEET: Final = 1_048_576
+# [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
+# vary, and those that do where bodies hop alone.
+_LONG, _SHORT = 19, 8
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Pictures to be made of a sweep.
+
+    Attributes
+    ----------
+    names : sequence of str
+        What ``draw`` returns.
+    draw : callable
+        Returns the figures by name; called with what shows how many are drawn, and a note beside.
+    """
+
+    names: Sequence[str]
+    draw: Callable[[Callable[..., None]], Mapping[str, Figure]]
+
+
+@contextmanager
+def drawn(pictures: Pictures | None, console: Console) -> Iterator[Mapping[str, Figure]]:
+    """Draw pictures, if there are any, and show progress until they are written."""
+    if pictures is None:
+        yield {}
+        return
+    with console.progress("drawing", len(pictures.names)) as bar:
+        bar(0)
+        yield pictures.draw(bar)
+
+
+def count(number: int) -> str:
+    """Write a whole number for people, its thousands apart."""
+    return f"{number:,}".replace(",", " ")
+
+
+def write_sweep(
+    grid: Grid,
+    table: Table,
+    outputs: Outputs,
+    options: Options,
+    console: Console,
+    pictures: Pictures | None = None,
+    look: Callable[[Block], None] = lambda block: None,
+    view: View | None = None,
+    more: Callable[[], Mapping[str, Any]] = dict,
+    page: Callable[[], str] | None = None,
+) -> int:
+    """Solve a grid and write its table, pictures and JSON.
+
+    Parameters
+    ----------
+    grid : Grid
+        What to solve.
+    table : Table
+        What is written of it.
+    outputs : Outputs
+        Where to.
+    options : Options
+        How.
+    console : Console
+        For progress and messages.
+    pictures : Pictures, optional
+        What to draw.
+    look : callable, optional
+        Called with every block of solved cells, in their order.
+    view : View, optional
+        What the pictures show.
+    more : callable, optional
+        Returns what the record says beside, once all is solved.
+    page : callable, optional
+        Makes the page about it.
+
+    Returns
+    -------
+    int
+        The exit code.
+
+    Raises
+    ------
+    InputError, FileError
+        If the grid is too large, or the files cannot be written.
+    """
+    from vibro.files.csv_tables import CsvFormat
+    from vibro.tables.files import hidden_folder
+
+    with outputs, ExitStack() as stack:
+        form = CsvFormat(decimal_comma=options.decimal_comma)
+        sinks: list[Sink] = []
+        books: dict[Path, Xlsx] = {}
+        for path, (_, ending) in outputs.tables.items():
+            if ending == "csv":
+                _check_size(grid, _row_bytes(grid, table), path.parent, console)
+                sinks.append(Csv(stack.enter_context(outputs.waiting[path].open("wb")), table, form))
+            else:
+                from vibro.tables.xlsx import Xlsx
+
+                scratch = stack.enter_context(hidden_folder(path.parent))
+                books[path] = Xlsx(outputs.waiting[path], scratch, grid, table, view)
+        if outputs.takes_stdout:
+            sinks.append(Csv(sys.stdout.buffer, table, form))
+        with console.progress("solving", grid.size) as bar:
+            tally = write_table(grid, table, [*sinks, *books.values()], report=bar, look=look)
+        content = sweep_record(grid, table, tally.told())
+        with drawn(pictures if outputs.pictures or books else None, console) as figures:
+            if page is not None:
+                outputs.write_texts({"html": page})
+            record = outputs.finish({**content, **more()}, figures)
+            if books:
+                console.echo("writing the workbook")
+            for path, book in books.items():
+                book.close(
+                    {"name": path.stem, **record, **content},
+                    {name: _png(figure, record) for name, figure in figures.items()},
+                )
+    if options.json:
+        print(json_text(record))
+    return conclude(tally, grid, console)
+
+
+def _png(figure: Figure, record: Mapping[str, Any]) -> bytes:
+    from vibro.plots import save
+    from vibro.tables.record import picture_metadata
+
+    stream = io.BytesIO()
+    save(figure, stream, "png", picture_metadata(record))
+    return stream.getvalue()
+
+
+def _row_bytes(grid: Grid, table: Table) -> int:
+    """Estimate what a row of a table comes to [B]."""
+    short = {QUANTITIES[name].column for name in (*grid.fixed, "trough_length")}
+    short |= {result.column for result in RESULTS if result.in_contact is not None or not result.is_number}
+    return sum(_SHORT if column.name in short else _LONG for column in table.columns)
+
+
+def _check_size(grid: Grid, row_bytes: int, folder: Path, console: Console) -> None:
+    """Refuse a CSV for which there is no space, and warn of one that no spreadsheet opens."""
+    cells, free, needed = count(grid.size), shutil.disk_usage(folder).free, grid.size * row_bytes
+    if needed > free:
+        raise FileError(
+            f"{cells} cells are about {byte_count(needed)}, but only {byte_count(free)} are free in {folder}",
+            hint="free some space, ask for fewer values, or write a folder, such as -o wide.parquet",
+        )
+    if grid.size > _ROWS_OF_A_SHEET:
+        console.warn(
+            f"{cells} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet;"
+            " a folder suits them better, such as -o wide.parquet"
+        )
+
+
+def byte_count(number: float) -> str:
+    """Write a number of bytes for people."""
+    for unit in ("B", "kB", "MB", "GB", "TB"):
+        if number < 1000:
+            return f"{number:.3g} {unit}"
+        number /= 1000
+    return f"{number:.3g} PB"
+
+
+def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
+    """Tell which cells of a sweep are conveyed fastest, forwards and backwards."""
+    for name, peak in tally.peaks.items():
+        console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.told_axes)}")
+
+
+def peak_text(peak: Peak, axes: Mapping[str, Axis]) -> str:
+    """Write how fast the fastest cell of a sweep is, and where it lies."""
+    values = as_given(peak.values, in_stroke="stroke" in axes)
+    place = [f"{axis.label} {number(values[name], axis.unit)}" for name, axis in axes.items()]
+    return f"{uncertain(peak.speed, peak.error, 6)} mm/s at {', '.join(place)}"
+
+
+def conclude(tally: Tally, grid: Grid, console: Console) -> int:
+    """Tell how it went, and return the exit code."""
+    size = grid.size
+    for status in Status:
+        if status is not Status.OK and tally.status[status]:
+            cells = "cell" if size == 1 else f"of {count(size)} cells"
+            console.echo(f"{count(tally.status[status])} {cells}: {status.label} ({status.message})")
+    if size > 1:
+        for regime in Regime:
+            if tally.regime[regime]:
+                console.echo(f"{regime.label or NO_REGIME:>12} {tally.regime[regime] / size:7.1%}")
+        if tally.regime[Regime.HOPPING] and grid.flight and grid.fixed.get("restitution") == 0.0:
+            console.echo("restitution 0: parts land without a bounce; --restitution changes that")
+        tell_peaks(tally, grid, console)
+    return ExitCode.UNRESOLVED if tally.status[Status.UNRESOLVED] else ExitCode.DONE
