@@ -110,7 +110,8 @@ class OneScene:
     @property
     def sized(self) -> float:
         """The one size of the drive, in the unit outside; NaN where it has several."""
-        return self.given.get(self.size.replace(" ", "_"), math.nan)
+        found: float = self.given.get(self.size.replace(" ", "_"), math.nan)
+        return found
 
     @property
     def traverse_time(self) -> float:

@@ -49,7 +49,9 @@ def scene_pictures(request: Request, grid: Grid, one: OneScene) -> dict[str, Fig
 def _maps(request: Request, grid: Grid) -> dict[str, Figure]:
     """Draw what the drive would do at other sizes and frequencies."""
     sizes = [name for name in _SIZES if grid.fixed.get(name)]
-    names = [name for name in SWEPT if name in (sizes[:1] or ["static_friction"]) or name == "frequency"]
+    names: list[str] = [
+        name for name in SWEPT if name in (sizes[:1] or ["static_friction"]) or name == "frequency"
+    ]
     low, high = _AROUND
     axes = {
         name: Axis(name, np.array([low * grid.fixed[name], high * grid.fixed[name]]), "linear")

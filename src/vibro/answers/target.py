@@ -75,7 +75,7 @@ class _Drive:
                 for n, (x, _) in enumerate(pairs or (), 1)
             }
             return cls(scene, 1.0, {SCALE: 1.0, **amplitudes})
-        names = [name for name in ("along_amplitude", "normal_amplitude") if name in fixed]
+        names: list[str] = [name for name in ("along_amplitude", "normal_amplitude") if name in fixed]
         if names and not any(fixed[name] for name in names):
             raise InputError(
                 "along amplitude = normal amplitude = 0 mm: their proportion is that of the answer",
@@ -83,7 +83,7 @@ class _Drive:
             )
         given = fixed if names else {**fixed, "amplitude": 1.0}  # its value has no effect
         scene = Scene(**scene_fields(given))
-        sizes = {name: float(getattr(scene, name)) for name in names or ["amplitude"]}
+        sizes: dict[str, float] = {name: float(getattr(scene, name)) for name in names or ("amplitude",)}
         size = next(filter(None, sizes.values()))
         return cls(scene, size, {name: x / size for name, x in sizes.items()})
 
@@ -153,8 +153,8 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     """
     drive = _Drive.of(request)
     limit = drive.limit() if hopping else math.inf
-    highest = {"highest_regime": Regime.HOPPING.label, "limit": limit} if math.isfinite(limit) else {}
-    found = feasible_amplitudes(drive.scene, SPEED.to_si(speed), **highest)
+    highest = Regime.HOPPING.label if math.isfinite(limit) else Regime.BACK_SLIP.label
+    found = feasible_amplitudes(drive.scene, SPEED.to_si(speed), highest_regime=highest, limit=limit)
     shares = {SCALE: 1.0} if SCALE in drive.shares else as_given(drive.shares, in_stroke=request.in_stroke)
     notes = []
     if math.isfinite(limit):

@@ -6,10 +6,10 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
-from vibro.answers.answer import number
 from vibro.cli.report import aligned
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, QUANTITIES
+from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from pathlib import Path

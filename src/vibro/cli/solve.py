@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer  # typer reads the annotations
@@ -94,8 +95,8 @@ def solve_command(
         extra += standing(part[STAND_RATIO.column])
     more = (*extra, WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER)
     runs = []
-    for file in options.files or (None,):
-        own = options.of(*[file] * (file is not None))
+    for file in options.files or ((),):
+        own = options.of(file) if isinstance(file, Path) else options
         request = request_of(own, context.obj, takes_axes=True)
         question(request, own)
         grid = request.grid(output, coexistence=coexist, arrivals=request.length is not None)

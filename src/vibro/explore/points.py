@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
+from vibro.answers.scene import OneScene, scene_answer
 from vibro.explore.bands import bands_if, guaranteed_text
 from vibro.explore.controls import DRIVEN, GIVEN
 from vibro.explore.markup import tag
@@ -17,7 +18,6 @@ from vibro.quantities import DEFAULTS, MACHINE, QUANTITIES
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.machine_facts import machine_warnings
 from vibro.sweeps.machines import check_operating
-from vibro.sweeps.one_scene import OneScene, beginnings, estimate, facts_of, phase_rows
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
@@ -58,12 +58,8 @@ def point_of(state: State) -> dict[str, Any]:
         check_operating(grid.machine, block.values)
         warnings = machine_warnings(grid.machine, block.values)
     one = OneScene(block)
-    facts = facts_of(one, grid)
-    if state.point.length is not None:
-        time = one.traverse_time
-        told = one.why_never() if time is None else estimate(time, time * one.relative_error, "s")
-        facts.append(("traverse time", told))
-    speed = dict(facts).get("mean speed", "")
+    answer = scene_answer(one, grid, {}, {}, every=True)
+    speed = answer.facts[0].text
     guaranteed, is_open = guaranteed_text(state)
     return {
         "state": dict(state.texts),
@@ -72,9 +68,9 @@ def point_of(state: State) -> dict[str, Any]:
         "speed": speed,
         "regime": one.regime.label,
         "tables": "".join(tag("p", f"Warning: {text}.", class_="warning") for text in warnings)
-        + _table("What the body does", [(), *facts])
-        + _table("What begins when", beginnings(one))
-        + _table("Phases of a steady cycle", phase_rows(one)),
+        + _table("What the body does", [(), *((fact.label, fact.text) for fact in answer.facts)])
+        + "".join(_table(table.title, table.texts) for table in answer.tables)
+        + "".join(tag("p", note) for note in answer.notes),
         "guaranteed": guaranteed,
         "unproved": is_open,
         "bands": [bands_if(state, follows=follows) for follows in (False, True)],
@@ -156,7 +152,7 @@ def _given(state: State) -> dict[str, str]:
     return {name: given[name] for name in QUANTITIES if name in given}
 
 
-def _table(caption: str, rows: Sequence[tuple[str, ...]]) -> str:
+def _table(caption: str, rows: Sequence[Sequence[str]]) -> str:
     """Write a table, its first row as heads of columns; empty without other rows."""
     head, *body = rows or [()]
     if not body:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.answers.answer import bound
 from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.plots.design import design_figures
 from vibro.quantities import QUANTITIES
@@ -23,6 +22,7 @@ from vibro.reports.design_texts import (
 from vibro.reports.page import Page, Section, Table
 from vibro.reports.pictures import picture
 from vibro.reports.scene_texts import LIMITS, assumptions
+from vibro.sweeps.one_scene import bound
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from vibro.answers.answer import bound, number
 from vibro.core.codes import Regime
 from vibro.inverse.designs import at_most
 from vibro.inverse.rows import KINDS
 from vibro.quantities import LENGTH, QUANTITIES, SPEED
+from vibro.sweeps.one_scene import bound, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
