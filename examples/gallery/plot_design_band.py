@@ -9,7 +9,7 @@ the window of any scene; ``limit`` is the largest amplitude of the design's driv
 
 .. code-block:: bash
 
-    vibro design examples/design_nut.toml --only goal -o out/design
+    vibro design examples/design_nut.toml -o out/design
 
 .. image:: /gallery/images/sphx_glr_plot_design_band_001.png
    :alt: Speed of all parts. At the frequency and the angle of the chosen design: the slowest and the

@@ -8,7 +8,7 @@ band. The command writes ``out/design-regime.png``; a guarantee tells the same o
 
 .. code-block:: bash
 
-    vibro design examples/design_nut.toml --only goal -o out/design
+    vibro design examples/design_nut.toml -o out/design
 
 .. image:: /gallery/images/sphx_glr_plot_design_regimes_001.png
    :alt: Regimes of all parts. The same question by regime.

@@ -9,7 +9,7 @@ The command writes ``out/design-speed.png``; in Python the designs are a table.
 
 .. code-block:: bash
 
-    vibro design examples/design_nut.toml --only goal -o out/design
+    vibro design examples/design_nut.toml -o out/design
 
 .. image:: /gallery/images/sphx_glr_plot_design_speed_001.png
    :alt: Settings that meet a goal. Friction is known as a band, and every part has to make 30 mm/s

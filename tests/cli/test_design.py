@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +14,7 @@ import pytest
 from helpers.commands import Run, rows_of
 from helpers.made_designs import ELLIPTICAL, IN_STROKE, QUESTION, answer, found, of_motor, rows
 from helpers.questions import answered
+from helpers.reports import ReadPage
 
 import vibro
 from vibro.files.toml_files import read_toml
@@ -62,23 +65,32 @@ def test_the_files_of_an_ellipse(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_json_is_the_answer_alone(ask: Callable[..., Any]) -> None:
     for met, code in ((True, 0), (False, 4)):
-        result = ask("--json", met=met)
+        result = ask("--all", "--json", met=met)
         assert (result.exit_code, result.stderr) == (code, "")
-        assert json.loads(result.stdout) == answer(met=met).to_dict()
+        found = json.loads(result.stdout)
+        assert {key: found[key] for key in ("met", "designs")} == answer(met=met).to_dict()
+        assert found["chosen"] == {"drive": "motor", "design": "safest" if met else "fastest"}
+        assert [row["begins"] for row in found["loads"]] == [
+            "the first part slips back", "the first part hops", "the last part starts",
+        ]  # fmt: skip
+        assert all(isinstance(row["nominal_speed_percent"], float) for row in found["costs"])
+        assert any(note.startswith("sampled: ") for note in found["notes"])
     assert list(Path().iterdir()) == [Path("nut.toml")]
 
 
 def test_the_files(ask: Callable[..., Any]) -> None:
-    result = ask("-o", "out/nut", "--json")
+    result = ask("--all", "-o", "out/nut", "-o", "out/nut.html", "--json")
     assert result.exit_code == 0
-    names = ["nut.csv", "nut-regime.png", "nut-speed.png", "nut-band.png", "nut.json"]
+    names = ["nut.csv", "nut.html", "nut-regime.png", "nut-speed.png", "nut-band.png", "nut.json"]
     assert sorted(path.name for path in Path("out").iterdir()) == sorted(names)
     content = json.loads(Path("out/nut.json").read_text(encoding="utf-8"))
     assert content["version"] == vibro.__version__
-    assert content["argv"] == ["vibro", "design", "nut.toml", "-o", "out/nut", "--json"]
+    typed = ["design", "nut.toml", "--all", "-o", "out/nut", "-o", "out/nut.html", "--json"]
+    assert content["argv"] == ["vibro", *typed]
     assert content["spec"] == read_toml(Path("nut.toml"))
     assert content["files"] == names
-    assert {"met": content["met"], "designs": content["designs"]} == json.loads(result.stdout)
+    said = json.loads(result.stdout)
+    assert {key: content[key] for key in said} == said
     assert content["columns"]["speed_min_mm_s"] == "mm/s"
     table = rows_of(Path("out/nut.csv").read_text(encoding="utf-8"))
     assert list(table[0]) == [column.name for column in answer(met=True).columns]
@@ -89,7 +101,7 @@ def test_the_files(ask: Callable[..., Any]) -> None:
 
 
 def test_the_table_goes_to_stdout(ask: Callable[..., Any]) -> None:
-    result = ask("-o", "-", "--decimal-comma")
+    result = ask("--all", "-o", "-", "--decimal-comma")
     assert result.exit_code == 0
     assert result.stdout.splitlines()[1].startswith("motor;forward-slip;gentlest;2,80763335;10;45;")
     assert len(result.stdout.splitlines()) == 19
@@ -134,19 +146,33 @@ def test_a_question_in_stroke_is_answered_in_stroke(run: Run, monkeypatch: pytes
     assert table[0]["stroke_mm"] == "5.615"
 
 
-def test_other_regimes_can_be_left_out(
-    ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked = found(monkeypatch, answer(met=True))
-    result = run("design", "nut.toml", "--only", "goal", "-o", "nut")
-    assert result.exit_code == 0
-    assert [call.goal_only for call in asked] == [True]
-    table = rows_of(Path("nut.csv").read_text(encoding="utf-8"))
-    designs = json.loads(Path("nut.json").read_text(encoding="utf-8"))["designs"]
-    for written in (table, designs):
-        assert {row["highest_regime"] for row in written} == {"forward-slip"}
-        assert len(written) == 6
-    assert run("design", "nut.toml", "--only", "hopping").exit_code == 2
+def test_other_regimes_are_searched_on_request(ask: Callable[..., Any]) -> None:
+    for more, regimes in (((), {"forward-slip"}), (("--all",), {"forward-slip", "back-slip", "hopping"})):
+        assert ask(*more, "-o", "nut", "--force").exit_code == 0
+        table = rows_of(Path("nut.csv").read_text(encoding="utf-8"))
+        designs = json.loads(Path("nut.json").read_text(encoding="utf-8"))["designs"]
+        for written in (table, designs):
+            assert {row["highest_regime"] for row in written} == regimes
+            assert len(written) == 6 * len(regimes)
+
+
+@pytest.mark.parametrize("met", [True, False])
+def test_the_page(met: bool, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    name = 'name = "a <i>magnet</i>"'
+    Path("nut.toml").write_text(QUESTION.replace('name = "motor"', name), encoding="utf-8")
+    named = [replace(d, drive=d.drive.replace("motor", "a <i>magnet</i>")) for d in answer(met=met).designs]
+    found(monkeypatch, answered(met, *named))
+    result = run("design", "nut.toml", "-o", "nut.html", "-q")
+    assert (result.exit_code, result.stderr) == (0 if met else 4, "")
+    read = ReadPage(Path("nut.html").read_text(encoding="utf-8"))
+    assert read.row("met by") == ["a <i>magnet</i>" if met else "no drive"]
+    ((least, per_minute),) = re.findall(
+        r"at least ([\d.]+) mm/s \(([\d.]+) m/min\)", read.row("every part")[0]
+    )
+    assert float(per_minute) == pytest.approx(0.06 * float(least), rel=1e-3)
+    assert any("nearest drive" in cell for row in read.rows for cell in row) is not met
+    assert "i" not in read.tags
+    assert read.tags.count("figure") == 2
 
 
 @pytest.mark.parametrize(("typed", "digits"), [((), 4), (("--digits", 9), 9), (("--digits", 15), 15)])
@@ -155,7 +181,7 @@ def test_the_digits_of_settings(
 ) -> None:
     asked = found(monkeypatch, answer(met=True))
     assert run("design", "nut.toml", *typed).exit_code == 0
-    assert [(call.digits, call.goal_only) for call in asked] == [(digits, False)]
+    assert [(call.digits, call.goal_only) for call in asked] == [(digits, True)]
 
 
 def test_a_bar_says_what_is_searched(
@@ -178,17 +204,8 @@ def test_a_bar_says_what_is_searched(
 
 
 def test_help_has_the_options_that_apply_alone(run: Run) -> None:
-    text = run("design", "--help").stdout
-    for option in (
-        "--only",
-        "--digits",
-        "-o",
-        "--json",
-        "--decimal-comma",
-        "--force",
-        "-q",
-        "--debug",
-    ):
+    text = run("design", "--help-all").stdout
+    for option in ("--all", "--digits", "-o", "--json", "--decimal-comma", "--force", "-q", "--debug"):
         assert option in text
-    for option in ("-A", "--mu-s", "--length", "SCENE.toml", "--flight"):
+    for option in ("-A", "--mu-s", "--length", "SCENE.toml"):
         assert option not in text

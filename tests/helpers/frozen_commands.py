@@ -65,7 +65,7 @@ simulate steps.toml
 drive feeder.toml
 drive feeder.toml filling=0:2 voltage=95:105
 friction
-design line.toml --only goal
+design line.toml
 friction 'steel on steel'
 map -A .5:4:4 {_NUT} -L 600 --force
 map {_BOWL}=.2:1.4:4 --restitution .2 --force

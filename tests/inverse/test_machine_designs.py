@@ -441,32 +441,18 @@ def test_the_example_is_answered_in_settings_on_the_command_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("vibro.cli.design._figures", lambda *_: {})  # drawn below
-    run = CliRunner().invoke(app, ["design", str(EXAMPLE), "--only", "goal", "-o", f"{tmp_path}/"])
+    run = CliRunner().invoke(app, ["design", str(EXAMPLE), "-o", f"{tmp_path}/"])
     assert run.exit_code == 0, run.output
     lines = [" ".join(line.split()) for line in run.stdout.splitlines()]
     assert lines[1] == "met by feeder (6 leaves)"
-    limits = "setting 20 ... 100 %, 0.35 mm empty at 100 %, frequency 50 Hz, drive angle 20 deg"
-    assert (
-        f"feeder (6 leaves): {limits}, springs of 55.6 Hz, voltage 95 ... 105 %, filling 0 ... 2 kg" in lines
-    )
     assert any(
-        line.startswith("setting frequency angle empty least most accel. guaranteed") for line in lines
-    )
-    assert any(
-        line.startswith("chosen feeder (6 leaves), safest with back-slip at most: setting 67.")
+        line.startswith("design feeder (6 leaves), safest: setting 67.") and line.endswith("50 Hz, 20 deg")
         for line in lines
     )
     assert any(
-        line.startswith("amplitude met 0.2") and line.endswith("over voltage and filling, covered")
-        for line in lines
+        line.startswith("amplitude 0.2") and line.endswith("over voltage and filling") for line in lines
     )
-    assert "frequency changes the amplitude too" in lines
-    assert any(line.startswith("amplitude no window:") for line in lines)
     assert any(line.startswith("filling: speeds hold from the least to the most amplitude") for line in lines)
-    (second,) = [line for line in lines if line.startswith("second harmonic up to")]
-    assert (
-        12.7 < float(second.split()[-2]) < 13.0
-    )  # faster than without it, as a full feeder is below resonance
     answer = json.loads((tmp_path / "design_machine-design.json").read_text(encoding="utf-8"))
     columns = {
         "setting_percent",
@@ -482,6 +468,9 @@ def test_the_example_is_answered_in_settings_on_the_command_line(
     assert designs.keys() == {("7 leaves", "fastest"), ("4 leaves", "fastest")} | {
         ("6 leaves", kind) for kind in ("gentlest", "fastest", "safest")
     }
+    # faster than without it, as a full feeder is below resonance
+    assert 12.7 < designs["6 leaves", "safest"]["speed_second_harmonic_mm_s"] < 13.0
+    assert {row["nominal_speed_percent"] for row in answer["costs"]} >= {"changes the amplitude too"}
     # as examples/design_machine.toml and docs/guide/design.md say
     speeds = {key: design["speed_min_mm_s"] for key, design in designs.items()}
     assert speeds["7 leaves", "fastest"] == pytest.approx(10.0, abs=0.05)
@@ -503,14 +492,14 @@ def test_a_goal_that_no_pack_meets_says_what_misses(tmp_path: Path) -> None:
     text = EXAMPLE.read_text(encoding="utf-8").replace("speed_mm_s = 12", "speed_mm_s = 20")
     text = re.sub(r'\n.*"[74] leaves".*', "", text)
     path.write_text(text, encoding="utf-8")
-    run = CliRunner().invoke(app, ["design", str(path), "--only", "goal"])
+    run = CliRunner().invoke(app, ["design", str(path)])
     assert run.exit_code == 4, run.output
     lines = [" ".join(line.split()) for line in run.stdout.splitlines()]
     assert lines[1] == "met by no drive"
-    assert "largest guaranteed back-slip at most set by nearest drive that meets the goal" in lines
+    assert "drive back-slip [mm/s] set by nearest drive that meets the goal" in lines
     # a machine's amplitude changes with its frequency, so that no other drive is near
     why = "not computed for machines"
-    row = rf"feeder \(6 leaves\) [\d.]+ mm/s (limit|hop) {why}"
+    row = rf"feeder \(6 leaves\) [\d.]+ (limit|hop) {why}"
     assert sum(re.fullmatch(row, line) is not None for line in lines) == 1
     assert any(line.startswith("closest feeder (6 leaves), fastest") for line in lines)
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any
+import shlex
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -13,8 +13,6 @@ from vibro.cli.options import Options
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.figure import Figure
 
     from vibro.files.csv_tables import TableColumns
@@ -22,55 +20,44 @@ if TYPE_CHECKING:
     from vibro.inverse.specs import Spec
     from vibro.results.designs import DesignResult
 
-__all__ = ["design_command", "design_record"]
-
-
-class Only(StrEnum):
-    """Which regimes are answered."""
-
-    GOAL = "goal"
-
-
-OnlyOption = Annotated[
-    Only | None,
-    typer.Option(
-        "--only", help="Leave out the designs of other regimes than the goal's.", show_default=False
-    ),
-]
-DigitsOption = Annotated[
-    str | None,
-    typer.Option(
-        "--digits",
-        metavar="1...15",
-        help="Significant digits of settings [default: 4]; those that do not hold so have more.",
-        show_default=False,
-    ),
-]
+#: Pictures of the page, and what they show.
+_SHOWN: Final = {
+    "speed": "Guaranteed speed over amplitude and frequency; the circle is the design",
+    "band": "Speeds from the slowest to the fastest part over the amplitude",
+}
 
 
 def design_command(
     context: typer.Context,
     options: Options,
-    only: OnlyOption = None,
-    digits: DigitsOption = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Search other regimes too, and print all that is known.")
+    ] = False,
+    digits: Annotated[
+        str | None,
+        typer.Option(
+            "--digits",
+            metavar="1...15",
+            help="Significant digits of settings [default: 4]; those that do not hold so have more.",
+            show_default=False,
+            hidden=True,
+        ),
+    ] = None,
 ) -> int:
     """Find drive settings that convey every part at least at a required speed, for all its frictions.
 
-    The design file gives what is known of the parts and the trough as bands lo:hi, the range and drift of
-    each drive, and the goal. Drives move along a line, an ellipse or in a given motion. For every drive three
-    designs within the goal's highest regime are printed: the gentlest (least acceleration) that meets the
-    goal, the fastest, and the safest; then those within other regimes. -o writes them too,
-    with pictures of one of them. If no drive meets the goal, the closest designs are printed
-    and the exit code is 4.
+    The design file gives parts and trough as bands lo:hi, the range and drift of each drive, and the goal.
+    For every drive three designs are printed: the gentlest (least acceleration) that meets the goal, the
+    fastest, and the safest. If no drive meets the goal, the closest ones are, and the exit code is 4.
     """
-    from vibro.cli.design_report import design_report
+    from vibro.answers.design import design_answer
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import whole_number
+    from vibro.files.toml_files import read_toml
     from vibro.inverse.designs import checked_digits, chosen_of, find_designs
     from vibro.inverse.reading import read_spec
     from vibro.inverse.rounding import DIGITS
     from vibro.plots.design import DESIGN_PICTURES
-    from vibro.tables.record import json_text
 
     console = Console(quiet=options.quiet)
     count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))
@@ -80,28 +67,35 @@ def design_command(
     spec = read_spec(source)
     for doubt in spec.doubts():
         console.warn(doubt)
-    name = f"{spec.name}-design"
-    with Outputs(options, name, context.obj, console, pictures=DESIGN_PICTURES, reads=[source]) as output:
+    name, argv = f"{spec.name}-design", context.obj
+    with Outputs(options, name, argv, console, pictures=DESIGN_PICTURES, reads=[source]) as output:
         with console.progress("searching", None) as report:
             result = find_designs(
                 spec,
                 lambda done, total, what: report(done, what, total),
                 digits=count,
-                goal_only=only is Only.GOAL,
+                goal_only=not every,
             )
             chosen = chosen_of(spec, result)
+        answer = design_answer(spec, result, chosen, spec.name)
 
         def draw() -> dict[str, Figure]:
             with console.progress("drawing", None):
                 return _figures(spec, chosen)
 
+        def page(figures: Any) -> str:
+            shown = {text: figures[name] for name, text in _SHOWN.items() if name in figures}
+            return answer.html(shown, shlex.join(["vibro", *argv]))
+
+        units = {column.name: column.unit for column in result.columns}
         output.write(
             lambda: {"": _columns(result)},
             draw,
-            design_record(source, result) if options.output else {},
+            {"spec": read_toml(source), **answer.content(), "columns": units} if options.output else {},
+            {"html": page},
         )
     if not output.takes_stdout:
-        print(json_text(result.to_dict()) if options.json else design_report(spec, result, chosen))
+        print(answer.json() if options.json else answer.text(every=every))
     return ExitCode.DONE if result.met else ExitCode.NOT_MET
 
 
@@ -125,11 +119,3 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
     from vibro.plots.design import design_figures
 
     return design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
-
-
-def design_record(source: Path, result: DesignResult) -> dict[str, Any]:
-    """Return the content of the sidecar: the question as it was given, and its answer."""
-    from vibro.files.toml_files import read_toml
-
-    units = {column.name: column.unit for column in result.columns}
-    return {"spec": read_toml(source), **result.to_dict(), "columns": units}
