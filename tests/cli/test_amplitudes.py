@@ -45,7 +45,7 @@ def test_both_amplitudes_of_an_ellipse_keep_their_proportion(run: Run) -> None:
     for end in ("low", "high"):
         x, y = (found[f"{way}_amplitude_{end}_mm"] for way in ("along", "normal"))
         assert x == pytest.approx(3.0 * y, rel=1e-15)
-        at = (f"along={x!r}", f"normal={y!r}", *scene[4:])
+        at = (f"along={x!r}", f"normal={y!r}", *scene[2:])
         cycle = json.loads(run("solve", *at, "--json").stdout)
         assert cycle["mean_velocity_mm_s"] >= 250.0 / 3.0 * (1.0 - 1e-12)
         assert cycle["regime"] != "hopping"

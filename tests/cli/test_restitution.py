@@ -43,7 +43,7 @@ def test_captions_tell_it_where_parts_hop_alone() -> None:
         assert (f"$e$ = {restitution:g}" in figure.get_suptitle()) is told
 
 
-def test_a_mean_over_several_motions_says_so_and_what_a_body_from_rest_does(run: Run) -> None:
+def test_a_mean_over_several_motions_says_so(run: Run) -> None:
     scene = vibro.Scene(
         amplitude=2e-3,
         frequency=20,
@@ -55,9 +55,4 @@ def test_a_mean_over_several_motions_says_so_and_what_a_body_from_rest_does(run:
     told = run("solve", *HOPS, "--restitution", "0.5").stdout
     cycles = vibro.attractors(scene)
     speeds = sorted(1e3 * cycle.mean_velocity for cycle in cycles if cycle.stable)
-    repeating = f"{len(speeds)} that repeat, at {speeds[0]:.6g} to {speeds[-1]:.6g} mm/s,"
-    assert f"several motions exist: {repeating} may capture the body for good" in told
-    (speed,) = re.findall(r"^from rest +(\S+) mm/s in the first 1000 cycles$", told, re.M)
-    walked = vibro.simulate(scene, cycles=1000)
-    assert float(speed) == pytest.approx(1e3 * walked.sample(walked.end).position / walked.end, rel=1e-5)
-    assert "from rest" not in run("solve", *HOPS).stdout
+    assert f"motions that repeat, at {speeds[0]:.4g} to {speeds[-1]:.4g} mm/s, may capture a part" in told

@@ -237,6 +237,7 @@ def _traverse(one: OneScene) -> list[Fact]:
     time, exact = one.traverse_time, one.arrival_time
     from_rest = f"{shown(exact, 6)} s from rest" if math.isfinite(exact) else ""
     if math.isfinite(time):
+        from_rest = from_rest or "from rest unknown"
         over = f"s over {one.length:.10g} mm"
         return [Fact("traverse time", time, over, time * one.relative_error, from_rest)]
     return [Fact("traverse time", _why_never(one), note=from_rest)]

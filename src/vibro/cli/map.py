@@ -121,7 +121,7 @@ def map_command(
     part = part_of(pitch, mass)
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question(request, options)
-    grid = request.grid(output, coexistence=coexist)
+    grid = request.grid(output, flight=output is Output.EXACT, coexistence=coexist)
     console.echo_all(map(str, grid.told_axes.values()))
     table = table_of(grid, columns, throughput_of(part), needed=NEEDS_PART, part=part)
     view, held = view_of(grid, x, y, at or [])

@@ -99,7 +99,9 @@ def solve_command(
         own = options.of(file) if isinstance(file, Path) else options
         request = request_of(own, context.obj, takes_axes=True)
         question(request, own)
-        grid = request.grid(output, coexistence=coexist, arrivals=request.length is not None)
+        follows = output is Output.EXACT
+        arrives = follows and request.length is not None
+        grid = request.grid(output, flight=follows, coexistence=coexist, arrivals=arrives)
         table = table_of(grid, columns, extra, needed=_NEEDS, part=part)
         whole = usual_columns(grid, more) if columns is None else table.columns
         runs.append(Run(request, grid, table, whole))
