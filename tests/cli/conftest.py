@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import pytest
 from typer.testing import CliRunner, Result
 
-from vibro.answers.page import _Picture
 from vibro.cli.app import app
 
 if TYPE_CHECKING:
@@ -56,12 +55,13 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
 @pytest.fixture
 def unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave figures as they are built, where nobody looks at files: to save them takes half of their time."""
+    from vibro.answers.page import Picture
 
     def save(_: object, path: str | Path, **__: object) -> None:
         Path(path).touch()
 
     monkeypatch.setattr("vibro.plots.picture.Picture.savefig", save)
-    monkeypatch.setattr("vibro.answers.page._picture", lambda *told: _Picture("<svg/>", 1, told[2]))
+    monkeypatch.setattr("vibro.answers.page.picture", lambda _, name, shows: Picture("<svg/>", 1, shows))
 
 
 @pytest.fixture

@@ -83,12 +83,12 @@ def test_the_main_parts_have_roles_and_names(open_page: Open) -> None:
           - checkbox "kinetic friction follows static friction" [checked]
           - checkbox "friction is not known exactly"
     """)
-    expect(page.get_by_role("table", name="What begins when")).to_match_aria_snapshot("""
-      - table "What begins when":
+    expect(page.get_by_role("table", name="Where each motion begins")).to_match_aria_snapshot("""
+      - table "Where each motion begins":
         - rowgroup:
-          - row "begins load now / then amplitude [mm] frequency [Hz]"
+          - row "begins times the drive amplitude [mm] frequency [Hz]"
         - rowgroup:
-          - row "forward slip 1.4595 0.685165 12.4162"
+          - row "forward slip 0.6852 0.6852 12.42"
     """)
     expect(page.get_by_role("img", name=re.compile("from rest"))).to_be_visible()
     heights = page.evaluate("""[...document.querySelectorAll('#history svg svg')].map((panel) => {

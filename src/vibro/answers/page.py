@@ -25,7 +25,7 @@ _REFERENCE: Final = re.compile(r"(?<=url\(#)[^)]+")
 _LINK: Final = f"{{{_XLINK}}}href"
 
 
-class _Picture(NamedTuple):
+class Picture(NamedTuple):
     """An inline SVG, how wide it is drawn [px], and what it shows."""
 
     svg: str
@@ -55,12 +55,12 @@ def page_html(answer: Answer, pictures: Mapping[str, Figure], command: str) -> s
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    drawn = [_picture(figure, f"p{i}", shows) for i, (shows, figure) in enumerate(pictures.items())]
+    drawn = [picture(figure, f"p{i}", shows) for i, (shows, figure) in enumerate(pictures.items())]
     template = environment.get_template("page.html")
     return template.render(answer=answer, pictures=drawn, command=command, version=__version__)
 
 
-def _picture(figure: Figure, name: str, shows: str) -> _Picture:
+def picture(figure: Figure, name: str, shows: str) -> Picture:
     """Draw a figure as part of a page; the ids of its elements begin with a name of its own."""
     from vibro.plots import save
 
@@ -76,7 +76,7 @@ def _picture(figure: Figure, name: str, shows: str) -> _Picture:
     ElementTree.register_namespace("", _SVG)
     ElementTree.register_namespace("xlink", _XLINK)
     text = ElementTree.tostring(root, encoding="unicode")
-    return _Picture(text, round(float(figure.get_figwidth()) * _PIXELS), shows)
+    return Picture(text, round(float(figure.get_figwidth()) * _PIXELS), shows)
 
 
 def _rename(root: ElementTree.Element, name: str) -> None:

@@ -10,7 +10,7 @@ from vibro.core.codes import Output
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
     from pathlib import Path
 
     import typer
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 #: What says which pictures there are to be, and where; all other options are of solving and tables.
 _OF_PICTURES: Final = {
-    "scene", "output", "json", "force", "quiet", "debug", "version", "x", "y", "at", "show", "speed",
+    "arguments", "output", "json", "force", "quiet", "debug", "version", "x", "y", "at", "show", "speed",
 }  # fmt: skip
 _OTHERWISE: Final = "leave {} out, or give a scene file"
 
@@ -71,7 +71,7 @@ def map_stored(
 
     folder = options.scene
     assert folder is not None
-    _refuse_others(context, folder)
+    _refuse_others(context, folder, options.given)
     for path in options.output or ():
         if path.casefold().endswith((".csv", ".xlsx", ".parquet")):
             raise InputError(
@@ -127,7 +127,7 @@ def map_stored(
     return 0
 
 
-def _refuse_others(context: typer.Context, folder: Path) -> None:
+def _refuse_others(context: typer.Context, folder: Path, given: Iterable[str]) -> None:
     """Refuse options about solving cells, or about their table."""
     typed = [
         parameter.opts[0]
@@ -135,6 +135,7 @@ def _refuse_others(context: typer.Context, folder: Path) -> None:
         if parameter.name not in _OF_PICTURES
         and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
     ]
+    typed += list(given)
     if typed:
         hint = _OTHERWISE.format("it" if len(typed) == 1 else "them")
         raise InputError(

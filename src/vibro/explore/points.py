@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
+from vibro.answers.answer import uncertain
 from vibro.answers.scene import OneScene, scene_answer
 from vibro.explore.bands import bands_if, guaranteed_text
 from vibro.explore.controls import DRIVEN, GIVEN
@@ -59,7 +61,8 @@ def point_of(state: State) -> dict[str, Any]:
         warnings = machine_warnings(grid.machine, block.values)
     one = OneScene(block)
     answer = scene_answer(one, grid, {}, {}, every=True)
-    speed = answer.facts[0].text
+    mean, error = one.result("mean_velocity"), one.result("mean_velocity_error")
+    speed = "unknown" if math.isnan(mean) else f"{uncertain(mean, error, 6)} mm/s"
     guaranteed, is_open = guaranteed_text(state)
     return {
         "state": dict(state.texts),

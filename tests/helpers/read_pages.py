@@ -1,13 +1,9 @@
-"""Reports read as their readers do: the texts of tables, the ids, what they refer to."""
+"""Pages read as their readers do: the texts of tables, the ids, what they refer to."""
 
 from __future__ import annotations
 
 import re
 from html.parser import HTMLParser
-
-from vibro.sweeps.grid import Grid
-from vibro.sweeps.one_scene import OneScene
-from vibro.sweeps.run import sweep_blocks
 
 
 class ReadPage(HTMLParser):
@@ -66,15 +62,3 @@ class ReadPage(HTMLParser):
         self.text += data
         if self.rows and self.rows[-1] and data.strip():
             self.rows[-1][-1] += data
-
-
-NUT = {
-    "amplitude": 1.0, "frequency": 15.0, "drive_angle": 20.0, "static_friction": 0.74,
-    "kinetic_friction": 0.57, "trough_angle": 0.0, "gravity": 9.81, "restitution": 0.0,
-}  # fmt: skip
-
-
-def scene_at(length: float | None = None, **changes: float) -> OneScene:
-    """Solve the published example with other values, in the units of files."""
-    (block,) = sweep_blocks(Grid({}, NUT | changes, length))
-    return OneScene(block)

@@ -1,4 +1,4 @@
-"""Pictures that stand in a page: they look as they do in files, and disturb nothing beside them."""
+"""Pages: pictures look as they do in files and disturb nothing beside them, and texts stay texts."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ import io
 import re
 
 import pytest
-from helpers.reports import ReadPage
+from helpers.read_pages import ReadPage
 from matplotlib.figure import Figure
 
+from vibro.answers.answer import Answer, Fact, Table
+from vibro.answers.page import picture
 from vibro.plots import save
-from vibro.reports.pictures import picture
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def figure() -> Figure:
 
 
 def test_two_pictures_share_no_id_and_every_reference_leads_into_its_own(figure: Figure) -> None:
-    pages = [ReadPage(picture(figure, name, "what it shows", "").svg) for name in ("one", "two")]
+    pages = [ReadPage(picture(figure, name, "what it shows").svg) for name in ("one", "two")]
     ids = [one for page in pages for one in page.ids]
     assert len(ids) == len(set(ids)) > 10
     for page, name in zip(pages, ("one", "two"), strict=True):
@@ -37,7 +38,7 @@ def test_two_pictures_share_no_id_and_every_reference_leads_into_its_own(figure:
 def test_colours_and_shapes_are_those_of_the_file(figure: Figure) -> None:
     written = io.BytesIO()
     save(figure, written, "svg", {})
-    file, inline = written.getvalue().decode(), picture(figure, "one", "", "").svg
+    file, inline = written.getvalue().decode(), picture(figure, "one", "").svg
     for what in (r'fill[:=] ?"?(#\w+)', r"stroke: (#\w+)", r' d="([^"]+)"'):
         told = [re.sub(r"\s+", " ", text) for text in re.findall(what, file)]
         assert told
@@ -45,9 +46,23 @@ def test_colours_and_shapes_are_those_of_the_file(figure: Figure) -> None:
 
 
 def test_nothing_of_it_holds_for_the_page_and_it_says_what_it_shows(figure: Figure) -> None:
-    one = picture(figure, "one", 'a "map" & more', "")
+    one = picture(figure, "one", 'a "map" & more')
     page = ReadPage(one.svg)
     assert not {"style", "metadata", "title", "script"} & {*page.tags}
     assert 'role="img"' in one.svg
     assert 'aria-label="a &quot;map&quot; &amp; more"' in one.svg
     assert one.width == 288
+
+
+def test_texts_are_no_markup_and_the_page_needs_nothing_else(figure: Figure) -> None:
+    texts = "<b onclick=x>&amp;", "</main>", "<i>"
+    table = Table("rows", [(texts[0], "mm"), (texts[1], "")], [(texts[2], 0.5)])
+    html = Answer([Fact(texts[0], texts[1])], [table], [texts[2]], title=texts[0]).html(
+        {texts[1]: figure}, texts[0]
+    )
+    page = ReadPage(html)
+    assert all(text in page.text for text in texts)
+    assert not {"b", "i", "script", "link", "iframe", "img", "object"} & {*page.tags}
+    assert page.tags.count("main") == 1
+    assert {*page.links} <= {f"#{one}" for one in page.ids}
+    assert len(page.ids) == len({*page.ids})
