@@ -366,14 +366,14 @@ START_VELOCITY: Final = Quantity(
     "",
     ("start_velocity",),
     EITHER_WAY,
-    "velocity at the start, along the trough",
+    "velocity along the trough at the start",
 )
 START_HEIGHT: Final = Quantity(
     "start_height", LENGTH, "", "", ("start_height",), ZERO_OR_MORE, "height above the trough at the start"
 )
 START_NORMAL_VELOCITY: Final = Quantity(
     "start_normal_velocity", SPEED, "", "", ("start_normal_velocity",), EITHER_WAY,
-    "speed at the start, away from the trough",
+    "speed away from the trough at the start",
 )  # fmt: skip
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.

@@ -81,10 +81,8 @@ def test_a_duration_and_another_start(run: Run) -> None:
         SCENE,
         "--duration",
         "50ms",
-        "--start-phase",
-        "180",
-        "--start-velocity",
-        "0.02m/s",
+        "start_phase=180",
+        "start_velocity=0.02m/s",
         "--json",
         *PLAIN,
     )

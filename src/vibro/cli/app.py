@@ -30,7 +30,7 @@ from vibro.cli.motion import motion_command
 from vibro.cli.options import print_version, shares_options
 from vibro.cli.outputs import HISTORIES, MAPS, TABLES
 from vibro.cli.schema import schema_command
-from vibro.cli.simulate import simulate_command
+from vibro.cli.simulate import STARTS, simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
 from vibro.errors import FileError, InputError, VibroError
@@ -174,7 +174,7 @@ _COMMANDS: Final[dict[str, Any]] = {
     ),
     "traverse-time": (traverse_time_command, {"forms": TABLES[:-1]}),
     "map": (map_command, {"forms": MAPS}),
-    "simulate": (simulate_command, {"forms": HISTORIES}),
+    "simulate": (simulate_command, {"forms": HISTORIES, "more": STARTS}),
     "design": (design_command, {"files": "DESIGN.toml", "of_scene": False}),
     "drive": (drive_command, {}),
     "motion": (

@@ -1,0 +1,101 @@
+"""The answer about a history: its phases, and what becomes of the body."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.answers.answer import Answer, Fact, Table, shown
+from vibro.core.codes import PHASE_NAMES, Regime, Status
+from vibro.quantities import LENGTH
+from vibro.results.phase_tables import phase_table, with_chains
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from vibro.results.history import History
+
+_PRINTED: Final = 24  # phases
+_FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
+_COLUMNS: Final = (
+    ("start", "ms"), ("end", "ms"), ("from", "mm"), ("to", "mm"), ("from", "mm/s"), ("to", "mm/s"),
+)  # fmt: skip
+
+
+def history_answer(
+    history: History, follow: Callable[..., History], record: Mapping[str, Any], *, every: bool
+) -> Answer:
+    """Make the answer about a history.
+
+    Parameters
+    ----------
+    history : History
+        What was simulated.
+    follow : callable
+        Simulates the same for another number of ``cycles``.
+    record : mapping
+        What JSON says, beside the phases.
+    every : bool
+        Whether all phases and every bounce are told, or the first 24 and chains of bounces as one.
+    """
+    facts = [
+        Fact(f"after {shown(history.end)} s", float(LENGTH.from_si(history.phases[-1].end_position)), "mm"),
+        Fact("settles", _settles(history, follow)),
+    ]
+    if any(phase.kind == "H" for phase in history.phases):
+        facts.append(Fact("restitution", float(history.scene.restitution)))
+    columns = phase_table(history, history.phases)
+    cells = ([None if v != v else v for v in map(_plain, column)] for column in columns.values())
+    phases = [dict(zip(columns, row, strict=True)) for row in zip(*cells, strict=True)]
+    return Answer(facts, [_phases(history, every=every)], record={**record, "phases": phases})
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, str) else float(value)
+
+
+def _phases(history: History, *, every: bool) -> Table:
+    if every:
+        named = [(PHASE_NAMES[phase.kind], phase) for phase in history.phases]
+    else:
+        named = with_chains(history.phases, 1.0 / float(history.scene.frequency))
+    most = len(named) if every else _PRINTED
+    rows = [
+        (
+            name,
+            *(f"{1e3 * time:z.4f}" for time in (phase.start, phase.end)),
+            *(f"{LENGTH.from_si(x):z.5f}" for x in (phase.start_position, phase.end_position)),
+            *(f"{LENGTH.from_si(x):z.3f}" for x in (phase.start_velocity, phase.end_velocity)),
+        )
+        for name, phase in named[:most]
+    ]
+    title = "Phases"
+    if len(named) > most:
+        title = f"The first {most} of {len(named)} phases; --all prints them all"
+    return Table("phases", [("phase", ""), *_COLUMNS], rows, title)
+
+
+def _settles(history: History, follow: Callable[..., History]) -> str:
+    """Say from when on the motion repeats or rests; if it does not yet, how many cycles would show it."""
+    steady = solve(history.scene)
+    frequency = float(history.scene.frequency)
+    if math.isfinite(history.settles_at):
+        again, pattern = str(steady.pattern), history.pattern
+        if len(again) == len(pattern) and pattern in 2 * again:
+            pattern = again  # the same cycle from another phase on
+        advance = shown(float(LENGTH.from_si(history.cycle_displacement)))
+        return f"at {shown(1e3 * history.settles_at)} ms: the phases {pattern} repeat, {advance} mm a cycle"
+    stays = steady.regime == Regime.NO_SLIP  # where it has come to rest
+    last = history.phases[-1]
+    if stays and last.kind == "_":
+        return f"at {shown(1e3 * last.start)} ms: the body rests"
+    if steady.status not in (Status.OK, Status.BOUNDARY):
+        return f"never: {Status(int(steady.status)).message.partition(':')[0]}"
+    longer = follow(cycles=_FOLLOWED)
+    needed = longer.settles_at * frequency + longer.period_cycles
+    if stays and longer.phases[-1].kind == "_":
+        needed = longer.phases[-1].start * frequency
+    if not needed < _FOLLOWED:
+        return f"not within {_FOLLOWED:g} drive cycles"
+    return f"not yet: --cycles {math.floor(needed) + 1} would do"
