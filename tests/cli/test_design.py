@@ -14,7 +14,7 @@ import pytest
 from helpers.commands import Run, rows_of
 from helpers.made_designs import ELLIPTICAL, IN_STROKE, QUESTION, answer, found, of_motor, rows
 from helpers.questions import answered
-from helpers.reports import ReadPage
+from helpers.read_pages import ReadPage
 
 import vibro
 from vibro.files.toml_files import read_toml

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-import textwrap
 from dataclasses import asdict, fields, replace
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Options  # typer reads the annotations
+from vibro.cli.options import AllOption, Options  # typer reads the annotations
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,8 +21,6 @@ if TYPE_CHECKING:
     from vibro.files.csv_tables import TableColumns
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
-
-__all__ = ["accuracy_command"]
 
 # Default ranges, those of the paper: its drive angles are below 45 deg, its scenes within these.
 _SAMPLE: Final = {
@@ -53,8 +49,10 @@ def accuracy_command(
         ),
     ] = str(_SCENES),
     tolerance: Annotated[
-        str, typer.Option("--tolerance", metavar="E", help="Tolerated error in mean speed [A f].")
+        str,
+        typer.Option("--tolerance", metavar="E", help="Tolerated error in mean speed [A f].", hidden=True),
     ] = "0.001",
+    every: AllOption = False,
 ) -> int:
     """Run several methods on the same scenes: time a scene against error in mean speed.
 
@@ -64,11 +62,11 @@ def accuracy_command(
     install '.[accuracy]' in the project's folder), else in double precision. -o writes the table and its
     picture.
     """
+    from vibro.answers.accuracy import trade_answer
     from vibro.cli.console import Console
-    from vibro.cli.outputs import Outputs
+    from vibro.cli.outputs import HISTORIES, Outputs
     from vibro.cli.request import plain_number, question, whole_number
     from vibro.cli.sweeps import count
-    from vibro.tables.record import json_text
 
     console = Console(quiet=options.quiet)
     number = whole_number("--scenes", scenes)
@@ -80,7 +78,7 @@ def accuracy_command(
     request = _request(options, context.obj)
     question(request, options)
     name = f"{request.name or 'vibro'}-accuracy"
-    with Outputs(options, name, context.obj, console, reads=[options.scene]) as output:
+    with Outputs(options, name, context.obj, console, forms=HISTORIES, reads=[options.scene]) as output:
         grid = _grid(request, console)
         trade = _run(grid, number, limit, console)
         content = _content(trade, grid)
@@ -95,10 +93,8 @@ def accuracy_command(
         console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
     if output.takes_stdout:
         return ExitCode.DONE
-    if options.json:
-        print(json_text(content))
-    else:
-        _print_table(trade)
+    answer = trade_answer(trade, content)
+    print(answer.json() if options.json else answer.text(every=every))
     return ExitCode.DONE
 
 
@@ -169,47 +165,3 @@ def _content(trade: Trade, grid: Grid) -> dict[str, Any]:
         "tolerance_af": trade.tolerance,
         "methods": rows,
     }
-
-
-_HEADINGS: Final = (
-    "method", "setting", "scenes", "time", "max error", "99.9 %", "beyond", "wrong regime", "silent",
-    "gave up", "rest drift",
-)  # fmt: skip
-
-
-def _print_table(trade: Trade) -> None:
-    """Print the table, stacked in parts if it is wider than the terminal, and the advice."""
-    from vibro.accuracy.trade import advice
-    from vibro.cli.report import line_width, stacked
-
-    cells = [_cells(row) for row in trade.rows]
-    legend = (
-        f"{trade.scenes} scenes in contact; errors of the mean speed in A f against "
-        f"{trade.reference}; beyond: the tolerance, {trade.tolerance:g}; silent: misses half the "
-        "speed or more without a word"
-    )
-    print(stacked([_HEADINGS, *cells], heads=2, width=line_width()))
-    print("", *textwrap.wrap(legend, line_width() or len(legend)), sep="\n")
-    print(advice(trade))
-
-
-def _cells(row: Row) -> tuple[str, ...]:
-    return (
-        row.method,
-        row.setting,
-        str(row.scenes),
-        _time(row.time_us),
-        *("-" if math.isnan(error) else f"{error:.1e}" for error in (row.error_max, row.error_999)),
-        str(row.beyond_tolerance),
-        f"{row.wrong_regime_share:.2%}",
-        str(row.silent_failures),
-        str(row.gave_up),
-        f"{row.drift_at_rest:.1e}" if row.drift_at_rest else "0",
-    )
-
-
-def _time(microseconds: float) -> str:
-    for size, unit in ((1e3, "ms"), (1.0, "us")):
-        if microseconds >= size:
-            return f"{microseconds / size:.3g} {unit}"
-    return f"{1e3 * microseconds:.3g} ns"

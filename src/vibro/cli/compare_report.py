@@ -6,7 +6,7 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
-from vibro.cli.report import aligned
+from vibro.answers.answer import aligned
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.one_scene import number

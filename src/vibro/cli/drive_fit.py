@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.answers.answer import aligned
 from vibro.cli.compare_report import uncertain
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.outputs import Outputs
-from vibro.cli.report import aligned
 from vibro.errors import InputError, SceneError, printable
 from vibro.quantities import LENGTH, PERCENT, Quantity, Range, checked_number
 

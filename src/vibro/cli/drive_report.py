@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.cli.report import aligned
+from vibro.answers.answer import aligned
 from vibro.core.codes import Regime
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, LENGTH, MACHINE, QUANTITIES

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from vibro.friction_catalogue import Row
 
-__all__ = ["friction_command"]
-
 _HEADINGS: Final = ("pair", "condition", "mu_s", "mu_d", "source")
 
 
@@ -54,7 +52,7 @@ def _content(row: Row) -> dict[str, Any]:
 
 def _print_table(found: Sequence[Row]) -> None:
     """Print the rows, and below them the notes on each source."""
-    from vibro.cli.report import aligned
+    from vibro.answers.answer import aligned
     from vibro.friction_catalogue import band_text
 
     cells = [

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.answers.answer import aligned
 from vibro.cli.compare_report import measured as described
 from vibro.cli.compare_report import uncertain
-from vibro.cli.report import aligned
 from vibro.core.codes import Regime, Status
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, ELLIPTICAL, LENGTH, QUANTITIES

@@ -81,7 +81,7 @@ def simulate_command(
     The body is at rest on the trough at first; start_height=2mm or start_velocity=50 change that.
     """
     from vibro.answers.history import history_answer
-    from vibro.cli.outputs import Outputs, scene_record
+    from vibro.cli.outputs import HISTORIES, Outputs, scene_record
     from vibro.cli.request import question, request_of, warn_of_machine, whole_number
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
@@ -111,7 +111,9 @@ def simulate_command(
         "samples_per_cycle": rows,
     }
     name, tables = f"{request.name or 'vibro'}-history", ("", "phases")
-    with Outputs(options, name, context.obj, console, tables=tables, reads=[options.scene]) as output:
+    with Outputs(
+        options, name, context.obj, console, forms=HISTORIES, tables=tables, reads=[options.scene]
+    ) as output:
         in_si = {q.name: float(q.to_si(value)) for q, value in zip(STARTS, start, strict=True)}
         follow = partial(simulate, scene, **in_si)
         history = follow(cycles=lasting)
