@@ -38,4 +38,4 @@ def test_a_pair_may_be_typed_with_or_without_quotes(run: Run, words: list[str]) 
 
 def test_it_has_no_options_of_scenes(run: Run) -> None:
     text = run("friction", "--help").stdout
-    assert {word for word in text.split() if word.startswith("--")} == {"--json", "--help"}
+    assert {word for word in text.split() if word.startswith("--")} == {"--json", "--help", "--help-all"}

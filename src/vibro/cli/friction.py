@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import DebugOption, JsonOption, VersionOption  # typer reads the annotations
+from vibro.cli.options import (
+    DebugOption,
+    HelpAllOption,
+    JsonOption,
+    VersionOption,
+)  # typer reads the annotations
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,6 +30,7 @@ def friction_command(
     json: JsonOption = False,
     debug: DebugOption = False,
     version: VersionOption = False,
+    help_all: HelpAllOption = False,
 ) -> int:
     """List coefficients of friction by pair of materials, with their sources.
 

@@ -8,7 +8,15 @@ from typing import Annotated
 import typer
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import DebugOption, ForceOption, Options, QuietOption, VersionOption, output_option
+from vibro.cli.options import (
+    DebugOption,
+    ForceOption,
+    HelpAllOption,
+    Options,
+    QuietOption,
+    VersionOption,
+    output_option,
+)  # fmt: skip
 
 
 class SchemaOf(StrEnum):
@@ -27,6 +35,7 @@ def schema_command(
     quiet: QuietOption = False,
     debug: DebugOption = False,
     version: VersionOption = False,
+    help_all: HelpAllOption = False,
 ) -> int:
     """Print the JSON Schema of scene files, or of the questions of vibro design.
 
