@@ -15,7 +15,7 @@ import vibro
 
 sweep = vibro.sweep(
     amplitude_mm="0.01:0.3:1001",
-    frequency_hz="50,100",
+    frequency_hz="50, 100",
     drive_angle_deg=20,
     static_friction=0.35,
     kinetic_friction=0.28,

@@ -19,7 +19,7 @@ from vibro.reals import NotRealError, real_array
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["MAX_VALUES", "Axis", "AxisSpec", "axis_of", "default_count", "parse_axis"]
+__all__ = ["MAX_VALUES", "Axis", "AxisSpec", "axis_of", "default_count", "one_value_of", "parse_axis"]
 
 # An axis longer than the largest sweep that is written to one table is a slip of the keyboard.
 MAX_VALUES: Final = 10_000_000
@@ -30,8 +30,8 @@ _REPEATED: Final = 40  # characters of a number that a hint repeats
 
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
-_WHOLE_NUMBERS = re.compile(r"\s*([+-]?[0-9]{1,20}),([0-9]{1,20}[^,:0-9.]*)")
-_DECIMAL_COMMA = re.compile(r"\s*([+-]?0),([0-9]+[^,:0-9.]*)")
+# Two whole numbers without a blank between them: 1,5 may be a decimal.
+_DECIMAL_COMMA = re.compile(r"\s*([+-]?[0-9]{1,20}),([0-9]{1,20}[^,:0-9.]*)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,6 +227,13 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
     return AxisSpec(quantity, tuple(_unsigned(values.ravel()).tolist()))
 
 
+def one_value_of(value: object, quantity: Quantity) -> AxisSpec:
+    """Read what should be one value as ``axis_of`` does, but a comma in a text as that of a decimal."""
+    if isinstance(value, str) and ":" not in value and value.count(",") == 1:
+        return AxisSpec(quantity, (exact_number(value, quantity),))
+    return axis_of(value, quantity)
+
+
 def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
     """Convert given values to doubles; texts among them may have units."""
     if hasattr(value, "__array__") and not isinstance(value, np.ma.MaskedArray):
@@ -245,14 +252,14 @@ def _unsigned(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _check_order(
-    values: NDArray[np.float64], text: str, quantity: Quantity, form: str, separator: str, also: str = ""
+    values: NDArray[np.float64], text: str, quantity: Quantity, form: str, separator: str
 ) -> None:
-    """Refuse a list that does not ascend; the hint writes it as given, if it is short, and then ``also``."""
+    """Refuse a list that does not ascend; the hint writes it as given, if it is short."""
     if np.all(values[1:] > values[:-1]):
         return
     hint = "sort its values, and give each once"
     if values.size <= _HINTED:
-        hint = f"write {form.format(separator.join(f'{v:.15g}' for v in np.unique(values).tolist()))}{also}"
+        hint = f"write {form.format(separator.join(f'{v:.15g}' for v in np.unique(values).tolist()))}"
     raise InputError(f"{quantity.label} = {text}: the values of a list must ascend and differ", hint=hint)
 
 
@@ -292,8 +299,8 @@ def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
 def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(text) <= _REPEATED and (match := _DECIMAL_COMMA.fullmatch(text)):
         raise InputError(
-            f"{quantity.label} = {shown(text)}: a decimal comma",
-            hint=f"write {match[1]}.{match[2]}; for the two values write {match[1]}.0,{match[2]}",
+            f"{quantity.label} = {shown(text)}: a decimal comma, or two values",
+            hint=f"write {match[1]}.{match[2]}, or '{match[1]}, {match[2]}' for the two values",
         )
     items = text.split(",")
     if not all(map(str.strip, items)):
@@ -303,9 +310,7 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(items) > MAX_VALUES:
         raise _too_many(shown(text), quantity)
     values = np.array([nearest_double(item, quantity) for item in items])
-    decimal = _WHOLE_NUMBERS.fullmatch(text)  # 12,5 may be a decimal
-    also = f", or {decimal[1]}.{decimal[2]} if that is meant" if decimal else ""
-    _check_order(values, shown(text), quantity, "{}", ",", also)
+    _check_order(values, shown(text), quantity, "{}", ",")
     return AxisSpec(quantity, tuple(_unsigned(values).tolist()))
 
 

@@ -378,8 +378,10 @@ START_NORMAL_VELOCITY: Final = Quantity(
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
 _NUMBER = re.compile(
-    r"([+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+)\s*+([^\W\d_].*|[\u00b0%])?"
+    r"([+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+)\s*+([^\W\d_].*|[\u00b0%]|1?/.*)?"
 )
+# A decimal comma; before three digits it may part thousands.
+_COMMA: Final = re.compile(r"([+-]?[0-9]+),(?![0-9]{3}(?![0-9]))([0-9]+)(?![0-9]|.*,)", re.DOTALL)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
 _CATALOGUED: Final = ("static_friction", "kinetic_friction")
 # More digits than this are no number that somebody measured or computed: those of every double fit.
@@ -571,7 +573,7 @@ def checked_number(text: str, quantity: Quantity) -> float:
 
 def given_unit(text: str, quantity: Quantity) -> tuple[str, Fraction]:
     """Return the unit that a valid number carries, and its size in the default unit, which it is without."""
-    match = _NUMBER.fullmatch(text.strip())
+    match = _NUMBER.fullmatch(_plain(text))
     given = ((match and match[2]) or quantity.unit).casefold()
     return next((unit, size) for unit, size in quantity.kind.sizes.items() if unit.casefold() == given)
 
@@ -591,9 +593,15 @@ def nearest_double(text: str, quantity: Quantity) -> float:
     return number
 
 
+def _plain(text: str) -> str:
+    """Write a number with a hyphen for a minus sign, and a point for a decimal comma."""
+    text = text.strip().replace("\N{MINUS SIGN}", "-")
+    return _COMMA.sub(r"\1.\2", text, count=1) if len(text) <= _HINTED and _COMMA.match(text) else text
+
+
 def _split(text: str, quantity: Quantity) -> tuple[str, tuple[int, int]]:
     """Split a number from its unit, and return the size of that in the quantity's default unit."""
-    text = text.strip()
+    text = _plain(text)
     if len(text) > _LONGEST:
         raise InputError(
             f"{quantity.label} = {shown(text)}: longer than {_LONGEST} characters",
@@ -608,9 +616,19 @@ def _split(text: str, quantity: Quantity) -> tuple[str, tuple[int, int]]:
     size = quantity.kind.ratios.get(unit.casefold()) if unit else _ONE
     if size is None:
         problem = f"{quantity.label} = {shown(text)}: {shown(unit)} is no unit of {quantity.label}"
-        known = ", ".join(quantity.kind.sizes)
-        raise InputError(problem, hint=f"its units are {known}" if known else "it is a pure number")
+        raise InputError(problem, hint=_unit_hint(digits, unit, quantity))
     return digits, size
+
+
+def _unit_hint(digits: str, unit: str, quantity: Quantity) -> str:
+    """Say which units there are, and of an angle of friction which coefficient that is."""
+    if quantity.name in _CATALOGUED and (degrees := ANGLE.sizes.get(unit.casefold())):
+        angle = float(digits) * float(degrees)
+        if 0.0 < angle < 90.0:
+            coefficient = math.tan(math.radians(angle))
+            return f"an angle of friction of {angle:g} deg is a coefficient of {coefficient:.3g}"
+    known = ", ".join(quantity.kind.sizes)
+    return f"its units are {known}" if quantity.unit else "it is a pure number, or one in %"
 
 
 def _not_finite(text: str, quantity: Quantity) -> InputError:
@@ -618,9 +636,10 @@ def _not_finite(text: str, quantity: Quantity) -> InputError:
 
 
 def _number_hint(text: str, quantity: Quantity) -> str:
-    comma = re.fullmatch(r"([+-]?[0-9]+),([0-9]+)\s*(\D*)", text)
-    if comma and text.isprintable() and len(text) <= _HINTED:
-        return f"write a decimal point: {comma[1]}.{comma[2]}{comma[3]}"
+    thousands = re.fullmatch(r"([+-]?[0-9]+),([0-9]{3})\s*(\D*)", text)
+    if thousands and text.isprintable() and len(text) <= _HINTED:
+        first, last, unit = thousands.groups()
+        return f"write {first}{last}{unit}, or {first}.{last}{unit} if that is meant"
     if quantity.unit:
         return f"write it like 1.5{quantity.unit}"
     return catalogue_hint(text, quantity) or "write it like 0.5"

@@ -35,7 +35,7 @@ def spelling_hint(text: str, quantity: Quantity) -> str:
         ends.sort(key=lambda end: exact_number(end, quantity))
     except InputError:
         return ""
-    also = f", for two values {','.join(ends)}" if between == ";" else ""
+    also = f", for two values '{', '.join(ends)}'" if between == ";" else ""
     return f"for a range write {':'.join(ends)}{also}"
 
 

@@ -70,7 +70,7 @@ _MILLIMETRES: Final[Mapping[str, Fraction]] = {
     "ft": Fraction("304.8"),
 }
 # fmt: off
-PURE: Final = Kind("", "", "", {})
+PURE: Final = Kind("", "", "", {"%": Fraction(1, 100)})
 PERCENT: Final = Kind("%", "", "_percent", {"%": Fraction(1)}, per_si=100.0)
 IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration over that of gravity
 LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
@@ -80,7 +80,7 @@ SPEED: Final = Kind("mm/s", "m/s", "_mm_s",
                     per_si=1000.0)
 FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
                         {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60),
-                         "U/min": Fraction(1, 60)})
+                         "U/min": Fraction(1, 60), "/min": Fraction(1, 60), "1/min": Fraction(1, 60)})
 ANGLE: Final = Kind("deg", "rad", "_deg",
                     {"deg": Fraction(1), "\u00b0": Fraction(1), "rad": Fraction(180) / Fraction(math.pi)},
                     per_si=180 / math.pi, si=math.pi / 180)

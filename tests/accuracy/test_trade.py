@@ -204,7 +204,7 @@ def test_scenes_go_on_where_they_ended() -> None:
 
 def test_a_small_grid_is_taken_whole_and_without_what_cannot_be() -> None:
     small = grid(
-        amplitude="1,2",
+        amplitude="1, 2",
         frequency="15",
         drive_angle="20",
         static_friction="0.3,0.6",

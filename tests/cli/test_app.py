@@ -77,7 +77,7 @@ def test_without_arguments_help_is_shown(run: Run) -> None:
 @each(
     ("args", "problem", "hint"),
     [
-        (["mapp"], "'mapp'", "see vibro --help"),
+        (["mapp"], "'mapp'", "the commands are solve, traverse-time, map, simulate"),
         (["map", "--mu-x", "1"], "--mu-x", "see vibro map --help"),
         (["solve", "-A"], "-A", "see vibro solve --help"),
         (["map", "a.toml", "b.toml"], "b.toml", "leave one out"),
@@ -95,7 +95,7 @@ def test_wrong_arguments_are_one_error_and_one_hint(
     assert error.startswith("error: ")
     assert problem in error
     assert len(error) < 600
-    assert last == f"hint: {hint}"
+    assert last.startswith(f"hint: {hint}")
 
 
 def test_help_tells_every_exit_code(run: Run) -> None:

@@ -46,7 +46,7 @@ def test_bands_of_options_replace_those_of_the_file(run: Run, tmp_path: Path) ->
     told = json.loads(
         run(
             "drive", path, "voltage=95:105", "filling=1kg", "--mu-s", "0.32:0.38", "--mu-d",
-            "0.26:0.30", "setting=50,100", "--json",
+            "0.26:0.30", "setting=50, 100", "--json",
         ).stdout
     )  # fmt: skip
     assert told["bands"] == {

@@ -125,7 +125,7 @@ def test_plain_scenes_load_no_machine() -> None:
     assert result.stdout.endswith("LOADED []\n")
 
 
-OF_CELLS = ("-f", "49,50", "filling=1,2", "--columns", "amplitude_mm,natural_hz")
+OF_CELLS = ("-f", "49, 50", "filling=1, 2", "--columns", "amplitude_mm,natural_hz")
 
 
 @each(("kind", "table"), [*((kind, "csv") for kind in KINDS), ("magnet", "xlsx"), ("magnet", "parquet")])
@@ -146,7 +146,7 @@ def test_maps_of_every_kind_are_drawn(run: Run, tmp_path: Path, kind: str) -> No
 @each("table", ["csv", "xlsx", "parquet"])
 @pytest.mark.usefixtures("no_pictures")
 def test_maps_with_masses_that_strike_are_written(run: Run, tmp_path: Path, table: str) -> None:
-    of_cells = "-f", "45:55:11", "setting=50,150", "-o", f"of-{table}.{table}"
+    of_cells = "-f", "45:55:11", "setting=50, 150", "-o", f"of-{table}.{table}"
     result = run("map", feeder(tmp_path, "gap_mm = 0.6\n"), *of_cells)
     assert result.exit_code == 0, result.stderr
     assert "of 22 cells: infeasible" in result.stderr

@@ -101,7 +101,7 @@ def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
     assert json.loads(result.stdout) == json.loads(Path("nut.json").read_text(encoding="utf-8"))
 
 
-HOPS = ("map", "-A", "0.5:6:3", "-f", "15,25", *NUT_ANGLE_AND_FRICTION, "-o", "hop")
+HOPS = ("map", "-A", "0.5:6:3", "-f", "15, 25", *NUT_ANGLE_AND_FRICTION, "-o", "hop")
 
 
 CLIMB = ("map", "-A", "1:3:5", "--trough-angle", "0:20:3", "-f", "15", *NUT_ANGLE_AND_FRICTION)
@@ -194,7 +194,7 @@ def test_infeasible_combinations_are_rows_without_numbers(run: Run) -> None:
 
 
 def test_a_drive_may_point_beyond_the_vertical(run: Run) -> None:
-    result = run("map", *NUT, "-a", "10,60", "--trough-angle", "0.0,40", "-o", "-")
+    result = run("map", *NUT, "-a", "10, 60", "--trough-angle", "0.0,40", "-o", "-")
     assert [row["status"] for row in rows_of(result.stdout)] == ["ok", "runaway", "ok", "runaway"]
 
 

@@ -58,7 +58,7 @@ def test_what_pictures_do_not_show_is_said(run: Run) -> None:
 
 @pytest.mark.usefixtures("unsaved")
 def test_a_list_beside_a_range_is_curves(run: Run) -> None:
-    args = ("map", "-A", "0.01:0.3:5", "-f", "50,100", *NUT_ANGLE_AND_FRICTION)
+    args = ("map", "-A", "0.01:0.3:5", "-f", "50, 100", *NUT_ANGLE_AND_FRICTION)
     assert run(*args, "-o", "all").exit_code == 0
     assert run(*args, "-o", "few", "--regimes-only").exit_code == 0
     assert run("map", *NUT, "-f", "25,50,100", "-o", "dots").exit_code == 0
@@ -75,7 +75,7 @@ def test_a_map_is_not_at_rest_because_its_last_cells_are(run: Run, monkeypatch: 
 
 @pytest.mark.usefixtures("unsaved")
 def test_a_stroke_is_chosen_among_strokes(run: Run) -> None:
-    sweep = ("-f", "10:30:3", "-a", "20,30", "--mu-s", "0.74", "--mu-d", "0.57", "-o", "x")
+    sweep = ("-f", "10:30:3", "-a", "20, 30", "--mu-s", "0.74", "--mu-d", "0.57", "-o", "x")
     result = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=2.5")
     assert result.exit_code == 0, result.stderr
     assert "pictures:" not in result.stderr

@@ -104,7 +104,7 @@ def test_bodies_that_all_rest_are_told_where_motion_begins(run: Run) -> None:
 
 def test_the_wide_example_in_small(run: Run) -> None:
     result = run(
-        "map", WIDE, "-A", "0.5,1", "-f", "10:50:3", "-a", "20,30", "--mu-s", "0.2:0.98:4",
+        "map", WIDE, "-A", "0.5,1", "-f", "10:50:3", "-a", "20, 30", "--mu-s", "0.2:0.98:4",
         "--mu-ratio", "0.5:0.98:3", "-o", "out.parquet",
     )  # fmt: skip
     assert result.exit_code == 0

@@ -91,7 +91,7 @@ def test_intervals_of_classes_are_told(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize("table", [STEPS, SAMPLES])
 def test_the_scale_is_an_axis_and_a_column(run: Run, tmp_path: Path, table: str) -> None:
     file = written(tmp_path, POINT + table)
-    result = run("map", file, "motion_scale=0.5:1.5:3", "-f", "2,3", "-o", "-")
+    result = run("map", file, "motion_scale=0.5:1.5:3", "-f", "2, 3", "-o", "-")
     assert result.exit_code == 0, result.stderr
     rows = rows_of(result.stdout)
     assert [*rows[0]][:2] == ["frequency_hz", "motion_scale"]

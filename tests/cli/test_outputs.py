@@ -49,8 +49,7 @@ def opened(*outputs: str) -> list[str]:
         (SOLVE, ("x.csv", "x.xlsx"), ("x.csv", "x.xlsx", "x.json")),
         (SIMULATE, ("x",), ("x-phases.csv", "x.csv", "x.json", "x.png")),
         (SIMULATE, ("x.csv",), ("x-phases.csv", "x.csv", "x.json")),
-        (("report", SCENE, "-q"), ("x",), ("x.html", "x.json")),
-        (("report", SCENE, "-q"), ("x.HTML",), ("x.HTML",)),
+        (SOLVE, ("x.HTML", "x.csv"), ("x.HTML", "x.csv", "x.json")),
         (("schema",), ("x",), ("x.json",)),
     ],
 )
@@ -64,7 +63,7 @@ def test_endings_say_what_is_written(
     result = run(*command, *opened(*outputs))
     assert result.exit_code == 0, result.stderr
     assert files() == set(written)
-    assert (result.stdout == "") is (command[0] in ("map", "report", "schema") and "-" not in outputs)
+    assert (result.stdout == "") is (command[0] in ("map", "schema") and "-" not in outputs)
 
 
 OF_A_MAP = "it writes .csv, .xlsx, .parquet, .json, .png, .svg, .pdf; a name without an ending is that of"
@@ -75,9 +74,8 @@ A_NAME = "give a name for the files, such as -o out/nut"
     ("command", "said", "error", "hint"),
     [
         (QUICK, "-o x.txt", "-o x.txt: this command writes no .txt", f"{OF_A_MAP} all usual files"),
-        (SOLVE, "-o x.png", "-o x.png: this command writes no .png", "it writes .csv, .xlsx, .json;"),
+        (SOLVE, "-o x.png", "-o x.png: this command writes no .png", "it writes .csv, .xlsx, .json, .html;"),
         (SIMULATE, "-o x.xlsx", "-o x.xlsx: this command writes no .xlsx", "it writes .csv, .json, .png,"),
-        (("report", SCENE), "-o x.pdf", "-o x.pdf: this command writes no .pdf", "it writes .html, .json;"),
         (("schema",), "-o x.toml", "-o x.toml: this command writes no .toml", "it writes .json;"),
         (QUICK, "-o .csv", "-o .csv: the name is missing", A_NAME),
         (QUICK, "-o no/..", "-o no/..: the name is missing", A_NAME),
@@ -85,7 +83,7 @@ A_NAME = "give a name for the files, such as -o out/nut"
         (QUICK, "-o a\0b", "-o a\\x00b: no file has such a name", A_NAME),
         (QUICK, "--json -o -", "--json and -o - both want stdout", "leave one of them out"),
         (LINE, "-o x.png", "-o x.png: there is nothing to draw", "leave it out"),
-        (QUICK, "-o x.parquet --workers tcp://a", "--workers tcp://a: must be a whole", "write it like"),
+        (QUICK, "-o x.parquet --workers tcp://a", "workers = 'tcp://a': must be a whole", "write it like"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_written_is_refused(
@@ -142,7 +140,7 @@ def test_existing_files_are_kept_unless_forced(run: Run, there: str, command: tu
     Path(there).write_text("mine", encoding="utf-8")
     kept = run(*command, "-o", "x")
     assert (kept.exit_code, files()) == (1, {there})
-    assert f"error: {there} exists already\nhint: replace with --force, or choose another name" in kept.stderr
+    assert f"error: {there} exists already\nhint: --force (force=True) replaces it" in kept.stderr
     assert Path(there).read_text(encoding="utf-8") == "mine"
     assert run(*command, "-o", "x", "--force").exit_code == 0
     assert "mine" not in Path(there).read_bytes().decode("utf-8", "replace")

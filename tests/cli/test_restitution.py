@@ -38,7 +38,7 @@ def test_captions_tell_it_where_parts_hop_alone() -> None:
         "static_friction": 0.5,
         "kinetic_friction": 0.4,
     }
-    for amplitudes, restitution, told in (("1,2", 0.0, True), ("0.1,0.2", 0.0, False), ("1,2", 0.3, True)):
+    for amplitudes, restitution, told in (("1, 2", 0.0, True), ("0.1,0.2", 0.0, False), ("1, 2", 0.3, True)):
         figure = vibro.sweep(amplitude_mm=amplitudes, restitution=restitution, **at).draw("speed")
         assert (f"$e$ = {restitution:g}" in figure.get_suptitle()) is told
 

@@ -91,7 +91,7 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
     for name, size in (("one", 1), ("two", 4)):
         scene = f"amplitude_mm = {size}\nfrequency_hz = 15\ndrive_angle_deg = 20\nstatic_friction = 0.74\n"
         Path(f"{name}.toml").write_text(f"[scene]\n{scene}kinetic_friction = 0.57\n", encoding="utf-8")
-    listed = run("solve", *NUT, "-A", "1,4", "--json")
+    listed = run("solve", *NUT, "-A", "1, 4", "--json")
     cells = json.loads(listed.stdout)
     assert [cell["regime"] for cell in cells] == ["forward-slip", "hopping"]
     for cell in cells:

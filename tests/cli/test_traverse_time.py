@@ -63,7 +63,7 @@ def test_the_scene_files_axes_count_only_with_sweep(run: Run) -> None:
 
 
 def test_a_sweep_is_printed_where_no_file_is_asked_for(run: Run) -> None:
-    args = ("traverse-time", *NUT, "-A", "0.5,1,4", "-f", "1,15", "-L", "600")
+    args = ("traverse-time", *NUT, "-A", "0.5,1,4", "-f", "1, 15", "-L", "600")
     table, content = run(*args), run(*args, "--json")
     assert table.exit_code == content.exit_code == 0
     assert table.stdout == run(*args, "-o", "-").stdout

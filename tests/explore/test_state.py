@@ -100,7 +100,7 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"amplitude_mm": "x"}, "amplitude_mm", "not a number"),
         ({"amplitude_mm": ""}, "amplitude_mm", "not a number"),
         ({"amplitude_mm": "1:2"}, "amplitude_mm", "it takes one value"),
-        ({"amplitude_mm": "1,2"}, "amplitude_mm", "it takes one value"),
+        ({"amplitude_mm": "1, 2"}, "amplitude_mm", "it takes one value"),
         ({"amplitude_mm": "1s"}, "amplitude_mm", "'s' is no unit of amplitude"),
         ({"frequency_hz": "1e999"}, "frequency_hz", "finite"),
         ({"kinetic_friction": "0.8"}, "kinetic_friction", "at most static friction = 0.74"),

@@ -24,7 +24,7 @@ trough_length_mm = 1200
 [[drive]]
 name = "magnet"
 amplitude_mm = 0.8
-frequency_hz = "50,100"
+frequency_hz = "50, 100"
 drive_angle_deg = "10:40"
 acceleration_g = 4
 [[drive]]

@@ -367,7 +367,7 @@ def test_the_highest_of_all_frequencies_tells_whether_parts_may_hop() -> None:
     """0.2 mm normal to the trough throw parts at 50 Hz alone."""
     drive = {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.2}
     scene = {"static_friction": 0.4, "friction_ratio": 0.9}
-    for frequency, more in (("10,50", True), (10, False)):
+    for frequency, more in (("10, 50", True), (10, False)):
         question = one_drive(scene, {**drive, "frequency_hz": frequency})
         assert EllipseOptimiser(asked(question, Regime.HOPPING)).has_more() is more
 

@@ -188,7 +188,7 @@ def test_a_value_without_answers_is_hatched_and_has_no_curve() -> None:
 
 
 def test_hops_that_are_not_followed_are_hatched_over_their_regime() -> None:
-    result = sweep(flight=False, points=101, amplitude="3:4", drive_angle="20,25")
+    result = sweep(flight=False, points=101, amplitude="3:4", drive_angle="20, 25")
     for name, figure in map_figures(result, ["regime", "speed"]).items():
         axes = figure.axes[0]
         patches: list[Any] = list(axes.patches)
@@ -226,7 +226,7 @@ def test_a_list_alone_is_points_that_nothing_joins(restitution: float) -> None:
 
 
 def test_two_lists_are_series_of_points_over_the_longer() -> None:
-    result = sweep(frequency="15,20", amplitude="0.5,1,1.5")
+    result = sweep(frequency="15, 20", amplitude="0.5,1,1.5")
     figures = map_figures(result)
     lines = numbers(figures["speed"].axes[1])
     assert [line.get_label() for line in lines] == ["$f$ = 15 Hz", "$f$ = 20 Hz"]
@@ -266,7 +266,7 @@ def test_a_second_list_makes_facets_of_curves() -> None:
 def test_a_level_and_the_zero_line(curves: SweepResult) -> None:
     axes = map_figures(curves, ["speed"], target_speed=20.0)["speed"].axes[1]
     assert "20 mm/s" in words(axes)
-    climbs = sweep(points=101, amplitude=1.5, trough_angle="-10:25", drive_angle="20,30")
+    climbs = sweep(points=101, amplitude=1.5, trough_angle="-10:25", drive_angle="20, 30")
     for axes in map_figures(climbs, ["speed"])["speed"].axes[1:]:
         (zero,) = [line for line in axes.lines if set(np.ravel(line.get_ydata())) == {0.0}]
         assert zero.get_gid() is None

@@ -43,7 +43,7 @@ NUT: dict[str, Any] = {
 FEEDER: dict[str, Any] = {
     "scene": {"static_friction": "0.3:0.5", "friction_ratio": "0.7:0.9", "trough_angle_deg": 3},
     "drive": [
-        {"name": "$magnet", "amplitude_mm": 0.8, "frequency_hz": "50,100", "drive_angle_deg": "5:60"},
+        {"name": "$magnet", "amplitude_mm": 0.8, "frequency_hz": "50, 100", "drive_angle_deg": "5:60"},
         {
             "name": "unbalance",
             "amplitude_mm": 3,

@@ -79,7 +79,7 @@ def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
     "changes",
     [
         {"amplitude": "1:1.00001:log", "frequency": "15:15.00001:log"},
-        {"amplitude": "1:1.001", "frequency": "15:15.001", "drive_angle": "10,20"},
+        {"amplitude": "1:1.001", "frequency": "15:15.001", "drive_angle": "10, 20"},
         {"frequency": "15:15.00001"},
     ],
     ids=str,

@@ -113,7 +113,7 @@ def test_headings_are_inside(row: SweepResult, name: str) -> None:
 
 def test_every_kind_of_picture(plane: SweepResult) -> None:
     name = "a$\\frac{x$ =cmd\udce9 振" + "W$" * 120
-    facets = sweep(points=11, amplitude="0.2:3", frequency="10:50", drive_angle="10,20")
+    facets = sweep(points=11, amplitude="0.2:3", frequency="10:50", drive_angle="10, 20")
     figures = [titled(facets, name), *(titled(plane, name, picture) for picture in ["regime"])]
     history = vibro.simulate(nut(), cycles=1)
     rows = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)

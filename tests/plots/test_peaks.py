@@ -67,7 +67,7 @@ def test_of_facets_only_the_fastest_is_marked_and_its_value_told(facets: dict[st
 
 
 def test_of_facets_the_fastest_backwards_is_marked() -> None:
-    result = sweep(points=61, amplitude="0.2:3", frequency="10:20", trough_angle="12,18")
+    result = sweep(points=61, amplitude="0.2:3", frequency="10:20", trough_angle="12, 18")
     speed = 1e3 * float(np.nanmin(result.cycle.mean_velocity))
     (text,) = (t for t in told(map_figures(result, ["speed"])["speed"]) if "backwards" in t)
     assert text.startswith(f"fastest backwards: \N{MINUS SIGN}{-speed:.5g} mm/s at ")
@@ -87,10 +87,10 @@ def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[
 @pytest.mark.parametrize(
     ("axes", "place"),
     [
-        ({"amplitude": "0.1:1", "frequency": "15,25"}, "$A$ = 1 mm, $f$ = 25 Hz"),
-        ({"amplitude": "0.5,1", "frequency": "15,25"}, "$A$ = 1 mm, $f$ = 25 Hz"),
+        ({"amplitude": "0.1:1", "frequency": "15, 25"}, "$A$ = 1 mm, $f$ = 25 Hz"),
+        ({"amplitude": "0.5,1", "frequency": "15, 25"}, "$A$ = 1 mm, $f$ = 25 Hz"),
         (
-            {"amplitude": "0.1:1", "frequency": "15,25", "drive_angle": "10,15,20"},
+            {"amplitude": "0.1:1", "frequency": "15, 25", "drive_angle": "10,15,20"},
             "$A$ = 1 mm, $f$ = 25 Hz, $\\alpha$ = 20\N{DEGREE SIGN}",
         ),
     ],

@@ -64,7 +64,7 @@ def test_more_than_three_axes_show_their_middle_slice() -> None:
     assert view.drawn.keys() == {"drive_angle", "static_friction", "trough_angle"}
 
 
-DRAWN = {"amplitude": "1,2", "frequency": "5:60", "restitution": "0:0.5"}
+DRAWN = {"amplitude": "1, 2", "frequency": "5:60", "restitution": "0:0.5"}
 
 
 @pytest.mark.parametrize(
@@ -130,13 +130,13 @@ LONG = ",".join(f"0.{i}" for i in range(21, 34))
 @pytest.mark.parametrize(
     ("texts", "drawn"),
     [
-        ({"amplitude": "1:2", "frequency": "50,100"}, "amplitude - frequency -"),
-        ({"frequency": "5:60", "amplitude": "1,2"}, "frequency - amplitude -"),
+        ({"amplitude": "1:2", "frequency": "50, 100"}, "amplitude - frequency -"),
+        ({"frequency": "5:60", "amplitude": "1, 2"}, "frequency - amplitude -"),
         ({"amplitude": "1:2", "static_friction": LIST}, "amplitude - static_friction -"),
         ({"amplitude": "1:2", "static_friction": LONG}, "amplitude static_friction - -"),
         ({"amplitude": "1:2:3", "static_friction": "0.2:0.4:3"}, "amplitude static_friction - -"),
         (
-            {"amplitude": "1:2", "frequency": "50,100", "static_friction": LIST},
+            {"amplitude": "1:2", "frequency": "50, 100", "static_friction": LIST},
             "amplitude - frequency static_friction",
         ),
         (
@@ -144,14 +144,14 @@ LONG = ",".join(f"0.{i}" for i in range(21, 34))
             "frequency amplitude - static_friction",
         ),
         (
-            {"amplitude": "1:2", "frequency": "50,100", "drive_angle": "10:40", "static_friction": LIST},
+            {"amplitude": "1:2", "frequency": "50, 100", "drive_angle": "10:40", "static_friction": LIST},
             "amplitude drive_angle - frequency",
         ),
-        ({"frequency": "50,100"}, "frequency - - -"),
-        ({"amplitude": "1,2", "static_friction": LIST}, "static_friction - amplitude -"),
-        ({"amplitude": "1,2", "frequency": "50,100"}, "amplitude - frequency -"),
+        ({"frequency": "50, 100"}, "frequency - - -"),
+        ({"amplitude": "1, 2", "static_friction": LIST}, "static_friction - amplitude -"),
+        ({"amplitude": "1, 2", "frequency": "50, 100"}, "amplitude - frequency -"),
         (
-            {"amplitude": "1,2", "frequency": "50,100", "static_friction": LIST},
+            {"amplitude": "1, 2", "frequency": "50, 100", "static_friction": LIST},
             "static_friction - amplitude frequency",
         ),
     ],

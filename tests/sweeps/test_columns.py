@@ -121,7 +121,7 @@ def test_every_double_is_read_back(values: list[float], decimal_comma: bool) -> 
 
 
 def test_texts_are_quoted_where_they_must_be_and_no_formulas() -> None:
-    texts = ["plain", "", 'a "b"', "1;2", "1,2", "two\nlines", "=1+1", "@a", "-x", "+49", "\u00e4"]
+    texts = ["plain", "", 'a "b"', "1;2", "1, 2", "two\nlines", "=1+1", "@a", "-x", "+49", "\u00e4"]
     for form in (CsvFormat(), CsvFormat(decimal_comma=True)):
         text = form.table({"=head": texts, "x": np.arange(11.0)}).decode()
         table = read(text, form)
@@ -137,7 +137,7 @@ def test_a_separator_alone_is_a_reason_to_quote() -> None:
 
 
 def test_an_arrow_table_has_nulls_texts_and_units() -> None:
-    block = one_block(length=None, amplitude="1,9", frequency="15", kinetic_friction="0.5,0.9")
+    block = one_block(length=None, amplitude="1, 9", frequency="15", kinetic_friction="0.5,0.9")
     table = arrow_table(COLUMNS, block)
     assert table["mean_velocity_mm_s"].null_count == 2
     assert table["traverse_time_s"].null_count == 4
@@ -151,7 +151,7 @@ def test_an_arrow_table_has_nulls_texts_and_units() -> None:
 
 
 def test_columns_by_name() -> None:
-    block = one_block(frequency="15,25")
+    block = one_block(frequency="15, 25")
     names = ["mean_velocity_mm_s", "stroke_mm", "regime", "acceleration_g", "strokes", "amplitude_mm"]
     columns = chosen(names, COLUMNS)
     frame, usual = to_frame(columns, block), to_frame(COLUMNS, block)
@@ -166,7 +166,7 @@ def test_columns_by_name() -> None:
 
 
 def test_no_number_is_an_empty_cell_and_null() -> None:
-    block = one_block(length=None, amplitude="1,9", frequency="15", kinetic_friction="0.5,0.9")
+    block = one_block(length=None, amplitude="1, 9", frequency="15", kinetic_friction="0.5,0.9")
     rows = [
         dict(zip(HEADER.split(","), line.split(","), strict=True))
         for line in csv_of(block, CsvFormat()).splitlines()[1:]

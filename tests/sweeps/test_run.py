@@ -86,7 +86,7 @@ def test_a_picture_shows_the_chosen_slice_of_the_same_numbers() -> None:
     "axes", [("amplitude",), ("amplitude", "frequency"), ("amplitude", "frequency", "drive_angle")]
 )
 def test_a_picture_has_a_resolution_of_its_own(axes: tuple[str, ...]) -> None:
-    texts = {"amplitude": "0.5:1.5:9001", "frequency": "10:16:4:log", "drive_angle": "10,20"}
+    texts = {"amplitude": "0.5:1.5:9001", "frequency": "10:16:4:log", "drive_angle": "10, 20"}
     grid = grid_of(**{name: texts[name] for name in axes})
     drawn = {"drive_angle": (0, 1)} if "drive_angle" in axes else {}
     result = sweep_picture(grid, drawn, FIXED, "")
@@ -99,7 +99,7 @@ def test_a_picture_has_a_resolution_of_its_own(axes: tuple[str, ...]) -> None:
 
 
 def test_a_picture_of_curves_keeps_the_values_of_the_list() -> None:
-    grid = grid_of(amplitude="0.5:1.5:3", frequency="10,12.5,16", drive_angle="10,20")
+    grid = grid_of(amplitude="0.5:1.5:3", frequency="10,12.5,16", drive_angle="10, 20")
     result = sweep_picture(grid, {"frequency": (0, 1, 2), "drive_angle": (1,)}, None, "")
     assert result.axes["frequency"].values.tolist() == [10, 12.5, 16]
     assert 2_000 > result.shape[0] > 500

@@ -130,7 +130,7 @@ def test_restitution_is_an_axis() -> None:
 
 
 def test_pictures_of_the_cells_held() -> None:
-    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:10", frequency_hz="5:60:10", drive_angle_deg="10,20")
+    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:10", frequency_hz="5:60:10", drive_angle_deg="10, 20")
     figure = t.draw("speed", at={"alpha": 20}, x="A", y="frequency_hz")
     axes = figure.axes[0]
     assert axes.get_xlabel().startswith("amplitude")

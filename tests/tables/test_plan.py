@@ -34,7 +34,7 @@ def nut(**changed: Any) -> Sweep:
         plan_of(nut(trough_length_mm=600.1, restitution=0.3, trough_angle_deg=-2.5), 7, row_group_cells=3),
         plan_of(nut(friction_ratio="0.5:1.2:4"), columns=["regime", "stroke_mm", "friction_ratio"]),
         plan_of(nut(friction_ratio=0.77), part={"pitch_mm": 25.1, "mass_kg": 0.012}),
-        plan_of(swept("regimes", stroke_mm="1,2", flight=False)),
+        plan_of(swept("regimes", stroke_mm="1, 2", flight=False)),
         plan_of(swept(**ELLIPSE, along_amplitude_2_mm="0:0.2:3", along_phase_2_deg=30, coexistence=True)),
     ],
 )

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 SWEEPS: dict[str, dict[str, Any]] = {
     "lines": {"amplitude_mm": "0.1:3:5", "frequency_hz": "10:60:6", "trough_length_mm": 600},
-    "bouncing": {"amplitude_mm": "1:6:4", "frequency_hz": "20,40", "restitution": 0.3},
+    "bouncing": {"amplitude_mm": "1:6:4", "frequency_hz": "20, 40", "restitution": 0.3},
     "infeasible": {"static_friction": "0.2,0.5,0.8", "drive_angle_deg": [0, 45], "trough_angle_deg": [0, 5]},
     "one point": {},
 }

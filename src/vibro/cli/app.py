@@ -35,7 +35,7 @@ from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
 from vibro.errors import FileError, InputError, VibroError
 from vibro.interrupts import end_on_signals, ignore_signals
-from vibro.quantities import TROUGH_MASS
+from vibro.quantities import TROUGH_MASS, find_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -124,8 +124,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         command = next((arg for arg in argv if not arg.startswith("-")), "")
         known = command if command in _COMMANDS else ""
         see = " ".join(filter(None, ["see vibro", known, "--help"]))
-        said = exc.format_message().strip().replace("Value error, ", "")  # which does not help users
-        return _report(InputError(said, hint=see), [])
+        return _report(InputError(exc.format_message().strip(), hint=_hint(exc, argv) or see), [])
     if isinstance(exc, OSError):
         silence(sys.stdout)
         if not isinstance(exc, BrokenPipeError):
@@ -139,6 +138,23 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
     return ExitCode.FAILED
 
 
+def _hint(exc: Any, argv: Sequence[str]) -> str:
+    """Return how to give what was typed in another way; an empty text where that is not known."""
+    option = getattr(exc, "option_name", None)
+    if type(exc).__name__ != "NoSuchOption":
+        typed = next((arg for arg in argv if not arg.startswith("-")), "")
+        if not isinstance(exc, typer.BadParameter) and "No such command" in exc.format_message():
+            names = ", ".join(name for name in _COMMANDS if name not in _HIDDEN)
+            return _GONE.get(typed, f"the commands are {names}")
+        return ""
+    if option in _GONE:
+        return _GONE[option]
+    if quantity := find_quantity(option):
+        return f"write it as {quantity.typed()}"
+    long = next((arg for arg in argv if arg.startswith(option) and arg[:2] != "--" and len(arg) > 2), "")
+    return f"write it with two dashes: -{long}" if long else ""
+
+
 app = typer.Typer(
     cls=_Commands,
     pretty_exceptions_enable=False,
@@ -148,6 +164,17 @@ app = typer.Typer(
 
 
 _RECORD: Final = "[SCENE.toml] RECORD.csv"
+#: What is typed otherwise now, by how it was.
+_GONE: Final = {
+    "speed": "vibro solve tells the speed",
+    "--mu": "static friction is --mu-s, kinetic friction --mu-d",
+    "report": "a page is -o NAME.html of solve, drive, design or measure",
+    "--format": "the ending of -o says the form: -o NAME.csv, NAME.xlsx, NAME.parquet",
+    "--table": "-o NAME.csv writes a table, -o - prints it",
+    "--excel": "-o NAME.xlsx writes a workbook",
+    "--shards": "-o NAME.parquet writes a folder; --workers says how many processes make it",
+    "--scheduler": "--workers tcp://host:8786 takes the address of a cluster",
+}
 #: Commands that lists leave out: their names, or what they do, belong to few.
 _HIDDEN: Final = ("motion", "compare", "schema")
 _EXIT_CODES = "\b\nExit codes:\n" + "".join(f"  {code:<3}  {code.meaning}\n" for code in ExitCode)

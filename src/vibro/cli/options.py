@@ -195,8 +195,10 @@ def read_arguments(
         elif text.casefold() in _UNITS or (_NUMBER.fullmatch(text) and not Path(text).exists()):
             raise InputError(
                 f"{cut(text)}: a value without its option, such as -A or gravity=",
-                hint="a number and its unit are one word, -A 1mm; in PowerShell quote a list, -A '1,2'",
+                hint="a number and its unit are one word, -A 1mm; in PowerShell quote a list, -A '1,2,3'",
             )
+        elif text == "vibro" and not Path(text).exists():
+            raise InputError("vibro: a command within a command", hint="type one command")
         else:
             files.append(Path(text))
     if most is not None and len(files) > most:

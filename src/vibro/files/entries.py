@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.axes import axis_of, parse_axis
+from vibro.axes import axis_of, one_value_of, parse_axis
 from vibro.errors import MOST_TOLD, InputError, Problems, did_you_mean, shown
 from vibro.quantities import MOST_HARMONICS, STANDS_FOR, SWEPT, nearest_double
 from vibro.reals import real_number
@@ -237,7 +237,7 @@ def _axis(quantity: Quantity, value: Any) -> AxisSpec:
 
 def _one(quantity: Quantity, value: Any) -> AxisSpec:
     """Read an axis of one value."""
-    spec = axis_of(value, quantity) if type(value) in (int, float, str, list) else None
+    spec = one_value_of(value, quantity) if type(value) in (int, float, str, list) else None
     if spec is None or spec.varies:
         is_swept = STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
         axes = "; axes belong in the table [map]" if is_swept else ""

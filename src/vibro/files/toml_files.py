@@ -21,6 +21,14 @@ if TYPE_CHECKING:
 _DECIMAL_COMMA: Final = re.compile(
     r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?[0-9]{1,20}),([0-9]{1,20})[ \t]*(#.*)?$", re.MULTILINE
 )
+_UNQUOTED: Final = re.compile(
+    r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?[0-9.]{1,20} ?(?:[^\W\d_][\w/^]{0,10}|[\u00b0%]))[ \t]*(#.*)?$",
+    re.MULTILINE,
+)
+_OTHER_FILES: Final = {
+    ".xlsx": "a workbook", ".xls": "a workbook", ".ods": "a workbook", ".csv": "a table", ".txt": "a table",
+    ".json": "a record", ".parquet": "one file of a sweep", ".png": "a picture", ".html": "a page",
+}  # fmt: skip
 _OF_DESIGNS: Final = {"drive", "goal"}  # tables
 _REASON: Final = 200  # characters of the parser's message
 # Matches whole numbers that may be too long for Python (4300 digits), and the digits that are kept: more than
@@ -49,12 +57,13 @@ def read_toml(path: Path) -> dict[str, Any]:
     InputError
         If it is not TOML.
     """
+    if kind := _OTHER_FILES.get(path.suffix.casefold()):
+        raise InputError(f"{path}: {kind}, and no scene or design file", hint="these are TOML: NAME.toml")
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as exc:
-        raise FileError(
-            f"cannot read {path}: {exc.strerror or exc}", hint=suggestion(path, (".toml",))
-        ) from exc
+        hint = "give a file, such as NAME.toml" if path.is_dir() else suggestion(path, (".toml",))
+        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=hint) from exc
     except UnicodeDecodeError as exc:
         raise InputError(f"{path}: not a text file in UTF-8", hint="save it as UTF-8") from exc
     except ValueError as exc:  # the path has a zero character
@@ -64,8 +73,9 @@ def read_toml(path: Path) -> dict[str, Any]:
         # stay beyond every double, and are refused by name like any other number.
         return tomllib.loads(_LONG_NUMBER.sub(lambda digits: digits[0][:_KEPT].rstrip("_"), text))
     except (tomllib.TOMLDecodeError, RecursionError) as exc:
-        comma = _DECIMAL_COMMA.search(text)
+        comma, unit = _DECIMAL_COMMA.search(text), _UNQUOTED.search(text)
         hint = f"write a decimal point: {comma[1]} = {comma[2]}.{comma[3]}" if comma else ""
+        hint = f'write a number and its unit in quotes: {unit[1]} = "{unit[2]}"' if unit else hint
         raise InputError(f"{path}: not valid TOML: {cut(str(exc), _REASON)}", hint=hint) from exc
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
-from vibro.axes import AxisSpec, axis_of, default_count
+from vibro.axes import AxisSpec, axis_of, default_count, one_value_of
 from vibro.core.codes import Output
 from vibro.errors import Problems, shown
 from vibro.files.descriptions import EXAMPLES
@@ -303,7 +303,7 @@ def gather(
     ranges = ranges or {}
     file = file or SceneFile("", {}, {})
     problems = _Problems()
-    typed = _by_slot(_understood(given, problems), caller.gives, problems)
+    typed = _by_slot(_understood(given, problems, takes_axes=takes_axes), caller.gives, problems)
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
     machine = file.machine
@@ -420,11 +420,13 @@ def _check_line(drive: tuple[str, ...], layers: Sequence[tuple[str, Specs]], pro
         )
 
 
-def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:
+def _understood(given: Mapping[str, object], problems: _Problems, *, takes_axes: bool) -> Specs:
     specs = {}
     for name, value in given.items():
         with problems.taken(field=STANDS_FOR.get(name, name)):
-            specs[name] = value if isinstance(value, AxisSpec) else axis_of(value, QUANTITIES[name])
+            quantity = QUANTITIES[name]
+            read = axis_of if takes_axes and STANDS_FOR.get(name, name) in SWEPT else one_value_of
+            specs[name] = value if isinstance(value, AxisSpec) else read(value, quantity)
     return specs
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 OTHER_NAME: Final = "choose another name"
-_REPLACE: Final = f"the option force replaces them; or {OTHER_NAME}"
+_REPLACE: Final = f"--force (force=True) replaces it, or {OTHER_NAME}"
 _KINDS: Final = {stat.S_IFDIR: "a folder", stat.S_IFLNK: "a symbolic link"}
 # A spreadsheet holds a file for as long as it is open, a virus scanner for a moment: outlast the scanner.
 _ATTEMPTS: Final = 10
@@ -57,11 +57,15 @@ def whole_files(
     own = f"{os.getpid()}-{os.urandom(4).hex()}"
     waiting = {target: target.with_name(f".{target.name}-{own}") for target in targets}
     folders = dict.fromkeys(target.parent for target in waiting)
+    new = [folder for target in waiting for folder in target.parents if not folder.exists()]
 
     def remove() -> None:
         for path in waiting.values():
             with contextlib.suppress(OSError):  # it is not there
                 path.unlink()
+        for folder in new:
+            with contextlib.suppress(OSError):  # it holds something
+                folder.rmdir()
 
     with OnEnd(remove):
         try:

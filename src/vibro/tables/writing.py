@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _ADDRESS: Final = re.compile(r"(tcp|tls|wss?)://\S+:[0-9]+")
 _MOST_WORKERS: Final = 1024
-_ANEW: Final = "choose another name, or replace it with the option force"
+_ANEW: Final = "choose another name, or replace it: --force (force=True)"
 _OURS: Final = re.compile(rf"part-[0-9]{{6}}\.parquet|{MANIFEST}|{SUCCESS}")
 
 
@@ -129,7 +129,7 @@ def checked_workers(workers: object) -> int | str | None:
     if workers is None or is_number or is_address:
         return workers  # type: ignore[return-value]
     raise InputError(
-        f"workers={shown(workers)}: must be a whole number from 1 to {_MOST_WORKERS}, or an address",
+        f"workers = {shown(workers)}: must be a whole number from 1 to {_MOST_WORKERS}, or an address",
         hint="write it like 4 or tcp://host:8786",
     )
 
