@@ -145,34 +145,17 @@ def test_one_axis_has_lines_of_flight(run: Run) -> None:
 
 
 @pytest.mark.usefixtures("unsaved")
-def test_flight_off_keeps_to_contact(run: Run) -> None:
-    result = run("map", *NUT, "-A", "0.5:6:6", "--flight", "off", "-o", "hop")
-    assert result.exit_code == 0
-    rows = rows_of(Path("hop.csv").read_text(encoding="utf-8"))
-    assert {row["status"] for row in rows if row["regime"] == "hopping"} == {"flight-not-modelled"}
-    assert all((row["mean_velocity_mm_s"] == "") == (row["regime"] == "hopping") for row in rows)
-    assert json.loads(Path("hop.json").read_text(encoding="utf-8"))["flight"] is False
-
-
-@pytest.mark.usefixtures("unsaved")
 def test_regimes_alone(run: Run) -> None:
     assert run(*HOPS, "--regimes-only").exit_code == 0
     assert [name for name in names() if name.endswith(".png")] == ["hop-regime.png"]
     regimes = rows_of(Path("hop.csv").read_text(encoding="utf-8"))
-    exact = rows_of(run(*HOPS[:-1], "-", "--flight", "off").stdout)
+    exact = rows_of(run(*HOPS[:-1], "-").stdout)
     for quick, full in zip(regimes, exact, strict=True):
-        for column in ("regime", "throw_number", "forward_ratio", "back_ratio", "status"):
+        for column in ("regime", "throw_number", "forward_ratio", "back_ratio"):
             assert quick[column] == full[column]
         if quick["regime"] != "no-slip":
             assert quick["mean_velocity_mm_s"] == quick["pattern"] == quick["model"] == ""
     assert {row["regime"] for row in regimes} >= {"no-slip", "back-slip", "hopping"}
-
-
-def test_only_words_that_there_are(run: Run) -> None:
-    result = run(*HOPS, "--flight", "maybe")
-    assert result.exit_code == 2
-    assert "--flight" in result.stderr
-    assert names() == []
 
 
 @pytest.mark.usefixtures("unsaved")

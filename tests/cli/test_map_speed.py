@@ -22,7 +22,7 @@ def test_every_map_tells_the_share_that_reaches_a_speed(run: Run) -> None:
 
 @pytest.mark.usefixtures("unsaved")
 def test_folders_and_what_is_drawn_of_them_tell_the_share(run: Run) -> None:
-    made = run("map", *IRREGULAR, "--speed", "150", "-o", "wide.parquet", "-o", "of.png").stderr
-    assert " possible cells of the pictures (" in made
+    assert "--speed: not told" in run("map", *IRREGULAR, "--speed", "150", "-o", "wide.parquet").stderr
+    assert run("map", *IRREGULAR, "-o", "wide.parquet").exit_code == 0
     read = run("map", "wide.parquet", "--speed", "150", "-o", "read").stderr.splitlines()[-1]
     assert read == run("map", *IRREGULAR, "--speed", "150", "-o", "-").stderr.splitlines()[-1]

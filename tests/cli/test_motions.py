@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -39,32 +38,23 @@ def scene(**fields: float) -> vibro.Scene:
     return vibro.Scene(motion=MOTION, **given)
 
 
-def test_a_report_of_steps(run: Run, tmp_path: Path) -> None:
-    result = run("solve", written(tmp_path, POINT + STEPS))
-    assert result.exit_code == 0, result.stderr
-    lines = dict(line.split("  ", 1) for line in result.stdout.split("\n\n")[0].splitlines())
-    told = {name: text.strip() for name, text in lines.items()}
-    assert told["scene"].startswith(
-        "motion of 2 pieces (stroke 38.4 mm peak to peak), frequency 2.5 Hz, motion"
-    )
-    assert told["regime"] == "forward-slip, pattern F_"
-    speed = float(vibro.solve(scene()).mean_velocity)
-    assert float(told["mean speed"].removesuffix(" mm/s")) == pytest.approx(1e3 * speed, rel=1e-5)
-    gain = float(vibro.solve(scene(motion_scale=1.1)).mean_velocity) / speed - 1.0
+def test_where_motions_of_steps_begin(run: Run, tmp_path: Path) -> None:
+    told = json.loads(run("solve", written(tmp_path, POINT + STEPS), "--json").stdout)
     # the slide is p/2 (s + p/b) T^2 long, p = (9.6 c - f) s, b = 2.4 c + f, f = mu_d g, s = 0.2
     f = 0.25 * 9.81
     peak, fall = 0.2 * (9.6 - f), 2.4 + f
     power = 0.2 * 9.6 / peak + (0.2 * 9.6 / fall - peak * 2.4 / fall**2) / (0.2 + peak / fall)
-    expected = f"+10 % motion scale: {100.0 * gain:+.3g} % speed (d ln speed / d ln scale = {power:.6g})"
-    assert told["sensitivity"] == expected
-    head, *rows = (re.split("  +", line) for line in result.stdout.split("\n\n")[1].splitlines())
-    assert head == ["begins", "load now / then", "motion scale", "until motion scale"]
+    assert told["speed_amplitude_exponent"] == pytest.approx(power, rel=1e-9)
     # 0.3 g is the acceleration of the sharp stretch, then that of the gentle one
     first, then = 0.3 * 9.81 / 9.6, 0.3 * 9.81 / 2.4
-    assert rows == [
-        [name, f"{1.0 / scale:.6g}", f"{scale:.6g}", "no end"]
+    keys = "begins", "times_the_drive", "motion_scale", "until_times_the_drive"
+    assert [tuple(row[key] for key in keys) for row in told["beginnings"]] == [
+        (name, pytest.approx(scale, rel=1e-12), pytest.approx(scale, rel=1e-12), None)
         for name, scale in (("forward slip", first), ("back slip", then), ("continuous sliding", then))
     ]
+    text = run("solve", written(tmp_path, POINT + STEPS), "--all").stdout
+    assert "scene                 motion of 2 pieces, frequency 2.5 Hz, motion scale 1," in text
+    assert "38.4 mm (peak to peak)" in text
 
 
 def test_intervals_of_classes_are_told(run: Run, tmp_path: Path) -> None:
@@ -77,15 +67,12 @@ def test_intervals_of_classes_are_told(run: Run, tmp_path: Path) -> None:
     for way in ("along", "normal"):
         pairs = [[1e3 * size, math.degrees(phase)] for size, phase in harmonics_of(row, way)]
         text += f"{way}_harmonics_mm_deg = {json.dumps(pairs)}\n"
-    result = run("solve", written(tmp_path, text))
-    assert result.exit_code == 0, result.stderr
-    head, *rows = (re.split("  +", line) for line in result.stdout.split("\n\n")[1].splitlines())
-    assert [head[0], head[2], head[-1]] == ["begins", "all amplitudes", "until all amplitudes"]
-    told = [(r[2], r[-1]) for r in rows if r[0] == "back slip"]
+    rows = json.loads(run("solve", written(tmp_path, text), "--json").stdout)["beginnings"]
+    keys = "times_the_drive", "until_times_the_drive"
+    told = [[r[key] for key in keys] for r in rows if r["begins"] == "back slip"]
     listed = json.loads(row["back_slip_intervals"])
-    assert told == [tuple(f"{float(end):.6g} x" for end in span) for span in listed]
-    assert rows[-1][0] == "hopping"
-    assert rows[-1][-1] == "no end"
+    assert told == [pytest.approx(list(map(float, span)), rel=1e-9) for span in listed]
+    assert (rows[-1]["begins"], rows[-1][keys[1]]) == ("hopping", None)
 
 
 @pytest.mark.parametrize("table", [STEPS, SAMPLES])
