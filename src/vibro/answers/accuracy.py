@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from vibro.accuracy.trade import advice
 from vibro.answers.answer import Answer, Fact, Table
@@ -11,23 +11,26 @@ from vibro.answers.answer import Answer, Fact, Table
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from vibro.accuracy.trade import Row, Trade
-
-_USUAL: Final = ("time", "largest error", "beyond")
-_RARE: Final = ("scenes", "99.9 %", "wrong regime", "silent", "gave up", "drift at rest")
+    from vibro.accuracy.trade import Trade
 
 
 def trade_answer(trade: Trade, record: Mapping[str, Any]) -> Answer:
     """Make the answer about methods that were compared; ``record`` is what JSON says."""
-
-    def table(title: str, names: tuple[str, ...], *, is_rare: bool) -> Table:
-        rows = [
-            (row.method, row.setting, *(cells[name] for name in names))
-            for row, cells in zip(trade.rows, map(_cells, trade.rows), strict=True)
-        ]
-        columns = [(name, "") for name in ("method", "setting", *names)]
-        return Table("methods", columns, rows, title, is_rare)
-
+    usual = [
+        (row.method, row.setting, _time(row.time_us), _error(row.error_max), row.beyond_tolerance)
+        for row in trade.rows
+    ]
+    rare = [
+        (
+            row.method, row.setting, row.scenes, _error(row.error_999), f"{row.wrong_regime_share:.2%}",
+            row.silent_failures, row.gave_up, _error(row.drift_at_rest),
+        )
+        for row in trade.rows
+    ]  # fmt: skip
+    heads = ("method", "setting", "time", "largest error", "beyond")
+    rare_heads = (
+        "method", "setting", "scenes", "99.9 %", "wrong regime", "silent", "gave up", "drift at rest",
+    )  # fmt: skip
     return Answer(
         [
             Fact("scenes", f"{trade.scenes} in contact"),
@@ -37,29 +40,15 @@ def trade_answer(trade: Trade, record: Mapping[str, Any]) -> Answer:
             Fact("advice", advice(trade)),
         ],
         [
-            table("Time a scene, and errors", _USUAL, is_rare=False),
-            table("Failures", _RARE, is_rare=True),
+            Table("methods", [(head, "") for head in heads], usual, "Time a scene, and errors"),
+            Table("methods", [(head, "") for head in rare_heads], rare, "Failures", is_rare=True),
         ],
         record=record,
     )
 
 
-def _cells(row: Row) -> dict[str, str]:
-    return {
-        "time": _time(row.time_us),
-        "largest error": _error(row.error_max),
-        "beyond": str(row.beyond_tolerance),
-        "scenes": str(row.scenes),
-        "99.9 %": _error(row.error_999),
-        "wrong regime": f"{row.wrong_regime_share:.2%}",
-        "silent": str(row.silent_failures),
-        "gave up": str(row.gave_up),
-        "drift at rest": _error(row.drift_at_rest) if row.drift_at_rest else "0",
-    }
-
-
 def _error(error: float) -> str:
-    return "-" if math.isnan(error) else f"{error:.1e}"
+    return "-" if math.isnan(error) else f"{error:.1e}" if error else "0"
 
 
 def _time(microseconds: float) -> str:

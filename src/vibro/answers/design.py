@@ -11,9 +11,10 @@ from vibro.core.codes import Regime
 from vibro.inverse.designs import at_most
 from vibro.inverse.rows import KINDS
 from vibro.quantities import BY_COLUMN, LENGTH, QUANTITIES, SPEED
+from vibro.results.designs import DESIGN_COLUMNS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping
 
     from vibro.answers.answer import Value
     from vibro.inverse.designs import Chosen
@@ -43,6 +44,24 @@ _PROOFS: Final[Mapping[str, str]] = {
     "searched": "the slowest part that was found; that none is slower by more than 1 % is not proved",
     "sampled": "parts hop: the slowest of sampled parts; another part may be slower",
 }
+# Columns of designs, by what people call them; whether a bound is an upper one.
+_USUAL: Final = (
+    ("guaranteed", "speed_min_mm_s"), ("margin", "margin"), ("set by", "set_by"), ("proof", "proof"),
+)  # fmt: skip
+_RARE: Final = (
+    ("acceleration", "acceleration_g"),
+    ("amplitude, empty", "amplitude_empty_mm"),
+    ("amplitude, least", "amplitude_least_mm"),
+    ("amplitude, most", "amplitude_most_mm"),
+    ("proved above", "speed_proved_mm_s"),
+    ("nominal", "speed_nominal_mm_s"),
+    ("largest", "speed_max_mm_s"),
+)
+_UNITS: Final = {column.name: column.unit for column in DESIGN_COLUMNS}
+_BOUNDS: Final = {
+    "acceleration_g": True, "speed_max_mm_s": True, "speed_min_mm_s": False, "speed_proved_mm_s": False,
+    "margin": False,
+}  # fmt: skip
 _FILLED: Final = (
     "filling: speeds hold from the least to the most amplitude; that no voltage and filling makes others, and"
     " that the goal is kept with the second harmonic, is sampled, not proved"
@@ -74,7 +93,7 @@ def design_answer(spec: Spec, result: DesignResult, chosen: Chosen | None, title
     return Answer(
         [*_question(spec, result), *_chosen(spec, result, chosen), *_given(spec, result)],
         [table for table in tables if table.rows],
-        _notes(spec, result),
+        _notes(result),
         {"met": result.met, "chosen": found, "designs": designs},
         title,
     )
@@ -178,11 +197,6 @@ def _chosen(spec: Spec, result: DesignResult, chosen: Chosen | None) -> Iterator
         yield _margin(design)
     if design.throw_number_max is not None:
         yield Fact("throw number", f"at most {_bound(design.throw_number_max, upper=True)}", is_rare=True)
-    if design.second_harmonic_percent is not None:
-        text = f"up to {shown(design.second_harmonic_percent)} % of the amplitude, of the filling"
-        slowest = design.speed_second_harmonic_mm_s
-        with_it = "" if slowest is None else f"the slowest sampled part has {shown(slowest)} mm/s"
-        yield Fact("second harmonic", text, note=with_it, is_rare=True)
 
 
 def _setting(design: Design) -> str:
@@ -229,13 +243,11 @@ def _margin(design: Design) -> Fact:
     """Tell how much wider all that is unknown may be."""
     if design.margin is None:
         return Fact("margin", "none", note="even without bands and drifts the goal is missed")
-    if design.margin < 1.0:
-        text = _bound(design.margin, upper=False)
-        return Fact("margin", text, note="all bands and drifts would have to shrink to this share")
-    margin = (
+    may = "may be that many times as wide" if design.margin >= 1.0 else "would have to shrink to this share"
+    text = (
         f"{_MOST_MARGIN:g} or more" if design.margin >= _MOST_MARGIN else _bound(design.margin, upper=False)
     )
-    return Fact("margin", margin, note="all bands and drifts may be that many times as wide")
+    return Fact("margin", text, note=f"all bands and drifts {may}")
 
 
 def _closest(spec: Spec, result: DesignResult) -> Table:
@@ -280,60 +292,45 @@ def _needed(design: Design) -> str:
 
 def _designs(spec: Spec, result: DesignResult, drive: Drive) -> Iterator[Table]:
     """Make the tables of a drive: its designs, those of the goal's regime first, and their other numbers."""
-    highest = spec.goal.highest_regime
+    highest = spec.goal.highest_regime.label
     # without uncertainty no design is safer than another
     kinds = KINDS if spec.has_bands else KINDS[:2]
     found = [
-        (regime, design)
-        for regime in (highest, *(r for r in _REGIMES if r is not highest))
+        design
         for design in result.designs
-        if (design.drive, design.highest_regime) == (drive.name, regime.label)
-        and design.design in kinds
-        and design.frequency_hz is not None
+        if (design.drive, design.design in kinds, design.frequency_hz is None) == (drive.name, True, False)
     ]
-    settings = [
-        (QUANTITIES[name].label, QUANTITIES[name].unit, QUANTITIES[name].column) for name in drive.told
-    ]
-    margin = [("margin", "", "margin")] * spec.has_bands
-    columns = [
-        *settings, ("guaranteed", "mm/s", "speed_min_mm_s"), *margin, ("set by", "", "set_by"),
-        ("proof", "", "proof"),
-    ]  # fmt: skip
-    rest = [("acceleration", "g", "acceleration_g")]
-    if drive.machine is not None:
-        ends = ("empty", "least", "most") if drive.machine.has_bands else ("empty",)
-        rest += [(f"amplitude, {end}", "mm", f"amplitude_{end}_mm") for end in ends]
-    if spec.has_bands:
-        names = {"proved above": "proved", "nominal": "nominal", "largest": "max"}
-        rest += [(label, "mm/s", f"speed_{name}_mm_s") for label, name in names.items()]
-    within = [(d.design if r is highest else f"{d.design}, {at_most(r)}", d) for r, d in found]
-    own = [design.design for regime, design in found if regime is highest]
+    settings = [(QUANTITIES[name].label, QUANTITIES[name].column) for name in drive.told]
+    own = [design.design for design in found if design.highest_regime == highest]
     missed = "" if "gentlest" in own or not own else f", less than {_speed(spec.goal.speed)}"
-    yield _table(f"{drive.name}{missed}", columns, within)
-    yield _table(f"{drive.name}, other numbers", rest, within, is_rare=True)
+    for title, columns in (
+        (f"{drive.name}{missed}", [*settings, *_USUAL]),
+        (f"{drive.name}, other numbers", [*_RARE]),
+    ):
+        known = [
+            pair
+            for pair in columns
+            if pair in settings or any(getattr(d, pair[1]) is not None for d in found)
+        ]
+        rows = [
+            (
+                d.design if d.highest_regime == highest else f"{d.design}, {_allowed(d)}",
+                *(_cell(column, getattr(d, column)) for _, column in known),
+            )
+            for d in found
+        ]
+        heads = [(label, _UNITS[column]) for label, column in known]
+        # JSON has them already
+        yield Table("designs", [("design", ""), *heads], rows, title, is_rare=columns == [*_RARE])
 
 
-def _table(
-    title: str,
-    columns: Sequence[tuple[str, str, str]],
-    designs: Sequence[tuple[str, Design]],
-    *,
-    is_rare: bool = False,
-) -> Table:
-    """Write columns of designs, which JSON holds already, by their names: settings as they are typed in."""
-    upper = ("acceleration_g", "speed_max_mm_s")
-    lower = ("speed_min_mm_s", "speed_proved_mm_s", "margin")
-
-    def cell(design: Design, column: str) -> Value:
-        value = getattr(design, column)
-        if column in upper or column in lower:
-            return _bound(value, upper=column in upper)
-        if column in BY_COLUMN:
-            return _exact(value)
-        return "-" if value is None else value
-
-    rows = [(name, *(cell(design, column) for *_, column in columns)) for name, design in designs]
-    return Table("designs", [("design", ""), *(c[:2] for c in columns)], rows, title, is_rare)
+def _cell(column: str, value: Value) -> Value:
+    """Write bounds rounded so that they hold, and settings as they are typed in."""
+    if isinstance(value, float) and column in _BOUNDS:
+        return _bound(value, upper=_BOUNDS[column])
+    if isinstance(value, float) and column in BY_COLUMN:
+        return _exact(value)
+    return "-" if value is None else value
 
 
 def _loads(chosen: Chosen) -> Table:
@@ -357,17 +354,15 @@ def _costs(chosen: Chosen) -> Table:
     return Table("costs", columns, rows, "Each input 1 % larger, angles by 1 deg", is_rare=True)
 
 
-def _notes(spec: Spec, result: DesignResult) -> list[str]:
+def _notes(result: DesignResult) -> list[str]:
     """Explain where no speed is guaranteed, the proofs, and the doubts."""
     lines = []
-    for regime in _REGIMES:
-        for design in _of(result, "fastest", regime):
-            if design.frequency_hz is None:
-                # a search that the filling ends has not shown that there is none
-                unknown = design.set_by == "filling"
-                why = "none was found that holds" if unknown else "no speed is guaranteed"
-                by = f", set by {design.set_by}" if design.set_by else ""
-                lines.append(f"{design.drive}, {at_most(regime)}: {why}{by}")
+    for design in result.designs:
+        if design.design == "fastest" and design.frequency_hz is None:
+            # a search that the filling ends has not shown that there is none
+            why = "none was found that holds" if design.set_by == "filling" else "no speed is guaranteed"
+            by = f", set by {design.set_by}" if design.set_by else ""
+            lines.append(f"{design.drive}, {_allowed(design)}: {why}{by}")
     proofs = {d.proof for d in result.designs}
     lines += [f"{name}: {text}" for name, text in _PROOFS.items() if name in proofs]
     if samples := min((d.samples for d in result.designs if d.samples), default=0):
@@ -392,6 +387,10 @@ def _notes(spec: Spec, result: DesignResult) -> list[str]:
 
 def _all_called(designs: Iterable[Design]) -> str:
     return "; ".join(f"{d.drive}, {d.highest_regime}, {d.design}" for d in designs)
+
+
+def _allowed(design: Design) -> str:
+    return at_most(next(regime for regime in _REGIMES if regime.label == design.highest_regime))
 
 
 def _of(result: DesignResult, kind: str, regime: Regime) -> list[Design]:
