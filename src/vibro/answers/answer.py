@@ -11,12 +11,15 @@ from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
+from vibro.errors import printable
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Value: TypeAlias = "float | str | None"
 
 _DIGITS: Final = 4  # for people; JSON and CSV have all
+_WIDTH: Final = 80  # characters of a terminal
 
 
 class Fact(NamedTuple):
@@ -85,6 +88,16 @@ class Table(NamedTuple):
         return [heads, *([shown(cell) for cell in row] for row in self.rows)]
 
     @property
+    def text(self) -> str:
+        """Its lines, with the units of a wide table below the labels."""
+        head, *rows = self.texts
+        lines = aligned([head, *rows])
+        if max(map(len, lines.splitlines())) > _WIDTH:
+            labels, units = zip(*self.columns, strict=True)
+            lines = aligned([labels, [f"[{unit}]" if unit else "" for unit in units], *rows])
+        return f"{self.title}\n{lines}" if self.title else lines
+
+    @property
     def keys(self) -> list[str]:
         """Names of the columns, with their units."""
         return [_key(label, unit) for label, unit in self.columns]
@@ -104,6 +117,8 @@ class Answer:
         What JSON says, by keys with units; a table that is not in it is added under its name.
     title : str
         Of its page.
+    paste : str
+        Lines of a file, to be copied.
     """
 
     facts: Sequence[Fact]
@@ -111,6 +126,7 @@ class Answer:
     notes: Sequence[str] = ()
     record: Mapping[str, Any] = field(default_factory=dict)
     title: str = ""
+    paste: str = ""
 
     def text(self, *, every: bool = False) -> str:
         """Write it for a terminal: the usual part, or every fact and table."""
@@ -121,8 +137,9 @@ class Answer:
             label = max(len(fact[0]) for fact in facts)
             (head, *heads), *rows = tables.pop(0).texts
             parts[0] += "\n" + aligned([[head.ljust(label), *heads], *rows])
-        parts += ["\n".join(filter(None, [table.title, aligned(table.texts)])) for table in tables]
-        return "\n\n".join([*parts, *(["\n".join(self.notes)] if self.notes else [])])
+        parts += [table.text for table in tables]
+        parts += ["\n".join(map(printable, self.notes))] if self.notes else []
+        return "\n\n".join([*parts, *([self.paste] if self.paste else [])])
 
     def content(self) -> dict[str, Any]:
         """Return what JSON says."""
@@ -131,7 +148,7 @@ class Answer:
             for table in self.tables
             if table.name not in self.record
         }
-        return {**self.record, **tables, **({"notes": list(self.notes)} if self.notes else {})}
+        return {**_known(self.record), **tables, **({"notes": list(self.notes)} if self.notes else {})}
 
     def json(self) -> str:
         """Write all of it as JSON; unknown numbers are null."""
@@ -163,9 +180,10 @@ class Answer:
 
 def aligned(rows: Sequence[Sequence[str]], *, right: bool = True) -> str:
     """Return rows as lines with their cells below each other, all but the first to the right if wanted."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    safe = [[*map(printable, row)] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*safe, strict=True)]
     lines = []
-    for first, *rest in rows:
+    for first, *rest in safe:
         cells = [cell.rjust(w) if right else cell.ljust(w) for cell, w in zip(rest, widths[1:], strict=True)]
         lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
     return "\n".join(lines)
@@ -204,7 +222,12 @@ def bound(value: float, unit: str = "", *, upper: bool) -> str:
     return number(float(Context(prec=6, rounding=rounding).create_decimal(repr(float(value)))), unit)
 
 
-def _known(value: Value) -> Value:
+def _known(value: Any) -> Any:
+    """Return a value, or what is in it, with None for numbers that are not finite."""
+    if isinstance(value, Mapping):
+        return {key: _known(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [*map(_known, value)]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -169,10 +169,9 @@ def scene_answer(
     """
     facts = [_motion(one), *_traverse(one), *_speeds(one), *_asked(one, part)]
     if grid.machine is not None:
-        from vibro.sweeps.machine_facts import machine_facts  # late: few scenes have a machine
+        from vibro.answers.machine import machine_facts  # late: few scenes have a machine
 
-        found = machine_facts(grid.machine, one.block.values)
-        facts += [Fact(label, text, is_rare=label != "amplitude") for label, text in found]
+        facts += machine_facts(grid.machine, one.block.values)
     tables = [_next(one)]
     if every:
         facts += _rare(one)

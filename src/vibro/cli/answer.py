@@ -93,12 +93,11 @@ def answer_one(
     """
     grid, console = run.grid, Console(quiet=options.quiet)
     if grid.machine is not None:
-        from vibro.sweeps.machine_facts import machine_warnings
-        from vibro.sweeps.machines import check_operating
+        from vibro.sweeps.machines import check_operating, points_of
 
         values = grid.values()
         check_operating(grid.machine, values)
-        for text in machine_warnings(grid.machine, values):
+        for text in points_of(grid.machine, values).remarks():
             console.warn(text)
     blocks: list[Block] = []
     title = run.request.name or "Scene"

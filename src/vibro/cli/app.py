@@ -175,6 +175,7 @@ _GONE: Final = {
     "--shards": "-o NAME.parquet writes a folder; --workers says how many processes make it",
     "--scheduler": "--workers tcp://host:8786 takes the address of a cluster",
 }
+_OF_MACHINE: Final = ("frequency", "drive_angle", "static_friction", "kinetic_friction", "friction_ratio")
 #: Commands that lists leave out: their names, or what they do, belong to few.
 _HIDDEN: Final = ("motion", "compare", "schema")
 _EXIT_CODES = "\b\nExit codes:\n" + "".join(f"  {code:<3}  {code.meaning}\n" for code in ExitCode)
@@ -203,7 +204,7 @@ _COMMANDS: Final[dict[str, Any]] = {
     "map": (map_command, {"forms": MAPS}),
     "simulate": (simulate_command, {"forms": HISTORIES, "more": STARTS}),
     "design": (design_command, {"files": "DESIGN.toml", "of_scene": False}),
-    "drive": (drive_command, {}),
+    "drive": (drive_command, {"files": "MACHINE.toml...", "most": None, "first": _OF_MACHINE}),
     "motion": (
         motion_command,
         {"files": "[SCENE.toml] RECORD.csv", "most": 2, "of_drive": False, "of_answer": False},

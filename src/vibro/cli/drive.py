@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.options import Options
+from vibro.cli.exit_codes import ExitCode
+from vibro.cli.options import AllOption, Options
+from vibro.cli.outputs import Outputs
+from vibro.core.codes import Status
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import QUANTITIES, kinetic_friction, nearest_double
+from vibro.quantities import QUANTITIES, kinetic_friction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from matplotlib.figure import Figure
 
+    from vibro.answers.answer import Answer
+    from vibro.answers.set_up_sheet import SheetRequest
     from vibro.files.machines import GivenMachine
     from vibro.files.scene_files import SceneFile
-
-__all__ = ["drive_command"]
 
 _SETTINGS: Final = (25.0, 50.0, 75.0, 100.0)  # [%] of the machine's own
 _MOST_SETTINGS: Final = 12
 _BANDS: Final = ("voltage", "filling", "static_friction", "kinetic_friction")
+_SHOWS: Final = "Amplitude and speed over the frequency of the drive"
 
 
 def drive_command(
@@ -36,74 +40,53 @@ def drive_command(
         typer.Option(
             "--fit",
             metavar="POINTS.csv",
-            help="Instead fit natural frequency and damping to measured amplitudes of the empty machine:"
-            " columns frequency_hz and amplitude_mm, or stroke_mm, and if known error_percent.",
+            help="Fit natural frequency and damping to measured amplitudes: columns frequency_hz and"
+            " amplitude_mm or stroke_mm.",
             show_default=False,
         ),
     ] = None,
+    every: AllOption = False,
     law: Annotated[
         str | None,
         typer.Option(
             "--law",
             metavar="constant|square",
-            help="With --fit and without a file: how the force depends on frequency. It is constant for"
-            " magnets; with unbalance on the trough it grows with the square.",
+            help="With --fit and without a file: the force is constant for magnets, and grows with the square"
+            " of the frequency with unbalance on the trough.",
             show_default=False,
+            hidden=True,
         ),
     ] = None,
     amplitude_error: Annotated[
         str | None,
         typer.Option(
             "--amplitude-error",
-            metavar="VALUE",
-            help="With --fit: relative standard error of a measured amplitude [%]. Without it the residuals"
-            " of 5 or more points tell it.",
+            metavar="X",
+            help="With --fit: relative standard error of an amplitude [%]; else the residuals of 5 or more"
+            " points give it.",
             show_default=False,
+            hidden=True,
         ),
     ] = None,
 ) -> int:
-    """Print the set-up sheet of a machine and its filling, or fit the machine to measured amplitudes.
+    """Print a machine's set-up sheet: amplitude and speed at each setting, empty and full.
 
-    SCENE.toml has a table [machine]. The sheet lists amplitude and speed at each setting, empty and full, the
-    side of resonance on which the drive runs, the guaranteed speed, and the effect of mains, filling and
-    other springs. Here --setting takes a list (25,50,100), and --voltage, --filling, --mu-s and --mu-d take
-    bands, such as 90:110.
-    -o NAME writes the operating points, NAME.csv, and amplitude and speed over frequency, NAME-response.png.
+    Settings may be a list, setting=25,50,100; voltage=90:110, filling=0:2 and
+    frictions may be bands, for which speeds are guaranteed. Several files are put side by side.
     """
     console = Console(quiet=options.quiet)
-    if fit is None:
-        for option, value in (("--law", law), ("--amplitude-error", amplitude_error)):
-            if value is not None:
-                raise InputError(f"{option} belongs to --fit", hint="add --fit POINTS.csv, or leave it out")
-        return _sheet(options, context.obj, console)
-    if law not in (None, "constant", "square"):
-        raise InputError(
-            f"--law {shown(law)}: must be constant or square", hint="constant is that of magnets"
-        )
-    from vibro.cli.drive_fit import fit_points
-
-    unused = [QUANTITIES[name].typed() for name in options.given]
-    if unused := unused + (["--pack"] if options.pack is not None else []):
-        names = ", ".join(unused)
-        raise InputError(f"{names}: not used by --fit", hint="leave it out, or leave out --fit")
-    file = _scene_file(options.scene)
-    return fit_points(
-        fit,
-        file.machine if file else None,
-        law=law,
-        amplitude_error=amplitude_error,
-        options=options,
-        argv=context.obj,
-        console=console,
-    )
+    if fit is not None:
+        return _fit(fit, options, context.obj, console, law, amplitude_error)
+    for option, value in (("--law", law), ("--amplitude-error", amplitude_error)):
+        if value is not None:
+            raise InputError(f"{option} belongs to --fit", hint="add --fit POINTS.csv, or leave it out")
+    return _sheets(options, context.obj, console, every=every)
 
 
-def _scene_file(path: Path | None) -> SceneFile | None:
+def _machine_file(path: Path) -> SceneFile:
     """Read a scene file, which must have a machine."""
     from vibro.files.scene_files import read_scene_file
 
-    if path is None:
-        return None
     file = read_scene_file(path)
     if file.machine is None:
         hint = "add [machine] with kind, masses, natural_hz and damping_ratio; see docs/guide/machines.md"
@@ -111,27 +94,77 @@ def _scene_file(path: Path | None) -> SceneFile | None:
     return file
 
 
-def _sheet(options: Options, argv: Sequence[str], console: Console) -> int:
-    """Print the set-up sheet, and write its files where they are wanted."""
-    from vibro.cli.drive_report import columns, content, picture_texts, report
-    from vibro.cli.exit_codes import ExitCode
-    from vibro.cli.outputs import Outputs
-    from vibro.cli.request import question, request_of
-    from vibro.core.codes import Status
-    from vibro.reports.set_up_sheet import SheetRequest, make_sheet
-    from vibro.tables.record import json_text
+def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: bool) -> int:
+    """Print the set-up sheet of a machine, or those of several side by side, and write their files."""
+    from vibro.answers.machine import cases, picture_texts, sheet_answer, sheets_answer
+    from vibro.answers.set_up_sheet import make_sheet
 
-    if options.scene is None:
+    if not options.files:
         hint = "vibro drive feeder.toml; or vibro drive --fit POINTS.csv fits a machine to amplitudes"
         raise InputError("a scene file with a machine is missing", hint=hint)
-    file = _scene_file(options.scene)
-    assert file is not None
+    requests = {str(path): _request(path, options, argv) for path in options.files}
+    names = [Path(path).stem for path in requests]
+    one = len(requests) == 1
+    if one or len({*names}) == len(names):  # else the paths tell them apart
+        requests = dict(zip(names, requests.values(), strict=True))
+    pictures = {name: "response" if one else f"response-{i}" for i, name in enumerate(requests, 1)}
+    outputs = Outputs(
+        options, f"{names[0]}-drive", argv, console, pictures=[*pictures.values()], reads=options.files
+    )
+    with outputs:
+        is_drawn = bool(outputs.pictures or outputs.texts)
+        with console.progress("guaranteeing", sum(len(r.settings) for r in requests.values())) as bar:
+            sheets, before = {}, 0
+            for name, request in requests.items():
+                sheets[name] = make_sheet(
+                    request, picture=is_drawn, progress=lambda done, before=before: bar(before + done)
+                )
+                before += len(request.settings)
+        answer = sheet_answer(*sheets.values(), next(iter(sheets))) if one else sheets_answer(sheets)
+
+        def draw() -> dict[str, Figure]:
+            from vibro.plots.responses import drive_figure
+
+            drawn = {name: sheet.picture for name, sheet in sheets.items()}
+            return {
+                pictures[name]: drive_figure(picture, *picture_texts(sheets[name], name))
+                for name, picture in drawn.items()
+                if picture is not None
+            }
+
+        shows = {key: _SHOWS if one else f"{_SHOWS}: {name}" for name, key in pictures.items()}
+        _write(outputs, answer, lambda: cases(sheets), draw, shows)
+    _print(answer, options, outputs, every=every)
+    rows = [pair[state] for sheet in sheets.values() for pair in sheet.record["settings"] for state in pair]
+    unresolved = any(row and row["status"] == Status.UNRESOLVED.label for row in rows)
+    return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
+
+
+def _write(outputs: Outputs, answer: Answer, columns: Any, draw: Any, shows: Mapping[str, str]) -> None:
+    """Write an answer; ``shows`` says what each picture is."""
+    command = shlex.join(["vibro", *outputs.argv])
+    page = lambda figures: answer.html({shows[name]: x for name, x in figures.items()}, command)  # noqa: E731
+    outputs.write(lambda: {"": columns()}, draw, answer.content(), {"html": page})
+
+
+def _print(answer: Answer, options: Options, outputs: Outputs, *, every: bool) -> None:
+    if not outputs.takes_stdout:
+        print(answer.json() if options.json else answer.text(every=every))
+
+
+def _request(path: Path, options: Options, argv: Sequence[str]) -> SheetRequest:
+    """Read what a sheet is made of."""
+    from vibro.answers.set_up_sheet import SheetRequest
+    from vibro.cli.request import question, request_of
+
+    file = _machine_file(path)
     assert file.machine is not None
-    given, typed = file.machine, dict(options.given)
+    typed = dict(options.given)
     own = {name: spec.value for name, spec in file.scene.items() if not spec.varies}
-    bands = _given_bands(typed, given, own)
-    settings = _settings(typed, given)
-    request = request_of(replace(options, given=typed), argv)
+    bands = _bands(typed, file.machine, own)
+    settings = _settings(typed, file.machine)
+    options = options.of(path, given=typed)
+    request = request_of(options, argv)
     question(request, options)
     values = {**request.fixed}
     if "friction_ratio" in values:
@@ -143,85 +176,89 @@ def _sheet(options: Options, argv: Sequence[str], console: Console) -> int:
             )
         values.setdefault("kinetic_friction", float(kinetic_friction(ratio, values["static_friction"])))
     values["filling"] = 0.0
-    with Outputs(
-        options, f"{file.name}-drive", argv, console, pictures=("response",), reads=(options.scene,)
-    ) as output:
-        with console.progress("guaranteeing", len(settings)) as bar:
-            asked = SheetRequest(given, values, settings, bands)
-            sheet = make_sheet(asked, picture=bool(output.pictures), progress=bar)
-        for warning in sheet.warnings:
-            console.warn(warning)
-        told = content(sheet)
-
-        def draw() -> dict[str, Figure]:
-            from vibro.plots.responses import drive_figure
-
-            assert sheet.picture is not None
-            return {"response": drive_figure(sheet.picture, *picture_texts(sheet, file.name))}
-
-        output.write(lambda: {"": columns(sheet)}, draw, told)
-    if options.json and not output.takes_stdout:
-        print(json_text(told))
-    elif not output.takes_stdout:
-        print(report(sheet, file.name))
-    rows = [row for pair in sheet.settings for row in pair]
-    unresolved = any(row.status is Status.UNRESOLVED for row in rows)
-    return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
+    return SheetRequest(file.machine, values, settings, bands)
 
 
 def _settings(typed: dict[str, str], given: GivenMachine) -> tuple[float, ...]:
     """Return the settings of the sheet, ascending, and keep the largest among the typed values."""
+    import numpy as np
+
     from vibro.axes import parse_axis
 
-    quantity = QUANTITIES["setting"]
     if "setting" in typed:
         text = typed["setting"]
-        settings = sorted({*parse_axis(text, quantity).axis(len(_SETTINGS)).values.tolist()})
+        axis = parse_axis(text, QUANTITIES["setting"]).axis(len(_SETTINGS))
+        settings = np.unique(axis.values).tolist()
         if len(settings) > _MOST_SETTINGS:
             hint = "setting=25,50,75,100, or setting=25:100:4"
-            raise InputError(f"setting={cut(text)}: at most {_MOST_SETTINGS} settings are told", hint=hint)
+            raise InputError(f"setting={cut(text)}: at most {_MOST_SETTINGS} settings", hint=hint)
         typed["setting"] = f"{settings[-1]:.15g}"
         return tuple(settings)
     if not given.takes("setting"):
         return (100.0,)
     if "setting" in given.bands:
-        import numpy as np
-
         return tuple(np.linspace(*given.bands["setting"], len(_SETTINGS)).tolist())
-    own = given.own.get("setting", 100.0)
-    return tuple(own * share / 100.0 for share in _SETTINGS)
+    return tuple(given.own.get("setting", 100.0) * share / 100.0 for share in _SETTINGS)
 
 
-def _given_bands(
+def _bands(
     typed: dict[str, str], given: GivenMachine, own: Mapping[str, float]
 ) -> dict[str, tuple[float, float]]:
     """Return the bands in users' units, and leave nominal values in what was typed."""
+    from vibro.files.entries import BAND, ends_of
+
     bands = {name: band for name, band in given.bands.items() if name in _BANDS}
     if filling := given.own.get("filling"):
         bands["filling"] = filling, filling
     for name in _BANDS:
-        text = typed.get(name)
-        if text is None:
+        if name not in typed:
             continue
-        quantity = QUANTITIES[name]
+        quantity, text = QUANTITIES[name], typed[name]
         if ":" not in text and name != "filling":
             bands.pop(name, None)
             continue
-        ends = [nearest_double(end, quantity) for end in text.split(":")]
-        if len(ends) > 2 or ends[0] > ends[-1]:
-            hint = f"{quantity.typed('lo:hi')} is all between two ends"
-            raise InputError(
-                f"{quantity.typed(cut(text))}: must be a value or lo:hi with lo at most hi", hint=hint
-            )
-        for end in ends:
-            if not quantity.allows(quantity.to_si(end)):
-                raise InputError(
-                    f"{quantity.typed(cut(text))}: must be {quantity.allowed.text(quantity.unit)}"
-                )
-        low, high = ends[0], ends[-1]
+        try:
+            BAND.read(quantity, text)  # which checks it
+        except ValueError:
+            raise InputError(f"{quantity.typed(cut(text))}: must be a value or lo:hi") from None
+        low, high = ends_of(quantity, text)[0], ends_of(quantity, text)[-1]
         bands[name] = low, high
         nominal = own.get(name, quantity.default)
-        if name == "filling" or nominal is None or not low <= nominal <= high:
-            nominal = 0.0 if name == "filling" else 0.5 * (low + high)
-        typed[name] = f"{nominal:.17g}"
+        if nominal is None or not low <= nominal <= high:
+            nominal = 0.5 * (low + high)
+        typed[name] = f"{0.0 if name == 'filling' else nominal:.17g}"
     return {name: bands[name] for name in _BANDS if name in bands}
+
+
+def _fit(
+    path: Path,
+    options: Options,
+    argv: Sequence[str],
+    console: Console,
+    law: str | None,
+    amplitude_error: str | None,
+) -> int:
+    """Fit a machine to points, print the estimates and a table ``[machine]``, and write files."""
+    from vibro.answers.response import columns, draw_fit, fit_answer, fit_points
+
+    if law not in (None, "constant", "square"):
+        raise InputError(
+            f"--law {shown(law)}: must be constant or square", hint="constant is that of magnets"
+        )
+    unused = [QUANTITIES[name].typed() for name in options.given] + ["--pack"] * (options.pack is not None)
+    if unused:
+        raise InputError(f"{', '.join(unused)}: not used by --fit", hint="leave it out, or leave out --fit")
+    if len(options.files) > 1:
+        raise InputError("--fit takes one file", hint="leave the others out")
+    given = _machine_file(options.files[0]).machine if options.files else None
+    outputs = Outputs(
+        options, f"{path.stem}-fit", argv, console, pictures=("response",), reads=(path, *options.files)
+    )
+    with outputs:
+        fit = fit_points(path, given, law, amplitude_error)
+        answer = fit_answer(fit, path, given)
+        shows = {"response": "Measured and fitted amplitude over frequency"}
+        draw = lambda: {"response": draw_fit(fit, path)}  # noqa: E731
+        _write(outputs, answer, lambda: columns(fit), draw, shows)
+    _print(answer, options, outputs, every=True)
+    return ExitCode.DONE if fit.brackets_peak else ExitCode.UNRESOLVED

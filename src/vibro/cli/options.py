@@ -236,14 +236,14 @@ def _text_of(quantity: Quantity) -> str:
     return f"{meaning[:1].upper()}{meaning[1:]}{f' [{quantity.unit}]' if quantity.unit else ''}."
 
 
-def _quantity_parameter(quantity: Quantity) -> inspect.Parameter:
+def _quantity_parameter(quantity: Quantity, *, hidden: bool) -> inspect.Parameter:
     """Make the option of a quantity."""
     option = typer.Option(
         *quantity.options,
         metavar="X",
         help=_text_of(quantity),
         show_default=False,
-        hidden=quantity.name not in _FIRST,
+        hidden=hidden,
     )
     return _parameter(quantity.name, None, Annotated[str | None, option])
 
@@ -259,6 +259,7 @@ def shares_options(
     of_table: bool = True,
     forms: Sequence[str] = SERIES,
     more: Sequence[Quantity] = (),
+    first: Sequence[str] = _FIRST,
 ) -> Callable[..., int]:
     """Give a command the shared options.
 
@@ -282,6 +283,8 @@ def shares_options(
         Endings of the files that it can write.
     more : sequence of Quantity
         Further quantities, which are given as ``NAME=VALUE``.
+    first : sequence of str
+        Quantities whose options the short help has.
 
     Returns
     -------
@@ -308,7 +311,7 @@ def shares_options(
     shared = [_parameter("arguments", None, Annotated[list[str] | None, argument])]
     for f in fields(Options):
         if f.name == "given":
-            shared += [_quantity_parameter(QUANTITIES[name]) for name in quantities]
+            shared += [_quantity_parameter(QUANTITIES[name], hidden=name not in first) for name in quantities]
         elif f.name not in ("files", "own", *left_out):
             is_output = f.name == "output"
             kind = output_option(forms) if is_output else annotations[f.name]

@@ -95,10 +95,10 @@ def request_of(options: Options, argv: Sequence[str], *, without_machine: str = 
 
 def warn_of_machine(request: Request, console: Console) -> None:
     """Print warnings about a machine's operating point on stderr."""
-    from vibro.sweeps.machine_facts import machine_warnings
+    from vibro.sweeps.machines import points_of
 
     if request.machine is not None:
-        for text in machine_warnings(request.machine, request.grid(Output.EXACT).values()):
+        for text in points_of(request.machine, request.grid(Output.EXACT).values()).remarks():
             console.warn(text)
 
 

@@ -18,8 +18,7 @@ from vibro.files.motions import harmonic_lists
 from vibro.plots.style import REGIME_COLOURS
 from vibro.quantities import DEFAULTS, MACHINE, QUANTITIES
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.machine_facts import machine_warnings
-from vibro.sweeps.machines import check_operating
+from vibro.sweeps.machines import check_operating, points_of
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ def point_of(state: State) -> dict[str, Any]:
     warnings = []
     if grid.machine is not None:
         check_operating(grid.machine, block.values)
-        warnings = machine_warnings(grid.machine, block.values)
+        warnings = points_of(grid.machine, block.values).remarks()
     one = OneScene(block)
     answer = scene_answer(one, grid, {}, {}, every=True)
     mean, error = one.result("mean_velocity"), one.result("mean_velocity_error")

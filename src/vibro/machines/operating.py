@@ -155,33 +155,25 @@ class OperatingPoints:
         return np.where(np.isnan(self.amplitude), np.nan, speed)[()]
 
     @shielded
-    def remarks(self) -> list[str]:
-        """Return warnings and remarks on the numbers.
-
-        Returns
-        -------
-        list of str
-            One sentence each; for arrays it begins with the number of cells concerned.
-        """
+    def doubts(self) -> list[tuple[NDArray[np.bool_], str]]:
+        """Return what is in doubt: the cells that it concerns, and a sentence."""
         zeta = self.machine.damping_ratio
         second = np.nan_to_num(self.second_harmonic)
-        several = np.asarray(self.number) > 1
         averaged = np.asarray(self.status) == int(Status.AVERAGED)
-        told = (
+        return [
             (
                 self.near_resonance & (zeta > 0.0),
                 f"the drive is within 2 zeta = {100.0 * 2.0 * zeta:.3g} % of resonance: the amplitude depends"
                 " much on damping, which is known least",
             ),
             (
-                several,
+                np.asarray(self.number) > 1,
                 f"{np.max(self.number, initial=0)} operating points exist: this is the one with the least"
-                " amplitude",
+                " amplitude, which the machine reaches when it starts",
             ),
             (
                 self.at_jump,
-                "the filling's motion changes at this amplitude, and its force jumps: there is no steady"
-                " operating point",
+                "the filling's force jumps at this amplitude: there is no steady operating point",
             ),
             (
                 averaged,
@@ -190,13 +182,21 @@ class OperatingPoints:
             (
                 second > WARNED_HARMONIC,
                 f"the filling adds a second harmonic of {100.0 * np.max(second, initial=0.0):.2g} % of the"
-                " amplitude to the trough's motion; at 0.3 to 3 % bodies were 8 % slower to 24 % faster than"
-                " with a sinusoidal motion",
+                " amplitude: speeds of a sinusoidal motion may be 8 % too high to 24 % too low",
             ),
             (self.strikes, "the relative amplitude exceeds the gap: the machine strikes"),
-        )
+        ]
+
+    def remarks(self) -> list[str]:
+        """Return warnings and remarks on the numbers.
+
+        Returns
+        -------
+        list of str
+            One sentence each; for arrays it begins with the number of cells concerned.
+        """
         size = np.size(self.amplitude)
-        where = [(int(np.count_nonzero(cells)), text) for cells, text in told]
+        where = [(int(np.count_nonzero(cells)), text) for cells, text in self.doubts()]
         return [text if size == 1 else f"{count} of {size}: {text}" for count, text in where if count]
 
 

@@ -53,7 +53,6 @@ __all__ = [
     "bound",
     "estimate",
     "facts_of",
-    "machine_lines",
     "motion_text",
     "number",
     "phase_rows",
@@ -370,22 +369,12 @@ def facts_of(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     scene, *others = one.facts()
     return [
         scene,
-        *machine_lines(one, grid),
         *others,
         *one.numbers(),
         ("acceleration", f"{number(one.value(WITH_ACCELERATION))} g {along}"),
         ("throw number", f"{number(one.throw_number)} (above 1 the body hops)"),
         *_sensitivity(one, grid),
     ]
-
-
-def machine_lines(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
-    """Return the lines on the machine of a scene; none without one."""
-    if grid.machine is None:
-        return []
-    from vibro.sweeps.machine_facts import machine_facts  # late: few scenes have a machine
-
-    return machine_facts(grid.machine, one.values)
 
 
 def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:

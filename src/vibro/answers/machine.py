@@ -1,0 +1,345 @@
+"""The answers about a machine: its operating point, its set-up sheet, several machines side by side."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.answers.answer import Answer, Fact, Table, shown
+from vibro.quantities import DEFAULTS, LENGTH, MASS, QUANTITIES
+from vibro.results.operating import WARNED_HARMONIC
+from vibro.sweeps.machines import case_of, points_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from vibro.answers.set_up_sheet import Row, Sheet
+    from vibro.files.machines import GivenMachine
+
+_MASSES: Final = ("vibrating_mass_kg", "trough_mass_kg", "counter_mass_kg")
+_TOLD: Final = (
+    "frequency",
+    "drive_angle",
+    "static_friction",
+    "kinetic_friction",
+    "trough_angle",
+    "restitution",
+)
+_PROOFS: Final = {
+    "corners": "proved", "proved": "proved within 1 %", "searched": "searched", "sampled": "sampled",
+}  # fmt: skip
+_INPUTS: Final = {"frequency": "mains frequency", "stiffness": "stiffness of the springs"}
+_ROUNDING: Final = 1e-12  # [1] share of a filling's mass
+_LISTED: Final = ("strikes", "at_jump", "all_amplitudes_mm")  # in JSON alone
+
+
+def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
+    """Make the facts about a machine at one operating point.
+
+    Parameters
+    ----------
+    given : GivenMachine
+        The machine.
+    values : mapping of str to array
+        Quantities of a single cell by name, in the units outside.
+    """
+    one = {name: float(values[name].item()) for name in QUANTITIES if name in values}
+    points = points_of(given, values)
+    filling, second = one["filling"], np.asarray(points.second_harmonic).item()
+    at = [
+        f"{name} {QUANTITIES[name].text(one[name])}" for name in ("setting", "voltage") if given.takes(name)
+    ]
+    empty, full, low, high, bend = (
+        LENGTH.from_si(np.asarray(getattr(points, name)).item())
+        for name in ("amplitude_empty", "amplitude", "amplitude_low", "amplitude_high", "relative_amplitude")
+    )
+    between = f", between {shown(low)} and {shown(high)} mm" if low < high else ""
+    note = f"{shown(empty)} mm empty{between}" if filling else "empty"
+    facts = [
+        Fact("amplitude", full, "mm", note=note),
+        Fact("machine", ", ".join([_machine(given, one.get("natural")), *at]), is_rare=True),
+    ]
+    ratios = [points.frequency_ratio, *([points.filled_frequency_ratio] if filling else [])]
+    facts.append(Fact("resonance", _resonance([np.asarray(x).item() for x in ratios]), is_rare=True))
+    if filling:
+        shares = (np.asarray(x).item() for x in (points.added_mass_share, points.added_damping_share))
+        facts.append(Fact("filling", _filling(given, filling, *shares), is_rare=True))
+    if np.asarray(points.number).item() > 1:
+        from vibro.machines.operating import operating_points
+
+        case = {name: x if x is None else np.asarray(x).item() for name, x in case_of(given, values).items()}
+        found = ", ".join(shown(LENGTH.from_si(x)) for x in operating_points(given.machine, **case))
+        facts.append(Fact("all amplitudes", f"{found} mm", is_rare=True))
+    if given.kind not in ("unbalance", "crank"):  # whose springs bend as the trough moves, or which have none
+        facts.append(Fact("springs bend", bend, "mm", note="to each side", is_rare=True))
+    if filling and math.isfinite(second):
+        note = ""
+        if second > WARNED_HARMONIC:
+            speed = LENGTH.from_si(np.asarray(points.speed_with_second_harmonic()).item())
+            note = f"the speed with it is {shown(speed)} mm/s"
+        facts.append(Fact("second harmonic", 100.0 * second, "% of the amplitude", note=note, is_rare=True))
+    return facts
+
+
+def _machine(given: GivenMachine, natural: float | None) -> str:
+    masses = [given.table[key] for key in _MASSES if key in given.table]
+    parts = [given.kind, " against ".join(f"{m} kg" if m != "floor" else m for m in masses)]
+    if given.has_springs and natural is not None:
+        pack = next((f" ({name})" for name, f0 in given.packs.items() if f0 == natural), "")
+        parts.append(f"f0 = {natural:.5g} Hz{pack}")
+    elif given.kind == "unbalance":
+        mounts = given.machine.natural_frequency
+        parts.append(f"mounts of {mounts:.5g} Hz" if mounts else "infinitely soft mounts")
+    if given.kind != "crank":
+        parts.append(f"damping ratio {given.machine.damping_ratio:.4g}")
+    return ", ".join(filter(None, parts))
+
+
+def _resonance(ratios: Sequence[float]) -> str:
+    """Name the side of resonance, from the frequency over the natural frequency, empty and filled."""
+    if not ratios[0]:
+        return "none: the trough follows the crank"
+    if math.isinf(ratios[0]):
+        return "far below the drive: the mounts are infinitely soft"
+    known = [ratio for ratio in ratios if math.isfinite(ratio)]
+    told = f"f/f0 = {shown(known[0])} empty" + "".join(f", {shown(ratio)} full" for ratio in known[1:])
+    sides = [ratio < 1.0 for ratio in known]
+    if known[0] == 1.0:
+        return f"{told}: at resonance"
+    if all(sides):
+        return f"{told}: below resonance"
+    if not any(sides):
+        return f"{told}: above resonance"
+    return f"{told}: the filling takes the machine across resonance"
+
+
+def _filling(given: GivenMachine, filling: float, mass: float, damping: float) -> str:
+    if math.isnan(mass):
+        return f"{MASS.text(filling)}, whose shares are unknown"
+    shares = (f"{100.0 * x:.3g}" if abs(x) > _ROUNDING else "0" for x in (mass, damping))
+    whose = "as given" if given.shares else "computed"
+    return "{}: {} % of it acts as mass, {} % as damping ({})".format(MASS.text(filling), *shares, whose)
+
+
+def sheet_answer(sheet: Sheet, title: str) -> Answer:
+    """Make the answer of a set-up sheet.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        Its numbers.
+    title : str
+        Of its page.
+    """
+    notes = [*sheet.doubts, *_notes(sheet)]
+    tables = [_settings(sheet), _guaranteed(sheet), _changes(sheet), _sensitivities(sheet), _packs(sheet)]
+    return Answer(_facts(sheet), [table for table in tables if table.rows], notes, sheet.record, title)
+
+
+def sheets_answer(sheets: Mapping[str, Sheet]) -> Answer:
+    """Make the answer about several machines, by name: a column for each, at its last setting."""
+    columns = []
+    for sheet in sheets.values():
+        empty, full = sheet.record["settings"][-1].values()
+        bounds = next(reversed(sheet.record["guaranteed"]), {})
+        columns.append(
+            [
+                sheet.request.machine.kind,
+                *(empty[key] or None for key in ("natural_hz", "frequency_ratio")),
+                empty["setting_percent"],
+                *_cells(empty),
+                *([full["filling_kg"], *_cells(full)] if full else [None, None, None]),
+                *(bounds.get("speed_mm_s") or [None, None]),
+                _PROOFS[bounds["proof"][0]] if "proof" in bounds else None,
+            ]
+        )
+    labels = (
+        "kind", "f0 [Hz]", "f/f0", "setting [%]", "empty [mm]", "speed [mm/s]", "filling [kg]", "full [mm]",
+        "speed [mm/s]", "slowest [mm/s]", "fastest [mm/s]", "how sure",
+    )  # fmt: skip
+    rows = [*zip(labels, *columns, strict=True)]
+    notes = [f"{name}: {note}" for name, sheet in sheets.items() for note in sheet.doubts]
+    record = {"machines": [{"name": name, **sheet.record} for name, sheet in sheets.items()]}
+    table = Table("machines", [("machine", ""), *((name, "") for name in sheets)], rows)
+    return Answer((), [table], notes, record, "Machines side by side")
+
+
+def cases(sheets: Mapping[str, Sheet]) -> dict[str, Any]:
+    """Return all operating points as the columns of a CSV: a row for each, with its purpose."""
+    rows = []
+    for name, sheet in sheets.items():
+        record, own = sheet.record, {"machine": name} if len(sheets) > 1 else {}
+        pairs = [("setting", pair) for pair in record["settings"]]
+        pairs += [(one["changed"].rpartition("_")[0], one) for one in record["changes"]]
+        pairs += [(pack["name"], pack) for pack in record["packs"]]
+        rows += [
+            {**own, "case": case, **pair[state]}
+            for case, pair in pairs
+            for state in ("empty", "full")
+            if pair[state]
+        ]
+    return {
+        key: [row[key] for row in rows]
+        if isinstance(rows[0][key], str)
+        else np.array([row[key] for row in rows], float)
+        for key in rows[0]
+        if key not in _LISTED
+    }
+
+
+def picture_texts(sheet: Sheet, name: str) -> tuple[str, str]:
+    """Return the headline of the picture and what holds for all of it."""
+    given, values = sheet.request.machine, sheet.request.values
+    told = [f"setting {sheet.request.settings[-1]:g} %"]
+    told += [f"damping ratio {given.machine.damping_ratio:.4g}"] if given.kind != "crank" else []
+    told += [f"{QUANTITIES[n].label} {QUANTITIES[n].text(values[n])}" for n in _TOLD[1:4]]
+    return f"{given.kind} \N{EN DASH} {name}", ", ".join(told)
+
+
+def _facts(sheet: Sheet) -> list[Fact]:
+    request, record = sheet.request, sheet.record
+    given, values = request.machine, request.values
+    empty, full = record["settings"][-1].values()
+    bands = [
+        f"{QUANTITIES[name].label} {f'{low:.15g} to ' if low < high else ''}{QUANTITIES[name].text(high)}"
+        for name, (low, high) in request.bands.items()
+    ]
+    ratios = [empty["frequency_ratio"], *([full["filled_frequency_ratio"]] if full else [])]
+    facts = [
+        Fact("machine", _machine(given, values.get("natural"))),
+        Fact(
+            "bands", ", ".join(bands) or "none", note="" if bands else "voltage=90:110 filling=0:2 give some"
+        ),
+        Fact("resonance", _resonance(ratios)),
+    ]
+    if full and given.kind != "crank":
+        shares = full["added_mass_share"], full["added_damping_share"]
+        facts.append(Fact("filling", _filling(given, request.full, *shares)))
+    drive = [
+        f"{QUANTITIES[name].label} {QUANTITIES[name].text(values[name])}"
+        for name in _TOLD
+        if name in values and values[name] != DEFAULTS.get(name)
+    ]
+    facts.append(Fact("drive", ", ".join(drive), is_rare=True))
+    if given.kind != "crank":
+        resonant, tolerated = record["resonant_filling_kg"], record["tolerated_filling_kg"]
+        none = "none" if math.isnan(resonant) else resonant
+        facts.append(Fact("filling to resonance", none, "kg" * (none != "none"), is_rare=True))
+        light = "any" if tolerated == math.inf else tolerated
+        note = "changes the speed by less than 1 %"
+        facts.append(Fact("light filling", light, "kg" * (light != "any"), note=note, is_rare=True))
+    return facts
+
+
+def _states(sheet: Sheet) -> list[str]:
+    return ["empty", f"{sheet.request.full:g} kg"] if sheet.request.full else ["empty"]
+
+
+def _heads(sheet: Sheet) -> list[tuple[str, str]]:
+    return [column for state in _states(sheet) for column in ((state, "mm"), ("speed", "mm/s"))]
+
+
+def _cells(row: Row) -> list[float | str]:
+    low, high = row["amplitude_low_mm"], row["amplitude_high_mm"]
+    amplitude = f"{shown(low)}...{shown(high)}" if shown(low) != shown(high) else row["amplitude_mm"]
+    return ["strikes" if row["strikes"] else amplitude, row["mean_velocity_mm_s"]]
+
+
+def _both(sheet: Sheet, pair: Mapping[str, Any]) -> list[float | str]:
+    return [cell for state in ("empty", "full") if pair[state] for cell in _cells(pair[state])]
+
+
+def _settings(sheet: Sheet) -> Table:
+    """List amplitude and speed of each setting, empty and full, and the guaranteed speed."""
+    columns = [("setting", "%"), *_heads(sheet)]
+    record = sheet.record
+    full = [pair["full"] for pair in record["settings"] if pair["full"]]
+    is_bent = any(not math.isnan(row["mean_velocity_with_second_harmonic_mm_s"]) for row in full)
+    columns += [("2nd harmonic", "mm/s")] * is_bent
+    columns += [("slowest", "mm/s"), ("fastest", "mm/s")] * bool(record["guaranteed"])
+    rows = []
+    for i, pair in enumerate(record["settings"]):
+        row = [pair["empty"]["setting_percent"], *_both(sheet, pair)]
+        if is_bent:
+            bent = pair["full"]["mean_velocity_with_second_harmonic_mm_s"]
+            row.append(None if math.isnan(bent) else bent)
+        if record["guaranteed"]:
+            row += record["guaranteed"][i]["speed_mm_s"] or [None, None]
+        rows.append(row)
+    return Table("settings", columns, rows, f"Amplitude and speed, {' and with '.join(_states(sheet))}")
+
+
+def _notes(sheet: Sheet) -> list[str]:
+    """Say for what the guaranteed speeds hold, and how sure they are."""
+    proofs: dict[str, list[str]] = {}
+    for one in sheet.record["guaranteed"]:
+        if one["speed_mm_s"]:
+            proofs.setdefault(_PROOFS[one["proof"][0]], []).append(f"{one['setting_percent']:g}")
+    if not proofs:
+        return []
+    told = "; ".join(f"{proof} at {', '.join(settings)} %" for proof, settings in proofs.items())
+    count = max(one["operating_points_looked_at"] for one in sheet.record["guaranteed"])
+    return [f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {told}"]
+
+
+def _guaranteed(sheet: Sheet) -> Table:
+    columns = [
+        ("setting", "%"), ("amplitude from", "mm"), ("to", "mm"), ("slowest", "mm/s"), ("fastest", "mm/s"),
+        ("how sure", ""),
+    ]  # fmt: skip
+    rows = [
+        [
+            one["setting_percent"],
+            *one["amplitude_mm"],
+            *(one["speed_mm_s"] or [None, None]),
+            _PROOFS[one["proof"][0]] if one["speed_mm_s"] else "unknown",
+        ]
+        for one in sheet.record["guaranteed"]
+    ]
+    return Table("guaranteed", columns, rows, "Guaranteed speeds", is_rare=True)
+
+
+def _changes(sheet: Sheet) -> Table:
+    rows = [["nominal", *_both(sheet, sheet.record["settings"][-1])]]
+    for change in sheet.record["changes"]:
+        name, value = change["changed"], change["value"]
+        nominal = sheet.record["scene"][name]
+        told = (
+            f"voltage {value:g} %"
+            if name == "voltage_percent"
+            else f"frequency {100.0 * (value / nominal - 1.0):+.3g} %"
+        )
+        rows.append([told, *_both(sheet, change)])
+    title = f"Mains, at a setting of {sheet.request.settings[-1]:g} %"
+    return Table("changes", [("", ""), *_heads(sheet)], rows, title, is_rare=True)
+
+
+def _sensitivities(sheet: Sheet) -> Table:
+    rows = [
+        [_INPUTS.get(name, name), *([*rates.values()][: len(_states(sheet))])]
+        for name, rates in sheet.record["sensitivities"].items()
+    ]
+    columns = [("1 % more", ""), *((state, "%") for state in _states(sheet))]
+    title = "Change of speed; none where parts hop, rest or never settle"
+    return Table("sensitivities", columns, rows, title, is_rare=True)
+
+
+def _packs(sheet: Sheet) -> Table:
+    columns = [("springs", ""), ("f0", "Hz"), ("f/f0", ""), ("force", "today's"), *_heads(sheet)]
+    rows = [
+        [
+            pack["name"],
+            pack["natural_hz"],
+            pack["empty"]["frequency_ratio"],
+            pack["force_ratio"],
+            *_both(sheet, pack),
+        ]
+        for pack in sheet.record["packs"]
+    ]
+    why = sheet.record["no_load_proof_pack"]
+    title = (
+        f"Springs; no pack is load-proof: {why}" if why else "Springs; the load-proof ones hold the amplitude"
+    )
+    return Table("packs", columns, rows, title, is_rare=True)

@@ -1,0 +1,487 @@
+"""The numbers of a set-up sheet: a machine's motion over settings, bands and springs, empty and full."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.errors import InputError
+from vibro.fillings import filling_of
+from vibro.inverse.guarantees import guarantee
+from vibro.limits import critical_loads
+from vibro.machines.operating import operating_points
+from vibro.plots.responses import DrivePicture
+from vibro.quantities import LENGTH, QUANTITIES
+from vibro.results.operating import WARNED_HARMONIC
+from vibro.scene import Scene
+from vibro.steady import solve
+from vibro.sweeps.machines import OF_SCENE, case_of, points_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from vibro.files.machines import GivenMachine
+    from vibro.machines.machine import Machine
+    from vibro.machines.operating import OperatingPoints
+
+#: One operating point and its motion, by the names of columns; NaN where there is none.
+Row: TypeAlias = dict[str, Any]
+
+_MAINS: Final = 0.01  # [1] change of the mains' frequency whose effect is on every sheet
+_STEP: Final = 1e-3  # [1] relative change from which sensitivities are taken
+_FILLINGS: Final = 17  # computed over the band of the filling for the bounds of the amplitude
+_ROOM: Final = 0.98  # [1] of the largest setting at which masses do not strike, as a filling may push it
+_GIVEN: Final = 0.01  # [1] change of speed within which "the motion is given" counts as right
+# Fillings over the trough's mass among which that change is sought, 12 % apart.
+_LIGHT: Final = np.geomspace(1e-4, 1.0, 82)
+_CURVE_POINTS: Final = 241
+_CURVE_BEYOND: Final = 0.12  # of the frequencies of interest, on either side
+_SLIDES: Final = (Regime.FORWARD_SLIP.label, Regime.BACK_SLIP.label)
+
+
+class SheetRequest(NamedTuple):
+    """What a sheet is made of, in the units outside.
+
+    Attributes
+    ----------
+    machine : GivenMachine
+        The machine.
+    values : mapping of str to float
+        Nominal values of the scene and the machine by quantity, the empty trough's.
+    settings : sequence of float
+        Settings of the sheet [%]; results for one setting are those of the last.
+    bands : mapping of str to pair of float
+        Ends of ``voltage``, ``filling``, ``static_friction`` and ``kinetic_friction``, where they vary.
+    """
+
+    machine: GivenMachine
+    values: Mapping[str, float]
+    settings: Sequence[float]
+    bands: Mapping[str, tuple[float, float]]
+
+    @property
+    def full(self) -> float:
+        """Largest filling [kg]."""
+        return max(self.band("filling"))
+
+    @property
+    def fillings(self) -> tuple[float, ...]:
+        """Fillings of the sheet: none, and the largest [kg]."""
+        return (0.0, self.full) if self.full else (0.0,)
+
+    @property
+    def varies(self) -> bool:
+        """Whether some band has two ends."""
+        return any(low < high for low, high in (*self.bands.values(), *self.machine.shares.values()))
+
+    def band(self, name: str) -> tuple[float, float]:
+        """Return the ends of a band; both are the nominal value where it does not vary."""
+        return self.bands.get(name, (self.values[name], self.values[name]))
+
+
+class Sheet(NamedTuple):
+    """A set-up sheet.
+
+    Attributes
+    ----------
+    request : SheetRequest
+        The request.
+    record : mapping
+        Its numbers, as JSON has them.
+    doubts : sequence of str
+        A sentence each.
+    picture : DrivePicture or None
+        Amplitude and speed over frequency, if wanted.
+    """
+
+    request: SheetRequest
+    record: Mapping[str, Any]
+    doubts: Sequence[str]
+    picture: DrivePicture | None
+
+
+def make_sheet(
+    request: SheetRequest, *, picture: bool, progress: Callable[[int], None] = lambda done: None
+) -> Sheet:
+    """Compute a sheet.
+
+    Parameters
+    ----------
+    request : SheetRequest
+        The request.
+    picture : bool
+        Whether the curves of the picture are wanted; they take most of the time.
+    progress : callable, optional
+        Called with the number of settings whose speeds are guaranteed.
+
+    Raises
+    ------
+    InputError
+        If the masses strike each other, or an empty trough has no operating point.
+    """
+    cases = [{"setting": s, "filling": m} for s in request.settings for m in request.fillings]
+    rows, points = _solved(request, cases, bends=True)
+    _refuse_strikes(request.machine, rows)
+    machine, frequency = _fitted(request), request.values["frequency"]
+    last = {"setting": request.settings[-1]}
+    ends = [("voltage", end) for end in request.bands.get("voltage", ())]
+    ends += [("frequency", frequency * (1.0 + change)) for change in (-_MAINS, _MAINS)]
+    changed = _pairs(request, [{**last, name: value} for name, value in ends])
+    packs, no_load_proof = _packs(request, machine)
+    fitted = _pairs(
+        request, [{"setting": p["force_ratio"] * last["setting"], "natural": p["natural_hz"]} for p in packs]
+    )
+    light = [] if math.isinf(machine.trough_mass) else (machine.trough_mass * _LIGHT).tolist()
+    lightly, _ = _solved(request, [{**last, "filling": filling} for filling in light])
+    settings = _paired(request, rows)
+    empty, full = settings[-1].values()
+    guaranteed = []
+    for done, setting in enumerate(request.settings if request.varies else ()):
+        progress(done)
+        guaranteed.append(_guaranteed(request, setting))
+    progress(len(request.settings))
+    share = _share(request, empty) if full is None else full["added_mass_share"]
+    to_resonance = float(machine.mass_to_resonance(frequency))
+    record = {
+        "scene": {QUANTITIES[name].column: value for name, value in request.values.items()},
+        "machine": dict(request.machine.table),
+        "bands": {QUANTITIES[name].column: list(band) for name, band in request.bands.items()},
+        "settings": settings,
+        "guaranteed": guaranteed,
+        "changes": [
+            {"changed": QUANTITIES[name].column, "value": value, **pair}
+            for (name, value), pair in zip(ends, changed, strict=True)
+        ],
+        "sensitivities": _sensitivities(request),
+        "packs": [{**pack, **pair} for pack, pair in zip(packs, fitted, strict=True)],
+        "no_load_proof_pack": no_load_proof or None,
+        "resonant_filling_kg": to_resonance / share
+        if 0.0 < to_resonance < math.inf and share > 0.0
+        else math.nan,
+        "tolerated_filling_kg": _tolerated(empty, lightly),
+    }
+    doubts = [*_doubts(rows, points), *_unknown(guaranteed)]
+    return Sheet(request, record, doubts, _picture(request) if picture else None)
+
+
+def _solved(
+    request: SheetRequest, changes: Sequence[Mapping[str, float]], *, bends: bool = False
+) -> tuple[list[Row], OperatingPoints]:
+    """Solve cases that differ from the nominal one, if wanted with the trough's second harmonics too."""
+    given, nominal = request.machine, {**request.values, "filling": 0.0}
+    cases = [{**nominal, **change} for change in changes]
+    values = {name: np.array([case[name] for case in cases]) for name in nominal}
+    points = points_of(given, values)
+    cycle = solve(points.scene)
+    known = ~(np.isnan(points.amplitude) | points.strikes)
+    bent = np.full(len(cases), math.nan)
+    if bends and (which := np.nan_to_num(points.second_harmonic) > WARNED_HARMONIC).any():
+        moved = points_of(given, {name: x[which] for name, x in values.items()})
+        bent[which] = LENGTH.from_si(moved.speed_with_second_harmonic())
+
+    def told(x: Any, unit: Any = LENGTH) -> Any:
+        return np.where(known, unit.from_si(x), math.nan)
+
+    of_point = np.array([status not in (Status.OK, Status.BOUNDARY) for status in points.status])
+    statuses = np.where(of_point, points.status, cycle.status)
+    columns = {
+        **{QUANTITIES[name].column: values[name] for name in ("setting", "voltage", "filling", "frequency")},
+        "natural_hz": values.get("natural", np.full(len(cases), given.machine.natural_frequency)),
+        "amplitude_mm": told(points.amplitude),
+        "amplitude_low_mm": told(points.amplitude_low),
+        "amplitude_high_mm": told(points.amplitude_high),
+        "relative_amplitude_mm": LENGTH.from_si(points.relative_amplitude),
+        "mean_velocity_mm_s": told(cycle.mean_velocity),
+        "mean_velocity_error_mm_s": told(cycle.mean_velocity_error),
+        "mean_velocity_with_second_harmonic_mm_s": bent,
+        "throw_number": np.where(known, cycle.throw_number, math.nan),
+        "frequency_ratio": points.frequency_ratio,
+        "filled_frequency_ratio": points.filled_frequency_ratio,
+        "added_mass_share": points.added_mass_share,
+        "added_damping_share": points.added_damping_share,
+        "second_harmonic_percent": 100.0 * points.second_harmonic,
+        "operating_points": points.number,
+        "at_jump": points.at_jump,
+        "strikes": points.strikes,
+        "regime": np.where(known, [Regime(code).label for code in cycle.regime], ""),
+        "status": np.array([Status(code).label for code in statuses]),
+    }  # fmt: skip
+    rows = [
+        dict(zip(columns, cells, strict=True))
+        for cells in zip(*(np.asarray(x).tolist() for x in columns.values()), strict=True)
+    ]
+    for row, case in zip(rows, cases, strict=True):
+        row["all_amplitudes_mm"] = _all_amplitudes(given, case) if row["operating_points"] > 1 else None
+    return rows, points
+
+
+def _paired(request: SheetRequest, rows: Sequence[Row]) -> list[dict[str, Row | None]]:
+    """Return the rows of cases, empty and full."""
+    count = len(request.fillings)
+    return [
+        {"empty": rows[i], "full": rows[i + 1] if count > 1 else None} for i in range(0, len(rows), count)
+    ]
+
+
+def _pairs(request: SheetRequest, changes: Sequence[Mapping[str, float]]) -> list[dict[str, Row | None]]:
+    """Solve cases that differ from the nominal one, empty and full."""
+    cases = [{**change, "filling": filling} for change in changes for filling in request.fillings]
+    return _paired(request, _solved(request, cases)[0])
+
+
+def _refuse_strikes(given: GivenMachine, rows: Sequence[Row]) -> None:
+    """Refuse settings at which the masses strike each other: name the first."""
+    row = next((row for row in rows if row["strikes"]), None)
+    if row is None:
+        return
+    case = f"setting {row['setting_percent']:g} %, {_state(row['filling_kg'])}"
+    across, gap = row["relative_amplitude_mm"], LENGTH.from_si(given.machine.gap)
+    if math.isinf(across):
+        raise InputError(
+            f"{case}: the amplitude is infinite: the drive is at resonance, without damping",
+            hint="give a damping_ratio > 0",
+        )
+    raise InputError(
+        f"{case}: the masses strike: the relative amplitude would be {across:.4g} mm, and gap_mm allows"
+        f" {gap:.4g} mm",
+        hint=f"lower it, such as setting={_ROOM * row['setting_percent'] * gap / across:.3g}, or take springs"
+        " farther from resonance",
+    )
+
+
+def _all_amplitudes(given: GivenMachine, case: Mapping[str, float]) -> list[float]:
+    """Return the amplitudes of all operating points of a case [mm]."""
+    arguments = {name: x if x is None else float(x) for name, x in case_of(given, case).items()}
+    return [float(LENGTH.from_si(x)) for x in operating_points(given.machine, **arguments)]
+
+
+def _fitted(request: SheetRequest) -> Machine:
+    """Return the machine with the springs that are fitted."""
+    given = request.machine
+    if not given.has_springs:
+        return given.machine
+    return given.machine.with_natural_frequency(request.values["natural"])
+
+
+def _sensitivities(request: SheetRequest) -> dict[str, dict[str, float]]:
+    """Return percent of speed for 1 % more of each input, empty and full; NaN where bodies do not slide."""
+    given = request.machine
+    names = [name for name in ("setting", "voltage") if given.takes(name)] + ["frequency"]
+    names += ["filling"] * bool(request.full) + ["natural"] * given.has_springs
+    either = 1.0 - _STEP, 1.0 + _STEP
+    cases = []
+    for name, filling in product(names, request.fillings):
+        case = {**request.values, "setting": request.settings[-1], "filling": filling}
+        # of stiffness, which goes with the square of the natural frequency
+        steps = (math.sqrt(either[0]), math.sqrt(either[1])) if name == "natural" else either
+        cases += [{**case, name: case[name] * step} for step in steps]
+    rows, _ = _solved(request, cases)
+    rates = [_rate(low, high) for low, high in zip(rows[::2], rows[1::2], strict=True)]
+    count = len(request.fillings)
+    return {
+        {"natural": "stiffness"}.get(name, name): {
+            "empty": rates[count * i],
+            "full": rates[count * i + 1] if count > 1 else math.nan,
+        }
+        for i, name in enumerate(names)
+    }
+
+
+def _rate(low: Row, high: Row) -> float:
+    """Return percent of speed for 1 % of what was changed; NaN where bodies do not slide the same way."""
+    slides = all(row["regime"] in _SLIDES and not row["at_jump"] for row in (low, high))
+    settled = all(row["status"] in (Status.OK.label, Status.BOUNDARY.label) for row in (low, high))
+    slow, fast = (row["mean_velocity_mm_s"] for row in (low, high))
+    if not (slides and settled and slow * fast > 0.0):
+        return math.nan
+    return math.log(fast / slow) / math.log((1.0 + _STEP) / (1.0 - _STEP))
+
+
+def _packs(request: SheetRequest, machine: Machine) -> tuple[list[dict[str, Any]], str]:
+    """Return name, natural frequency and force over today's of each pack, and why none is load-proof."""
+    given = request.machine
+    if not given.has_springs:
+        return [], "the machine has no springs that could be exchanged"
+    own = request.values["natural"]
+    name = next((name for name, natural in given.packs.items() if natural == own), "")
+    packs = [(f"fitted: {name}" if name else "as fitted", own, 1.0)]
+    packs += [(other, natural, 1.0) for other, natural in given.packs.items() if natural != own]
+    why = ""
+    try:
+        natural = machine.load_proof_frequency(request.values["frequency"])
+        force = machine.load_proof_force(request.values["frequency"])
+    except InputError as exc:
+        why = exc.problems[0].partition(": ")[2] + (f" ({exc.hint})" if exc.hint else "")
+    else:
+        if force < math.inf:
+            packs.append(("load-proof", natural, force))
+        else:
+            why = "today's amplitude is infinite: the drive is at resonance, without damping"
+    return [dict(zip(("name", "natural_hz", "force_ratio"), pack, strict=True)) for pack in packs], why
+
+
+def _share(request: SheetRequest, empty: Row) -> float:
+    """Return the mass share of a filling that is small enough to leave the amplitude as it is."""
+    if request.machine.share is not None:
+        return request.machine.share[0]
+    if not empty["amplitude_mm"] > 0.0:
+        return math.nan
+    scene = Scene(amplitude=LENGTH.to_si(empty["amplitude_mm"]), **_scene_of(request))
+    return float(np.real(filling_of(scene, solve(scene)).share))
+
+
+def _tolerated(empty: Row, light: Sequence[Row]) -> float:
+    """Return the last of ascending fillings before one changes the speed by 1 %; inf if none does [kg]."""
+    speed, last = empty["mean_velocity_mm_s"], 0.0
+    if not abs(speed) > 0.0:
+        return math.nan
+    for row in light:
+        if not abs(row["mean_velocity_mm_s"] / speed - 1.0) < _GIVEN:
+            return last
+        last = row["filling_kg"]
+    return math.inf
+
+
+def _guaranteed(request: SheetRequest, setting: float) -> dict[str, Any]:
+    """Find the amplitudes over the bands, and guarantee the speed over them and the friction."""
+    axes = {
+        "voltage": sorted(set(request.band("voltage"))),
+        "filling": sorted({*np.linspace(*request.band("filling"), _FILLINGS)}),
+        "static_friction": sorted({*request.band("static_friction"), request.values["static_friction"]}),
+        "kinetic_friction": sorted({*request.band("kinetic_friction"), request.values["kinetic_friction"]}),
+    }
+    cases = [dict(zip(axes, case, strict=True)) for case in product(*axes.values())]
+    cases = [case for one in cases for case in _cut(one, request)]
+    values: dict[str, Any] = {name: np.full(len(cases), value) for name, value in request.values.items()}
+    values |= {name: np.array([case[name] for case in cases]) for name in axes}
+    values["setting"] = np.full(len(cases), setting)
+    shares: list[tuple[Any, ...]] = [request.machine.share or (None, None)]
+    if request.machine.shares:
+        ends = [request.machine.shares.get(f"added_{of}_share", (0.0, 0.0)) for of in ("mass", "damping")]
+        shares = [*product(*ends)]
+    low, high, count = math.inf, -math.inf, 0
+    for share in dict.fromkeys(shares):
+        points = points_of(request.machine, values, share=share)
+        if np.isnan(points.amplitude).any() or points.strikes.any():
+            return {
+                "setting_percent": setting,
+                "amplitude_mm": [math.nan, math.nan],
+                "operating_points_looked_at": count,
+                "speed_mm_s": None,
+            }
+        low = min(low, float(points.amplitude_low.min()))
+        high = max(high, float(points.amplitude_high.max()))
+        for i in np.flatnonzero(points.number > 1):
+            case = {name: float(x[i]) for name, x in values.items()}
+            high = max(high, *(LENGTH.to_si(a) for a in _all_amplitudes(request.machine, case)))
+        count += len(cases)
+    bands = {
+        name: request.bands[name] for name in ("static_friction", "kinetic_friction") if name in request.bands
+    }
+    bands |= {"amplitude": (low, high)} if low < high else {}
+    found = guarantee(Scene(amplitude=0.5 * (low + high), **_scene_of(request)), **bands)
+    return {
+        "setting_percent": setting,
+        "amplitude_mm": [float(LENGTH.from_si(x)) for x in (low, high)],
+        "operating_points_looked_at": count,
+        "speed_mm_s": [float(LENGTH.from_si(x)) for x in (found.speed_min, found.speed_max)],
+        "proof": [found.proof_min, found.proof_max],
+        "regimes": [regime.label for regime in sorted(found.regimes) if regime is not Regime.UNDEFINED],
+    }
+
+
+def _cut(case: dict[str, float], request: SheetRequest) -> list[dict[str, float]]:
+    """Move a corner with mu_d > mu_s to where the bands are cut: along either axis, if they reach there."""
+    static, kinetic = case["static_friction"], case["kinetic_friction"]
+    if kinetic <= static:
+        return [case]
+    moved = []
+    if kinetic <= max(request.band("static_friction")):
+        moved.append({**case, "static_friction": kinetic})
+    if static >= min(request.band("kinetic_friction")):
+        moved.append({**case, "kinetic_friction": static})
+    return moved
+
+
+def _doubts(rows: Sequence[Row], points: OperatingPoints) -> list[str]:
+    """Say what a reader of the settings must know, and of which."""
+    told = [([row["regime"] == Regime.HOPPING.label for row in rows], "parts hop")]
+    for status in Status:
+        if not status.answered:
+            told.append(([row["status"] == status.label for row in rows], status.message))
+    return [f"{_cases(rows, cells)}{text}" for cells, text in [*points.doubts(), *told] if np.any(cells)]
+
+
+def _cases(rows: Sequence[Row], cells: Any) -> str:
+    """Name some of the rows, unless they are all."""
+    if np.all(cells):
+        return ""
+    names = []
+    for filling in sorted({row["filling_kg"] for row in rows}):
+        own = [
+            row["setting_percent"] if cell else None
+            for row, cell in zip(rows, cells, strict=True)
+            if row["filling_kg"] == filling
+        ]
+        settings = [f"{setting:g}" for setting in own if setting is not None]
+        at = "" if len(settings) == len(own) else f"setting {', '.join(settings)} % "
+        names += [f"{at}{_state(filling)}"] * bool(settings)
+    return f"{'; '.join(names)}: "
+
+
+def _state(filling: float) -> str:
+    return f"with {filling:g} kg" if filling else "empty"
+
+
+def _unknown(guaranteed: Sequence[Mapping[str, Any]]) -> list[str]:
+    settings = ", ".join(f"{one['setting_percent']:g}" for one in guaranteed if one["speed_mm_s"] is None)
+    why = "within the bands an operating point is unknown, or the masses strike"
+    return [f"setting {settings} %: no speed is guaranteed, as {why}"] if settings else []
+
+
+def _picture(request: SheetRequest) -> DrivePicture:
+    """Solve the curves of the picture at the last setting."""
+    given, drive, last = request.machine, request.values["frequency"], {"setting": request.settings[-1]}
+    ends, _ = _solved(request, [{**last, "filling": filling} for filling in request.fillings])
+    ratios = [row["filled_frequency_ratio" if row["filling_kg"] else "frequency_ratio"] for row in ends]
+    resonances = [drive / ratio for ratio in ratios if 0.0 < ratio < math.inf]
+    interest = [drive, *resonances]
+    low, high = min(interest) * (1.0 - _CURVE_BEYOND), max(interest) * (1.0 + _CURVE_BEYOND)
+    x = np.union1d(np.linspace(low, high, _CURVE_POINTS), interest)
+    scene = Scene(amplitude=1.0, **{**_scene_of(request), "frequency": x})
+    loads = critical_loads(scene)
+    length = LENGTH.from_si(float(scene.gravity) / (2.0 * math.pi * x) ** 2)
+    curves, bands = [], []
+    for filling in request.fillings:
+        values = {**request.values, **last, "filling": filling}
+        at = {name: np.full(x.size, value) for name, value in values.items()} | {"frequency": x}
+        points = points_of(given, at)
+        amplitude = np.where(points.strikes, np.nan, points.amplitude)
+        speed = np.where(np.isnan(amplitude), np.nan, solve(points.scene).mean_velocity)
+        curves.append((np.asarray(LENGTH.from_si(amplitude)), np.asarray(LENGTH.from_si(speed))))
+        if "voltage" in request.bands:
+            at_ends = [{**at, "voltage": np.full(x.size, end)} for end in request.band("voltage")]
+            lower, upper = (np.asarray(LENGTH.from_si(points_of(given, end).amplitude)) for end in at_ends)
+            bands.append((lower, upper))
+    return DrivePicture(
+        frequency=x,
+        curves=tuple(curves),
+        voltage=tuple(bands),
+        drive=drive,
+        points=tuple((row["amplitude_mm"], row["mean_velocity_mm_s"]) for row in ends),
+        resonances=tuple(resonances),
+        hop=np.asarray(length * loads.hop),
+        slip=np.asarray(length * np.minimum(loads.forward_onset, loads.back_onset)),
+        full=request.full,
+        others=tuple((ends[-1]["all_amplitudes_mm"] or ())[1:]),
+    )
+
+
+def _scene_of(request: SheetRequest) -> dict[str, Any]:
+    """Return the fields of the scene except the amplitude, in SI units."""
+    case = case_of(request.machine, {**request.values, "filling": 0.0})
+    return {name: float(case[name]) for name in OF_SCENE if name in case}
