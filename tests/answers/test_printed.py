@@ -22,6 +22,7 @@ PAGES = {
         "--pitch", "20", "--mass", "12g",
     ),
     "design": ("design_feeder.toml",),
+    "drive": ("full_feeder.toml", "voltage=90:110"),
 }  # fmt: skip
 
 

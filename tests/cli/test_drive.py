@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from helpers.commands import Run, rows_of
 from helpers.fed_machines import feeder, other, written
+from helpers.read_pages import ReadPage
 
 from vibro import Scene, Status, SteadyCycle, solve
 
@@ -17,27 +18,17 @@ BANDS = 'voltage_percent = "90:110"\nfilling_kg = "0:2"\n'
 PACKS = '[[machine.pack]]\nname = "6 leaves"\nnatural_hz = 52.632\n'
 
 
-@pytest.mark.parametrize("kind", ["feeder", "rod"])
-def test_every_line_fits_into_80_columns(run: Run, tmp_path: Path, kind: str) -> None:
-    text = feeder(1.05, BANDS + PACKS) if kind == "feeder" else other(kind)
-    band = "0.3:0.4" if kind == "feeder" else "0.45:0.55"
-    result = run("drive", written(tmp_path, text), "--mu-s", band, "-q")
-    assert result.exit_code == 0, result.stderr
-    assert result.stderr == ""
-    assert max(map(len, result.stdout.splitlines())) <= 80
-
-
 def test_a_sheet_with_an_unresolved_speed_is_exit_code_3(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import vibro.reports.set_up_sheet
+    import vibro.answers.set_up_sheet
 
     def doubtful(scene: Scene) -> SteadyCycle:
         cycle = solve(scene)
         cycle.status.flat[0] = Status.UNRESOLVED
         return cycle
 
-    monkeypatch.setattr(vibro.reports.set_up_sheet, "solve", doubtful)
+    monkeypatch.setattr(vibro.answers.set_up_sheet, "solve", doubtful)
     assert run("drive", written(tmp_path, feeder(0.9, BANDS))).exit_code == 3
 
 
@@ -67,8 +58,8 @@ def test_bands_of_options_replace_those_of_the_file(run: Run, tmp_path: Path) ->
 def test_json_has_every_number_of_the_sheet(run: Run, tmp_path: Path) -> None:
     told = json.loads(run("drive", written(tmp_path, feeder(1.05, BANDS + PACKS)), "--json").stdout)
     assert [*told] == [
-        "scene", "machine", "bands", "settings", "guaranteed", "changes", "least_filling", "sensitivities",
-        "packs", "no_load_proof_pack", "resonant_filling_kg", "tolerated_filling_kg", "warnings",
+        "scene", "machine", "bands", "settings", "guaranteed", "changes", "sensitivities", "packs",
+        "no_load_proof_pack", "resonant_filling_kg", "tolerated_filling_kg", "notes",
     ]  # fmt: skip
     empty, full = (told["settings"][-1][state] for state in ("empty", "full"))
     assert empty["mean_velocity_mm_s"] == pytest.approx(24.24, abs=0.01)
@@ -110,9 +101,34 @@ def test_files(run: Run, tmp_path: Path) -> None:
     assert float(by_case["setting", 100.0, 2.0]["mean_velocity_mm_s"]) == full["mean_velocity_mm_s"]
     again = run("drive", path, "-o", "out/sheet")
     assert again.exit_code == 1
-    assert "--force" in again.stderr
+    assert "option force" in again.stderr
     table = run("drive", path, "-o", "-", "-q")
     assert rows_of(table.stdout) == rows
+
+
+def test_machines_side_by_side_have_the_numbers_of_their_sheets(run: Run, tmp_path: Path) -> None:
+    paths = [
+        written(tmp_path, feeder(ratio, BANDS), name) for ratio, name in ((0.9, "below"), (1.05, "above"))
+    ]
+    alone = [json.loads(run("drive", path, "--json").stdout) for path in paths]
+    result = run("drive", *paths, "--json", "-o", "both.csv")
+    assert result.exit_code == 0, result.stderr
+    both = json.loads(result.stdout)["machines"]
+    assert [one.pop("name") for one in both] == ["below", "above"]
+    assert [one["settings"] for one in both] == [one["settings"] for one in alone]
+    rows = rows_of((tmp_path / "both.csv").read_text(encoding="utf-8"))
+    assert {row["machine"] for row in rows} == {"below", "above"}
+    lines = [line.split() for line in run("drive", *paths).stdout.splitlines()]
+    assert lines[0] == ["machine", "below", "above"]
+    assert ["f/f0", "0.9", "1.05"] in lines
+
+
+def test_the_page_has_the_figures_of_the_text(run: Run, tmp_path: Path) -> None:
+    path = written(tmp_path, feeder(1.05, BANDS + PACKS.replace("6 leaves", "<b>six</b>")))
+    text = run("drive", path, "--all", "-o", "sheet.html").stdout
+    page = ReadPage((tmp_path / "sheet.html").read_text(encoding="utf-8"))
+    assert page.row("resonance")[0] in text
+    assert page.row("<b>six</b>")[0] == "52.63"
 
 
 def test_settings_are_quarters_of_the_machines_own(run: Run, tmp_path: Path) -> None:

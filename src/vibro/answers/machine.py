@@ -74,7 +74,7 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
         facts.append(Fact("all amplitudes", f"{found} mm", is_rare=True))
     if given.kind not in ("unbalance", "crank"):  # whose springs bend as the trough moves, or which have none
         facts.append(Fact("springs bend", bend, "mm", note="to each side", is_rare=True))
-    if filling and math.isfinite(second):
+    if filling and second > 0.0:
         note = ""
         if second > WARNED_HARMONIC:
             speed = LENGTH.from_si(np.asarray(points.speed_with_second_harmonic()).item())
@@ -123,19 +123,19 @@ def _filling(given: GivenMachine, filling: float, mass: float, damping: float) -
     return "{}: {} % of it acts as mass, {} % as damping ({})".format(MASS.text(filling), *shares, whose)
 
 
-def sheet_answer(sheet: Sheet, title: str) -> Answer:
+def sheet_answer(name: str, sheet: Sheet) -> Answer:
     """Make the answer of a set-up sheet.
 
     Parameters
     ----------
+    name : str
+        Of the machine.
     sheet : Sheet
-        Its numbers.
-    title : str
-        Of its page.
+        The numbers.
     """
     notes = [*sheet.doubts, *_notes(sheet)]
     tables = [_settings(sheet), _guaranteed(sheet), _changes(sheet), _sensitivities(sheet), _packs(sheet)]
-    return Answer(_facts(sheet), [table for table in tables if table.rows], notes, sheet.record, title)
+    return Answer(_facts(sheet), [table for table in tables if table.rows], notes, sheet.record, name)
 
 
 def sheets_answer(sheets: Mapping[str, Sheet]) -> Answer:
@@ -143,7 +143,7 @@ def sheets_answer(sheets: Mapping[str, Sheet]) -> Answer:
     columns = []
     for sheet in sheets.values():
         empty, full = sheet.record["settings"][-1].values()
-        bounds = next(reversed(sheet.record["guaranteed"]), {})
+        bounds: Mapping[str, Any] = next(reversed(sheet.record["guaranteed"]), {})
         columns.append(
             [
                 sheet.request.machine.kind,
@@ -279,7 +279,10 @@ def _notes(sheet: Sheet) -> list[str]:
             proofs.setdefault(_PROOFS[one["proof"][0]], []).append(f"{one['setting_percent']:g}")
     if not proofs:
         return []
-    told = "; ".join(f"{proof} at {', '.join(settings)} %" for proof, settings in proofs.items())
+    told = "; ".join(
+        f"{proof} at {', '.join(settings)} %" if len(proofs) > 1 else proof
+        for proof, settings in proofs.items()
+    )
     count = max(one["operating_points_looked_at"] for one in sheet.record["guaranteed"])
     return [f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {told}"]
 
@@ -339,7 +342,5 @@ def _packs(sheet: Sheet) -> Table:
         for pack in sheet.record["packs"]
     ]
     why = sheet.record["no_load_proof_pack"]
-    title = (
-        f"Springs; no pack is load-proof: {why}" if why else "Springs; the load-proof ones hold the amplitude"
-    )
+    title = f"Springs: {why}" if why else "Springs; the load-proof ones hold the amplitude"
     return Table("packs", columns, rows, title, is_rare=True)

@@ -130,7 +130,7 @@ def fit_answer(fit: ResponseFit, path: Path, given: GivenMachine | None) -> Answ
     pairs = {name: column.tolist() for name, column in columns(fit).items()}
     heads = [("frequency", "Hz"), ("measured", "mm"), ("fitted", "mm"), ("difference", "%")]
     rows = [*zip(*pairs.values(), strict=True)]
-    points = Table("table", heads, [row[: len(heads)] for row in rows], "Points")
+    points = Table("table", heads, [(*row[:3], round(row[3], 2)) for row in rows], "Points")
     table = _machine_table(fit, given, path)
     record = {
         "points": str(path),

@@ -219,7 +219,7 @@ def _solved(
     return rows, points
 
 
-def _paired(request: SheetRequest, rows: Sequence[Row]) -> list[dict[str, Row | None]]:
+def _paired(request: SheetRequest, rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Return the rows of cases, empty and full."""
     count = len(request.fillings)
     return [
@@ -227,7 +227,7 @@ def _paired(request: SheetRequest, rows: Sequence[Row]) -> list[dict[str, Row | 
     ]
 
 
-def _pairs(request: SheetRequest, changes: Sequence[Mapping[str, float]]) -> list[dict[str, Row | None]]:
+def _pairs(request: SheetRequest, changes: Sequence[Mapping[str, float]]) -> list[dict[str, Any]]:
     """Solve cases that differ from the nominal one, empty and full."""
     cases = [{**change, "filling": filling} for change in changes for filling in request.fillings]
     return _paired(request, _solved(request, cases)[0])
@@ -409,7 +409,7 @@ def _cut(case: dict[str, float], request: SheetRequest) -> list[dict[str, float]
 
 def _doubts(rows: Sequence[Row], points: OperatingPoints) -> list[str]:
     """Say what a reader of the settings must know, and of which."""
-    told = [([row["regime"] == Regime.HOPPING.label for row in rows], "parts hop")]
+    told: list[tuple[Any, str]] = [([row["regime"] == Regime.HOPPING.label for row in rows], "parts hop")]
     for status in Status:
         if not status.answered:
             told.append(([row["status"] == status.label for row in rows], status.message))

@@ -113,14 +113,11 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
     )
     with outputs:
         is_drawn = bool(outputs.pictures or outputs.texts)
-        with console.progress("guaranteeing", sum(len(r.settings) for r in requests.values())) as bar:
-            sheets, before = {}, 0
-            for name, request in requests.items():
-                sheets[name] = make_sheet(
-                    request, picture=is_drawn, progress=lambda done, before=before: bar(before + done)
-                )
-                before += len(request.settings)
-        answer = sheet_answer(*sheets.values(), next(iter(sheets))) if one else sheets_answer(sheets)
+        sheets = {}
+        for name, request in requests.items():
+            with console.progress("guaranteeing", len(request.settings)) as bar:
+                sheets[name] = make_sheet(request, picture=is_drawn, progress=bar)
+        answer = sheet_answer(next(iter(sheets)), *sheets.values()) if one else sheets_answer(sheets)
 
         def draw() -> dict[str, Figure]:
             from vibro.plots.responses import drive_figure
@@ -245,7 +242,7 @@ def _fit(
         raise InputError(
             f"--law {shown(law)}: must be constant or square", hint="constant is that of magnets"
         )
-    unused = [QUANTITIES[name].typed() for name in options.given] + ["--pack"] * (options.pack is not None)
+    unused = [QUANTITIES[name].options[0] for name in options.given] + ["--pack"] * (options.pack is not None)
     if unused:
         raise InputError(f"{', '.join(unused)}: not used by --fit", hint="leave it out, or leave out --fit")
     if len(options.files) > 1:
