@@ -8,7 +8,7 @@ from mutants import ENOUGH, ROOT, killers, mutants
 
 SOURCE, TESTS = ROOT / "src" / "vibro", ROOT / "tests"
 ROOMS = {path.parent.name for path in SOURCE.glob("*/__init__.py")}
-OUTER = {"cli", "tables", "sweeps", "plots", "files", "reports", "explore", "results"}
+OUTER = {"cli", "tables", "sweeps", "plots", "files", "answers", "explore", "results"}
 MUTANTS = mutants()
 
 

@@ -101,7 +101,7 @@ def test_files(run: Run, tmp_path: Path) -> None:
     assert float(by_case["setting", 100.0, 2.0]["mean_velocity_mm_s"]) == full["mean_velocity_mm_s"]
     again = run("drive", path, "-o", "out/sheet")
     assert again.exit_code == 1
-    assert "option force" in again.stderr
+    assert "--force" in again.stderr
     table = run("drive", path, "-o", "-", "-q")
     assert rows_of(table.stdout) == rows
 

@@ -1,1 +1,0 @@
-"""The printed page of ``vibro report``, and the texts that it shares with the command line."""
