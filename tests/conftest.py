@@ -63,7 +63,7 @@ _MARKED: Final = {
         "machines/test_machine.py", "motion/test_arrivals.py", "motion/test_trace.py",
         "plots/test_fields.py", "plots/test_neighbours.py", "plots/test_view.py",
         "records/test_cycles.py", "records/test_headers.py", "records/test_minimisation.py",
-        "records/test_signals.py", "reports/test_change_texts.py", "results/test_history.py",
+        "records/test_signals.py", "results/test_history.py",
         "results/test_sweep.py", "sweeps/test_run.py", "sweeps/test_tally.py", "tables/test_files.py",
         "tables/test_plan.py", "test_axes.py",
         "test_errors.py", "test_friction_catalogue.py", "test_indexes.py", "test_makers.py",
@@ -75,7 +75,7 @@ _MARKED: Final = {
         "cli/test_report.py", "explore/test_page", "inverse/test_designs.py",
         "inverse/test_machine_designs.py", "inverse/test_motions.py", "inverse/test_windows.py",
         "messages/", "records/test_comparison.py", "records/test_fitting.py", "records/test_waveforms.py",
-        "reports/test_printed.py", "test_frozen.py", "test_gallery.py", "test_pages.py", "test_site.py",
+        "answers/test_printed.py", "test_frozen.py", "test_gallery.py", "test_pages.py", "test_site.py",
         "test_walks.py",
     ),
     "process": (
@@ -86,7 +86,7 @@ _MARKED: Final = {
         "test_site.py", "test_threads.py", "test_translate.py",
     ),
     "browser": (
-        "explore/test_page", "tables/test_libreoffice.py", "reports/test_printed.py", "test_site.py",
+        "explore/test_page", "tables/test_libreoffice.py", "answers/test_printed.py", "test_site.py",
     ),
 }  # fmt: skip
 
