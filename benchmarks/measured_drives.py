@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/measured_drives.py [--records 200] [--seed 1]
 
-Each record goes through ``vibro compare DATA.csv --trough-along ... --fit mu_s,mu_d --json``, as a user's
+Each record goes through ``vibro measure DATA.csv --trough-along ... --fit mu_s,mu_d --json``, as a user's
 would, from coefficients up to 30 % wrong. Its motion comes from tests/engines/harmonic_flight.py, which
 shares nothing with the package. Scenes are drawn at random: drive angle 10-40 deg, mu_s 0.1-0.9, mu_d/mu_s
 0.5-1, 10-60 Hz, one half climbing by up to 6 deg; of each ten records eight stay in contact, and two hop with
@@ -95,7 +95,7 @@ def answer_of(
     """Return the intervals that the command prints, whether it tells an estimate, and what it says."""
     with tempfile.TemporaryDirectory() as folder:
         arguments = write_record(Path(folder) / "record.csv", random, drawn)
-        result = CliRunner().invoke(app, ["compare", *arguments, "--json"], catch_exceptions=False)
+        result = CliRunner().invoke(app, ["measure", *arguments, "--json"], catch_exceptions=False)
     if result.exit_code:
         return {}, next(line for line in result.stderr.splitlines() if line.startswith("error"))
     content = json.loads(result.stdout)

@@ -71,7 +71,7 @@ _MARKED: Final = {
         "test_scales.py", "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",
     ),
     "slow": (
-        "accuracy/test_trade.py", "cli/test_capabilities.py", "cli/test_compare_trough.py",
+        "accuracy/test_trade.py", "cli/test_capabilities.py", "cli/test_measure_trough.py",
         "cli/test_report.py", "explore/test_page", "inverse/test_designs.py",
         "inverse/test_machine_designs.py", "inverse/test_motions.py", "inverse/test_windows.py",
         "messages/", "records/test_comparison.py", "records/test_fitting.py", "records/test_waveforms.py",

@@ -9,7 +9,7 @@ low. The command writes ``out/compare.png``; Python has what it is compared with
 
 .. code-block:: bash
 
-    vibro compare examples/safety_nut.toml examples/data/nut_smoothed_600hz.csv -o out/compare
+    vibro measure examples/safety_nut.toml examples/data/nut_smoothed_600hz.csv -o out/compare
 
 .. image:: /gallery/images/sphx_glr_plot_compare_001.png
    :alt: A record beside the model. Signals of a record (dots) beside the exact steady motion of the

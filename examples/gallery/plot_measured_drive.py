@@ -3,12 +3,12 @@ A measured drive
 ================
 
 Two accelerometers on a trough give its motion, and a part is followed on that motion: forces and speeds
-as if somebody had measured them on the part. The record leads to an ellipse that is nearly a line, as
-the path at the bottom shows. The first command writes a scene file, the second ``out/measured.png``.
+as if somebody had measured them on the part. The first command writes a scene file, the second
+``out/measured.png``.
 
 .. code-block:: bash
 
-    vibro motion examples/data/nut_trough_mv.csv --trough-along "Trog längs" \
+    vibro measure examples/data/nut_trough_mv.csv --trough-along "Trog längs" \
       --trough-normal "Trog normal" --sensitivity 100mV/g -o out/drive.toml
     vibro simulate out/drive.toml --mu-s .74 --mu-d .57 -o out/measured
 

@@ -126,12 +126,11 @@ ASKED = {
     "`vibro map`: tables and pictures": command("map", "-f", "4:9:3", "-o", "{}-map"),
     "`vibro explore`": explored,
     "`vibro design`: the gentlest drive that reaches a speed": designed,
-    "`vibro compare`: with the record of a part": command("compare", RECORD, "-f", "15.003"),
-    "`vibro compare --fit`: friction from that record": command(
-        "compare", RECORD, "-f", "15.003", "--fit", "mu_s"
+    "`vibro measure`: beside the record of a part": command("measure", RECORD, "-f", "15.003"),
+    "`vibro measure --fit`: friction from that record": command(
+        "measure", RECORD, "-f", "15.003", "--fit", "mu_s"
     ),
-    "`vibro compare --trough-along`: on the trough's measured motion": command("compare", RECORD, *TROUGH),
-    "`vibro motion`: the drive that a record tells": command("motion", RECORD, *TROUGH),
+    "`vibro measure --trough-along`: on the trough's measured motion": command("measure", RECORD, *TROUGH),
     "`vibro accuracy`: other methods": command("accuracy", "--scenes", "2"),
     "`vibro.critical_loads`, `vibro.transitions`": function(vibro.critical_loads, vibro.transitions),
     "`vibro.attractors`: the cycles that coexist": function(vibro.attractors),
@@ -148,7 +147,7 @@ ASKED = {
 }
 
 #: What is asked of the first scene of each column alone: its pictures, searches or questions take the time.
-OF_ONE_SCENE = ("`vibro simulate`", "`vibro map`", "`vibro design`", "`vibro compare")
+OF_ONE_SCENE = ("`vibro simulate`", "`vibro map`", "`vibro design`", "`vibro measure")
 
 
 def table() -> dict[str, dict[str, str]]:

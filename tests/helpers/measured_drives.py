@@ -87,7 +87,7 @@ def draw_record(random: np.random.Generator, *, harmonics: bool, hops: bool) -> 
 
 
 def write_record(path: Path, random: np.random.Generator, drawn: Drawn) -> list[str]:
-    """Sample a feeder with noise into a file; return the arguments of ``vibro compare`` to fit friction."""
+    """Sample a feeder with noise into a file; return the arguments of ``vibro measure`` to fit friction."""
     rate = TURN * drawn.frequency
     samples = random.uniform(30.0, 100.0)
     time = np.arange(int(drawn.cycles * samples)) / (samples * drawn.frequency)

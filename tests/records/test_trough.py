@@ -137,7 +137,7 @@ def test_one_acceleration_needs_the_drive_angle_of_the_scene(angle: float) -> No
     normal = trough_record(angle=alpha, columns=NORMAL, noise=1e-9)
     if angle:
         assert measured(normal, alpha).quantities["amplitude"].value == pytest.approx(1.02e-3, rel=1e-5)
-    with pytest.raises(InputError, match="trough_normal="):
+    with pytest.raises(InputError, match="trough_normal cannot"):
         measured(trough_record(columns=NORMAL), 0.0)
 
 
@@ -329,15 +329,12 @@ def test_an_ellipse_is_one_beyond_its_error(lead_deg: float, noise: float, ellip
 
 
 @pytest.mark.parametrize("lead_deg", [-150.0, -60.0, 12.0, 120.0])
-def test_an_ellipse_in_the_place_of_a_line_is_told_with_what_to_give(lead_deg: float) -> None:
+def test_an_ellipse_in_the_place_of_a_line_is_told_with_its_size(lead_deg: float) -> None:
     drive = on_ellipse(None, math.radians(lead_deg), noise=1e-3)
     said, *more = drive.warnings
     numbers = [float(text) for text in re.findall(r"-?\d+\.?\d*(?= ?(?:mm|deg))", said)]
     expected = [1.02 * math.cos(math.radians(20.5)), 1.02 * math.sin(math.radians(20.5)), lead_deg]
-    assert numbers == pytest.approx([*expected, *expected], rel=2e-3)
-    assert re.search(
-        'give along_amplitude="[^ ]+mm" normal_amplitude="[^ ]+mm" normal_phase="[^ ]+deg"$', said
-    )
+    assert numbers == pytest.approx(expected, rel=2e-3)
     assert len(more) == (abs(lead_deg) > 90.0)
 
 

@@ -74,6 +74,13 @@ def test_the_columns_are_the_documented_ones() -> None:
     assert names[-3:] == ["strokes", "model", "status"]
 
 
+def test_texts_that_a_spreadsheet_would_run_are_quoted() -> None:
+    """A header may be text from somewhere else too."""
+    for sign in "=+-@":
+        written = CsvFormat().table({f"{sign}cmd": [f"{sign}cmd|calc!A0"]}).decode()
+        assert written == f"'{sign}cmd\n'{sign}cmd|calc!A0\n"
+
+
 @pytest.mark.parametrize("form", [CsvFormat(), CsvFormat(decimal_comma=True)])
 def test_reading_back_gives_the_same_doubles(form: CsvFormat) -> None:
     block = one_block()

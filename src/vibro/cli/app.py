@@ -11,7 +11,6 @@ import typer
 from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
-from vibro.cli.compare import compare_command
 from vibro.cli.console import (
     open_closed_streams,
     print_error,
@@ -26,7 +25,7 @@ from vibro.cli.exit_codes import ExitCode
 from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
-from vibro.cli.motion import motion_command
+from vibro.cli.measure import FORMS, measure_command
 from vibro.cli.options import print_version, shares_options
 from vibro.cli.outputs import HISTORIES, MAPS, TABLES
 from vibro.cli.schema import schema_command
@@ -163,7 +162,7 @@ app = typer.Typer(
 )
 
 
-_RECORD: Final = "[SCENE.toml] RECORD.csv"
+_OF_RECORDS: Final = {"files": "[SCENE.toml] RECORD.csv", "most": 2, "forms": FORMS}
 #: What is typed otherwise now, by how it was.
 _GONE: Final = {
     "speed": "vibro solve tells the speed",
@@ -205,11 +204,7 @@ _COMMANDS: Final[dict[str, Any]] = {
     "simulate": (simulate_command, {"forms": HISTORIES, "more": STARTS}),
     "design": (design_command, {"files": "DESIGN.toml", "of_scene": False}),
     "drive": (drive_command, {"files": "MACHINE.toml...", "most": None, "first": _OF_MACHINE}),
-    "motion": (
-        motion_command,
-        {"files": "[SCENE.toml] RECORD.csv", "most": 2, "of_drive": False, "of_answer": False},
-    ),
-    "compare": (compare_command, {"files": _RECORD, "most": 2}),
+    **dict.fromkeys(("measure", "motion", "compare"), (measure_command, _OF_RECORDS)),
     "explore": (explore_command, {"of_answer": False}),
     "accuracy": (accuracy_command, {"forms": HISTORIES}),
     "friction": (friction_command, None),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.cli.console import Console
 from vibro.core.codes import Output
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
-from vibro.quantities import QUANTITIES, Quantity, exact_number
+from vibro.quantities import QUANTITIES, STANDS_FOR, Quantity, exact_number
 from vibro.sweeps.request import gather
 
 if TYPE_CHECKING:
@@ -63,7 +64,14 @@ def whole_number(option: str, text: str) -> int:
     return int(number)
 
 
-def request_of(options: Options, argv: Sequence[str], *, without_machine: str = "", **wanted: Any) -> Request:
+def request_of(
+    options: Options,
+    argv: Sequence[str],
+    *,
+    without_machine: str = "",
+    measured: Collection[str] = (),
+    **wanted: Any,
+) -> Request:
     """Read the options and the scene file that they name, and check them together.
 
     Parameters
@@ -74,6 +82,8 @@ def request_of(options: Options, argv: Sequence[str], *, without_machine: str = 
         The arguments as typed, the command first.
     without_machine : str
         Why the command takes no machine; empty if it does.
+    measured : collection of str
+        Quantities that are measured: those of the file do not count, nor does its motion.
     **wanted
         As for ``gather``.
 
@@ -90,6 +100,9 @@ def request_of(options: Options, argv: Sequence[str], *, without_machine: str = 
             f"{options.scene}: [machine]: {without_machine}",
             hint="vibro solve tells the amplitude at its operating point: give that in place of [machine]",
         )
+    if measured and file is not None:
+        kept = {name: spec for name, spec in file.scene.items() if STANDS_FOR.get(name, name) not in measured}
+        file = replace(file, scene=kept, motion=None)
     return gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
 
 

@@ -114,7 +114,7 @@ class Observation:
             signals["friction"] = sign * record.signals["friction"] / mass
         if not signals:
             unknown = "the data contain only a force, and the mass is unknown"
-            raise InputError(unknown, hint="give mass=0.02")
+            raise InputError(unknown, hint="give its mass, such as 20g")
         if "acceleration" in signals:
             # The velocity of a steady motion repeats, so that its acceleration has no mean. A mean in the
             # record is the sensor's zero, or gravity on a sensor that is not level: subtract it.

@@ -31,9 +31,7 @@ class Row(NamedTuple):
     Attributes
     ----------
     key : str
-        Name in tables.
-    label : str
-        Name in words.
+        Name in answers.
     kind : str
         ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``; values have SI units.
     measured : Estimate
@@ -43,7 +41,6 @@ class Row(NamedTuple):
     """
 
     key: str
-    label: str
     kind: str
     measured: Estimate
     computed: float
@@ -105,7 +102,9 @@ class Comparison:
         warnings += of_another_frame(observation, motion)
         advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
         if advance * motion.advance < 0.0:
-            warnings.append("the data run against the computed direction: reverse=True reverses their axis")
+            warnings.append(
+                "the data run against the computed direction: the option reverse turns their axis"
+            )
         computed, measured = (signals.get("friction") for signals in (self.computed, observation.signals))
         if computed is not None and np.cov(computed, measured)[0, 1] < 0.0:
             must = "it must be the force on the body, not on the trough"
@@ -174,9 +173,9 @@ def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
     curved = fold(observation.time, observation.signals[name], observation.frequency, power + 2)
     drift = curved.trend(power + 1).scaled((power + 1) * 2.0 * curved.half)
     return [
-        Row("stroke_advance", "stroke advance", "displacement", mean.scaled(period), motion.advance),
-        Row("mean_speed", "mean speed", "velocity", mean, motion.advance / period),
-        Row("drift", "drift of the mean speed over the record", "velocity", drift, 0.0),
+        Row("stroke_advance", "displacement", mean.scaled(period), motion.advance),
+        Row("mean_speed", "velocity", mean, motion.advance / period),
+        Row("drift", "velocity", drift, 0.0),
     ]
 
 
@@ -224,11 +223,11 @@ def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
     model = motion.sample(cycle).velocity
     value, error = velocity.estimate(float(cycle[np.argmax(np.abs(velocity.at(cycle)))]))
     peak = Estimate(abs(value), error)
-    rows = [Row("peak_speed", "peak speed", "velocity", peak, float(np.abs(model).max()))]
+    rows = [Row("peak_speed", "velocity", peak, float(np.abs(model).max()))]
     rest = _middle_of_rest(motion)
     if rest is not None:
         creep = velocity.estimate(rest)
-        rows.append(Row("rest_speed", "speed in the middle of the rest", "velocity", creep, 0.0))
+        rows.append(Row("rest_speed", "velocity", creep, 0.0))
     if "H" not in motion.pattern:  # next to a flight a slide may start or end at any speed
         for phase in motion.phases:
             rows += _slide(velocity, motion, phase) if phase.kind in _WAYS else []
@@ -246,8 +245,7 @@ def _slide(velocity: _Clocked, motion: SettledMotion, phase: Phase) -> list[Row]
     rows = []
     for key, reached, rising in (("start", fast[0], True), ("end", fast[-1], False)):
         seen = _crossing(velocity, way, level, reached, rising, motion.period)
-        label = f"{name} slip {key}s ({1e3 * level:.3g} mm/s)"
-        rows.append(Row(f"{name}_slip_{key}", label, "time", seen, reached))
+        rows.append(Row(f"{name}_slip_{key}", "time", seen, reached))
     return rows
 
 
@@ -283,7 +281,7 @@ def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[R
     for text, values in residuals.items():
         rms = Estimate(float(np.sqrt(np.mean(values**2))), math.nan)
         key, kind = f"rms_{text.replace(' ', '_')}", text.partition(" ")[0]
-        rows.append(Row(key, f"RMS difference of {text}", kind, rms, math.nan))
+        rows.append(Row(key, kind, rms, math.nan))
     return rows
 
 
@@ -316,7 +314,7 @@ def _of_another_frequency(observation: Observation) -> list[str]:
     found, error = foreign.frequency
     off = max(error, TOL.proposed / float(np.ptp(observation.time)))
     plain = next(text for digits in range(18) if abs(float(text := f"{found:.{digits}f}") - found) <= off)
-    said, remedy = f"{found:.5g} Hz", f"frequency={plain}"
+    said, remedy = f"{found:.5g} Hz", f"give the frequency {plain}Hz"
     if observation.clock is not None:
         trough = f"the trough at {observation.frequency:.5g} Hz"
         return [
@@ -340,6 +338,6 @@ def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Al
     where = "later" if off > 0.0 else "earlier"
     why = "a channel lags, or the body does not move as computed"
     if abs(off) > (0.5 - TOL.inverted) * motion.period:
-        why = "one of the sensors may be inverted (reverse=True, or a negative sensitivity)"
+        why = "one of the sensors may be inverted (the option reverse, or a negative sensitivity)"
     apart = f"{1e3 * abs(off):.3g} ms ({360.0 * abs(off) / motion.period:.0f} deg) {where} in the cycle"
     return [f"the body's signals alone fit best {apart} than the trough's acceleration says: {why}"]

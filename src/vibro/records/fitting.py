@@ -30,7 +30,7 @@ from vibro.records.problem import FITTABLE, Moves, Problem, fittable, starts
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
-__all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
+__all__ = ["FITTABLE", "Fit", "Parameter", "check_names", "fit"]
 
 Intervals = tuple[tuple[float, float], ...]
 Groups = list[tuple[str, ...]]
@@ -153,7 +153,7 @@ def fit(
     with them the drive within the errors of its measurement.
     """
     check_scene(scene)
-    _check_names(scene, names)
+    check_names(scene, names)
     problem, work = Problem(scene, observation.middle, names, moved), _Work(progress)
     minima = _first_minima(problem, work)
     worst = minima[0].squares + TOL.stands_out
@@ -176,12 +176,12 @@ def fit(
     return _judged(problem, fitting, [intervals for intervals, _ in profiles], threshold)
 
 
-def _check_names(scene: Scene, names: Sequence[str]) -> None:
+def check_names(scene: Scene, names: Sequence[str]) -> None:
     """Refuse quantities that the scene's drive lacks, and amplitudes of 0, from which no search can begin."""
     own = fittable(scene)
     choice = f"choose from {', '.join(QUANTITIES[name].letter for name in own)}"
     for name in names:
-        said = f'fit="{cut(",".join(names))}": '
+        said = f"fit {cut(','.join(names))}: "
         if name not in FITTABLE or list(names).count(name) > 1:
             raise InputError(f"{said}{shown(name)} cannot be estimated, or is named twice", hint=choice)
         quantity = QUANTITIES[name]
@@ -190,7 +190,7 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
             raise InputError(none, hint=choice)
         if name in AMPLITUDES and not float(getattr(scene, name)):
             zero = f"{said}the search for the {quantity.label} begins at the scene's, which is 0"
-            raise InputError(zero, hint=f'give what it may be, for example {name}="0.3mm"')
+            raise InputError(zero, hint="give what it may be, such as 0.3mm")
 
 
 def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:

@@ -22,7 +22,7 @@ from vibro.records.signals import (
 )
 from vibro.records.tolerances import TOL
 
-__all__ = ["Column", "Columns", "Header", "TroughAloneError", "Wanted", "columns_of"]
+__all__ = ["Column", "Columns", "Header", "Wanted", "columns_of"]
 
 # Words in a header that decide between columns whose units are of the same kind.
 _WORDS: Final = {
@@ -72,10 +72,6 @@ class Column(NamedTuple):
 
 #: Columns by the keys of ``KINDS``.
 Columns = dict[str, Column]
-
-
-class TroughAloneError(InputError):
-    """Raised for a record to compare of which only motions of the trough are named."""
 
 
 def _headers(above: list[list[str]]) -> list[Header]:
@@ -141,8 +137,6 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
 
     Raises
     ------
-    TroughAloneError
-        If the trough's motion is named and no signal of the body is named or found.
     InputError
         If a column is missing, ambiguous, without a unit, or named twice; if a voltage lacks a sensitivity,
         or a sensitivity a voltage.
@@ -162,16 +156,14 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
                 if KINDS[role] not in {found[name].kind for name in TROUGH if name in found}:
                     found |= _detected(path, [h for h in headers if h.place not in taken], role)
         except InputError as exc:
+            if role in SIGNALS and role not in wanted.headers and not found.keys().isdisjoint(TROUGH):
+                continue  # the trough alone is measured too
             problems += exc.problems
             hints += [exc.hint]
     if not problems and "time" not in found:
         problems.append(f"{path}: no column of time found among {_list(headers)}")
-        hints.append('name it, with its unit: time="t [s]"')
-    needed = SIGNALS if wanted.body else TROUGH
-    if not problems and not any(role in found for role in needed):
-        if any(role in found for role in TROUGH):
-            _check_use(path, headers, found, wanted)
-            raise _trough_alone(path, headers, found)
+        hints.append('name it, with its unit: time "t [s]"')
+    if not problems and found.keys().isdisjoint((*SIGNALS, *TROUGH) if wanted.body else TROUGH):
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
         hints.append(_name_one(headers, wanted))
@@ -179,22 +171,6 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
     _check_use(path, headers, found, wanted)
     return {role: found[role] for role in KINDS if role in found}
-
-
-def _trough_alone(path: Path, headers: list[Header], found: Columns) -> TroughAloneError:
-    """Report that no signal of a part is named, and how to name one."""
-    named = _list([found[role].header for role in TROUGH if role in found])
-    hint = 'to compare a part, name its signal: displacement="X [mm]"'
-    read = {column.header.place for column in found.values()}
-    for role in SIGNALS:
-        free = [h for h in headers if h.place not in read and h.unit and h.unit[0] == KINDS[role]]
-        if free:
-            own = next(
-                (f', or {name}="{free[0].text}" of the trough' for name in TROUGH if name not in found), ""
-            )
-            hint = f'say what column {shown(free[0].text)} is: {role}="{free[0].text}" of a part{own}'
-            break
-    return TroughAloneError(f"{path}: {named}: motions of the trough alone, no part to compare", hint=hint)
 
 
 def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
@@ -210,9 +186,9 @@ def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Want
             role = sensitivity.role or next(name for name in SIGNALS if KINDS[name] == sensitivity.kind)
             read = [column.header for column in columns.values()]
             free = [header.text for header in _voltages(headers) if header not in read]
-            hint = f'name the column: {role}="{free[0]}"' if free else "leave it out"
+            hint = f'name the column: {role} "{free[0]}"' if free else "leave it out"
             said = f"{path}: no column that is read as {role.replace('_', ' ')}"
-            raise InputError(f'{said} is a voltage for sensitivity="{sensitivity.text}"', hint=hint)
+            raise InputError(f'{said} is a voltage for sensitivity "{sensitivity.text}"', hint=hint)
 
 
 def _voltages(headers: list[Header]) -> list[Header]:
@@ -222,21 +198,21 @@ def _voltages(headers: list[Header]) -> list[Header]:
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
     """Show how to name a signal, with a sensitivity if the table holds a voltage."""
     if not wanted.body:
-        sensitivities = {"voltage": f' sensitivity="{EXAMPLES["acceleration"]}"'}
+        sensitivities = {"voltage": f', sensitivity "{EXAMPLES["acceleration"]}"'}
         of_kind = {header.unit[0]: header for header in reversed(headers) if header.unit}
         for kind in ("voltage", *DERIVATIVES):
             if kind in of_kind:
-                example = f'trough_along="{of_kind[kind].text}"{sensitivities.get(kind, "")}'
-                return f"name one or both, trough_along= and trough_normal=: {example}"
-        return 'name one or both, with the unit: trough_along="ax [m/s^2]" trough_normal="ay [m/s^2]"'
+                example = f'trough_along "{of_kind[kind].text}"{sensitivities.get(kind, "")}'
+                return f"name one or both, trough_along and trough_normal: {example}"
+        return 'name one or both, with the unit: trough_along "ax [m/s^2]", trough_normal "ay [m/s^2]"'
     for header in _voltages(headers):
         role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
-        name = f'{role}="{header.text}"'
+        name = f'{role} "{header.text}"'
         if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
             return f"name the voltage: {name}"
         example = EXAMPLES[KINDS[role]]
-        return f'name one, and the sensitivity of its sensor: {name} sensitivity="{example}"'
-    return 'name one, with its unit: displacement="X [mm]"'
+        return f'name one, and the sensitivity of its sensor: {name}, sensitivity "{example}"'
+    return 'name one, with its unit: displacement "X [mm]"'
 
 
 def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
@@ -251,7 +227,7 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
     kind = KINDS[role]
     if not found:
         hint = did_you_mean(key, (h.text for h in headers)) or "write it as the header row does"
-        missing = f"{path}: no column {shown(key)} for {role}=; its columns are {_list(headers)}"
+        missing = f"{path}: no column {shown(key)} for {role}; its columns are {_list(headers)}"
         raise InputError(missing, hint=hint)
     if len(found) > 1:
         several = f"{path}: {len(found)} columns are called {shown(key)}"
@@ -260,7 +236,7 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
     unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
     if unit is not None and unit[0] in kinds_of(role):
         return Column(header, *unit)
-    said, example = f"{path}: column {shown(header.text)} for {role}=", EXAMPLES.get(kind)
+    said, example = f"{path}: column {shown(header.text)} for {role}", EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
         serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
         if serving:
@@ -270,18 +246,18 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
         what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
         idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
         if (other := next(idle, None)) is not None:
-            what = f'sensitivity="{other.text}" is a sensitivity of {other.kind}, one of {kind} is needed'
+            what = f'sensitivity "{other.text}" is a sensitivity of {other.kind}, one of {kind} is needed'
             if other.kind == kind:
-                what = f'sensitivity="{other.text}" is for {other.served}, for which no column is named'
-                hint = f'name that column too: {other.role}="HEADER", and give this sensor\'s sensitivity:'
+                what = f'sensitivity "{other.text}" is for {other.served}, for which no column is named'
+                hint = f'name that column too: {other.role} "HEADER", and give this sensor\'s sensitivity:'
                 example = f"{role.replace('_', '-')}={example}"
-        raise InputError(f"{said}: {what}", hint=f'{hint} sensitivity="{example}"')
+        raise InputError(f"{said}: {what}", hint=f'{hint} sensitivity "{example}"')
     stated = unit_text or header.stated
     kinds = " or ".join(kinds_of(role))
     problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
-    voltage = f', or mV and V with sensitivity="{example}"' if example else ""
+    voltage = f', or mV and V with sensitivity "{example}"' if example else ""
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
-    hint = f'write the unit in brackets: {role}="{header.name} [{usual}]"; units of {kind} are {units}'
+    hint = f'write the unit in brackets: {role} "{header.name} [{usual}]"; units of {kind} are {units}'
     raise InputError(f"{said}: {problem}", hint=hint + voltage)
 
 
@@ -293,8 +269,8 @@ def _detected(path: Path, headers: list[Header], role: str) -> Columns:
     if len(fitting) > 1:
         several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
         first = fitting[0].header.text
-        own = f' of a part, trough_along="{first}" of the trough' if role in DERIVATIVES else ""
-        hint = f'choose: {role}="{first}"{own}'
+        own = f' of a part, trough_along "{first}" of the trough' if role in DERIVATIVES else ""
+        hint = f'choose: {role} "{first}"{own}'
         raise InputError(several, hint=hint)
     return {role: fitting[0]} if fitting else {}
 

@@ -132,7 +132,7 @@ class Sensitivity(NamedTuple):
     @property
     def served(self) -> str:
         """The argument that names its column, or the kind of signal in words."""
-        return f"{self.role}=" if self.role else _a(self.kind)
+        return self.role or _a(self.kind)
 
     def serves(self, role: str) -> bool:
         """Whether it applies to a voltage in the column of a signal."""
@@ -175,7 +175,7 @@ def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
 
 def _given(text: str) -> str:
     """Write a sensitivity as it is given."""
-    return f'sensitivity="{cut(text)}"'
+    return f'sensitivity "{cut(text)}"'
 
 
 def _sensitivity(text: str) -> Sensitivity:

@@ -194,8 +194,8 @@ class Trough:
         part, name, other = (cosine, _ALONG, _NORMAL) if self.along is not None else (sine, _NORMAL, _ALONG)
         if part < TOL.least_component:
             at = f"at a drive angle of {math.degrees(drive_angle):.6g} deg"
-            hint = f"check the drive angle, or give {other}="
-            raise InputError(f"{name}= cannot measure the motion {at}", hint=hint)
+            hint = f"check the drive angle, or give {other}"
+            raise InputError(f"{name} cannot measure the motion {at}", hint=hint)
         return wave.value / part, wave.error / part
 
     @property
@@ -314,7 +314,7 @@ def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
     repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
     for name, alive in zip(signals, repetition.alive, strict=True):
         if not alive or float(np.abs(signals[name]).max()) < 1.0 / TOL.largest:
-            dead = f"column {shown(record.headers[name])} for {name}= does not vibrate"
+            dead = f"column {shown(record.headers[name])} for {name} does not vibrate"
             raise InputError(dead, hint="is its sensor connected?")
     frequency = repetition.fundamental()
     if frequency is None:
@@ -328,7 +328,7 @@ def refuse_line_down(trough: Trough, *, reverse: bool) -> None:
     """Raise InputError if the trough moves down along a line while it moves forwards."""
     if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:  # no drive angle is below 0
         why = "the axis along the trough points against the conveying direction"
-        hint = f"{'leave out reverse=True, unless' if reverse else 'reverse=True, if'} {why}"
+        hint = f"{'leave out the option reverse, unless' if reverse else 'give the option reverse, if'} {why}"
         inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
         raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
 
@@ -364,18 +364,17 @@ def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | No
     """Warn of an ellipse instead of a line, and of a phase more than 90 deg from the scene's."""
     doubts = []
     if normal_phase is None and trough.on_an_ellipse:
-        said, given = [], []
+        said = []
         for name in ELLIPTICAL:
             quantity = QUANTITIES[name]
             text = spelled(*map(quantity.from_si, found[name]))
             said.append(f"{quantity.label} {text} {quantity.unit}")
-            given.append(f'{name}="{text}{quantity.unit}"')
-        taken = f"{', '.join(said)}; this ellipse is taken. Elsewhere give {' '.join(given)}"
+        taken = f"{', '.join(said)}; this ellipse is taken"
         doubts.append(f"the trough moves on an ellipse, not on a line: {taken}")
     off = math.remainder(trough.phase - (normal_phase or 0.0), math.tau)
     if abs(off) > 0.5 * math.pi:
         than = "that along the trough" if normal_phase is None else "where the scene has it"
         lead = f"{abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'} {than}"
-        why = "one of the two sensors may be inverted (reverse=True, or a negative sensitivity)"
+        why = "one of the two sensors may be inverted (the option reverse, or a negative sensitivity)"
         doubts.append(f"the normal motion is {lead}: {why}")
     return doubts

@@ -253,7 +253,7 @@ class MeasuredMotion:
         return self._motions(frequency, self.accelerations[..., None] + off)
 
     def measured_drive(self) -> HarmonicDrive:
-        """Return the harmonics as quantities with standard errors, for ``vibro compare``."""
+        """Return the harmonics as quantities with standard errors."""
         motion, both = self.motion, len(self.channels) == 2
         own = motion.along if _ALONG in self.channels else motion.normal
         frequency = Estimate(self.frequency, self.frequency_error)
@@ -334,7 +334,7 @@ def measured_motion(
     Parameters
     ----------
     path : str or path
-        Text file of columns, as for ``vibro compare``, with any separator and decimal points or commas.
+        Text file of columns, with any separator and decimal points or commas.
     trough_along, trough_normal : str, optional
         Headers of the columns of the motion along the trough (positive in the conveying direction) and normal
         to it (positive upwards): accelerations [m/s^2, g], velocities [mm/s], displacements [mm] or voltages.
@@ -453,23 +453,22 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
     if len(record.trough) == 2:
         if drive_angle is not None:
             both = "two sensors measure the drive angle, which is given too"
-            raise InputError(both, hint="leave out drive_angle=, or one of the sensors")
+            raise InputError(both, hint="leave out the drive angle, or one of the sensors")
         return
     (name,) = record.trough
     other = _NORMAL if name == _ALONG else _ALONG
     if drive_angle is None:
         missing = "normal to the trough" if other == _NORMAL else "along it"
         unknown = f"one sensor alone does not measure the motion {missing}"
-        hint = f"name {other}= too, or give the angle of the line that the trough moves along:"
-        hint += " drive_angle=math.radians(20)"
+        hint = f"name {other} too, or give the drive angle: that of the line that the trough moves along"
         raise InputError(unknown, hint=hint)
     quantity = QUANTITIES["drive_angle"]
     if not (math.isfinite(drive_angle) and quantity.allows(drive_angle)):
-        said = f"drive_angle = {quantity.text(quantity.from_si(drive_angle))}"
+        said = f"drive angle = {quantity.text(quantity.from_si(drive_angle))}"
         raise InputError(f"{said}: must be {quantity.allowed.text(quantity.unit)}")
     if name == _NORMAL and math.sin(drive_angle) < TOL.least_component:
-        level = "trough_normal= cannot measure a motion along the trough, at a drive angle of"
-        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {other}=")
+        level = "trough_normal cannot measure a motion along the trough, at a drive angle of"
+        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {other}")
 
 
 def _check_size(record: Record, span: float, frequency: float) -> None:
@@ -621,7 +620,7 @@ def _rest(time: Floats, values: Floats, frequency: float, order: int) -> Floats:
 def _fundamental(
     record: Record, frequency: Estimate, sizes: Complexes, covariance: Complexes, rest: Floats, span: float
 ) -> Trough:
-    """Return the fundamental for ``vibro compare``; ``rest`` are the residuals by channel [m/s^2]."""
+    """Return the fundamental; ``rest`` are the residuals by channel [m/s^2]."""
     middle = 0.5 * float(record.time[0] + record.time[-1])
     at_zero = np.exp(-1j * math.tau * frequency.value * middle)
     powers = 0.5 * abs(sizes) ** 2

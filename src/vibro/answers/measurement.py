@@ -1,0 +1,401 @@
+"""The answer about a record: what the trough does, and what a part does beside the exact motion."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
+from vibro.errors import printable
+from vibro.quantities import DEFAULTS, MOST_HARMONICS, QUANTITIES
+from vibro.records.tolerances import TOL
+from vibro.records.trough_drives import MEASURED
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from vibro.files.csv_tables import TableColumns
+    from vibro.records.comparison import Comparison
+    from vibro.records.fitting import Fit, Parameter
+    from vibro.records.folding import Estimate
+    from vibro.records.measured_speeds import HopOnset
+    from vibro.records.measurement import Measurement
+    from vibro.records.trough_drives import TroughDrive
+    from vibro.records.waveforms import MeasuredMotion
+    from vibro.sweeps.request import Request
+
+# Kind of a figure -> its unit, and the size of that in SI units; friction is per unit mass without a mass.
+_UNITS: Final = {
+    "displacement": ("mm", 1e-3),
+    "velocity": ("mm/s", 1e-3),
+    "time": ("ms", 1e-3),
+    "acceleration": ("m/s^2", 1.0),
+    "friction": ("m/s^2", 1.0),
+}
+_MM: Final = 1e3  # in a metre
+_USUAL: Final = ("advance", "mean_speed", "peak", "slip")  # words in the names of figures that people ask for
+_FIGURES: Final = ("quantity", "unit", "measured", "standard_error", "computed", "difference_percent")
+_FITTED: Final = ("fitted", "estimate", "95 % interval", "given")
+_OF_A_WAVE: Final = (("amplitude", "mm"), ("phase", "deg"))
+_WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
+_CALIBRATIONS: Final = {
+    "gain": f"{100.0 * TOL.gain:g} % of gain",
+    "tilt": f"{math.degrees(TOL.tilt):g} deg of tilt",
+    "delay": f"{1e6 * TOL.delay:g} us between the channels",
+}
+
+
+def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
+    """Make the answer about a record.
+
+    Parameters
+    ----------
+    m : Measurement
+        What is known of it.
+    data : Path
+        Its file.
+    request : Request
+        The scene, with what was measured of its drive.
+    """
+    time = m.record.time
+    cycles = float(np.ptp(time)) * request.fixed["frequency"]
+    size = f"{time.size} rows, {shown(cycles)} cycles, {shown((time.size - 1) / cycles)} samples a cycle"
+    facts = [Fact("record", f"{printable(str(data))}: {size}")]
+    record: dict[str, Any] = {
+        "record": str(data),
+        "rows": time.size,
+        "columns": dict(m.record.headers),
+        "scene": scene_table(request),
+        "warnings": m.warnings,
+    }
+    tables: list[Table] = []
+    if m.trough:
+        facts += _drive_facts(m.trough, request)
+        record["trough"] = _trough_record(m.trough)
+    if m.motion and m.onset:
+        facts += [*_motion_facts(m, m.motion, m.onset), *_speed_facts(m, m.motion)]
+        record |= _motion_record(m, m.motion, m.onset)
+    if m.comparison:
+        figures = _figures(m, m.comparison)
+        facts += _comparison_facts(m.comparison, request, is_measured=m.trough is not None)
+        tables += _figure_tables(figures)
+        record |= _comparison_record(m.comparison, figures)
+    if m.motion:
+        tables.append(_harmonics_table(m.motion, is_rare=m.motion.order == 1 or m.comparison is not None))
+    if m.fit:
+        tables.append(_fit_table(m.fit, request))
+        record["fit"] = {p.name: _parameter_record(p) for p in m.fit.parameters}
+    title = " – ".join(filter(None, (printable(data.name), request.name)))
+    return Answer(facts, tables, _notes(m, request), record, title)
+
+
+def scene_table(request: Request) -> dict[str, Any]:
+    """Return the table ``[scene]`` of the file of a scene; harmonics are lists."""
+    values: dict[str, Any] = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
+    orders = [n for n in range(2, MOST_HARMONICS + 1) if f"along_amplitude_{n}_mm" in values]
+    for way in ("along", "normal") if orders else ():
+        for what, unit in _OF_A_WAVE:
+            columns = [f"{way}_{what}_{unit}", *(f"{way}_{what}_{n}_{unit}" for n in orders)]
+            values[f"{way}_{what}s_{unit}"] = [values.pop(column) for column in columns]
+    return values
+
+
+def scene_file(m: Measurement, data: Path, request: Request) -> str:
+    """Write the scene file of a measured trough."""
+    import tomlkit
+
+    assert m.trough is not None
+    head = [f"# The motion of a trough, measured in {printable(data.name)}. Its first harmonic:"]
+    head += [f"# {fact.label} {fact.text}" for fact in _drive_facts(m.trough, request)]
+    return "\n".join([*head, "", tomlkit.dumps({"scene": scene_table(request)})])
+
+
+# --- the trough -----------------------------------------------------------------------------------------
+
+
+def _drive_facts(trough: TroughDrive, request: Request) -> list[Fact]:
+    """Return line or ellipse of the first harmonic."""
+    given = [(name, request.fixed[name]) for name in sorted(trough.needed & request.fixed.keys())]
+    return [
+        *(_estimated(name, estimate) for name, estimate in trough.first.quantities.items()),
+        *(Fact(QUANTITIES[name].label, x, QUANTITIES[name].unit, note="as given") for name, x in given),
+    ]
+
+
+def _estimated(name: str, estimate: Estimate) -> Fact:
+    quantity = QUANTITIES[name]
+    value, error = (float(quantity.from_si(x)) for x in estimate)
+    return Fact(quantity.label, value, quantity.unit, error)
+
+
+def _motion_facts(m: Measurement, measured: MeasuredMotion, onset: HopOnset) -> list[Fact]:
+    standing = f"{measured.significant} of {measured.p_values.size} stand out of the noise"
+    begins = Fact("hopping begins", "never: the trough moves along itself alone")
+    if onset.amplitudes:
+        sizes = (_estimated(*pair) for pair in onset.amplitudes.items())
+        note = ", ".join(f"{size.label} {size.text}" for size in sizes)
+        begins = Fact(begins.label, onset.growth.value, "times today's motion", onset.growth.error, note)
+    return [
+        Fact("harmonics", standing, is_rare=m.comparison is not None),
+        Fact("throw number", onset.throw_number.value, "", onset.throw_number.error, "parts hop above 1"),
+        begins,
+    ]
+
+
+def _speed_facts(m: Measurement, measured: MeasuredMotion) -> list[Fact]:
+    """Return the speed of a part on the measured motion, and what would change it."""
+    speeds = m.speeds
+    if speeds is None:
+        return [Fact("speed", None, note="it needs the friction of a part: mu_s and mu_d")]
+    speed, error = (_MM * x for x in speeds.speed)
+    is_known = not math.isnan(speed)
+    note = f"computed, {speeds.regime.label}" if is_known else speeds.status.message
+    shares = [f"{shown(100.0 * share, 3)} % {one.label}" for one, share in speeds.shares.items()]
+    shares += [f"{shown(100.0 * speeds.unknown, 3)} % without a speed"] if speeds.unknown else []
+
+    def change(metres: float) -> str:
+        return (
+            f"{shown(100.0 * _MM * metres / abs(speed), 2)} %" if speed else f"{shown(_MM * metres, 2)} mm/s"
+        )
+
+    facts = [Fact("speed", speed, "mm/s", error, note)]
+    if is_known:
+        changes = ", ".join(f"{change(x)} ({_CALIBRATIONS[name]})" for name, x in speeds.calibrations.items())
+        text = f"changes the speed by {changes}"
+        facts.append(Fact("calibration", text))
+    facts.append(Fact("noise", f"{', '.join(shares)}, in {speeds.draws} draws", is_rare=True))
+    if is_known and measured.order > 1:
+        facts.append(
+            Fact("last harmonic", f"changes the speed by {change(speeds.last_harmonic)}", is_rare=True)
+        )
+    return facts
+
+
+def _harmonics(measured: MeasuredMotion) -> list[dict[str, float]]:
+    """Return amplitude and phase of each harmonic in the directions that were measured."""
+    ways = [
+        (way, getattr(measured, way), i)
+        for i, way in enumerate(_WAYS[channel] for channel in measured.channels)
+    ]
+    rows = []
+    for k in range(measured.order):
+        row: dict[str, float] = {"order": k + 1, "acceleration_share": float(measured.shares[k])}
+        for way, values, i in ways:
+            row |= {
+                f"{way}_amplitude_mm": _MM * abs(values[k]),
+                f"{way}_amplitude_error_mm": _MM * float(measured.standard_errors[k, i]),
+                f"{way}_phase_deg": math.degrees(float(np.angle(values[k]))),
+                f"{way}_phase_error_deg": math.degrees(measured.phase_errors[k, i]),
+            }
+        rows.append(row | {"p_value": float(measured.p_values[k])})
+    return rows
+
+
+def _harmonics_table(measured: MeasuredMotion, *, is_rare: bool) -> Table:
+    kinds = [(_WAYS[c], what, unit) for c in measured.channels for what, unit in _OF_A_WAVE]
+    rows: list[list[Any]] = [
+        [
+            str(one["order"]),
+            *(
+                uncertain(one[f"{w}_{what}_{unit}"], one[f"{w}_{what}_error_{unit}"])
+                for w, what, unit in kinds
+            ),
+            100.0 * one["acceleration_share"],
+        ]
+        for one in _harmonics(measured)
+    ]
+    heads = [("harmonic", ""), *((way, unit) for way, _, unit in kinds), ("acceleration", "%")]
+    return Table("harmonics", heads, rows, is_rare=is_rare)
+
+
+def _trough_record(trough: TroughDrive) -> dict[str, Any]:
+    content: dict[str, Any] = {}
+    for name, estimate in trough.drive.quantities.items():
+        fact = _estimated(name, estimate)
+        content[QUANTITIES[name].column] = {"measured": fact.value, "standard_error": _known(fact.error)}
+    motion = trough.drive.trough
+    content["phase_normal_to_along_deg"] = _known(math.degrees(motion.phase))
+    for name, wave in (("along", motion.along), ("normal", motion.normal)):
+        if wave is not None:
+            content[name] = {
+                "column": wave.header,
+                "acceleration_m_s2": {"measured": abs(wave.value), "standard_error": _known(wave.error)},
+                "harmonics": wave.harmonics,
+                "rest": wave.rest,
+            }
+    return content
+
+
+def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) -> dict[str, Any]:
+    hops = {
+        "times_todays_amplitude": onset.growth.value,
+        "times_todays_amplitude_error": onset.growth.error,
+    }
+    for name, size in onset.amplitudes.items():
+        hops |= {f"{name}_mm": _MM * size.value, f"{name}_error_mm": _MM * size.error}
+    speeds = m.speeds
+    return {
+        "frequency_hz": measured.frequency,
+        "frequency_error_hz": measured.frequency_error,
+        "time_of_phase_0_s": measured.clock,
+        "harmonics_found": measured.significant,
+        "harmonics_sought": measured.p_values.size,
+        "harmonics": _harmonics(measured),
+        "throw_number": onset.throw_number.value,
+        "throw_number_error": onset.throw_number.error,
+        "hop_onset": hops if onset.amplitudes else None,
+        "speed": speeds
+        and {
+            "mean_velocity_mm_s": _known(_MM * speeds.speed.value),
+            "mean_velocity_error_mm_s": _known(_MM * speeds.speed.error),
+            "regime": speeds.regime.label,
+            "status": speeds.status.label,
+            "draws": speeds.draws,
+            "shares": {regime.label: share for regime, share in speeds.shares.items()},
+            "share_without_speed": speeds.unknown,
+            "last_harmonic_mm_s": _known(_MM * speeds.last_harmonic),
+            "calibration_mm_s": {name: _known(_MM * x) for name, x in speeds.calibrations.items()},
+        },
+    }
+
+
+# --- the part -------------------------------------------------------------------------------------------
+
+
+def _comparison_facts(comparison: Comparison, request: Request, *, is_measured: bool) -> list[Fact]:
+    observation, alignment = comparison.observation, comparison.alignment
+    given = [
+        f"{QUANTITIES[name].label} {shown(value, 6)} {QUANTITIES[name].unit}".rstrip()
+        for name, value in request.told.items()
+        if value != DEFAULTS.get(name) and not (is_measured and name in MEASURED)
+    ]
+    scene = ": ".join(filter(None, (printable(request.name or ""), ", ".join(given))))
+    facts = [Fact("scene", f"{scene}, pattern {comparison.motion.pattern}")]
+    if comparison.recorded.absolute:
+        facts.append(Fact("data", "over the ground: the trough's computed motion is taken off"))
+    if not math.isnan(alignment.shift):
+        begin = (float(observation.time[0]) + alignment.shift) % observation.period
+        way = comparison.passing
+        after = f"ms after {f'the trough passes its middle {way}' if way else 'phase 0 of the drive'}"
+        facts.append(Fact("record begins", 1e3 * begin, after, 1e3 * alignment.error, is_rare=True))
+    return facts
+
+
+def _unit(kind: str, mass: float | None) -> tuple[str, float]:
+    """Return the unit of a kind of figure, and its size in SI units."""
+    return ("N", 1.0 / mass) if kind == "friction" and mass is not None else _UNITS[kind]
+
+
+def _figures(m: Measurement, comparison: Comparison) -> list[list[Any]]:
+    """Return key, unit, measured value, its error, computed value and difference [%] of every figure."""
+    rows = list[list[Any]]()
+    for row in comparison.rows:
+        unit, size = _unit(row.kind, m.mass)
+        measured, error, computed = (x / size for x in (*row.measured, row.computed))
+        is_relative = row.kind != "time" and computed != 0.0
+        difference = 100.0 * (measured - computed) / computed if is_relative else math.nan
+        rows.append([row.key, unit, measured, error, computed, difference])
+    return rows
+
+
+def _figure_tables(figures: list[list[Any]]) -> list[Table]:
+    """Return the usual figures and the others."""
+    usual, others = list[list[Any]](), list[list[Any]]()
+    for key, unit, measured, error, computed, difference in figures:
+        off = "" if math.isnan(difference) else f"{difference:+.1f} %"
+        own = uncertain(measured, error) if math.isfinite(measured) else "not seen"
+        part = usual if any(word in key for word in _USUAL) else others
+        part.append(
+            [key.replace("_", " "), unit, own, "" if math.isnan(computed) else shown(computed, 6), off]
+        )
+    heads = [(head, "") for head in ("", "unit", "measured", "computed", "difference")]
+    tables = Table("figures", heads, usual), Table("figures", heads, others, "more figures", is_rare=True)
+    return [table for table in tables if table.rows]
+
+
+def _comparison_record(comparison: Comparison, figures: list[list[Any]]) -> dict[str, Any]:
+    return {
+        "absolute": comparison.recorded.absolute,
+        "pattern": comparison.motion.pattern,
+        "trough_time_at_zero_s": _known(comparison.alignment.shift),
+        "trough_time_error_s": _known(comparison.alignment.error),
+        "figures": {
+            key: dict(zip(_FIGURES[1:], map(_known, cells), strict=False)) for key, *cells in figures
+        },
+    }
+
+
+def columns_of(m: Measurement) -> dict[str, TableColumns]:
+    """Return the columns of its CSVs: signals over time and figures of a part, else a trough's harmonics."""
+    if m.comparison is None:
+        rows = _harmonics(m.motion) if m.motion else []
+        return {"": {key: np.array([row[key] for row in rows], np.float64) for key in rows[0]}}
+    observation, comparison = m.comparison.observation, m.comparison
+    signals: dict[str, Any] = {
+        "time_s": observation.time,
+        "trough_time_s": comparison.trough_time % comparison.motion.period,
+    }
+    for name, values in observation.signals.items():
+        unit, size = _unit(name, m.mass)
+        suffix = unit.replace("/", "_").replace("^", "")
+        signals[f"{name}_measured_{suffix}"] = values / size
+        signals[f"{name}_computed_{suffix}"] = comparison.computed[name] / size
+    quantities, units, *numbers = zip(*_figures(m, comparison), strict=True)
+    summary = {_FIGURES[0]: quantities, _FIGURES[1]: units}
+    columns = dict(zip(_FIGURES[2:], np.array(numbers, np.float64), strict=True))
+    return {"": signals, "summary": {**summary, **columns}}
+
+
+# --- the fit --------------------------------------------------------------------------------------------
+
+
+def _fit_table(fit: Fit, request: Request) -> Table:
+    rows = []
+    for p in fit.parameters:
+        quantity, found = QUANTITIES[p.name], _parameter_record(p)
+        # to two digits of half the narrowest interval
+        halves = [0.5 * (high - low) for low, high in found["intervals"]]
+        least = max(min(halves, default=1.0), sys.float_info.epsilon * abs(found["high"] or 1.0))
+        digits = max(0, 1 - math.floor(math.log10(least)))
+        pieces = [f"{low:.{digits}f} ... {high:.{digits}f}" for low, high in found["intervals"]]
+        estimate = "-" if found["estimate"] is None else f"{found['estimate']:.{digits}f}"
+        interval = " or ".join(pieces) or "not identified"
+        name = f"{quantity.letter} [{quantity.unit}]" if quantity.unit else quantity.letter
+        rows.append([name, estimate, interval, shown(request.fixed[p.name], 6)])
+    return Table("fit", [(name, "") for name in ("fitted", "estimate", "95 % interval", "given")], rows)
+
+
+def _parameter_record(p: Parameter) -> dict[str, Any]:
+    quantity = QUANTITIES[p.name]
+
+    def outside(value: float) -> Any:
+        return _known(float(quantity.from_si(value)))
+
+    return {
+        "unit": quantity.unit,
+        "estimate": outside(p.value) if p.identified else None,
+        "low": outside(p.low),
+        "high": outside(p.high),
+        "intervals": [[outside(low), outside(high)] for low, high in p.intervals],
+    }
+
+
+def _notes(m: Measurement, request: Request) -> list[str]:
+    """Return which feature gives each estimate, what cannot be told, and what no interval covers."""
+    if m.fit is None:
+        return []
+    known = {*(m.trough.drive.quantities if m.trough else ()), *(p.name for p in m.fit.parameters)}
+    angle = request.fixed.get("drive_angle")
+    notes = list(m.fit.statements)
+    if angle is not None and "drive_angle" not in known:
+        notes.append(
+            f"the drive angle of {shown(angle, 6)} deg is taken as exact: no interval holds its error"
+        )
+    return notes
+
+
+def _known(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

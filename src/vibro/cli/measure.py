@@ -1,0 +1,259 @@
+"""``vibro measure``: what a trough does, and a part on it, from a record of sensors, a video or CAD."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
+from vibro.cli.options import AllOption, Options
+from vibro.cli.outputs import PICTURES
+from vibro.errors import InputError, cut, shown
+from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+    from vibro.axes import AxisSpec
+    from vibro.records.reading import Record
+    from vibro.records.trough_drives import TroughDrive
+    from vibro.sweeps.request import Request
+
+#: Endings of what it can write.
+FORMS: Final = ("csv", "json", "html", *PICTURES, "toml")
+_NO_MACHINE: Final = "a record is compared with the motion that the trough had"
+_FRICTIONS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
+# In place of what a scene lacks while the rest of it is read: valid with any rest, in users' units.
+_ANY_DRIVE: Final = {"amplitude": "1", "drive_angle": "0", "frequency": "1"}
+_ANY_FRICTION: Final = {"static_friction": "1", "kinetic_friction": "1"}
+
+
+def _column(name: str, text: str, *, hidden: bool = False) -> Any:
+    return typer.Option(f"--{name}", metavar="HEADER", help=text, show_default=False, hidden=hidden)
+
+
+def measure_command(
+    context: typer.Context,
+    options: Options,
+    time: Annotated[str | None, _column("time", "Column of the time.", hidden=True)] = None,
+    displacement: Annotated[
+        str | None, _column("displacement", "Column of a part's displacement on the trough.")
+    ] = None,
+    velocity: Annotated[str | None, _column("velocity", "Of its velocity.")] = None,
+    acceleration: Annotated[str | None, _column("acceleration", "Of its acceleration.", hidden=True)] = None,
+    friction: Annotated[
+        str | None, _column("friction", "Of the friction force on it; needs --mass.", hidden=True)
+    ] = None,
+    trough_along: Annotated[
+        str | None, _column("trough-along", "Of the trough's motion along itself, forwards.")
+    ] = None,
+    trough_normal: Annotated[str | None, _column("trough-normal", "Of that normal to it, upwards.")] = None,
+    sensitivity: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--sensitivity",
+            metavar="100mV/g",
+            help="Of voltages; of one column velocity=125mm/s/V.",
+            show_default=False,
+        ),
+    ] = None,
+    mass: Annotated[
+        str | None,
+        typer.Option("--mass", metavar="X", help="Mass of the part [kg].", show_default=False, hidden=True),
+    ] = None,
+    reverse: Annotated[
+        bool,
+        typer.Option(
+            "--reverse", help="The data's axis points against the conveying direction.", hidden=True
+        ),
+    ] = False,
+    absolute: Annotated[
+        bool, typer.Option("--absolute", help="The part's data are over the ground, as on video.")
+    ] = False,
+    fit: Annotated[
+        str | None,
+        typer.Option(
+            "--fit", metavar="mu_s,mu_d", help="Estimate these from the part's data.", show_default=False
+        ),
+    ] = None,
+    every: AllOption = False,
+) -> int:
+    """Find what a trough does, and a part on it, from a record.
+
+    Columns of a part are found by their units: its motion stands beside the exact one. Those of sensors on
+    the trough are named; -o DRIVE.toml writes its motion as a scene file.
+    """
+    from vibro.answers.measurement import columns_of, measurement_answer, scene_file
+    from vibro.cli.outputs import Outputs
+    from vibro.cli.request import question, request_of
+    from vibro.core.codes import Status
+    from vibro.files.scene_files import read_scene_file
+    from vibro.quantities import LOAD, MASS, checked_number
+    from vibro.records.measurement import measure
+    from vibro.records.reading import read_record
+    from vibro.records.signals import read_sensitivities
+    from vibro.tables.record import json_text
+
+    console, argv = Console(quiet=options.quiet), context.obj
+    options, data = _scene_and_record(options)
+    body = None if mass is None else checked_number(mass, MASS)
+    given = {
+        "time": time, "displacement": displacement, "velocity": velocity, "acceleration": acceleration,
+        "friction": friction, "trough_along": trough_along, "trough_normal": trough_normal,
+    }  # fmt: skip
+    columns = {name: text for name, text in given.items() if text is not None}
+    record = read_record(data, columns, read_sensitivities(sensitivity or ()))
+    console.echo_all(record.notes)
+    if "friction" in record.signals and body is None:
+        if friction is not None:
+            raise InputError("a force needs the mass of the body", hint="give its mass, such as 20g")
+        console.warn(
+            f"column {shown(record.headers['friction'])} is left out: a force needs the mass of the part"
+        )
+    scene = read_scene_file(options.scene).scene if options.scene else {}
+    has_friction = not {*options.given, *scene}.isdisjoint(_FRICTIONS)
+    has_part = bool({*record.signals} - ({"friction"} if body is None else set()))
+    compares = not record.trough or (has_part and (has_friction or fit is not None))
+    if has_part and not compares:
+        console.echo("the part is not compared with the exact motion: that needs its friction, mu_s and mu_d")
+    if fit is not None and not has_part:
+        raise InputError("fit: the record holds no signal of a part", hint='name one: displacement "X [mm]"')
+    if not record.trough and any(text.casefold().endswith(".toml") for text in options.output or ()):
+        lacks = "the record holds no motion of the trough for a scene file"
+        raise InputError(lacks, hint="name trough_along or trough_normal, or leave out the name with .toml")
+
+    tables, pictures = (("", "summary"), ("",)) if compares else (("",), ())
+    outputs = Outputs(
+        options, f"{data.stem}-measured", argv, console, forms=FORMS, tables=tables, pictures=pictures,
+        reads=(data, options.scene),
+    )  # fmt: skip
+    with outputs:
+        trough, found = None, set[str]()
+        if record.trough:
+            rest = {} if has_friction or compares else _ANY_FRICTION
+            trough, request = _measured_trough(
+                record, options, argv, scene, rest, reverse=reverse, compares=compares, fits=fit is not None
+            )
+            request = replace(request, specs={n: s for n, s in request.specs.items() if n not in rest})
+            found = {*trough.drive.quantities, LOAD.name}
+            console.echo_all(trough.notes)
+        else:
+            request = request_of(options, argv, without_machine=_NO_MACHINE)
+        question(request, options, found)
+        with console.progress("fitting" if fit else "comparing", None) as bar:
+            m = measure(
+                record, trough, _others(request), request.scene() if compares else None, _fitted_names(fit),
+                mass=body, reverse=reverse, absolute=absolute,
+                progress=lambda done, total, what: bar(done, what, total),
+            )  # fmt: skip
+        answer = measurement_answer(m, data, request)
+        for warning in m.warnings:
+            console.warn(warning)
+
+        def draw() -> dict[str, Figure]:
+            from vibro.plots.comparison import comparison_figure
+
+            if not m.comparison:
+                return {}
+            title = f"{answer.title}, computed pattern {m.comparison.motion.pattern}"
+            return {"": comparison_figure(m.comparison, title, request.told, m.fitted)}
+
+        def page(figures: Mapping[str, Figure]) -> str:
+            doubted = replace(answer, notes=[*m.warnings, *answer.notes])
+            drawn = {"the part's signals, measured and computed": figures[""]} if figures else {}
+            return doubted.html(drawn, shlex.join(["vibro", *argv]))
+
+        texts = {"html": page, "toml": lambda _: scene_file(m, data, request)}
+        outputs.write(lambda: columns_of(m), draw, answer.content(), texts)
+    if not outputs.takes_stdout:
+        print(json_text(answer.content()) if options.json else answer.text(every=every))
+    is_open = m.speeds is not None and m.speeds.status is Status.UNRESOLVED
+    return ExitCode.UNRESOLVED if is_open else ExitCode.DONE
+
+
+def _scene_and_record(options: Options) -> tuple[Options, Path]:
+    """Tell scene file and record apart: the scene may be given by options alone."""
+    scenes = [path for path in options.files if path.suffix.casefold() == ".toml"]
+    others = [path for path in options.files if path not in scenes]
+    if len(others) != 1:
+        raise InputError(
+            f"{len(others)} records of {len(options.files)} files: one is wanted, RECORD.csv",
+            hint="for example: vibro measure scene.toml record.csv",
+        )
+    return options.of(*scenes), others[0]
+
+
+def _measured_trough(
+    record: Record,
+    options: Options,
+    argv: Sequence[str],
+    scene: Mapping[str, AxisSpec],
+    rest: Mapping[str, str],
+    *,
+    reverse: bool,
+    compares: bool,
+    fits: bool,
+) -> tuple[TroughDrive, Request]:
+    """Measure the trough, and put its motion in the place of the drive that the scene gives.
+
+    ``scene`` is the scene file's; ``rest`` stands for what neither that nor the options give.
+    """
+    from vibro.cli.request import request_of
+    from vibro.quantities import checked_number
+    from vibro.records.trough_drives import MEASURED, trough_drive
+
+    if "normal_acceleration" in {*options.given, *scene}:
+        raise InputError(
+            "a clamped part is not computed on a measured motion",
+            hint="leave its normal force out, and give it to vibro solve beside the scene file of -o",
+        )
+    typed = {name: text for name, text in options.given.items() if STANDS_FOR.get(name, name) in MEASURED}
+    kept = {name: text for name, text in options.given.items() if name not in typed}
+
+    def with_drive(drive: Mapping[str, str], measured: set[str]) -> Request:
+        filled = replace(options, given={**kept, **rest, **drive})
+        return request_of(filled, argv, without_machine=_NO_MACHINE, measured=measured)
+
+    others = _others(with_drive(_ANY_DRIVE, {*MEASURED}))
+    own = {name: spec.values[0] for name, spec in scene.items() if name in MEASURED}
+    own |= {name: checked_number(text, QUANTITIES[name]) for name, text in typed.items()}
+    found = trough_drive(
+        record,
+        {name: float(QUANTITIES[name].to_si(value)) for name, value in own.items()},
+        others if compares else None,
+        reverse=reverse,
+        fits=fits,
+    )
+    problems = [
+        f"{QUANTITIES[name].typed(cut(text))}: the {QUANTITIES[name].label} is measured already"
+        for name, text in typed.items()
+        if STANDS_FOR.get(name, name) not in found.needed
+    ]
+    if problems:
+        raise InputError(*problems, hint="leave it out, or the columns of the trough")
+    needed = found.needed if found.drive is found.first else set()
+    given = {name: text for name, text in typed.items() if name in needed}
+    return found, with_drive({**given, **found.texts}, {*MEASURED} - needed)
+
+
+def _others(request: Request) -> dict[str, float]:
+    """Return the fields of a scene besides its drive [SI]."""
+    from vibro.records.trough_drives import MEASURED
+
+    fields: dict[str, float] = scene_fields({n: x for n, x in request.fixed.items() if n not in MEASURED})
+    return fields
+
+
+def _fitted_names(text: str | None) -> list[str]:
+    """Return the names of quantities that are given by letters; what is none is named as it is."""
+    from vibro.quantities import find_quantity
+
+    parts = text.split(",") if text is not None else []
+    return [quantity.name if (quantity := find_quantity(part)) else part.strip() for part in parts]

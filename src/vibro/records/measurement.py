@@ -1,0 +1,110 @@
+"""Everything that a record tells: of the trough, and of a part beside the exact motion of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from vibro.records.alignment import Observation
+from vibro.records.comparison import Comparison, compare
+from vibro.records.fitting import Fit, check_names, fit
+from vibro.records.measured_speeds import HopOnset, Speeds, hop_onset, speeds_of
+from vibro.records.reading import Record
+from vibro.records.trough_drives import TroughDrive
+from vibro.records.waveforms import MeasuredMotion
+from vibro.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What is known of a record.
+
+    Attributes
+    ----------
+    record : Record
+        Its signals.
+    trough : TroughDrive or None
+        The trough's motion, if sensors were on it.
+    onset : HopOnset or None
+        Its throw number, and where parts begin to hop, if all its harmonics are known.
+    speeds : Speeds or None
+        The speed of a part on it, if friction is known too.
+    comparison, fitted : Comparison or None
+        The signals of a part beside the scene, and beside the one that is fitted to them.
+    fit : Fit or None
+        Estimates from these signals.
+    mass : float or None
+        Mass of the part [kg]; without it friction is per unit mass.
+    """
+
+    record: Record
+    trough: TroughDrive | None = None
+    onset: HopOnset | None = None
+    speeds: Speeds | None = None
+    comparison: Comparison | None = None
+    fit: Fit | None = None
+    fitted: Comparison | None = None
+    mass: float | None = None
+
+    @property
+    def motion(self) -> MeasuredMotion | None:
+        """The trough's motion with all its harmonics, if they are known."""
+        return self.trough.measured if self.trough else None
+
+    @property
+    def warnings(self) -> list[str]:
+        """Reasons to doubt it."""
+        return [text for one in (self.trough, self.comparison) if one for text in one.warnings]
+
+
+def measure(
+    record: Record,
+    trough: TroughDrive | None,
+    others: Mapping[str, float],
+    scene: Scene | None = None,
+    names: Sequence[str] = (),
+    *,
+    mass: float | None = None,
+    reverse: bool = False,
+    absolute: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Measurement:
+    """Find what a record tells.
+
+    Parameters
+    ----------
+    record : Record
+        The record.
+    trough : TroughDrive or None
+        The trough's motion, if sensors were on it.
+    others : mapping of str to float
+        Fields of ``Scene`` besides the drive; a speed is computed if friction is among them [SI].
+    scene : Scene, optional
+        With which the signals of a part are compared.
+    names : sequence of str
+        Quantities that are fitted to them.
+    mass : float, optional
+        Mass of the part [kg].
+    reverse, absolute : bool
+        As for ``Observation.of``.
+    progress : callable, optional
+        As for ``fit``.
+
+    Raises
+    ------
+    InputError, VibroError
+        As for ``compare`` and ``fit``.
+    """
+    onset = speeds = comparison = found = fitted = None
+    if trough and trough.measured:
+        onset = hop_onset(trough.measured, others)
+        speeds = speeds_of(trough.measured, others) if "static_friction" in others else None
+    if scene is not None:
+        check_names(scene, names)
+        frequency, clock = float(scene.frequency), trough.drive.clock if trough else None
+        seen = Observation.of(record, frequency, mass=mass, reverse=reverse, clock=clock, absolute=absolute)
+        comparison = compare(scene, seen)
+        if names:
+            found = fit(scene, seen, names, trough.drive.moved if trough else (), progress)
+            fitted = compare(found.scene, seen)
+    return Measurement(record, trough, onset, speeds, comparison, found, fitted, mass)

@@ -1,0 +1,372 @@
+"""``vibro measure`` of sensors on a trough: its motion, a scene file of it, and a part on that motion."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import runpy
+import shlex
+import shutil
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from engines.harmonic_flight import Body, Settled
+from helpers.commands import Run, rows_of
+from helpers.feeders import Feeder, feeder
+from helpers.made_records import EXAMPLES, trough_record
+from helpers.measured_drives import Drawn, write_record
+
+import vibro
+from vibro.records.measured_speeds import Speeds, speeds_of
+from vibro.records.signals import read_sensitivities
+
+SCENE = EXAMPLES / "safety_nut.toml"
+NUT = EXAMPLES / "data" / "nut_trough_mv.csv"
+MADE: dict[str, Any] = runpy.run_path(str(EXAMPLES / "data" / "make_nut_trough_mv.py"))
+ALONG, NORMAL = ("--trough-along", "Trog längs"), ("--trough-normal", "Trog normal")
+SENSORS = (*ALONG, *NORMAL, "--sensitivity", "100mV/g")
+FRICTION = ("--mu-s", "0.74", "--mu-d", "0.57")
+BOTH = ("--trough-along", "x [m/s^2]", "--trough-normal", "y [g]")
+TRUE = {"amplitude_mm": 1.02, "frequency_hz": 15.003, "drive_angle_deg": 20.5}
+GUIDE = (EXAMPLES.parent / "docs" / "guide" / "measure.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def made(tmp_path: Path) -> tuple[Path, Feeder]:
+    """A record of a feeder with three harmonics, and what it moves like."""
+    true = feeder(2)
+    record = true.record(2)
+    x, y = record.trough.values()
+    path = tmp_path / "feeder.csv"
+    table = np.stack([record.time, x, y / 9.80665], axis=1)
+    np.savetxt(path, table, "%.8g", ",", header="t [s],x [m/s^2],y [g]", comments="")
+    return path, true
+
+
+@pytest.fixture
+def parted(made: tuple[Path, Feeder], tmp_path: Path) -> Path:
+    """The same record with a displacement of a part, which only has to be there."""
+    path, _ = made
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    header = "t [s],x [m/s^2],y [g],way [mm]"
+    target = tmp_path / "part.csv"
+    np.savetxt(target, np.hstack([table, 20.0 * table[:, :1]]), "%.8g", ",", header=header, comments="")
+    return target
+
+
+def scene(path: str) -> dict[str, Any]:
+    content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    assert content.keys() == {"scene"}
+    return dict(content["scene"])
+
+
+def told(result: Any) -> Any:
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout)
+
+
+def test_the_committed_record_is_what_its_script_makes() -> None:
+    header, *lines = NUT.read_text(encoding="utf-8").splitlines()
+    made = MADE["table"]()
+    assert header == ";".join(made)
+    rows = [[float(cell.replace(",", ".") or "nan") for cell in line.split(";")] for line in lines]
+    for values, column in zip(made.values(), np.array(rows).T, strict=True):
+        np.testing.assert_allclose(column, values, atol=2e-2)
+
+
+# --- the trough alone -----------------------------------------------------------------------------------
+
+
+def test_a_motion_whose_speed_is_unresolved_is_exit_code_3(
+    run: Run, made: tuple[Path, Feeder], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def doubtful(*args: Any) -> Speeds:
+        return replace(speeds_of(*args), status=vibro.Status.UNRESOLVED)
+
+    monkeypatch.setattr("vibro.records.measurement.speeds_of", doubtful)
+    assert run("measure", made[0], *BOTH, *FRICTION).exit_code == 3
+
+
+def test_a_record_of_the_trough_and_a_part_becomes_a_scene_that_is_solved(run: Run) -> None:
+    """Both are measured, and compared; the scene file moves along a line, as the facts say."""
+    content = told(run("measure", NUT, *SENSORS, *FRICTION, "-L", "600", "-o", "drive.toml", "--json"))
+    written = scene("drive.toml")
+    assert written == content["scene"]
+    for column, true in TRUE.items():
+        found = content["trough"][column]
+        assert abs(found["measured"] - true) < 3.0 * found["standard_error"] < 0.02 * true
+        assert written[column] == pytest.approx(found["measured"], abs=0.01 * found["standard_error"])
+    speed = told(run("solve", "drive.toml", "--json"))["mean_velocity_mm_s"]
+    assert speed == pytest.approx(content["speed"]["mean_velocity_mm_s"], abs=0.006)
+    # The record's truth: 17.63 mm/s by the closed form of its slide.
+    assert speed == pytest.approx(17.63, abs=0.25)
+    assert content["figures"]["mean_speed"]["computed"] == pytest.approx(speed, rel=1e-9)
+    assert content["figures"]["mean_speed"]["measured"] == pytest.approx(17.633, abs=1e-3)
+    assert content["trough_time_at_zero_s"] == pytest.approx(MADE["TRIGGER_TIME"], abs=1e-4)
+    assert content["warnings"] == []
+    assert run("traverse-time", "drive.toml").exit_code == 0
+
+
+def test_harmonics_are_written_with_the_digits_that_the_record_tells(
+    run: Run, made: tuple[Path, Feeder]
+) -> None:
+    path, true = made
+    frictions = ("--mu-s", ".4", "--mu-d", ".3")
+    content = told(run("measure", path, *BOTH, *frictions, "-o", "feeder.toml", "-o", "h.csv", "--json"))
+    assert content["harmonics_found"] == 3
+    assert content["scene"] == scene("feeder.toml")
+    measured = vibro.measured_motion(path, trough_along="x", trough_normal="y")
+    read = vibro.read_scene("feeder.toml")
+    assert read.along_harmonics is not None
+    got = [float(size) * np.exp(1j * float(phase)) for size, phase in read.along_harmonics]
+    assert np.count_nonzero(got - measured.along) >= 2
+    assert (abs(got - measured.along) < 0.01 * measured.standard_errors[:, 0]).all()
+    assert max(len(f"{x}".replace(".", "").lstrip("-0")) for x in content["scene"]["along_amplitudes_mm"]) < 9
+    rows = rows_of(Path("h.csv").read_text(encoding="utf-8"))
+    for k, one in enumerate(content["harmonics"]):
+        assert {key: float(cell) for key, cell in rows[k].items()} == one
+        exact = true.on_its_clock
+        for way, motion in (("along", exact.along[k]), ("normal", exact.normal[k])):
+            off = one[f"{way}_amplitude_mm"] - 1e3 * abs(motion)
+            assert abs(off) < 4.0 * one[f"{way}_amplitude_error_mm"] < 0.05 * abs(1e3 * motion)
+    speed = content["speed"]
+    exact_speed = 1e3 * float(
+        vibro.solve(vibro.Scene(**true.drive(), static_friction=0.4, kinetic_friction=0.3)).mean_velocity
+    )
+    assert abs(speed["mean_velocity_mm_s"] - exact_speed) < 4.0 * speed["mean_velocity_error_mm_s"]
+    assert speed["shares"] == {speed["regime"]: 1.0}
+    solved = told(run("solve", "feeder.toml", "--json"))
+    off = solved["mean_velocity_mm_s"] - speed["mean_velocity_mm_s"]
+    assert abs(off) < 0.02 * speed["mean_velocity_error_mm_s"]
+    onset = content["hop_onset"]
+    assert onset["times_todays_amplitude"] == pytest.approx(1.0 / content["throw_number"])
+    assert 0.0 < onset["times_todays_amplitude_error"] < 0.01
+
+
+def test_without_friction_neither_speed_nor_part_is_computed(run: Run) -> None:
+    content = told(run("measure", NUT, *SENSORS, "-o", "drive.toml", "--json"))
+    assert content["speed"] is None
+    assert "figures" not in content
+    assert not {"static_friction", "kinetic_friction"} & scene("drive.toml").keys()
+    assert run("solve", "drive.toml", *FRICTION).exit_code == 0
+
+
+def test_a_scene_file_gives_the_rest_of_the_scene(run: Run, made: tuple[Path, Feeder]) -> None:
+    """Its own motion, of whatever kind, is not the trough's."""
+    own = "[scene]\nfrequency_hz = 50\nstatic_friction = 0.74\nfriction_ratio = 0.75\ntrough_angle_deg = 2\n"
+    for drive in (
+        "stroke_mm = 5\ndrive_angle_deg = 3\n",
+        "along_amplitudes_mm = [9, 1, 1, 1]\nalong_phases_deg = [0, 0, 0, 5]\n",
+        "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n",
+    ):
+        Path("own.toml").write_text(own + drive, encoding="utf-8")
+        result = run("measure", "own.toml", made[0], *BOTH, "-o", "drive.toml", "--force")
+        assert result.exit_code == 0, result.stderr
+        written = scene("drive.toml")
+        assert written["frequency_hz"] == pytest.approx(made[1].frequency, rel=1e-4)
+        assert (written["trough_angle_deg"], written["friction_ratio"]) == (2, 0.75)
+        assert len(written["along_amplitudes_mm"]) == 3
+        assert not {"amplitude_mm", "stroke_mm", "drive_angle_deg"} & written.keys()
+
+
+def test_one_sensor_needs_the_drive_angle(run: Run) -> None:
+    one = (*ALONG, *SENSORS[4:])
+    for angle in (("-a", "20.5"), (SCENE, "-a", "20.5")):
+        content = told(run("measure", NUT, *one, *angle, *FRICTION, "-o", "drive.toml", "--json", "--force"))
+        written = scene("drive.toml")
+        assert written["drive_angle_deg"] == 20.5  # as given
+        assert written["amplitude_mm"] == pytest.approx(1.02, abs=5e-3)
+        assert "drive_angle_deg" not in content["trough"]
+        assert content["trough"]["phase_normal_to_along_deg"] is None
+
+
+def test_the_scene_file_may_go_anywhere_but_onto_others(run: Run, made: tuple[Path, Feeder]) -> None:
+    Path("drive.toml").write_text("mine", encoding="utf-8")
+    result = run("measure", made[0], *BOTH, "-o", "drive.toml")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert Path("drive.toml").read_text(encoding="utf-8") == "mine"
+    assert run("measure", made[0], *BOTH, "-o", "drive.toml", "-o", "a/", "--force").exit_code == 0
+    assert "along_amplitudes_mm" in scene("drive.toml")
+    assert {path.name for path in Path("a").iterdir()} == {"feeder-measured.csv", "feeder-measured.json"}
+
+
+@pytest.mark.parametrize("unit", ["g", "mV", "mm/s", "um"])
+def test_a_record_in_any_unit_gives_the_same(run: Run, unit: str) -> None:
+    true = feeder(2)
+    kind = {"mm/s": "velocity", "mm": "displacement", "um": "displacement"}.get(unit, "acceleration")
+    record = true.record(2, seconds=1.0, density=0.0, kind=kind)
+    sizes = {"g": 9.80665, "m/s^2": 1.0, "mV": 9.80665 / 98.7, "mm": 1e-3, "um": 1e-6}
+    table = np.stack([1e3 * record.time, *record.trough.values()], axis=1)
+    table[:, 1:] /= sizes.get(unit, 1e-3)
+    header = f"t [ms];x [{unit}];y [{unit}]"
+    np.savetxt("r.csv", table, "%.12g", ";", header=header, comments="")
+    sensitivity = ("--sensitivity", "98.7mV/g") if unit == "mV" else ()
+    content = told(
+        run("motion", "r.csv", "--trough-along", "x", "--trough-normal", "y", *sensitivity, "--json")
+    )
+    exact = true.on_its_clock
+    assert content["scene"]["frequency_hz"] == pytest.approx(true.frequency, rel=1e-6)
+    for k, one in enumerate(content["harmonics"]):
+        assert one["along_amplitude_mm"] == pytest.approx(1e3 * abs(exact.along[k]), rel=1e-5)
+        assert one["normal_amplitude_mm"] == pytest.approx(1e3 * abs(exact.normal[k]), rel=1e-5)
+        assert one["normal_phase_deg"] == pytest.approx(np.degrees(np.angle(exact.normal[k])), abs=1e-3)
+
+
+# --- a part on it ---------------------------------------------------------------------------------------
+
+
+def test_a_part_is_computed_on_the_harmonics_that_change_its_speed(run: Run, parted: Path) -> None:
+    result = run("compare", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
+    content = told(result)
+    assert re.search(
+        r"the trough moves with 3 harmonics, which change the computed speed by [+-]\d", result.stderr
+    )
+    assert "pure sine" not in result.stderr
+    measured = vibro.measured_motion(parted, trough_along="x", trough_normal="y")
+    solved = vibro.solve(vibro.Scene(**measured.drive(), static_friction=0.4, kinetic_friction=0.3))
+    advance = 1e3 * float(solved.displacement_per_cycle)
+    assert content["figures"]["stroke_advance"]["computed"] == pytest.approx(advance, rel=1e-5)
+    found = content["trough"]["along_amplitude_3_mm"]["measured"]
+    assert found == pytest.approx(1e3 * abs(measured.along[2]))
+
+
+def test_it_is_computed_on_the_fundamental_where_harmonics_do_not_matter_or_are_not_known(
+    run: Run, parted: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    args = ("measure", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
+    for change, said in ((1e-3, False), (float("nan"), True)):
+        monkeypatch.setattr("vibro.records.trough_drives.change_by_harmonics", lambda *_, x=change: x)
+        result = run(*args)
+        assert "along_amplitudes_mm" not in told(result)["scene"]
+        assert ("the first is taken alone" in result.stderr) == said
+
+
+def test_harmonics_of_one_sensor_go_along_the_line_of_the_scene(run: Run, parted: Path) -> None:
+    args = ("--displacement", "way", *BOTH[:2], "--mu-s", ".4", "--mu-d", ".3", "--json")
+    found = told(run("measure", parted, *args, "-a", "25"))["scene"]
+    slope = np.tan(np.radians(25.0))
+    assert found["normal_amplitudes_mm"][2] == pytest.approx(
+        slope * found["along_amplitudes_mm"][2], rel=1e-4
+    )
+    assert "along_amplitudes_mm" not in told(run("measure", parted, *args, "normal=0.2"))["scene"]
+
+
+def test_reverse_leaves_a_sensor_normal_to_the_trough_as_it_is(run: Run) -> None:
+    """It turns the axis along the trough; upwards stays upwards."""
+    args = ("measure", SCENE, NUT, *NORMAL, "--sensitivity", "100mV/g", "--json", "-q")
+    plain, turned = told(run(*args)), told(run(*args, "--reverse"))
+    for key in ("trough", "trough_time_at_zero_s", "scene"):
+        assert plain[key] == turned[key]
+    advances = [content["figures"]["stroke_advance"]["measured"] for content in (plain, turned)]
+    assert advances[0] == pytest.approx(-advances[1])
+
+
+def test_a_bar_says_what_a_fit_searches(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[tuple[Any, ...]] = []
+
+    @contextlib.contextmanager
+    def progress(self: Any, label: str, total: int | None) -> Iterator[Callable[..., None]]:
+        yield lambda *done: seen.append((label, *done))
+
+    monkeypatch.setattr("vibro.cli.console.Console.progress", progress)
+    assert run("measure", SCENE, NUT, *SENSORS, "--fit", "mu_d").exit_code == 0
+    labels, done, whats, totals = zip(*seen, strict=True)
+    assert set(labels) == {"fitting"}
+    assert {"patterns", "estimates", "intervals"} <= set(whats)
+    assert list(done) == list(range(len(seen)))
+    assert totals[-1] == len(seen)
+
+
+def feeder_file(harmonic: float, *, cycles: float = 12.0, ellipse: float = 0.0) -> Path:
+    """Write accelerations of a trough, and the displacement of a body that rests: the drive alone counts."""
+    made = trough_record(cycles=cycles, noise=0.05, harmonic=harmonic, ellipse=ellipse)
+    still = np.random.default_rng(1).standard_normal(made.time.size)
+    columns = {"t [s]": made.time, "x [mm]": 1e-3 * still} | {
+        f"{name} [m/s^2]": values for name, values in made.trough.items()
+    }
+    rows = np.stack(list(columns.values()), axis=1)
+    np.savetxt("feeder.csv", rows, "%.9g", ",", header=",".join(columns), comments="")
+    return Path("feeder.csv")
+
+
+PAIR = ("--trough-along", "trough_along", "--trough-normal", "trough_normal")
+
+
+def test_a_fit_takes_harmonics_whatever_the_first_scene_makes_of_them(run: Run) -> None:
+    """Frictions with which the body would rest make no difference of speed: they are only a start."""
+    rests = ("--mu-s", "2", "--mu-d", "1.5")
+    for harmonic, order in ((0.05, 3), (0.0, 1)):
+        data = feeder_file(harmonic)
+        plain = run("measure", data, *rests, *PAIR, "--json")
+        fitted = run("measure", data, *rests, *PAIR, "--fit", "mu_d", "--json")
+        assert plain.exit_code == fitted.exit_code == 0
+        assert "harmonics" not in plain.stderr
+        assert ("moves with 3 harmonics: they are part of the fit" in fitted.stderr) == (order == 3)
+        assert ("along_amplitude_3_mm" in told(fitted)["trough"]) == (order == 3)
+
+
+def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
+    """Where a record does not tell them, an estimate would take their effect for its own."""
+    short = feeder_file(0.0, cycles=5.0)
+    assert run("measure", short, *FRICTION, *PAIR).exit_code == 0
+    result = run("measure", short, *FRICTION, *PAIR, "--fit", "mu_d")
+    assert (result.exit_code, result.stdout) == (2, "")
+
+    ellipse = ("along=1mm", "normal=0.3mm", "phase=-60deg", *FRICTION)
+    data = feeder_file(0.2, ellipse=-1.0)
+    for sensor, own in ((PAIR[:2], ellipse[1:]), (PAIR[2:], (ellipse[0], *ellipse[2:]))):
+        assert run("measure", data, *sensor, *own).exit_code == 0
+        result = run("measure", data, *sensor, *own, "--fit", "mu_d")
+        assert result.exit_code == 2
+        assert "harmonics: one sensor measures one direction alone" in result.stderr
+
+
+def test_intervals_hold_friction_on_troughs_with_harmonics(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search begins with a body that would rest, where harmonics make no difference of speed."""
+    few = {"static_friction": (0.3,), "kinetic_friction": (-0.7,)}
+    monkeypatch.setattr("vibro.records.problem._GRID", few)
+    true = {"static_friction": 0.35, "kinetic_friction": 0.25}
+    waves = 1.5 * np.array([1.0, 0.4 * np.exp(0.7j)])
+    along, normal = (part * waves for part in (np.cos(0.35), np.sin(0.35)))
+    settled = Settled(Body(along, normal, *true.values()), cycles=11)
+    drawn = Drawn(25.0, 0.35, 0.0, along, normal, settled, true, "slides", "displacement", "white", 8, False)
+    arguments = write_record(Path("record.csv"), np.random.default_rng(1), drawn)
+    for option, start in (("--mu-s", "2"), ("--mu-d", "1.5")):
+        arguments[arguments.index(option) + 1] = start
+    ((low, high),) = told(run("measure", *arguments, "--json"))["fit"]["kinetic_friction"]["intervals"]
+    assert high - low < 0.1
+    assert low < 0.25 < high
+
+
+# --- the guide ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_the_guide_shows_what_is_printed(run: Run, number: int) -> None:
+    shutil.copytree(EXAMPLES, "examples")
+    line, shown = re.findall(r"```console\n\$ (vibro (?:[^\n]*\\\n)*.*?)\n(.*?)```", GUIDE, re.DOTALL)[number]
+    assert len(shown.splitlines()) > 6
+    assert run(*shlex.split(line.replace("\\\n", ""))[1:], "-q").stdout == shown
+
+
+@pytest.mark.usefixtures("unsaved")
+def test_the_commands_of_the_guide_run(run: Run) -> None:
+    shutil.copytree(EXAMPLES, "examples")
+    lines = re.findall(r"^vibro .*$", "".join(re.findall(r"```bash\n(.*?)```", GUIDE, re.DOTALL)), re.M)
+    assert len(lines) > 3
+    for line in lines:
+        result = run(*shlex.split(line, comments=True)[1:])
+        assert (result.exit_code, "warning" in result.stderr) == (0, False), result.stderr
+
+
+def test_the_sensitivities_of_the_guide_are_understood() -> None:
+    texts = re.findall(r"--sensitivity ([^\s`]+)|also `([^`]+)`", GUIDE)
+    assert len(texts) > 9
+    for text in texts:
+        assert read_sensitivities(["".join(text)])
