@@ -40,7 +40,7 @@ def headings(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
 
     def drawn(*args: Any) -> Figure:
         figure = comparison_figure(*args)
-        said.append((figure.get_label(), figure.get_suptitle()))
+        said.append((str(figure.get_label()), figure.get_suptitle()))
         return Figure()
 
     monkeypatch.setattr("vibro.plots.comparison.comparison_figure", drawn)
@@ -130,7 +130,7 @@ def test_force_replaces_and_names_no_column(run: Run, tmp_path: Path) -> None:
     assert run("compare", SCENE, path, *friction).exit_code == 0
     again = run("measure", SCENE, path, *friction)
     assert again.exit_code == 1
-    assert "the option force" in again.stderr
+    assert "--force" in again.stderr
     for args in ((SCENE, path, "--force"), ("--force", SCENE, path)):
         assert run("measure", *args, *friction).exit_code == 0
         assert json.loads(Path("out.json").read_text(encoding="utf-8"))["columns"]["friction"] == "F [N]"

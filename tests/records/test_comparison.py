@@ -577,9 +577,9 @@ def test_rivals_are_told_in_ms_after_the_troughs_middle() -> None:
 @pytest.mark.parametrize(
     ("true", "cycles", "noise", "remedy"),
     [
-        (20.013, 30.0, 0.001, "frequency=20.01"),
-        (20.0131, 400.0, 1e-4, "frequency=20.013"),
-        (20.4, 30.0, 1.0, "frequency=20.4"),
+        (20.013, 30.0, 0.001, "give the frequency 20.01Hz"),
+        (20.0131, 400.0, 1e-4, "give the frequency 20.013Hz"),
+        (20.4, 30.0, 1.0, "give the frequency 20.4Hz"),
     ],
 )
 def test_a_frequency_is_proposed_with_the_digits_that_the_record_tells(

@@ -208,7 +208,7 @@ def _harmonics_table(measured: MeasuredMotion, *, is_rare: bool) -> Table:
         for one in _harmonics(measured)
     ]
     heads = [("harmonic", ""), *((way, unit) for way, _, unit in kinds), ("acceleration", "%")]
-    return Table("harmonics", heads, rows, is_rare=is_rare)
+    return Table("harmonics", heads, rows, "Harmonics of the trough", is_rare)
 
 
 def _trough_record(trough: TroughDrive) -> dict[str, Any]:
@@ -312,7 +312,10 @@ def _figure_tables(figures: list[list[Any]]) -> list[Table]:
             [key.replace("_", " "), unit, own, "" if math.isnan(computed) else shown(computed, 6), off]
         )
     heads = [(head, "") for head in ("", "unit", "measured", "computed", "difference")]
-    tables = Table("figures", heads, usual), Table("figures", heads, others, "more figures", is_rare=True)
+    tables = (
+        Table("figures", heads, usual, "The part"),
+        Table("figures", heads, others, "More of the part", is_rare=True),
+    )
     return [table for table in tables if table.rows]
 
 
@@ -365,7 +368,8 @@ def _fit_table(fit: Fit, request: Request) -> Table:
         interval = " or ".join(pieces) or "not identified"
         name = f"{quantity.letter} [{quantity.unit}]" if quantity.unit else quantity.letter
         rows.append([name, estimate, interval, shown(request.fixed[p.name], 6)])
-    return Table("fit", [(name, "") for name in ("fitted", "estimate", "95 % interval", "given")], rows)
+    heads = [(head, "") for head in ("fitted", "estimate", "95 % interval", "given")]
+    return Table("fit", heads, rows, "Fit")
 
 
 def _parameter_record(p: Parameter) -> dict[str, Any]:
