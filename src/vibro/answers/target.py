@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, bound, shown
+from vibro.answers.answer import Answer, Fact, Table, bound, decimals, shown
 from vibro.core.codes import Regime
 from vibro.errors import InputError
 from vibro.inverse.extremes import counted
@@ -181,7 +181,9 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
         told = f"none reaches {asked} {where}"
         if most > 0.0:
             size = shown(float(QUANTITIES[name].from_si(at * share)))
-            told += f"; the most is {shown(float(SPEED.from_si(most)))} mm/s at {size} {unit}".rstrip()
+            fast = float(SPEED.from_si(most))
+            rate = f"{shown(fast)} mm/s ({decimals(0.06 * fast, 3)} m/min)"
+            told += f"; the most is {rate} at {size} {unit}".rstrip()
         return Answer([Fact(label, told)], (), notes, record)
     least, _ = _rounded(found[0], name, share)
     facts = [Fact(label, f"{least} {unit}".rstrip(), note=f"the least for {asked} {where}")]
@@ -192,7 +194,7 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
             lows, highs = zip(*(_rounded(interval, n, x) for n, x in shares.items()), strict=True)
             ends = _SETS[interval.low_set_by], _SETS[interval.high_set_by]
             rows.append((*lows, *highs, ends[0], ends[1] if math.isfinite(interval.high) else "-"))
-    table = Table("amplitudes", [*columns, ("begins by", ""), ("ends by", "")], rows)
+    table = Table("amplitudes", [*columns, ("begins by", ""), ("ends by", "")], rows, "Where it is reached")
     return Answer(facts, [table], notes, record)
 
 
