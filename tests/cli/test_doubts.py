@@ -25,8 +25,8 @@ def test_a_size_that_is_asked_for_is_no_slip(run: Run) -> None:
         ("map", "odd.toml", "-A", "0.5:2:3", "-f", "10:30:3", "-o", "-"),
         ("simulate", "odd.toml"),
         ("traverse-time", "odd.toml"),
-        ("compare", "odd.toml", EXAMPLES / "data" / "nut_smoothed_600hz.csv"),
-        ("motion", "odd.toml", EXAMPLES / "data" / "nut_trough_mv.csv", *SENSORS),
+        ("measure", "odd.toml", EXAMPLES / "data" / "nut_smoothed_600hz.csv"),
+        ("measure", "odd.toml", EXAMPLES / "data" / "nut_trough_mv.csv", *SENSORS),
     ],
 )
 def test_every_command_questions_what_it_reads(run: Run, args: tuple[object, ...]) -> None:
@@ -41,6 +41,6 @@ def test_every_command_questions_what_it_reads(run: Run, args: tuple[object, ...
 
 def test_what_was_measured_is_no_slip(run: Run) -> None:
     record = EXAMPLES / "data" / "nut_trough_mv.csv"
-    result = run("motion", record, *SENSORS[:2], SENSORS[4], SENSORS[5], "-a", "0.5")
+    result = run("measure", record, *SENSORS[:2], SENSORS[4], SENSORS[5], "-a", "0.5")
     assert warnings(result.stderr)[0].startswith("drive angle = 0.5 deg is below what is usual")
-    assert not warnings(run("motion", record, *SENSORS).stderr)
+    assert not warnings(run("measure", record, *SENSORS).stderr)

@@ -43,6 +43,6 @@ def test_comparisons(run: Run, scene: Path) -> None:
     header = header.replace("X [mm]", r"$\frac{X$ 振 [mm]")
     data.write_text("\n".join([header, *rows[:121]]) + "\n", encoding="utf-8")
     args = ("--mass", "0.1", "-o", "out.png", "-o", "out.svg", "-q")
-    result = run("compare", scene, data, *args)
+    result = run("measure", scene, data, *args)
     assert (result.exit_code, result.stderr) == (0, "")
     assert titles("out") == [f"{TOLD}.csv – {TOLD}, computed pattern F_"] * 2

@@ -129,7 +129,7 @@ def test_the_motion_goes_to_stdout(run: Run) -> None:
 @pytest.mark.usefixtures("unsaved")
 def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
     assert run("simulate", SCENE, *PLAIN, "--cycles", "8", "-o", "own", "-q").exit_code == 0
-    result = run("compare", SCENE, "own.csv", "--json")
+    result = run("measure", SCENE, "own.csv", "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
     assert set(answer["columns"]) == {"time", "displacement", "velocity", "acceleration"}

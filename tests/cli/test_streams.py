@@ -88,7 +88,7 @@ def test_names_do_not_command_the_terminal(run: Run) -> None:
     name = "nut\x1b[31m\x07\n\u202e.toml"
     for args in (
         ("solve", name),
-        ("compare", *NUT, f"{name}.csv"),
+        ("measure", *NUT, f"{name}.csv"),
         ("solve", "--\x1b]0;title\x07"),
         ("solve", *NUT, "-o", f"{name}.abc"),
     ):

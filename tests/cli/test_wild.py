@@ -201,4 +201,4 @@ def test_comparisons_end_well_whatever_a_record_holds(
     if data.draw(st.integers(0, 3)) == 0:
         extra["--fit"] = data.draw(st.sampled_from(["mu_d", "mu_s,mu_d", "A", "mu_s,alpha", "9" * 5000, "x"]))
     flags = data.draw(st.sampled_from([[], ["-o-"], ["--json"], ["--reverse", "-q"]]))
-    end(run, "compare", "record.csv", *arguments({"--mass": "20g", **SCENE, **options, **extra}), *flags)
+    end(run, "measure", "record.csv", *arguments({"--mass": "20g", **SCENE, **options, **extra}), *flags)

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
 from vibro.errors import printable
-from vibro.quantities import DEFAULTS, MOST_HARMONICS, QUANTITIES
+from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.records.tolerances import TOL
 from vibro.records.trough_drives import MEASURED
 
@@ -88,18 +88,23 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
     if m.fit:
         tables.append(_fit_table(m.fit, request))
         record["fit"] = {p.name: _parameter_record(p) for p in m.fit.parameters}
-    title = " – ".join(filter(None, (printable(data.name), request.name)))
+    title = " – ".join(filter(None, (data.name, request.name)))
     return Answer(facts, tables, _notes(m, request), record, title)
 
 
 def scene_table(request: Request) -> dict[str, Any]:
     """Return the table ``[scene]`` of the file of a scene; harmonics are lists."""
     values: dict[str, Any] = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
-    orders = [n for n in range(2, MOST_HARMONICS + 1) if f"along_amplitude_{n}_mm" in values]
-    for way in ("along", "normal") if orders else ():
+    given = {
+        key.rsplit("_", 2)[1] for key in values if key.startswith(("along_amplitude_", "normal_amplitude_"))
+    }
+    orders = range(2, 1 + max((int(order) for order in given if order.isdigit()), default=1))
+    for way in _WAYS.values() if orders else ():
+        lists = {}
         for what, unit in _OF_A_WAVE:
             columns = [f"{way}_{what}_{unit}", *(f"{way}_{what}_{n}_{unit}" for n in orders)]
-            values[f"{way}_{what}s_{unit}"] = [values.pop(column) for column in columns]
+            lists[f"{way}_{what}s_{unit}"] = [values.pop(column, 0.0) for column in columns]
+        values |= lists if any(lists[f"{way}_amplitudes_mm"]) else {}
     return values
 
 
@@ -326,7 +331,7 @@ def _comparison_record(comparison: Comparison, figures: list[list[Any]]) -> dict
         "trough_time_at_zero_s": _known(comparison.alignment.shift),
         "trough_time_error_s": _known(comparison.alignment.error),
         "figures": {
-            key: dict(zip(_FIGURES[1:], map(_known, cells), strict=False)) for key, *cells in figures
+            key: dict(zip(_FIGURES[1:-1], map(_known, cells), strict=True)) for key, *cells, _ in figures
         },
     }
 
