@@ -139,7 +139,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
 
 def _hint(exc: Any, argv: Sequence[str]) -> str:
     """Return how to give what was typed in another way; an empty text where that is not known."""
-    option = getattr(exc, "option_name", None)
+    option = getattr(exc, "option_name", None) or ""
     if type(exc).__name__ != "NoSuchOption":
         typed = next((arg for arg in argv if not arg.startswith("-")), "")
         if not isinstance(exc, typer.BadParameter) and "No such command" in exc.format_message():

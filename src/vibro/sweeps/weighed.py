@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.core.codes import Regime, Status
 from vibro.fillings import TYPICAL_MACHINES, filling_of, most_mass_ratio, path_amplitude
 from vibro.quantities import MASS, PERCENT, TROUGH_MASS
 from vibro.results.filling import WEIGHED
 from vibro.results.sweep import Column
 from vibro.sweeps.derived import column_of
 from vibro.sweeps.grid import scene_of
-from vibro.sweeps.one_scene import estimate, number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,11 +22,9 @@ if TYPE_CHECKING:
 
     from vibro.results.filling import Filling
     from vibro.results.sweep import Block
-    from vibro.sweeps.one_scene import OneScene
 
     Floats = NDArray[np.float64]
 
-__all__ = ["weighed", "weighed_facts"]
 
 _FILLING: Final = "filling_kg"
 #: Of ``TYPICAL_MACHINES``, in their order.
@@ -93,64 +89,3 @@ def _limit(compliance: float, block: Block) -> Floats:
 def _at_unit_compliance(block: Block) -> Floats:
     """Return up to what mass ratio the motion is given at a compliance of 1; it is inverse to that."""
     return np.asarray(most_mass_ratio(scene_of(block.values), block.cycle, _filling(block), 1.0))
-
-
-def weighed_facts(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
-    """Return the lines of a report about a filling, as pairs of a name and a text.
-
-    Parameters
-    ----------
-    one : OneScene
-        The solved scene.
-    part : mapping of str to float
-        As for ``weighed``.
-    """
-    columns = {column.name: one.value(column) for column in weighed(part)}
-    if not columns:
-        return []
-    mass, trough = part[_FILLING], part.get(TROUGH_MASS.column)
-    told = number(mass, MASS.unit)
-    if math.isnan(columns["added_mass_share"]):
-        return [("filling", f"{told}: unknown, as the motion is")]
-    acts = []
-    for name in ("added_mass", "added_damping"):
-        share, error = columns[f"{name}_share"], columns[f"{name}_share_error"]
-        amount = estimate(share * mass, error * mass, MASS.unit)
-        acts.append(f"{amount} of {name.replace('_', ' ')} (share {number(share)})")
-    facts = [
-        ("filling", f"{told}: acts as {' and '.join(acts)}"),
-        (
-            "energy lost",
-            f"{number(columns['energy_per_cycle_j'], 'J')} a cycle, {number(columns['power_w'], 'W')}",
-        ),
-        ("force at 2 f", f"{number(columns['second_harmonic_force_n'], 'N')} on the trough"),
-    ]
-    if one.regime is Regime.NO_SLIP:
-        return [
-            *facts,
-            ("given motion", "the part rests: it moves with the trough"),
-        ]
-    exceeded = False
-    for i, (name, machine) in enumerate(zip(_LIMITS, TYPICAL_MACHINES, strict=True)):
-        percent = columns[f"given_motion_{name}_percent"]
-        if math.isnan(percent):
-            irregular = one.status is Status.AVERAGED
-            why = "the motion is irregular" if irregular else "the regime changes within 1 % of amplitude"
-            return [*facts, ("given motion", f"unknown: {why}")]
-        text = f"{_rounded(percent)} % of the trough's mass"
-        if trough is not None:
-            limit = percent / 100.0 * trough
-            text += f", {_rounded(limit)} kg{' (exceeded)' if mass > limit else ''}"
-            exceeded = exceeded or mass > limit
-        head = ("", "") if i else ("given motion", "good to 1 % of speed up to ")
-        facts.append((head[0], f"{head[1]}{text}: {machine}"))
-    if exceeded:
-        facts.append(
-            ("", "this filling changes the motion itself: describe its machine in a table [machine]")
-        )
-    return facts
-
-
-def _rounded(value: float) -> str:
-    """Write an estimate of first order: two digits."""
-    return f"{value:.2g}"
