@@ -21,9 +21,10 @@ from matplotlib.figure import Figure
 
 import vibro
 from vibro.motion.trace import trace
+from vibro.plots.bands import shade
 from vibro.plots.frame import set_heading
 from vibro.plots.history import history_figure
-from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
+from vibro.plots.phases import phase_bands
 from vibro.plots.style import INK, house_style, values_text
 
 if TYPE_CHECKING:
@@ -222,14 +223,12 @@ def beside_the_study(
         axes.plot(
             1e3 * time, smoothed, ".-", color=BLUE, linewidth=0.8, markersize=4, label="smoothed friction"
         )
-        for phase in history.phases:
-            shade(axes, phase.kind, 1e3 * phase.start, 1e3 * phase.end)
+        shade(axes, phase_bands([phase for phase in history.phases if phase.kind == "F"]), named=True)
         axes.set_ylabel(label)
         cross(axes)
     grid[-1].set(xlim=(0.0, 1e3 * history.end), xlabel="time [ms]")
-    handles, _ = grid[0].get_legend_handles_labels()
-    handles += legend_entries([PHASE_STYLES["F"]])
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    named = dict(zip(*grid[0].get_legend_handles_labels()[::-1], strict=True))
+    figure.legend(handles=list(named.values()), loc="outside lower center", ncols=len(named))
     figure.align_ylabels(grid)
     set_heading(figure, title, values_text(GIVEN))
     return figure

@@ -4,7 +4,7 @@ One curve for each value
 
 A list of up to twelve values beside a range makes a curve each: here two spring packs over what lies in
 the trough. Above resonance (5 leaves, 47.6 Hz) a full feeder gets slower, below it (6 leaves, 52.6 Hz)
-faster. The bars on top have the regimes of each curve, in the order of the legend. The command writes
+faster. Dots on the curves have the colours of the regimes that begin there. The command writes
 ``out/full-speed.png``.
 
 .. code-block:: bash

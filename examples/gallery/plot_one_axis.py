@@ -2,9 +2,9 @@
 One axis
 ========
 
-A feeder at mains frequency has one knob, the amplitude. Above is the speed and below the advance in one
-cycle, over bands of the regimes, which the strip on top names. Vertical lines are critical loads, and
-the legend gives their amplitudes: parts begin to hop at 0.29 mm. The command writes
+A feeder at mains frequency has one knob, the amplitude. The speed lies over bands of the regimes, which
+the strip on top names. Vertical lines are critical loads, and the legend gives their amplitudes: parts
+begin to hop at 0.29 mm. The command writes
 ``out/feeder-speed.png``.
 
 .. code-block:: bash

@@ -5,7 +5,7 @@ Mean conveying speed
 How fast the same part goes, on a logarithmic scale. Labelled contours join settings of equal speed:
 follow one to trade amplitude for frequency. They stop where speed no longer rises with load, or motion
 is irregular; faint stripes mark irregular motion, whose speed is a mean over many flights. The triangle
-marks the fastest setting of the picture. The command writes ``out/nut-speed.png``.
+marks the fastest cell of the table. The command writes ``out/nut-speed.png``.
 
 .. code-block:: bash
 

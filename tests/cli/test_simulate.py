@@ -110,7 +110,7 @@ def test_the_picture_shows_the_end_or_what_is_asked_for(
     result = run("simulate", SCENE, *PLAIN, *args, "-o", "nut")
     assert result.exit_code == 0, result.stderr
     (figure,) = drawn
-    (axes,) = figure.axes
+    _, axes = figure.axes
     assert axes.get_xlim() == pytest.approx(limits)
     assert axes.get_xlabel() == part
     assert figure.get_label() == "safety_nut"

@@ -15,8 +15,8 @@ from matplotlib.path import Path as Outline
 
 from vibro import Regime, Scene
 from vibro.axes import parse_axis
-from vibro.plots import choose_view
 from vibro.plots.style import _RC
+from vibro.plots.view import choose_view
 from vibro.quantities import QUANTITIES
 from vibro.sweeps import run
 from vibro.sweeps.grid import Grid

@@ -263,10 +263,7 @@ def test_headings_repeat_the_question(pictures: dict[str, Figure], nut: tuple[Sp
         assert "vibro" not in text
     spec, chosen = nut
     slow = replace(chosen, design=replace(chosen.design, speed_min_mm_s=20.0))
-    drifting = replace(spec, drift=replace(spec.drift, amplitude=0.05, drive_angle=math.radians(1.0)))
-    text = str(pictures_of(drifting, slow)["band"].get_suptitle())
-    assert "(not met)" in text
-    assert r"drift: ±5 % $A$, ±1° $\alpha$" in text
+    assert "(not met)" in str(pictures_of(spec, slow)["band"].get_suptitle())
 
 
 def test_the_band_holds_the_speeds_of_all_parts(
@@ -280,7 +277,7 @@ def test_the_band_holds_the_speeds_of_all_parts(
         np.testing.assert_allclose(np.interp(amplitude, band.amplitude, values), wanted, rtol=2e-3, atol=2e-2)
     line = curve(axes, "guaranteed speed")
     np.testing.assert_array_equal(line[:, 1], band.speed_min)
-    (goal,) = (line for line in axes.lines if line.get_gid() == "goal")
+    (goal,) = (line for line in axes.lines if line.get_gid() == "level")
     assert set(np.asarray(goal.get_ydata(), float)) == {30.0}
     (window,) = (patch for patch in axes.patches if patch.get_gid() == "window")
     assert window.get_extents().transformed(axes.transData.inverted()).intervalx == pytest.approx(

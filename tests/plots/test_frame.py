@@ -159,5 +159,5 @@ def test_a_long_legend_takes_nothing_from_the_map() -> None:
     plain = map_figures(sweep(points=21, **ranges), ["regime"])["regime"]
     result = sweep(points=21, frequency=20, drive_angle=85, restitution=0.3, **ranges)
     busy = map_figures(result, ["speed"], target_speed=100.0)["speed"]
-    assert len(busy.legends[0].get_texts()) > 5
+    assert len(busy.legends[0].get_texts()) >= 5
     assert busy.axes[0].bbox.height > 0.88 * plain.axes[0].bbox.height

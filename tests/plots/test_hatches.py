@@ -133,8 +133,9 @@ def test_colours_of_irregular_motion_are_read_through_its_texture() -> None:
     figure = map_figures(result, ["speed"])["speed"]
     axes = only_map(figure)
     whole = pixels(figure).astype(float)
-    (stripes,) = [a for a in axes.collections if a.get_gid() == AVERAGED_LABEL]
-    stripes.set_visible(False)
+    hatched = patch(axes, AVERAGED_LABEL)
+    assert hatched is not None
+    hatched.set_visible(False)
     box = axes.bbox
     rows = slice(int(whole.shape[0] - box.y1) + 3, int(whole.shape[0] - box.y0) - 3)
     inside = (rows, slice(int(box.x0) + 3, int(box.x1) - 3))

@@ -28,7 +28,7 @@ from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize, to_rg
 from vibro import Regime, Scene, Status, solve
 from vibro.plots import map_figures
 from vibro.plots.scales import even_levels, log_levels, scale_of, time_scale
-from vibro.plots.style import AVERAGED_LABEL, BACKWARDS_LABEL, CONTOURS_STOP_LABEL, number_text
+from vibro.plots.style import AVERAGED_LABEL, BACKWARDS_LABEL
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -320,15 +320,6 @@ def test_contours_end_where_the_period_is_longer_than_the_drives(
         assert throw_number(curve(axes, contour)).max() < 3.75
 
 
-def test_the_legend_says_why_contours_stop(
-    flights: tuple[SweepResult, dict[str, Figure]], climb_pictures: dict[str, Figure]
-) -> None:
-    # The share of time in flight follows the throw number: its contours end nowhere.
-    stop = [name for name, figure in flights[1].items() if CONTOURS_STOP_LABEL in legend(figure)]
-    assert stop == ["speed", "impact"]
-    assert all(CONTOURS_STOP_LABEL not in legend(figure) for figure in climb_pictures.values())
-
-
 def test_every_long_piece_of_a_contour_has_its_number() -> None:
     frictions: dict[str, Any] = {"friction_ratio": 0.8, "static_friction": "0.1:1", "drive_angle": "5:60"}
     axes = only_map(map_figures(sweep(frequency=30, **frictions), ["speed"])["speed"])
@@ -391,13 +382,6 @@ def test_cells_of_irregular_motion_that_reach_a_speed_are_outlined(nut: SweepRes
     np.testing.assert_allclose(
         ends, [(x[199:201].mean(), x[249:251].mean()), (y[239:241].mean(), y[279:281].mean())], rtol=2e-3
     )
-
-
-@pytest.mark.parametrize(("level", "where"), [(9e4, "nowhere"), (1e-9, "everywhere")])
-def test_a_speed_without_a_line_is_told_in_the_legend(level: float, where: str) -> None:
-    result = sweep(points=61, amplitude="1:2", frequency="15:20")
-    figure = map_figures(result, ["speed"], target_speed=level)["speed"]
-    assert f"{number_text(level)} mm/s is reached {where}" in legend(figure)
 
 
 def test_no_line_of_zero_speed_where_no_speed_is_known() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from helpers.drawn import curve, legend, maps_of, only_map, sweep
 
 from vibro.plots import map_figures
+from vibro.results.sweep import Peak
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -79,9 +81,7 @@ def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[
     top = int(np.nanargmax(speed))
     amplitude = one_axis.axes["amplitude"].values[top]
     assert told(figure) == [f"fastest: {speed[top]:.5g} mm/s at $A$ = {amplitude:.5g} mm"]
-    _, speeds, displacements = figure.axes
-    np.testing.assert_allclose(curve(speeds, "fastest"), [[amplitude, speed[top]]], rtol=1e-15)
-    assert not [line for line in displacements.lines if line.get_gid() in MARKS]
+    np.testing.assert_allclose(curve(figure.axes[1], "fastest"), [[amplitude, speed[top]]], rtol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -105,3 +105,20 @@ def test_of_several_curves_the_fastest_is_marked_once(axes: dict[str, Any], plac
 def test_where_nothing_moves_nothing_is_marked() -> None:
     figure = map_figures(sweep(points=31, amplitude="0.01:0.02", frequency="5:10"), ["speed"])["speed"]
     assert (told(figure), marked(figure)) == ([], [])
+
+
+def test_the_fastest_cell_of_a_table_is_marked_where_it_lies(nut: SweepResult) -> None:
+    table = {"fastest": Peak(900.0, 0.0, {"amplitude": 2.5, "frequency": 50.0})}
+    figure = map_figures(replace(nut, peaks=table), ["speed"])["speed"]
+    assert told(figure) == ["fastest: 900 mm/s at $A$ = 2.5 mm, $f$ = 50 Hz"]
+    np.testing.assert_array_equal(curve(only_map(figure), "fastest"), [[50.0, 2.5]])
+    held = sweep(points=31, at={"drive_angle": 20}, amplitude="0.2:3", frequency="10:50", drive_angle="10,20")
+    held = replace(
+        held,
+        peaks={
+            "fastest": table["fastest"]._replace(
+                values={"amplitude": 2.5, "frequency": 50.0, "drive_angle": 10.0}
+            )
+        },
+    )
+    assert told(map_figures(held, ["speed"])["speed"]) == []

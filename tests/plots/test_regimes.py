@@ -27,8 +27,9 @@ from matplotlib.path import Path as Outline
 
 from vibro import Regime, Scene, Status, critical_loads, solve
 from vibro.core.codes import is_answered
-from vibro.plots import choose_view, map_figures
+from vibro.plots import map_figures
 from vibro.plots.style import CURVES, REGIME_COLOURS
+from vibro.plots.view import choose_view
 from vibro.quantities import scene_fields
 from vibro.results.sweep import SweepResult
 

@@ -10,9 +10,8 @@ from helpers.drawn import only_map, words
 
 import vibro
 from vibro import Regime
-from vibro.plots import choose_view
 from vibro.plots.fields import BEGINS_AT, Fields
-from vibro.plots.view import panels
+from vibro.plots.view import choose_view, panels
 from vibro.results.sweep import SweepResult
 from vibro.sweeps.grid import scene_of
 

@@ -11,12 +11,11 @@ import pytest
 
 from vibro.axes import parse_axis
 from vibro.errors import InputError
-from vibro.plots import choose_view
-from vibro.plots.view import check_drawable
+from vibro.plots.view import check_drawable, choose_view
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from vibro.plots import View
+    from vibro.plots.view import View
 
 
 def test_frequency_across_amplitude_up() -> None:

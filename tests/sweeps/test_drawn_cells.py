@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vibro.core.codes import Output
-from vibro.plots import choose_view
+from vibro.plots.view import choose_view
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import DrawnCells, solved_picture, sweep_blocks, sweep_picture
 from vibro.sweeps.whole import request_of_call

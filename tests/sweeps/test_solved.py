@@ -10,7 +10,8 @@ from helpers.drawn import colours_of, image_of
 from helpers.pixels import pixels
 
 import vibro
-from vibro.plots import choose_view, map_figures, results_drawn
+from vibro.plots import map_figures, results_drawn
+from vibro.plots.view import choose_view
 from vibro.results.steady import RESULTS
 from vibro.results.sweep import SweepResult
 from vibro.sweeps import run

@@ -143,13 +143,12 @@ def test_pictures_of_the_cells_held() -> None:
 
 def test_a_list_is_drawn_value_by_value() -> None:
     t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:30", frequency_hz=[15, 20])
-    lines = [line for line in t.draw("speed").axes[1].lines if line.get_gid() == "numbers"]
+    lines = [line for line in t.draw("speed").axes[0].lines if line.get_gid() == "numbers"]
     for line, speeds in zip(lines, t.cycle.mean_velocity.T, strict=True):
         y = np.asarray(line.get_ydata(), float)
         np.testing.assert_array_equal(y[~np.isnan(y)], 1e3 * speeds)
-    assert t.draw("regime").axes[0].get_yticks().tolist() == [0, 1]
     with pytest.raises(InputError, match="no such picture"):
-        t.draw("regime", at={"f": 20})
+        t.draw("regime")
     assert len([a for a in t.draw("speed", at={"f": 20}).axes[1].lines if a.get_gid() == "numbers"]) == 1
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.cli.console import Console
-    from vibro.plots import View
+    from vibro.plots.view import View
     from vibro.sweeps.grid import Grid
 
 #: Pictures on request.

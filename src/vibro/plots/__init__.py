@@ -9,10 +9,10 @@ from typing import IO, TYPE_CHECKING, Any, Final
 
 from vibro.plots.curves import curve_figure
 from vibro.plots.fields import Fields
-from vibro.plots.lines import line_figure
-from vibro.plots.maps import flight_map, impact_map, regime_map, speed_map, traverse_map
+from vibro.plots.maps import map_figure
 from vibro.plots.style import house_style, visible
-from vibro.plots.view import View, choose_view, is_discrete, panels
+from vibro.plots.subjects import SUBJECTS
+from vibro.plots.view import View, choose_view, panels
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -22,15 +22,11 @@ if TYPE_CHECKING:
 
     from vibro.results.sweep import SweepResult
 
-__all__ = ["View", "choose_view", "map_figures", "picture_names", "results_drawn", "save"]
-
-
 # Results that every picture needs, and those that some pictures need beside.
 _DRAWN: Final = (
     "regime", "mean_velocity", "displacement_per_cycle", "period_cycles", "mean_velocity_error", "coexists",
     "status",
 )  # fmt: skip
-_DRAWN_BY: Final[Mapping[str, str]] = {"impact": "impact_velocity", "flight": "flight_fraction"}
 _IN_PLACE_OF_LIMITS: Final = ("throw_number", "forward_ratio")
 _COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in half the time
 
@@ -40,7 +36,7 @@ def picture_names(view: View, *, has_length: bool, on_request: bool = True) -> l
 
     Those of flights are drawn on request only.
     """
-    names = ["regime"] if view.y or view.curves else []
+    names = ["regime"] if view.y else []
     names += ["speed", *(["traverse"] if has_length else [])]
     return [*names, "impact", "flight"] if on_request else names
 
@@ -55,7 +51,7 @@ def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
     has_limits : bool
         Whether there are critical loads; without them, boundaries of regimes are read from the results.
     """
-    own = [_DRAWN_BY[name] for name in names if name in _DRAWN_BY]
+    own = {SUBJECTS[name].result for name in names if name in SUBJECTS} - {*_DRAWN}
     return (*_DRAWN, *own, *(() if has_limits else _IN_PLACE_OF_LIMITS))
 
 
@@ -76,7 +72,7 @@ def map_figures(
     result : SweepResult
         At least one axis varies; ranges that are drawn are evenly spaced, as ``sweep_picture`` has them.
     names : sequence of str, optional
-        Pictures to draw: ``regime`` (of two axes and more), ``speed``, ``traverse`` (with a length),
+        Pictures to draw: ``regime`` (of two ranges), ``speed``, ``traverse`` (with a length),
         ``impact`` and ``flight`` (the share of time in it). Without it the first three, as far as there are
         any.
     x, y, at : optional
@@ -104,23 +100,12 @@ def map_figures(
     figures = {}
     with house_style():
         for name in names:
-            figures[name] = _figure(name, result, view, groups, target_speed)
+            if view.y is None:
+                figures[name] = curve_figure(name, result, view, groups, target_speed)
+            else:
+                figures[name] = map_figure(name, result, [fields for (fields,) in groups], target_speed)
             progress(len(figures), len(names))
     return figures
-
-
-def _figure(
-    name: str, result: SweepResult, view: View, groups: list[list[Fields]], target_speed: float | None
-) -> Figure:
-    if view.y is None and (view.curves is not None or is_discrete(view.x)):
-        return curve_figure(name, result, view, groups, target_speed)
-    fields = [curves[0] for curves in groups]
-    if view.y is None:
-        return line_figure(name, result, fields[0], target_speed)
-    if name == "speed":
-        return speed_map(result, fields, target_speed)
-    draw = {"regime": regime_map, "traverse": traverse_map, "impact": impact_map, "flight": flight_map}
-    return draw[name](result, fields)
 
 
 def save(figure: Figure, path: Path | IO[bytes], picture_format: str, metadata: Mapping[str, str]) -> None:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.frame import set_heading
-from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
-from vibro.plots.style import INK, house_style, values_text
+from vibro.plots.bands import shade
+from vibro.plots.frame import set_heading, settle
+from vibro.plots.phases import phase_bands
+from vibro.plots.style import INK, SECOND, house_style, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from vibro.records.comparison import Comparison
 
     Floats = NDArray[np.float64]
-
-__all__ = ["comparison_figure"]
 
 _MEASURED: Final[Mapping[str, Any]] = {
     "label": "measured",
@@ -36,7 +35,7 @@ _FITTED: Final[Mapping[str, Any]] = {
     "label": "computed, fitted",
     "color": INK,
     "linewidth": 1.2,
-    "dashes": (4, 2),
+    "linestyle": SECOND,
 }
 _POINTS: Final = 1001  # of a computed curve, in each cycle
 # A record's displacement has no known zero. Over this first part of the cycle its mean is made the model's.
@@ -79,11 +78,9 @@ def comparison_figure(
         # The trough's motion was subtracted at each scene's place in the cycle: that of the fit is better.
         comparison = fitted
     with house_style():
-        from matplotlib.lines import Line2D
-
         from vibro.plots.picture import Picture
 
-        figure = Picture(figsize=(10.0, 1.4 + _ROW * len(names)), layout="constrained")
+        figure = Picture(figsize=(10.0, 1.4 + _ROW * len(names)))
         grid = figure.subplots(len(names), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
         for row, name in zip(grid, names, strict=True):
             label, unit, size = _SIGNALS[name]
@@ -101,13 +98,7 @@ def comparison_figure(
         grid[-1][1].set_xlabel(f"time after {zero} [ms]")
         figure.align_ylabels(grid[:, 0])
         set_heading(figure, title, values_text(given))
-        kinds = {phase.kind for phase in comparison.motion.phases} - {"_"}
-        handles = [
-            Line2D([], [], **{**_MEASURED, "markersize": 7}),
-            *(Line2D([], [], **style) for _, style in models),
-            *legend_entries(PHASE_STYLES[kind] for kind in PHASE_STYLES if kind in kinds),
-        ]
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+        settle(figure)
         return figure
 
 
@@ -177,6 +168,6 @@ def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
 
 def _shade(axes: Axes, comparison: Comparison, turns: range, shift: float) -> None:
     for turn in turns:
-        for phase in comparison.motion.phases:
-            low, high = (t + turn * comparison.motion.period - shift for t in (phase.start, phase.end))
-            shade(axes, phase.kind, 1e3 * low, 1e3 * high)
+        later = turn * comparison.motion.period - shift
+        slides = [phase for phase in comparison.motion.phases if phase.kind != "_"]
+        shade(axes, phase_bands(slides, later=later), named=True)

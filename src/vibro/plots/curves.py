@@ -1,48 +1,52 @@
-"""Pictures of short lists: a curve for every value over a range, or single points over another list."""
+"""Pictures of one range, or of lists alone: numbers over bands of regimes, or a curve for every value."""
 
 from __future__ import annotations
 
-from itertools import cycle, groupby, pairwise
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from itertools import cycle, pairwise
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.fields import hiding_fields, zero_points
+from vibro.plots.bands import Band, settle_bands, shade
+from vibro.plots.fields import BEGINS_AT, hiding_fields, zero_points
 from vibro.plots.frame import (
-    below,
-    facet_frame,
-    headline,
-    mark_operating_point,
-    operating_points,
-    renderer_of,
+    facets,
+    head_sweep,
+    make_logarithmic,
+    mark_point,
+    place_on,
     scale_axis,
-    set_heading,
     settle,
+    stack,
 )
-from vibro.plots.lines import (
-    UNCERTAIN,
-    Stretch,
-    draw_numbers,
-    finish_numbers,
-    numbers_of,
-    overlays,
-    stretches,
-    write_name,
-)
+from vibro.plots.labels import outline
 from vibro.plots.peaks import draw_peaks
 from vibro.plots.style import (
+    AVERAGED_LABEL,
+    BACKWARDS_HATCH,
+    BACKWARDS_LABEL,
+    COEXISTS_HATCH,
+    COEXISTS_LABEL,
     CURVES,
+    ERROR_LABEL,
+    IN_TURN,
     INK,
+    NO_ANSWER_FACE,
     NO_ANSWER_HATCH,
+    NO_ANSWER_INK,
+    REGIME_COLOURS,
+    WANTED,
     axis_label,
     number_text,
+    value_text,
     values_text,
 )
+from vibro.plots.subjects import SUBJECTS, heading_of
 from vibro.plots.view import is_discrete
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -53,44 +57,23 @@ if TYPE_CHECKING:
     from vibro.results.sweep import SweepResult
 
     Floats = NDArray[np.float64]
-    Legend = dict[str, dict[str, Any]]
+    Look = Mapping[str, Any]
 
-__all__ = ["curve_figure"]
-
-_WIDTH: Final = 7.4  # [in] of a figure
-_AROUND: Final = 1.7  # [in] heading, name of the axis, and legend
-_PANEL: Final = 2.1  # [in] height of a panel of numbers
-_THIN, _THICK = 0.16, 0.36  # [in] from one value's bar to the next, above numbers and on their own
-_FILLED: Final = 0.8  # of that: the bar
-_SQUARE: Final = 8.0  # [pt] side of the square of a single point, in place of a bar
-_MARGIN: Final = 0.06  # of an axis of single points, beyond the outer ones
-_TICK: Final = 0.5  # [in] from one number below such an axis to the next
+_SIZE: Final = (7.4, 4.6)  # [in]
+_MARKED: Final = 60  # most values on the axis that are marked each
+_WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
+_HEADROOM: Final = 0.15  # above a target speed, for its name
 # From dark to light, and legible on white: in this order for the colour-blind and in grey, too.
 _COLOURS, _LIGHTEST = "plasma", 0.75
-_DASHES: Final[tuple[Any, ...]] = ("-", (0, (6, 2)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
-# Points may lie upon each other: of different shapes, and hollow. Means are filled.
 _MARKERS: Final = "os^Dv"
-_POINT: Final[Mapping[str, Any]] = {"linestyle": "none", "marker": "o", "markersize": 6.0, "color": INK}
-_HOLLOW: Final[Mapping[str, Any]] = {"markerfacecolor": "none", "markeredgewidth": 1.4}
-
-
-class _Curve(NamedTuple):
-    """One of the curves of a panel: its numbers, its value in words, and how it is drawn."""
-
-    fields: Fields
-    label: str
-    look: Mapping[str, Any]
-
-
-class _Bar(NamedTuple):
-    """A part of a bar, and how it is filled."""
-
-    axes: Axes
-    row: int
-    fields: Fields
-    ends: tuple[float, float]
-    name: str
-    style: dict[str, Any]
+_DOTS: Final[Look] = {"linestyle": "none", "marker": ".", "markersize": 3.0}
+_POINT: Final[Look] = {
+    "linestyle": "none",
+    "markersize": 7.5,
+    "markeredgewidth": 1.8,
+    "markerfacecolor": "#FFFFFF",
+}
+_BEGINS: Final[Look] = {"marker": "o", "markersize": 6.5}
 
 
 def curve_figure(
@@ -100,12 +83,12 @@ def curve_figure(
     groups: Sequence[Sequence[Fields]],
     target_speed: float | None = None,
 ) -> Figure:
-    """Draw numbers, or regimes, for each value of short lists.
+    """Draw numbers over a range, or over a list.
 
     Parameters
     ----------
     picture : str
-        ``regime``, or as for ``numbers_of``.
+        One of ``SUBJECTS``.
     result : SweepResult
         The sweep.
     view : View
@@ -118,241 +101,200 @@ def curve_figure(
     Returns
     -------
     Figure
-        Of regimes: a bar for each value, cut at the critical loads. Of numbers: a curve for each value,
-        below such bars; facets have no room for bars, and show the first of two numbers. Where x is a list
-        too, there are points instead of curves, and squares instead of bars.
+        A single curve over bands of its regimes. Of several, which a key names, each has a mark where a
+        regime begins; of a list, points in the colours of their regimes.
     """
+    subject, panels = SUBJECTS[picture], [fields[0].panel for fields in groups]
+    bands = [] if view.curves or is_discrete(view.x) else bands_of(groups[0][0])
+    if bands:
+        figure, (strip, *axes) = stack(_SIZE, (0.1, 1.0))
+        scale_axis(strip.xaxis, view.x)
+        axes[0].set(xlabel=axis_label(view.x), ylabel=subject.label)
+        shade(axes[0], bands)
+        _critical_lines(axes[0], groups[0][0])
+    else:
+        figure, axes = facets(panels, subject.label)
+    head_sweep(figure, heading_of(picture, result.length), result, [f.panel for g in groups for f in g])
     looks = _looks(view)
-    facets = [[_Curve(f, *look) for f, look in zip(fields, looks, strict=True)] for fields in groups]
-    if picture == "regime":
-        return _regimes(result, view, facets)
-    heading, rows = numbers_of(picture, result.length)
-    first = next(iter(rows))
-    legend: Legend = {}
-    if view.facet is not None:
-        figure, axes, columns = _facets(view)
-        panels = [(a, first, curves) for a, curves in zip(axes, facets, strict=True)]
-        named, key = axes[::columns], axes[columns - 1]
-    else:
-        figure, (strip, *axes) = _stack(view, [_THIN * len(looks), *[_PANEL] * len(rows)])
-        strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
-        strip.spines[:].set_visible(False)
-        hatched: Legend = {}
-        bars = _draw_bars(strip, view, facets[0], hatched)
-        legend = {bar.name: bar.style for bar in bars} | hatched
-        panels = [(a, label, facets[0]) for a, label in zip(axes, rows, strict=True)]
-        named, key = axes, axes[0]
-    for a, label, curves in panels:
-        for curve in curves:
-            values = rows[label](curve.fields)
-            means = {"means": {**_POINT, "marker": curve.look["marker"]}} if is_discrete(view.x) else {}
-            look = {**means, **curve.look, "label": curve.label, "uncertain": picture in UNCERTAIN}
-            draw_numbers(a, curve.fields, values, legend, gid="numbers", **look)
-            for x in _own_x(result, view, curve.fields):
-                height = float(np.interp(x, curve.fields.x, values))
-                mark_operating_point(a, np.array([[x, height]]), legend)
-        shown = np.concatenate([rows[label](f) for fields in groups for f in fields])
-        finish_numbers(a, picture, shown, target_speed if label == first else None)
-        if not any(np.isfinite(rows[label](curve.fields)).any() for curve in curves):
-            _say_why_empty(a, curves)
-        if a in named:
-            a.set_ylabel(label)
+    for a, fields in zip(axes, groups, strict=True):
+        shown = []
+        for f, look in zip(fields, looks, strict=True):
+            values = f.panel.cycle[subject.result][0]
+            values = np.where(values > 0.0, values, np.nan) if picture == "traverse" else values
+            values = subject.told(values, result.length)
+            _draw_numbers(a, f, values, look, uncertain=subject.result == "mean_velocity")
+            point = place_on(f.panel, result.operating_point)
+            point[:, 1] = np.interp(point[:, 0], f.x, values)
+            mark_point(a, point)
+            shown.append(values)
+        for f, look, values in zip(fields, looks, shown, strict=True):
+            if not bands:
+                _mark_regimes(a, f, values, look)
+        _tell_unanswered(a, view, fields, shown)
+        _finish_scale(a, picture, np.concatenate(shown), target_speed)
     if picture == "speed":
-        drawn = [(a, curve.fields.panel) for a, label, curves in panels if label == first for curve in curves]
-        varying = (view.x, view.curves, view.facet)
-        draw_peaks([a for a, _ in drawn], [panel for _, panel in drawn], varying, legend)
-    figure.align_ylabels(named)
-    if view.curves is not None:
-        _add_key(key, facets[0])
-    set_heading(figure, headline(heading, result), _below(result, view, facets))
-    settle(figure, legend)
-    return figure
-
-
-def _regimes(result: SweepResult, view: View, facets: list[list[_Curve]]) -> Figure:
-    """Draw a bar for each value, in the colours of its regimes and with their names."""
-    if view.facet is not None:
-        figure, axes, _ = _facets(view)
+        drawn = [(a, f.panel) for a, fields in zip(axes, groups, strict=True) for f in fields]
+        draw_peaks(result, [a for a, _ in drawn], [panel for _, panel in drawn])
+    if bands:
+        settle_bands(figure, strip, bands)
     else:
-        figure, axes = _stack(view, [_THICK * len(facets[0])])
-    legend: Legend = {}
-    bars: list[_Bar] = []
-    for a, curves in zip(axes, facets, strict=True):
-        bars += _draw_bars(a, view, curves, legend)
-        for row, curve in enumerate(curves):
-            points = [(x, row) for x in _own_x(result, view, curve.fields)]
-            mark_operating_point(a, np.array(points), legend)
-            if not is_discrete(view.x):
-                _draw_critical(a, row, curve.fields, legend)
-        if not is_discrete(view.x):
-            a.spines[["left", "top", "right"]].set_visible(False)
-    set_heading(figure, headline("Steady regimes", result), _below(result, view, facets))
-    settle(figure, legend)
-    renderer = renderer_of(figure)
-    named = {
-        bar.name
-        for bar in bars
-        if write_name(bar.axes, renderer, _room(result, view, bar), bar.row, bar.name, bar.style)
-    }
-    if unnamed := {bar.name: bar.style for bar in bars if bar.name not in named}:
-        settle(figure, unnamed | legend)
+        settle(figure)
     return figure
 
 
-def _looks(view: View) -> list[tuple[str, Mapping[str, Any]]]:
-    """Return the name and the style of each curve."""
+def _looks(view: View) -> list[dict[str, Any]]:
+    """Return the style of each curve, and its value as label."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
+    points = is_discrete(view.x)
     if view.curves is None:
-        return [("", {**_POINT, **_HOLLOW})]
+        marked = points or len(view.x) <= _MARKED  # a single value in its regime makes no line
+        mark = {"marker": "o", "markersize": 4.0} if marked else {}
+        return [{"color": INK, "linewidth": 1.8, **mark, **(_POINT if points else {})}]
     name, values = view.curves.name, view.curves.values.tolist()
     colours = [to_hex(c) for c in colormaps[_COLOURS](np.linspace(0.0, _LIGHTEST, len(values)))]
-    points = is_discrete(view.x)
-    looks: list[tuple[str, Mapping[str, Any]]] = []
-    for value, colour, dashes, marker in zip(values, colours, cycle(_DASHES), cycle(_MARKERS), strict=False):
-        line = {"linestyle": dashes, "linewidth": 1.8}
-        look = {**_POINT, **_HOLLOW, "marker": marker} if points else line
-        looks.append((values_text({name: value}, all_of_them=True), {**look, "color": colour}))
+    looks = []
+    for value, colour, dashes, marker in zip(values, colours, cycle(IN_TURN), cycle(_MARKERS), strict=False):
+        look: Look = {**_POINT, "marker": marker} if points else {"linestyle": dashes, "linewidth": 1.8}
+        looks.append({**look, "color": colour, "label": values_text({name: value}, all_of_them=True)})
     return looks
 
 
-def _below(result: SweepResult, view: View, facets: list[list[_Curve]]) -> str:
-    """Return the line under the headline: quantities that are fixed all over a picture."""
-    several = [axis.name for axis in (view.curves, view.facet) if axis is not None]
-    values = facets[0][0].fields.panel.values
-    return below(result, {name: value for name, value in values.items() if name not in several})
-
-
-def _stack(view: View, heights: list[float]) -> tuple[Figure, list[Axes]]:
-    """Make a figure of panels one above the other, over the same x."""
-    from vibro.plots.picture import Picture
-
-    figure = Picture(figsize=(_WIDTH, _AROUND + sum(heights)))
-    grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)
-    axes = list(grid.flat)
-    _scale_x(axes[-1], view, _WIDTH)
-    axes[-1].set_xlabel(axis_label(view.x))
-    return figure, axes
-
-
-def _facets(view: View) -> tuple[Figure, list[Axes], int]:
-    """Make a figure of panels beside each other; return also how many are in a row."""
-    assert view.facet is not None
-    n = len(view.facet_indices)
-    figure, axes, columns = facet_frame(n)
-    for number, (a, index) in enumerate(zip(axes, view.facet_indices, strict=True)):
-        a.set_title(values_text({view.facet.name: float(view.facet.values[index])}, all_of_them=True))
-        _scale_x(a, view, float(figure.get_figwidth()) / columns)
-        if number + columns >= n:
-            a.set_xlabel(axis_label(view.x))
-            a.tick_params(labelbottom=True)
-    return figure, axes, columns
-
-
-def _scale_x(axes: Axes, view: View, width: float) -> None:
-    """Give a panel, so many inches wide, the scale of its x: of a list, marked at its values."""
-    if not is_discrete(view.x):
-        scale_axis(axes.xaxis, view.x)
-        return
-    values = view.x.values
-    span = float(np.ptp(values))
-    axes.set_xlim(values[0] - _MARGIN * span, values[-1] + _MARGIN * span)
-    labels, last = [], -np.inf
-    for value in values.tolist():
-        has_room = value - last >= _TICK / width * span
-        labels.append(number_text(value) if has_room else "")
-        last = value if has_room else last
-    axes.set_xticks(values, labels)
-
-
-def _draw_bars(axes: Axes, view: View, curves: Sequence[_Curve], legend: Legend) -> list[_Bar]:
-    """Draw the regimes of every value, the first one lowest; return the parts."""
-    bars = []
-    for row, curve in enumerate(curves):
-        fields = curve.fields
-        parts = _points(fields) if is_discrete(view.x) else stretches(fields)
-        # A regime goes on where another motion exists; single points are not joined.
-        for (name, _), group in groupby(parts, key=lambda p: (p.name, is_discrete(view.x) and p.low)):
-            run = list(group)
-            low, high, style = run[0].low, run[-1].high, run[0].style
-            _fill(axes, row, low, high, name, style)
-            bars.append(_Bar(axes, row, fields, (low, high), name, style))
-        for part in parts:
-            for label, style in overlays(part).items():
-                _fill(axes, row, part.low, part.high, label, style)
-                legend[label] = style
-    axes.set_ylim(-0.5, len(curves) - 0.5)
-    axes.set_yticks(range(len(curves)), [curve.label for curve in curves])
-    axes.tick_params(axis="y", length=0.0)
-    return bars
-
-
-def _room(result: SweepResult, view: View, bar: _Bar) -> tuple[float, float]:
-    """Return where there is most room for the name of a part of a bar, between what is drawn across it."""
-    across = [x for _, x in _critical(bar.fields)] + _own_x(result, view, bar.fields)
-    cuts = np.unique(np.clip([*bar.ends, *across], *bar.ends)).tolist()
-    return max(pairwise(cuts), key=lambda part: part[1] - part[0], default=bar.ends)
-
-
-def _points(fields: Fields) -> list[Stretch]:
-    """Return the regime and the status of single points."""
+def bands_of(fields: Fields) -> list[Band]:
+    """Cut a range at each change of regime or status."""
+    unanswered = {s: fields.unanswered(s) for s in NO_ANSWER_HATCH if s in fields.statuses}
+    cuts = [x for _, x in _begins(fields, BEGINS_AT.values())]
+    over = (*unanswered.values(), fields.coexists, fields.backwards)
+    cuts += [x for field in over for x in zero_points(fields, field)]
     found = []
-    columns = (fields.panel.cycle[name][0].tolist() for name in ("regime", "status", "coexists"))
-    backwards = (fields.backwards[0] > 0.0).tolist()
-    for x, regime, code, coexists, back in zip(fields.x.tolist(), *columns, backwards, strict=True):
-        status = Status(code)
-        unanswered = status if status in NO_ANSWER_HATCH else None
-        found.append(Stretch(x, x, Regime(regime), unanswered, coexists > 0, back))
+    for low, high in pairwise(np.unique([*fields.x[[0, -1]], *cuts]).tolist()):
+        middle = 0.5 * (low + high)
+        nearest = int(np.argmin(np.abs(fields.x - middle)))
+        status = next((s for s, field in unanswered.items() if field[0, nearest] > 0.0), None)
+        regime = _regime_at(fields, middle)
+        name, style = regime.label, {"facecolor": REGIME_COLOURS[regime]}
+        hatches: dict[str, Look] = {}
+        if status is not None:
+            told = status.label.replace("-", " ")
+            hatch = {"edgecolor": NO_ANSWER_INK, "hatch": NO_ANSWER_HATCH[status]}
+            if status is Status.FLIGHT_NOT_MODELLED:
+                hatches[told] = {"facecolor": "none", **hatch}
+            else:
+                name, style = told, {"facecolor": NO_ANSWER_FACE, **hatch}
+        if fields.coexists[0, nearest] > 0.0:
+            hatches[COEXISTS_LABEL] = {
+                "facecolor": "none",
+                "edgecolor": NO_ANSWER_INK,
+                "hatch": COEXISTS_HATCH,
+            }
+        if fields.backwards[0, nearest] > 0.0 and "hatch" not in style:
+            hatches[BACKWARDS_LABEL] = {"facecolor": "none", "edgecolor": INK, "hatch": BACKWARDS_HATCH}
+        found.append(Band(low, high, name, style, hatches))
     return found
 
 
-def _fill(axes: Axes, row: int, low: float, high: float, name: str, style: Mapping[str, Any]) -> None:
-    """Draw a part of a bar, or the square of a single point."""
-    from matplotlib.patches import Rectangle
-
-    look = {"edgecolor": INK, "linewidth": 0.6, **style}
-    if low == high:
-        axes.scatter([low], [row], s=_SQUARE**2, marker="s", gid=name, zorder=2, **look)
-    else:
-        axes.add_patch(Rectangle((low, row - 0.5 * _FILLED), high - low, _FILLED, gid=name, zorder=2, **look))
-
-
-def _draw_critical(axes: Axes, row: int, fields: Fields, legend: Legend) -> None:
-    """Draw the critical loads across a bar."""
-    ends = [row - 0.5 * _FILLED, row + 0.5 * _FILLED]
-    for name, x in _critical(fields):
-        style = CURVES[name]
-        look = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
-        axes.plot([x, x], ends, zorder=3, gid=name, solid_capstyle="butt", **look)
-        legend[style.label] = look
-
-
-def _critical(fields: Fields) -> list[tuple[str, float]]:
+def _begins(fields: Fields, curves: Iterable[str]) -> list[tuple[str, float]]:
     """Return the critical loads that bound a regime over a range: their names and places."""
     return [
         (name, x)
-        for name in CURVES
+        for name in curves
         for x in zero_points(fields, fields.log_ratio[name], hiding_fields(fields, name)).tolist()
     ]
 
 
-def _say_why_empty(axes: Axes, curves: Sequence[_Curve]) -> None:
-    """Write the reason into a panel without any number."""
-    statuses = set().union(*(curve.fields.statuses for curve in curves))
-    why = ", ".join(status.label.replace("-", " ") for status in NO_ANSWER_HATCH if status in statuses)
-    axes.text(0.5, 0.5, why or "nothing conveyed", transform=axes.transAxes, ha="center", va="center")
+def _regime_at(fields: Fields, x: float) -> Regime:
+    """Return the regime at a place that may be between points, in a stretch that no point lies in."""
+    regime = Regime.NO_SLIP
+    for later, curve in BEGINS_AT.items():
+        ratio = fields.log_ratio[curve]
+        passed = int(np.searchsorted(zero_points(fields, ratio), x))
+        if (ratio[0, 0] > 0.0) != bool(passed % 2):
+            regime = later
+    return regime
 
 
-def _own_x(result: SweepResult, view: View, fields: Fields) -> list[float]:
-    """Return the position of the scene's own point on a curve; single points may not include it."""
-    own = operating_points(result, fields.panel)[:, 0].tolist()
-    return [x for x in own if not is_discrete(view.x) or np.isclose(view.x.values, x, rtol=1e-9).any()]
+def _critical_lines(axes: Axes, fields: Fields) -> None:
+    for name, x in _begins(fields, CURVES):
+        style = CURVES[name]
+        look = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
+        label = f"{style.label}: {value_text(fields.panel.x.name, x)}"
+        axes.axvline(x, zorder=2, gid=name, label=label, **look)
 
 
-def _add_key(axes: Axes, curves: Sequence[_Curve]) -> None:
-    """Label the curves beside a panel, in the order of the bars."""
-    from matplotlib.lines import Line2D
+def _mark_regimes(axes: Axes, fields: Fields, values: Floats, look: Look) -> None:
+    """Mark where a regime begins on a curve; give single points the colours of theirs."""
+    edge: Look = {"linestyle": "none", "zorder": 4}
+    if is_discrete(fields.panel.x):
+        for code in np.unique(fields.panel.cycle["regime"][0][np.isfinite(values)]):
+            regime = Regime(code)
+            here = fields.panel.cycle["regime"][0] == code
+            style = {**look, **edge, "markerfacecolor": REGIME_COLOURS[regime], "label": regime.label}
+            axes.plot(fields.x[here], values[here], gid=regime.label, **style)
+        return
+    for regime, curve in BEGINS_AT.items():
+        x = np.array([x for _, x in _begins(fields, [curve])])
+        if x.size:
+            style = {**_BEGINS, **edge, "color": INK, "markerfacecolor": REGIME_COLOURS[regime]}
+            axes.plot(x, np.interp(x, fields.x, values), gid=curve, label=f"{regime.label} begins", **style)
 
-    handles = [Line2D([], [], label=curve.label, **curve.look) for curve in reversed(curves)]
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=3.2)
+
+def _draw_numbers(axes: Axes, fields: Fields, values: Floats, look: Look, *, uncertain: bool) -> None:
+    """Draw numbers as a line, broken where regimes meet, since the numbers jump there; means as dots.
+
+    Means of what follows from the mean speed are uncertain, and have bars of their standard error.
+    """
+    x, cycle = fields.x, fields.panel.cycle
+    averaged = cycle["status"][0] == Status.AVERAGED
+    if averaged.any() and uncertain:
+        error, speed = (cycle[name][0, averaged] for name in ("mean_velocity_error", "mean_velocity"))
+        off = np.abs(values[averaged] * error / speed)
+        ends = values[averaged] - off, values[averaged] + off
+        bars = {"color": look["color"], "linewidth": 0.6, "alpha": 0.3, "gid": ERROR_LABEL}
+        axes.vlines(x[averaged], *ends, label=ERROR_LABEL, **bars)
+    if averaged.any() and not is_discrete(fields.panel.x):
+        dots = {**_DOTS, "color": look["color"], "zorder": 3, "gid": AVERAGED_LABEL}
+        axes.plot(x[averaged], values[averaged], label=AVERAGED_LABEL, **dots)
+        values = np.where(averaged, np.nan, values)
+    regime = cycle["regime"][0]
+    jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
+    axes.plot(np.insert(x, jumps, np.nan), np.insert(values, jumps, np.nan), zorder=3, gid="numbers", **look)
+
+
+def _tell_unanswered(axes: Axes, view: View, fields: Sequence[Fields], shown: Sequence[Floats]) -> None:
+    """Write into a panel for which values there are no numbers, and why."""
+    found: dict[str, list[str]] = {}
+    for f, values in zip(fields, shown, strict=True):
+        missing, status = ~np.isfinite(values), f.panel.cycle["status"][0]
+        labels = [s.label.replace("-", " ") for s in NO_ANSWER_HATCH if (status[missing] == s).any()]
+        part = "" if missing.all() else " in part"
+        labels = [label + part for label in labels or (["nothing conveyed"] if missing.all() else [])]
+        for label in labels:
+            name = view.curves.name if view.curves else ""
+            found.setdefault(label, []).append(value_text(name, f.panel.values[name]) if name else "")
+    lines = [": ".join(filter(None, [label, ", ".join(values)])) for label, values in found.items()]
+    if lines:
+        text = axes.text(0.02, 0.97, "\n".join(lines), transform=axes.transAxes, va="top", fontsize=8.0)
+        outline(text, "#FFFFFF")
+
+
+def _finish_scale(axes: Axes, picture: str, values: Floats, target_speed: float | None) -> None:
+    """Draw what helps to read a scale, and mark a target speed on it; long times are logarithmic."""
+    finite = values[np.isfinite(values)]
+    if finite.size and finite.min() < 0.0:
+        axes.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
+    axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.8)
+    if picture == "traverse" and finite.size and finite.max() > _WIDE * finite.min():
+        make_logarithmic(axes.yaxis, finite.min(), finite.max())
+    if picture == "speed" and target_speed is not None:
+        low, high = axes.get_ylim()
+        draw_wanted(axes, target_speed, f"{number_text(target_speed)} mm/s")
+        axes.set_ylim(low, max(high, target_speed + _HEADROOM * (target_speed - low)))
+
+
+def draw_wanted(axes: Axes, level: float, text: str) -> None:
+    """Draw a line at what is asked for, and name it."""
+    look = {"color": WANTED.colour, "linestyle": WANTED.dashes, "linewidth": WANTED.width}
+    axes.axhline(level, zorder=2.5, gid="level", **look)
+    place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
+    outline(axes.annotate(text, *place), "#FFFFFF")

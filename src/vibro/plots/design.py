@@ -8,18 +8,22 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.fields import zero_lines
-from vibro.plots.frame import mark_operating_point, set_heading, settle, single_frame
+from vibro.plots.bands import settle_bands
+from vibro.plots.curves import draw_wanted
+from vibro.plots.fields import BEGINS_AT, zero_lines
+from vibro.plots.frame import facets, mark_point, set_heading, stack
 from vibro.plots.layers import MapLayers
-from vibro.plots.lines import name_bands
 from vibro.plots.maps import colour_bar, place_words
 from vibro.plots.scales import Scale, even_levels
-from vibro.plots.settings import BEGINS, LAST, LIVELIER, Settings, below
+from vibro.plots.settings import LAST, LIVELIER, Settings, below
 from vibro.plots.style import (
     CURVES,
     INK,
+    LAST_PART,
+    LIMITS,
     NO_ANSWER_HATCH,
     REGIME_COLOURS,
+    TIPPING,
     CurveStyle,
     axis_label,
     figure_text,
@@ -42,8 +46,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["DESIGN_PICTURES", "design_figures"]
-
 #: Names of the pictures.
 DESIGN_PICTURES: Final = ("regime", "speed", "band")
 
@@ -52,16 +54,14 @@ _BEGINS_TO: Final[Mapping[Regime, str]] = {
     Regime.BACK_SLIP: "slips back",
     Regime.HOPPING: "hops",
 }
-_LAST_BEGINS: Final = (0, (1.5, 3.0))  # dashes where the last part does what a curve says
-_TIPS: Final = CurveStyle("first part lifts an edge", (0, (3, 1, 1, 1, 1, 1)), 1.6)
+_TIPS: Final = CurveStyle("first part lifts an edge", TIPPING, 1.6)
 _FORBIDDEN_HATCH: Final = "\\\\"
 _VEIL: Final = "#FFFFFF", 0.55  # over settings beyond the drive's limits: colour, opacity
-_DRIVE: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": (0, (8, 2.5)), "linewidth": 1.5}
+_DRIVE: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": LIMITS, "linewidth": 1.5}
 _MEETS: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": "-", "linewidth": 3.0}
 _NOTHING: Final = "no speed guaranteed"
 _BAND: Final = "#A9C4E4"
 _WINDOW: Final = "#E4E4E4"
-_GOAL: Final = "#994455"
 _SIZE: Final = (7.4, 5.2)  # [in]
 _NAME_SIZE: Final = 8.5  # [pt] of a drive's name
 _NAME_ROOM: Final = 160.0  # [pt]
@@ -97,17 +97,6 @@ def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: Spee
         }
 
 
-def _veiled(colour: str) -> tuple[float, float, float]:
-    """Return a colour as it looks under the veil."""
-    from matplotlib.colors import to_rgb
-
-    veil, share = to_rgb(_VEIL[0]), _VEIL[1]
-    red, green, blue = (
-        share * over + (1.0 - share) * under for over, under in zip(veil, to_rgb(colour), strict=True)
-    )
-    return red, green, blue
-
-
 class _Layers(MapLayers):
     """The layers of a map of settings."""
 
@@ -119,24 +108,21 @@ class _Layers(MapLayers):
         """Fill the regimes that are guaranteed, hatched where they depend on the part, and name them."""
         load = self._settings.load(self.fields.y[:, np.newaxis], self.fields.x)
         reach = self._settings.over(self._settings.strong)
-        is_veiled = (reach > 0.0).any()
-        for stretch in self._settings.stretches:
-            field = np.minimum(-below(stretch.low, load), below(stretch.high, load))
-            if self._fill(field, gid=stretch.name, zorder=1, **stretch.style):
-                # names go to settings within the drive's limits, if any: elsewhere colours are pale
-                inside, style = np.minimum(field, reach), dict(stretch.style)
-                if not (inside > 0.0).any():
-                    inside = field
-                    style["facecolor"] = _veiled(style["facecolor"]) if is_veiled else style["facecolor"]
-                self._name_region(stretch.name, inside, **style)
+        for band in self._settings.stretches:
+            field = np.minimum(-below(band.low, load), below(band.high, load))
+            filled = self._fill(field, gid=band.name, zorder=1, **band.style)
+            if filled is not None:
+                # Names go to settings within the drive's limits, if any.
+                inside = np.minimum(field, reach)
+                self._name_region(band.name, inside if (inside > 0.0).any() else field, filled)
 
     def draw_boundaries(self) -> None:
         """Draw where the first and the last part reach regimes; names of areas explain the lines."""
-        for regime, curve in BEGINS.items():
+        for curve in BEGINS_AT.values():
             for name in (curve, LAST + curve):
                 if pieces := zero_lines(self.fields, self.fields.log_ratio[name]):
                     look = {"color": INK, "linestyle": _dashes(name), "linewidth": CURVES[curve].width}
-                    self._line(pieces, label=_begin_text(regime, name), gid=name, zorder=3, **look)
+                    self._line(pieces, gid=name, zorder=3, **look)
                     self._clear += pieces
         self._draw_tips()
 
@@ -144,7 +130,7 @@ class _Layers(MapLayers):
         """Cover settings that the goal forbids: the first part is in too high a regime."""
         regime = self._settings.forbidden
         if regime is not None:
-            field = self.fields.log_ratio[BEGINS[regime]]
+            field = self.fields.log_ratio[BEGINS_AT[regime]]
             self.hatch(field, f"some part {_BEGINS_TO[regime]}", _FORBIDDEN_HATCH)
         self._draw_tips()
 
@@ -182,17 +168,11 @@ class _Layers(MapLayers):
         if pieces:
             halo = withStroke(linewidth=look["linewidth"] + 2.0, foreground="#FFFFFF")
             self._line(pieces, label=label, gid=name, zorder=4, path_effects=[halo], **look)
-            self.legend[label] = dict(look)
-
-
-def _begin_text(regime: Regime, name: str) -> str:
-    """Label a curve by the event that it marks."""
-    return f"{'last' if name.startswith(LAST) else 'first'} part {_BEGINS_TO[regime]}"
 
 
 def _dashes(name: str) -> Any:
     """Return the dashes of a curve, other ones for the last part than for the first."""
-    return _LAST_BEGINS if name.startswith(LAST) else CURVES[name].dashes
+    return LAST_PART if name.startswith(LAST) else CURVES[name].dashes
 
 
 def _name(chosen: Chosen) -> str:
@@ -229,14 +209,7 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
         goal += f", in flight up to {number_text(100.0 * spec.goal.flight_fraction)} %"
     if float(design.speed_min_mm_s or 0.0) < settings.goal:
         goal += " (not met)"
-    return "\n".join(
-        [
-            spans_text(spans) + _ratio(design),
-            goal,
-            *_drift(spec, elliptical=shape == "normal_phase"),
-            *_machine(settings.chosen),
-        ]
-    )
+    return f"{spans_text(spans)}{_ratio(design)}\n{goal}"
 
 
 def _ratio(design: Design) -> str:
@@ -244,29 +217,6 @@ def _ratio(design: Design) -> str:
     if not design.along_amplitude_mm:
         return "" if design.along_amplitude_mm is None else ", $X$ = 0"
     return f", $Y/X$ = {number_text((design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm)}"
-
-
-def _drift(spec: Spec, *, elliptical: bool) -> list[str]:
-    """Describe the drifts of drive and trough; empty without any."""
-    drift = spec.drift
-    parts = [
-        (100.0 * drift.amplitude, " % of amplitudes" if elliptical else " % $A$"),
-        (100.0 * drift.frequency, " % $f$"),
-        (math.degrees(drift.drive_angle), r"° $\alpha$"),
-        (math.degrees(drift.trough_angle), r"° $\beta$"),
-        (math.degrees(drift.normal_phase), r"° $\varphi$"),
-    ]
-    said = ", ".join(f"±{number_text(size)}{unit}" for size, unit in parts if size)
-    return [f"drift: {said}"] if said else []
-
-
-def _machine(chosen: Chosen) -> list[str]:
-    """Describe the amplitudes that voltage and filling make; empty where they make none."""
-    design, machine = chosen.design, chosen.drive.machine
-    if machine is None or not machine.has_bands:
-        return []
-    low, high = (f"{end or 0.0:.3g}" for end in (design.amplitude_least_mm, design.amplitude_most_mm))
-    return [f"over all voltages and fillings the design's amplitude is {low} to {high} mm; $A$ is the middle"]
 
 
 def _regime_map(settings: Settings) -> Figure:
@@ -305,98 +255,73 @@ def _speed_map(settings: Settings) -> Figure:
 
 
 def _start(settings: Settings, heading: str) -> tuple[Figure, _Layers]:
-    panel = settings.fields.panel
-    assert panel.y is not None
-    figure, axes = single_frame(panel.x, panel.y, _headline(settings, heading), _question(settings))
+    figure, (axes,) = facets([settings.fields.panel])
+    set_heading(figure, _headline(settings, heading), _question(settings))
     return figure, _Layers(axes, settings)
 
 
 def _finish(figure: Figure, layers: _Layers, settings: Settings) -> Figure:
-    marked: dict[str, dict[str, Any]] = {}
-    mark_operating_point(layers.axes, settings.point, marked, _marked(settings))
-    place_words(figure, [layers], [settings.point], marked)
+    mark_point(layers.axes, settings.point, _marked(settings))
+    place_words(figure, [layers], [settings.point])
     return figure
 
 
 def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     """Speeds from the slowest to the fastest part over the amplitude, with the goal and what keeps it."""
-    from vibro.plots.picture import Picture
-
-    figure = Picture(figsize=_SIZE)
-    strip, axes = figure.subplots(2, 1, sharex=True, height_ratios=[0.09, 1.0])
+    figure, (strip, axes) = stack(_SIZE, (0.09, 1.0))
     set_heading(figure, _headline(settings, "Speed of all parts"), _question(settings, frequency=True))
     low, high = float(band.amplitude[0]), float(band.amplitude[-1])
     axes.set_xlim(low, high)
-    legend: dict[str, dict[str, Any]] = {}
-    _draw_band(axes, band, legend)
-    _draw_goal(axes, settings, band, legend)
-    _draw_beginnings(axes, settings, legend)
+    _draw_band(axes, band)
+    draw_wanted(axes, settings.goal, f"goal {number_text(settings.goal)} mm/s")
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, max(top, 1.05 * settings.goal))
+    if band.window is not None:
+        look: dict[str, Any] = {"zorder": 0.5, "linewidth": 0.6, "facecolor": _WINDOW, "edgecolor": INK}
+        axes.axvspan(*band.window, gid="window", label="keeps the guarantee", **look)
+    _draw_beginnings(axes, settings)
     design = settings.chosen.design
     point = np.array([[design.nominal, design.speed_min_mm_s]], np.float64)
-    mark_operating_point(axes, point, legend, _marked(settings))
+    mark_point(axes, point, _marked(settings))
     assert settings.fields.panel.y is not None
-    axes.set_xlabel(axis_label(settings.fields.panel.y))
-    axes.set_ylabel("mean conveying speed [mm/s]")
+    axes.set(xlabel=axis_label(settings.fields.panel.y), ylabel="mean conveying speed [mm/s]")
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.1)
-    settle(figure, legend)
-    stretches = [
-        stretch._replace(low=max(low, from_), high=min(high, to))
+    shown = [
+        stretch._replace(low=max(low, begin), high=min(high, end))
         for stretch in settings.stretches
-        for from_, to in [(settings.amplitude(stretch.low), settings.amplitude(stretch.high))]
-        if from_ < high and to > low
+        for begin, end in [(settings.amplitude(stretch.low), settings.amplitude(stretch.high))]
+        if begin < high and end > low
     ]
-    if unnamed := name_bands(figure, strip, stretches):
-        settle(figure, unnamed | legend)
+    settle_bands(figure, strip, shown)
     return figure
 
 
-def _draw_band(axes: Axes, band: SpeedBand, legend: dict[str, dict[str, Any]]) -> None:
+def _draw_band(axes: Axes, band: SpeedBand) -> None:
     """Draw the slowest, the nominal and the fastest part, with a band if both extremes are known."""
     least, most = (np.where(np.isfinite(v), v, np.nan) for v in (band.speed_min, band.speed_max))
-    axes.fill_between(
-        band.amplitude, least, most, facecolor=_BAND, edgecolor=INK, linewidth=0.6, zorder=1, gid="band"
-    )
-    legend["slowest to fastest part"] = {"facecolor": _BAND}
-    looks: dict[str, tuple[Floats, dict[str, Any]]] = {
-        "guaranteed speed": (least, {"color": INK, "linewidth": 2.2}),
-        "nominal speed": (band.speed_nominal, {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 2))}),
-    }
-    for name, (values, look) in looks.items():
-        axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, **look)
-        legend[name] = look
+    look: dict[str, Any] = {"facecolor": _BAND, "edgecolor": INK, "linewidth": 0.6, "zorder": 1}
+    axes.fill_between(band.amplitude, least, most, gid="band", label="slowest to fastest part", **look)
+    for name, values, width in (("guaranteed speed", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
+        axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=INK, linewidth=width)
     known = np.concatenate([least, band.speed_nominal, most])
     top = float(np.nanmax(known, initial=0.0))
     bottom = float(np.nanmin(known, initial=0.0))
     axes.set_ylim(bottom - 0.03 * (top - bottom), top + 0.05 * (top - bottom) or 1.0)
 
 
-def _draw_goal(axes: Axes, settings: Settings, band: SpeedBand, legend: dict[str, dict[str, Any]]) -> None:
-    """Draw the required speed, and the amplitudes that guarantee it."""
-    goal: dict[str, Any] = {"color": _GOAL, "linewidth": 1.8, "linestyle": (0, (1, 1))}
-    axes.axhline(settings.goal, gid="goal", zorder=2.5, **goal)
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, max(high, 1.05 * settings.goal))
-    legend[f"goal {number_text(settings.goal)} mm/s"] = goal
-    if band.window is not None:
-        low, high = band.window
-        axes.axvspan(low, high, gid="window", zorder=0.5, linewidth=0.6, facecolor=_WINDOW, edgecolor=INK)
-        legend["keeps the guarantee"] = {"facecolor": _WINDOW}
-
-
-def _draw_beginnings(axes: Axes, settings: Settings, legend: dict[str, dict[str, Any]]) -> None:
+def _draw_beginnings(axes: Axes, settings: Settings) -> None:
     """Draw the amplitudes at which the first part reaches a regime, and the last one starts."""
-    low, high = axes.get_xlim()
     loads: dict[str, tuple[Regime, float]] = {}
     for regime in settings.first(LIVELIER):
         first, last = settings.data.begins[regime]
-        loads[BEGINS[regime]] = regime, first
+        loads[BEGINS_AT[regime]] = regime, first
         if regime is Regime.FORWARD_SLIP and first < last:
-            loads[LAST + BEGINS[regime]] = regime, last
+            loads[LAST + BEGINS_AT[regime]] = regime, last
     for name, (regime, load) in loads.items():
         amplitude = settings.amplitude(load)
-        if low < amplitude < high:
+        if math.isfinite(amplitude):
             unit = QUANTITIES[settings.data.amplitude].unit
-            text = f"{_begin_text(regime, name)}: {number_text(amplitude)} {unit}".rstrip()
+            part = "last" if name.startswith(LAST) else "first"
+            text = f"{part} part {_BEGINS_TO[regime]}: {number_text(amplitude)} {unit}".rstrip()
             look = {"color": INK, "linestyle": _dashes(name), "linewidth": 1.0}
             axes.axvline(amplitude, zorder=2, gid=name, label=text, **look)
-            legend[text] = look

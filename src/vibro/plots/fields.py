@@ -30,18 +30,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = [
-    "BEGINS_AT",
-    "HIDDEN_BY",
-    "Fields",
-    "clip_line",
-    "hiding_fields",
-    "without_hidden",
-    "zero_lines",
-    "zero_points",
-    "zero_region",
-]
-
 # Beyond one of these other curves another regime holds: the curve is no boundary there.
 HIDDEN_BY: Final = {
     "forward_onset": ("back_slip", "hop"),
@@ -158,13 +146,10 @@ class Fields:
 
         The region at rest is covered up to its exact boundary, between points: numbers must reach that far.
         """
-        return self._reaching("mean_velocity", self.panel.cycle["regime"] != Regime.NO_SLIP)
+        return self.reaching("mean_velocity", self.panel.cycle["regime"] != Regime.NO_SLIP)
 
-    def in_flight(self, name: str) -> Floats:
-        """Return a result of hopping bodies; elsewhere that of a point nearby, NaN if none hops."""
-        return self._reaching(name, self.panel.cycle["regime"] == Regime.HOPPING)
-
-    def _reaching(self, name: str, wanted: NDArray[np.bool_]) -> Floats:
+    def reaching(self, name: str, wanted: NDArray[np.bool_]) -> Floats:
+        """Return a result of wanted points; elsewhere that of one nearby, NaN if none is wanted."""
         values = self.panel.cycle[name]
         known = np.isfinite(values) & wanted
         return fill_unknown(values, known) if known.any() else np.full(values.shape, np.nan)

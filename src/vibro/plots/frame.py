@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.style import INK, axis_label, broken_lines, figure_text, values_text
+from vibro.plots.style import INK, axis_label, broken_lines, figure_text, number_text, values_text
+from vibro.plots.view import is_discrete
 from vibro.quantities import DRIVES
 
 if TYPE_CHECKING:
@@ -20,22 +21,6 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.plots.view import Panel
     from vibro.results.sweep import SweepResult
-
-__all__ = [
-    "below",
-    "facet_frame",
-    "headline",
-    "legend_height",
-    "make_logarithmic",
-    "map_frame",
-    "mark_operating_point",
-    "operating_points",
-    "renderer_of",
-    "scale_axis",
-    "set_heading",
-    "settle",
-    "single_frame",
-]
 
 _SINGLE_SIZE: Final = (7.4, 5.6)  # [in]
 _FACET_SIZE: Final = (3.1, 2.7)  # [in]
@@ -54,8 +39,10 @@ _PHASE_STEPS: Final = (1, 1.5, 3, 4.5, 9, 10)  # to divide turns
 _DIGIT_WIDTH: Final = 0.115  # [in] of a digit on an axis, with its share of the gap between numbers
 _HANDLE_WIDTH: Final = 0.62  # [in] of a handle in a legend, with the gap between columns
 _LETTER_WIDTH: Final = 0.065  # [in] of a letter in a legend
-_ROW_HEIGHT: Final = 0.17  # [in] of a row of a legend
-_USUAL_ROWS: Final = 3  # for which figures have room
+_ROW_HEIGHT: Final = 0.18  # [in] of a row of a legend
+_LEAST_AREA: Final = 2.0  # [px] width and height of an area that a legend names
+_LIST_MARGIN: Final = 0.06  # of an axis of single points, beyond the outer ones
+_LIST_TICK: Final = 0.5  # [in] from one number below such an axis to the next
 _MARKER: Final[dict[str, Any]] = {
     "marker": "o",
     "markersize": 8.0,
@@ -79,64 +66,64 @@ def renderer_of(figure: Figure) -> Any:
     return canvas.get_renderer()
 
 
-def facet_frame(n: int) -> tuple[Figure, list[Axes], int]:
-    """Make a figure with so many empty panels; return also how many are in a row."""
+def facets(panels: Sequence[Panel], label: str = "") -> tuple[Figure, list[Axes]]:
+    """Make a figure with an empty panel for every value of a quantity, or with one; name and scale axes.
+
+    Parameters
+    ----------
+    panels : sequence of Panel
+        Of maps, or of curves.
+    label : str, optional
+        Of the scale of curves.
+    """
     from vibro.plots.picture import Picture
 
+    n = len(panels)
     columns = _FACET_COLUMNS[n]
     rows = math.ceil(n / columns)
     size = _SINGLE_SIZE
     if n > 1:
         size = (columns * _FACET_SIZE[0] + _EXTRA_SIZE[0], rows * _FACET_SIZE[1] + _EXTRA_SIZE[1])
     figure = Picture(figsize=size)
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=n > 1, sharey=n > 1)
-    for unused in list(grid.flat)[n:]:
+    grid = list(figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat)
+    for unused in grid[n:]:
         unused.remove()
-    return figure, list(grid.flat)[:n], columns
-
-
-def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[Figure, list[Axes]]:
-    """Make a figure with empty maps, their axes named and scaled."""
-    n = len(panels)
-    figure, axes, columns = facet_frame(n)
-    common = dict(panels[0].values)
-    for number, (panel, a) in enumerate(zip(panels, axes, strict=True)):
-        assert panel.y is not None
+    for number, (panel, a) in enumerate(zip(panels, grid, strict=False)):
         scale_axis(a.xaxis, panel.x)
-        scale_axis(a.yaxis, panel.y)
+        if panel.y is not None:
+            scale_axis(a.yaxis, panel.y)
         if number % columns == 0:
-            a.set_ylabel(axis_label(panel.y))
+            a.set_ylabel(axis_label(panel.y) if panel.y else label)
         if number + columns >= n:
             a.set_xlabel(axis_label(panel.x))
             a.tick_params(labelbottom=True)
         if panel.facet is not None:
-            common.pop(panel.facet, None)
             a.set_title(values_text({panel.facet: panel.values[panel.facet]}, all_of_them=True))
-    set_heading(figure, headline(heading, result), below(result, common))
-    return figure, axes
+    return figure, grid[:n]
 
 
-def single_frame(x: Axis, y: Axis, headline: str, below: str) -> tuple[Figure, Axes]:
-    """Make a figure with one empty map, its axes named and scaled."""
+def stack(size: tuple[float, float], heights: Sequence[float], *, own: int = 0) -> tuple[Figure, list[Axes]]:
+    """Make a figure of panels one above the other, over one scale; so many of the last have their own."""
     from vibro.plots.picture import Picture
 
-    figure = Picture(figsize=_SINGLE_SIZE)
-    axes = figure.subplots()
-    for axis, of in ((axes.xaxis, x), (axes.yaxis, y)):
-        scale_axis(axis, of)
-        axis.set_label_text(axis_label(of))
-    set_heading(figure, headline, below)
+    figure = Picture(figsize=size)
+    grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
+    axes: list[Axes] = []
+    for i in range(len(heights)):
+        shared = axes[0] if axes and i < len(heights) - own else None
+        axes.append(figure.add_subplot(grid[i], sharex=shared))
+    for a in axes[: -1 - own]:
+        a.tick_params(labelbottom=False)
     return figure, axes
 
 
-def headline(heading: str, result: SweepResult) -> str:
-    """Write the headline: the content of the picture, and the title of the sweep."""
-    return f"{heading} – {result.title}" if result.title else heading
-
-
-def below(result: SweepResult, values: Mapping[str, float]) -> str:
-    """Return the line under a headline: given quantities and, if all rests, where motion begins."""
-    return "\n".join(filter(None, [values_text(values, hops=result.hops), result.rest_text]))
+def head_sweep(figure: Figure, heading: str, result: SweepResult, panels: Sequence[Panel]) -> None:
+    """Write the content of a picture and the title of the sweep; below, what all panels have in common."""
+    first = panels[0].values.items()
+    common = {name: value for name, value in first if all(p.values[name] == value for p in panels)}
+    told = values_text(common, hops=result.hops)
+    headline = f"{heading} – {result.title}" if result.title else heading
+    set_heading(figure, headline, "\n".join(filter(None, [told, result.rest_text])))
 
 
 def set_heading(figure: Figure, headline: str, below: str = "") -> None:
@@ -162,10 +149,24 @@ def scale_axis(axis: Any, of: Axis) -> None:
     """Give an axis of a plot the range and the spacing of an axis of the sweep."""
     low, high = float(of.values[0]), float(of.values[-1])
     axis.axes.set(**{f"{axis.axis_name}lim": (low, high)})
-    if of.spacing == "log":
+    if is_discrete(of):
+        _mark_values(axis, of.values)
+    elif of.spacing == "log":
         make_logarithmic(axis, low, high)
     else:
         _spread_ticks(axis, _PHASE_STEPS if of.name in _PHASES else _TICK_STEPS)
+
+
+def _mark_values(axis: Any, values: NDArray[np.float64]) -> None:
+    """Mark the values of a list, with their numbers where there is room."""
+    span, width = float(np.ptp(values)), axis.axes.bbox.width / axis.axes.figure.dpi
+    axis.axes.set_xlim(values[0] - _LIST_MARGIN * span, values[-1] + _LIST_MARGIN * span)
+    labels, last = [], -np.inf
+    for value in values.tolist():
+        has_room = value - last >= _LIST_TICK / width * span
+        labels.append(number_text(value) if has_room else "")
+        last = value if has_room else last
+    axis.axes.set_xticks(values, labels)
 
 
 def _spread_ticks(axis: Any, steps: Sequence[float] = _TICK_STEPS) -> None:
@@ -210,75 +211,98 @@ def make_logarithmic(axis: Any, low: float, high: float) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def operating_points(result: SweepResult, panel: Panel) -> NDArray[np.float64]:
-    """Return the scene's own point on a panel, as an array of shape (0 or 1, 2), in the user's units."""
-    point = result.operating_point
-    if point is None:
-        return np.empty((0, 2))
-    elsewhere = any(
-        not math.isclose(value, panel.values[name], rel_tol=1e-6, abs_tol=1e-12)
-        for name, value in point.items()
-        if name in panel.values
-    )
+def place_on(panel: Panel, point: Mapping[str, float] | None) -> NDArray[np.float64]:
+    """Return where a point, in the user's units, lies on a panel: an array of shape (0 or 1, 2)."""
     drawn = [axis for axis in (panel.x, panel.y) if axis is not None]
-    outside = any(not axis.values[0] <= point[axis.name] <= axis.values[-1] for axis in drawn)
-    if elsewhere or outside:
+    if (
+        point is None
+        or any(
+            not math.isclose(value, panel.values[name], rel_tol=1e-6, abs_tol=1e-12)
+            for name, value in point.items()
+            if name in panel.values
+        )
+        or any(not axis.values[0] <= point[axis.name] <= axis.values[-1] for axis in drawn)
+        or (is_discrete(panel.x) and not np.isclose(panel.x.values, point[panel.x.name], rtol=1e-9).any())
+    ):
         return np.empty((0, 2))
     return np.array([[point[axis.name] for axis in drawn] + [0.0] * (2 - len(drawn))])
 
 
-def mark_operating_point(
-    axes: Axes,
-    points: NDArray[np.float64],
-    legend: dict[str, dict[str, Any]],
-    label: str = "operating point",
-) -> None:
+def mark_point(axes: Axes, points: NDArray[np.float64], label: str = "operating point") -> None:
     """Mark the scene's own point, or another single point, on top of everything."""
     if len(points):
         axes.plot(points[:, 0], points[:, 1], zorder=7, gid=label, label=label, clip_on=False, **_MARKER)
-        legend[label] = dict(_MARKER)
 
 
-def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:
-    """Put the legend under the axes, and fix the layout of the figure.
+def settle(figure: Figure) -> None:
+    """Put a legend of all that has a label and is seen under the axes, and fix the layout of the figure.
 
-    Parameters
-    ----------
-    figure : Figure
-        May have a layout from before, with another legend.
-    legend : mapping of str to dict
-        Entries: their text, and the style of their patch or line.
+    The figure may have a layout from before, with another legend.
     """
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     for old in list(figure.legends):
         old.remove()
-    if legend:
-        _add_legend(figure, legend)
-    renderer_of(figure)  # so that the layout uses it, and no other
+    renderer = renderer_of(figure)  # so that the layout uses it, and no other
+    handles = _handles(figure, renderer)
+    if handles:
+        width, height = figure.get_size_inches()
+        columns = _columns([handle.get_label() for handle in handles], width)
+        rows = math.ceil(len(handles) / columns)
+        known: Any = figure
+        if rows > known.legend_rows:  # leave the panels their size
+            figure.set_figheight(height + _ROW_HEIGHT * (rows - known.legend_rows))
+            known.legend_rows = rows
+        figure.legend(handles=handles, loc="outside lower center", ncols=columns, labelspacing=0.6)
     # A figure that keeps a layout engine, even a blank one, is drawn twice whenever it is saved.
     ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.04).execute(figure)
 
 
-def legend_height(texts: list[str], width: float) -> float:
-    """Return by how much a figure is to be higher for its legend to leave its maps their size [in]."""
-    rows = math.ceil(len(texts) / _columns(texts, width)) if texts else 0
-    return _ROW_HEIGHT * max(0, rows - _USUAL_ROWS)
-
-
-def _add_legend(figure: Figure, styles: Mapping[str, dict[str, Any]]) -> None:
+def _handles(figure: Figure, renderer: Any) -> list[Any]:
+    """Return what a legend shows: lines, then areas, each label once."""
+    from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    handles: list[Any] = []
-    for text, style in styles.items():
-        if "facecolor" in style:
-            edge = style.get("edgecolor", INK)
-            handles.append(Patch(**{**style, "edgecolor": edge, "linewidth": 0.6, "label": text}))
+    found: dict[str, Any] = {}
+    for axes in figure.axes:
+        axes.get_xlim()  # the limits of what is drawn are found when they are asked for
+    kinds = [[*axes.lines, *axes.collections] for axes in figure.axes], [axes.patches for axes in figure.axes]
+    drawn: list[Any] = [artist for kind in kinds for artists in kind for artist in artists]
+    for artist in drawn:
+        label = str(artist.get_label())
+        if not label or label.startswith("_") or label in found or not _is_seen(artist, renderer):
+            continue
+        if isinstance(artist, Line2D):
+            found[label] = Line2D([], [])
+            found[label].update_from(artist)
+        elif isinstance(artist, LineCollection):
+            bars: Any = artist
+            (colour, *_), (width, *_) = bars.get_color(), bars.get_linewidth()
+            found[label] = Line2D([], [], color=colour, linewidth=width)
         else:
-            handles.append(Line2D([], [], label=text, **style))
-    width = float(figure.get_figwidth())
-    figure.legend(handles=handles, loc="outside lower center", ncols=_columns(list(styles), width))
+            face, edge = (np.reshape(c, (-1, 4)) for c in (artist.get_facecolor(), artist.get_edgecolor()))
+            seen: Any = edge[0] if edge.any() else INK
+            found[label] = Patch(facecolor=face[0], edgecolor=seen, hatch=artist.get_hatch(), linewidth=0.6)
+        found[label].set_label(label)
+    return list(found.values())
+
+
+def _is_seen(artist: Any, renderer: Any) -> bool:
+    """Whether an artist is within its axes, and an area is no mere line."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import Patch
+    from matplotlib.transforms import Bbox
+
+    extent = artist.get_window_extent(renderer)
+    if isinstance(artist, LineCollection):  # which finds no extent of its own on the paper
+        to_pixels: Any = artist.axes
+        extent = artist.get_datalim(to_pixels.transData).transformed(to_pixels.transData)
+    if not np.isfinite(extent.get_points()).all():  # of numbers that are all unknown
+        return False
+    seen = Bbox.intersection(extent, artist.axes.bbox.padded(1.0))
+    least = _LEAST_AREA if isinstance(artist, Patch) else 0.0
+    return seen is not None and min(seen.width, seen.height) >= least
 
 
 def _columns(texts: list[str], room: float) -> int:

@@ -8,34 +8,22 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.errors import InputError
-from vibro.plots.frame import set_heading
-from vibro.plots.phases import PHASE_STYLES, events_of, legend_entries, shade
-from vibro.plots.style import INK, house_style, values_text
+from vibro.plots.bands import settle_bands, shade
+from vibro.plots.frame import set_heading, stack
+from vibro.plots.phases import events_of, phase_bands
+from vibro.plots.style import INK, LIMITS, SECOND, house_style, values_text
 from vibro.plots.trough_path import draw_path
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
     from vibro.results.history import Phase, Sample
 
     Floats = NDArray[np.float64]
-
-__all__ = [
-    "PANELS",
-    "Curve",
-    "Panel",
-    "choose_panels",
-    "history_figure",
-    "most_force",
-    "panels_of",
-    "values_of",
-]
 
 
 class Curve(NamedTuple):
@@ -70,7 +58,7 @@ PANELS: Final[Mapping[str, Panel]] = {
         "m/s²",
         1.0,
         (
-            Curve("static_limit", "limits of static friction", _GREEN, (0, (4, 2)), 1.0, True),
+            Curve("static_limit", "limits of static friction", _GREEN, LIMITS, 1.0, True),
             Curve("inertial", "inertial and gravity, along the trough", _RED, "-", 1.2, True),
             Curve("friction", "friction on the body", _BLUE, width=2.0),
         ),
@@ -88,19 +76,16 @@ _ELLIPSE: Final = Panel(
     "mm",
     1e-3,
     (
-        Curve("trough_normal", "trough, normal to itself", _GREEN, (0, (6, 1.5, 1, 1.5)), 1.2),
+        Curve("trough_normal", "trough, normal to itself", _GREEN, SECOND, 1.2),
         Curve("trough_along", "trough, along itself", INK),
     ),
     height=0.8,
 )
 
 _ROW: Final = 1.35  # [in] of a panel of height 1
-_LETTER: Final = 0.0095  # generous width of a letter, as a share of a panel's
+_STRIP: Final = 0.18  # height of the names of phases
 _PATH: Final = 2.0  # height of the path below the panels
-_LEGEND_WIDTH: Final = 1.5  # width of the legend beside it, over that of the path
-_COLUMNS: Final = 3  # of the legend, one for each curve in the panel of forces
 _MARGIN: Final = 0.12  # margin above and below the curves, as a share of their span
-_HEADROOM: Final = 0.25  # for the names of phases, as a share of the panel's height
 # The load along the trough may stretch the panel of forces to so many times what friction needs.
 _STRETCH: Final = 1.5
 _EDGE: Final = 1e-9  # share of the drawn time by which a phase must reach into it: rounding
@@ -188,55 +173,35 @@ def history_figure(
     first, last = float(trace.time[0]), float(trace.time[-1])
     edge = _EDGE * (last - first)
     phases = [phase for phase in phases if phase.end > first + edge and phase.start < last - edge]
-    heights = [panel.height for panel in shown.values()]
+    heights = [_STRIP, *(panel.height for panel in shown.values()), *[_PATH] * elliptical]
     with house_style():
-        from vibro.plots.picture import Picture
-
-        rows = [*heights, *[_PATH] * elliptical]
-        figure = Picture(figsize=(9.0, 1.5 + _ROW * sum(rows)), layout="constrained")
-        cells = figure.add_gridspec(len(rows), 2, height_ratios=rows, width_ratios=(1.0, _LEGEND_WIDTH))
-        grid = [figure.add_subplot(cells[0, :])]
-        grid += [figure.add_subplot(cells[i, :], sharex=grid[0]) for i in range(1, len(shown))]
-        for axes in grid[:-1]:
-            axes.tick_params(labelbottom=False)
-        milliseconds = 1e3 * trace.time
-        curves = []
+        figure, (strip, *grid) = stack((9.0, 1.5 + _ROW * sum(heights)), heights, own=int(elliptical))
+        if elliptical:
+            draw_path(grid.pop(), phases, trace, period)
+        bands = phase_bands(phases)
         for axes, panel in zip(grid, shown.values(), strict=True):
-            curves += _draw(axes, panel, trace, milliseconds)
-            for phase in phases:
-                shade(axes, phase.kind, 1e3 * phase.start, 1e3 * phase.end)
-        grid[-1].set_xlim(milliseconds[0], milliseconds[-1])
+            _draw(axes, panel, trace)
+            shade(axes, bands)
+        strip.set_xlim(1e3 * first, 1e3 * last)
         grid[-1].set_xlabel(f"time [ms], {part}" if part else "time [ms]")
         figure.align_ylabels(grid)
-        _name_phases(grid[0], phases, (milliseconds[0], milliseconds[-1]))
-        marks = _mark_events(shown, dict(zip(panels, grid, strict=True)), phases, trace)
-        _write_times(grid[0], phases, (milliseconds[0], milliseconds[-1]))
-        kinds = {phase.kind for phase in phases} - {"_"}
-        entries = [PHASE_STYLES[kind] for kind in PHASE_STYLES if kind in kinds]
-        others = [*marks, *legend_entries(entries)]
-        if elliptical:
-            draw_path(figure.add_subplot(cells[-1, 0]), phases, trace, period)
-            beside = figure.add_subplot(cells[-1, 1], frameon=False, xticks=(), yticks=())
-            if curves or others:
-                beside.legend(handles=[*curves, *others], loc="center left")
-        else:
-            _add_legend(figure, curves, others)
-        set_heading(figure, title, values_text(given, hops="H" in kinds))
+        _mark_events(shown, dict(zip(panels, grid, strict=True)), phases, trace)
+        set_heading(figure, title, values_text(given, hops=any(phase.kind == "H" for phase in phases)))
+        settle_bands(figure, strip, bands)
         return figure
 
 
-def _draw(axes: Axes, panel: Panel, trace: Sample, milliseconds: Floats) -> list[Line2D]:
-    """Draw the curves of a panel; return those that the legend has to name."""
-    named = []
+def _draw(axes: Axes, panel: Panel, trace: Sample) -> None:
+    """Draw the curves of a panel; the legend names several."""
     most = most_force(trace) if panel is PANELS["forces"] else math.inf
+    milliseconds = 1e3 * trace.time
     axes.margins(y=_MARGIN)
     for curve in panel.curves:
         values = values_of(curve, panel, trace)
         is_cut = bool((np.abs(values) > most).any())
         label = f"{curve.label} (cut off)" if is_cut else curve.label
         style = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": curve.width}
-        (line,) = axes.plot(milliseconds, values, label=label, **style)
-        named += [line] if len(panel.curves) > 1 and np.isfinite(values).any() else []
+        axes.plot(milliseconds, values, label=label if len(panel.curves) > 1 else "", **style)
         if curve.field == "static_limit":
             axes.plot(milliseconds, -values, **style)
         if is_cut:
@@ -245,7 +210,6 @@ def _draw(axes: Axes, panel: Panel, trace: Sample, milliseconds: Floats) -> list
     if bottom < 0.0 < top:  # a body far from its start needs no zero line
         axes.axhline(0.0, color=INK, linewidth=0.5)
     axes.set_ylabel(f"{panel.label} [{panel.unit}]")
-    return named
 
 
 def most_force(trace: Sample) -> float:
@@ -258,68 +222,16 @@ def most_force(trace: Sample) -> float:
     return _STRETCH * friction or math.inf
 
 
-def _add_legend(figure: Figure, curves: Sequence[Artist], others: Sequence[Artist]) -> None:
-    """Name curves in one row under the panels, and everything else in the rows below it."""
-    from matplotlib.lines import Line2D
-
-    blank = Line2D([], [], linestyle="none", label=" ")
-    cells = [*curves, *[blank] * (-len(curves) % _COLUMNS), *others, *[blank] * (-len(others) % _COLUMNS)]
-    if cells:
-        # Matplotlib fills a legend column by column.
-        handles = [cell for column in range(_COLUMNS) for cell in cells[column::_COLUMNS]]
-        figure.legend(handles=handles, loc="outside lower center", ncols=_COLUMNS)
-
-
-def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
-    """Name each phase that is wide enough, above the curve of the topmost panel."""
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, top + _HEADROOM * (top - bottom))
-    width = limits[1] - limits[0]
-    for phase in phases:
-        start, end = max(1e3 * phase.start, limits[0]), min(1e3 * phase.end, limits[1])
-        label = PHASE_STYLES[phase.kind].label
-        if end - start > _LETTER * len(label) * width:
-            axes.annotate(
-                label,
-                (0.5 * (start + end), 1.0),
-                xycoords=axes.get_xaxis_transform(),
-                xytext=(0, -4),
-                textcoords="offset points",
-                ha="center",
-                va="top",
-                fontsize=8,
-                color=INK,
-            )
-
-
 def _mark_events(
     shown: Mapping[str, Panel], panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample
-) -> list[Any]:
-    """Mark starts and stops of slides, and impacts, on one curve; return legend entries."""
+) -> None:
+    """Mark starts and stops of slides, and impacts, on one curve."""
     name = next(name for name in _MARKED if name in panels)
     panel = shown[name]
     values = getattr(trace, panel.curves[-1].field) / panel.size
-    handles = []
     for label, mark, instants, before in events_of(phases):
         seen = [t for t in instants if trace.time[0] < t < trace.time[-1]]
         if seen:
             places = np.searchsorted(trace.time, seen, side="left" if before else "right")
             places = places if before else places - 1
-            (line,) = panels[name].plot(1e3 * np.array(seen), values[places], label=label, zorder=5, **mark)
-            handles.append(line)
-    return handles
-
-
-def _write_times(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
-    """Write the times at which phases change above the topmost panel, as far as there is room."""
-    instants = [1e3 * p.end for p in phases if limits[0] < 1e3 * p.end < limits[1]]
-    if not instants:
-        return
-    room = _LETTER * max(6, len(f"{limits[1]:.2f}")) * (limits[1] - limits[0])
-    written: list[float] = []
-    for instant in instants:
-        if not written or instant - written[-1] > room:
-            written.append(instant)
-    above = axes.secondary_xaxis("top")
-    above.set_xticks(written, [f"{instant:.2f}" for instant in written], fontsize=7.5)
-    above.set_xlabel("phases change at [ms]", fontsize=8, labelpad=6)
+            panels[name].plot(1e3 * np.array(seen), values[places], label=label, zorder=5, **mark)

@@ -6,6 +6,7 @@ Points on paper are complex numbers here, x + iy, in pixels from the lower left 
 from __future__ import annotations
 
 import cmath
+import itertools
 import math
 from typing import TYPE_CHECKING, Any, Final
 
@@ -23,15 +24,16 @@ if TYPE_CHECKING:
     Points = NDArray[np.complex128]
     Integers = NDArray[np.int32]
 
-__all__ = ["Labeller", "outline"]
-
 _CELL: Final = 4.0  # [px] side of the cells into which the map is divided, each taken or free
 _OFF: Final = 1000  # more than the things on a map
 _MARGIN: Final = 3.0  # [px] kept free around a label, as part of it
 _APART: Final = 6.0  # [px] between the margin of a label and that of the next
+_BESIDE: Final = 6.0  # [px] between the margin of a label and the line that it stands beside
 _HALO: Final = 2.4  # [pt]
 _ROOMIER: Final = 1.2  # from one size of free rectangles to the next
 _PLACES: Final = 45  # tried along a line
+_REACHES: Final = (3, 6, 10, 15, 21, 28, 36, 46, 58)  # [pt] from a point to its label, tried in turn
+_DIRECTIONS: Final = (*itertools.product((1, -1), (0.7, -0.7)), (1, 0), (-1, 0), (0, 1), (0, -1))
 _INNER: Final = 3  # places, from the end of a free stretch to a label on it, if it is long enough
 # A label hides the stretch of the line under it: that must be nearly straight, and not the whole line.
 _LEAST_LENGTH: Final = 1.3  # of the line, over that of the label
@@ -113,8 +115,17 @@ class Labeller:
             artist.remove()
         return False
 
-    def along(self, text: str, lines: Sequence[Floats], plate: Any = None, **style: Any) -> bool:
-        """Write a line's name on it, where it is straight and clear.
+    def along(
+        self,
+        text: str,
+        lines: Sequence[Floats],
+        *,
+        beside: bool = False,
+        plate: Any = None,
+        halo: Any = None,
+        **style: Any,
+    ) -> bool:
+        """Write a line's name along it, where it is straight and clear.
 
         Parameters
         ----------
@@ -122,8 +133,12 @@ class Labeller:
             The name.
         lines : sequence of (n, 2) float array
             Pieces of the line, in the user's units; the longest is preferred.
+        beside : bool, optional
+            Whether the words lie beside the line, and cover no part of it.
         plate : color, optional
             Of the ground under the words, which interrupts the line.
+        halo : color, optional
+            Outline of the words, to make them stand out.
         **style
             Properties of the text.
 
@@ -135,31 +150,49 @@ class Labeller:
         if plate is not None:
             style["bbox"] = {"boxstyle": "square,pad=0.12", "facecolor": plate, "edgecolor": "none"}
         artist, width, height = self._text(text, style)
-        others = self._crowd - self._under(lines)
+        others = self._crowd if beside else self._crowd - self._under(lines)
         for piece in map(self._on_paper, sorted(lines, key=len, reverse=True)):
-            if (found := self._place_on(piece, others, width, height)) is not None:
-                self._put(artist, width, height, *found)
+            sides = (1, -1) if beside else (0,)
+            places = [self._place_on(piece, others, width, height, side) for side in sides]
+            room, middle, direction = max(places, key=lambda place: place[0])
+            if room:
+                outline(artist, halo)
+                self._put(artist, width, height, middle, direction)
+                return True
+        artist.remove()
+        return False
+
+    def beside(self, text: str, point: tuple[float, float], **style: Any) -> bool:
+        """Write the name of a point, in the user's units, where there is room around it; False if none."""
+        artist, width, height = self._text(text, style)
+        (centre,) = self._on_paper(np.array([point]))
+        for reach, (right, up) in itertools.product(_REACHES, _DIRECTIONS):
+            off = reach * self._pixels_per_point
+            middle = centre + right * (off + 0.5 * width) + 1j * up * (off + 0.5 * height)
+            if (self._crowd[self._cells(_rectangle(width, height) + middle)] == 0).all():
+                self._put(artist, width, height, middle)
                 return True
         artist.remove()
         return False
 
     def _place_on(
-        self, line: Points, others: Integers, width: float, height: float
-    ) -> tuple[complex, complex] | None:
-        """Return the middle of a label on a line, and its direction; None if it fits nowhere.
+        self, line: Points, others: Integers, width: float, height: float, side: int
+    ) -> tuple[int, complex, complex]:
+        """Return how many places a label has on a line, or on a side of it; a middle, and its direction.
 
         Of the places on the longest free stretch, take the one next to the middle of the line.
         """
         arc = _arc(line)
         if arc[-1] < _LEAST_LENGTH * width:
-            return None
+            return 0, 0j, 1
         at = np.linspace(0.5 * width, arc[-1] - 0.5 * width, _PLACES)[:, np.newaxis]
         under = np.interp(at + np.linspace(-0.5, 0.5, 2 + int(width / _CELL)) * width, arc, line)
         start, chord = under[:, 0], under[:, -1] - under[:, 0]
         direction = chord / np.maximum(np.abs(chord), _CELL)
         across = ((under - start[:, np.newaxis]) * direction.conj()[:, np.newaxis]).imag
         bend, shift = np.ptp(across, axis=1), 0.5 * (across.min(axis=1) + across.max(axis=1))
-        middle = start + 0.5 * chord + 1j * shift * direction
+        off = shift + side * (0.5 * (height + bend) + _BESIDE)
+        middle = start + 0.5 * chord + 1j * off * direction
         ground = _rectangle(width, height) * direction[:, np.newaxis] + middle[:, np.newaxis]
         fits = (np.abs(chord) > _LEAST_REACH * width) & (bend < _MOST_BEND * height)
         fits &= (others[self._cells(ground)] <= 0).all(axis=1)
@@ -168,7 +201,7 @@ class Labeller:
         inner = longest[min(_INNER, (len(longest) - 1) // 2) :]
         inner = inner[: max(1, len(inner) - _INNER)]
         best = inner[np.argmin(np.abs(inner - _PLACES // 2))]
-        return (middle[best], direction[best]) if fits[best] else None
+        return len(longest) * int(fits[best]), middle[best], direction[best]
 
     def _text(self, words: str, style: dict[str, Any]) -> tuple[Any, float, float]:
         """Return words without a position yet, and their width and height with margins."""

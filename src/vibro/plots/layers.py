@@ -13,18 +13,19 @@ from vibro.plots.labels import Labeller
 from vibro.plots.neighbours import erode, spread_evenly
 from vibro.plots.scales import colours_of
 from vibro.plots.style import (
+    AVERAGED_HATCH,
     AVERAGED_LABEL,
     BACKWARDS_HATCH,
     BACKWARDS_LABEL,
     COEXISTS_HATCH,
     COEXISTS_LABEL,
-    CONTOURS_STOP_LABEL,
     CURVES,
     INK,
     NO_ANSWER_FACE,
     NO_ANSWER_HATCH,
     NO_ANSWER_INK,
     REGIME_COLOURS,
+    WANTED,
     ZERO_SPEED,
     CurveStyle,
     ink_on,
@@ -42,37 +43,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MapLayers"]
-
 _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump up and down, contours break up into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
 _HATCHED: Final = 0.01  # of the side of the map: least width of an area in which a hatch is seen
-_STRIPE: Final = 24.0  # [px] from one stripe over irregular motion to the next
-_STRIPE_INK: Final = 0.4  # opacity of these stripes: the colours below must stay readable
 _NUMBERED: Final = 0.25  # of the side of the map: longer pieces of a contour have its number each
-_CUT_OFF: Final = 0.25  # of a field that is 0 where a contour is cut off, and 0.5 elsewhere
-_NO_LINE: Final = {"color": INK, "linestyle": "none"}  # in the legend, of a remark
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
-
-
-def _coinciding(curves: list[tuple[CurveStyle, list[Floats]]]) -> list[tuple[CurveStyle, list[Floats]]]:
-    """Join curves that are the same line under one name, with the pieces of both."""
-    joined: list[tuple[CurveStyle, list[Floats]]] = []
-    for style, pieces in curves:
-        if joined and _are_same(joined[-1][1], pieces):
-            first, others = joined.pop()
-            joined.append((first._replace(label=f"{first.label}, {style.label}"), [*others, *pieces]))
-        else:
-            joined.append((style, pieces))
-    return joined
-
-
-def _are_same(pieces: list[Floats], others: list[Floats]) -> bool:
-    return len(pieces) == len(others) and all(
-        piece.shape == other.shape and np.allclose(piece, other)
-        for piece, other in zip(pieces, others, strict=True)
-    )
+_HALO: Final = 1.4  # [pt] around lines, on either side together
 
 
 class _Contour(NamedTuple):
@@ -100,15 +77,15 @@ class MapLayers:
     def __init__(self, axes: Axes, fields: Fields, single: bool) -> None:
         self.axes = axes
         self.fields = fields
-        self.legend: dict[str, dict[str, Any]] = {}  # text -> style of its handle
         self._single = single
         self._scale = 1.0 if single else _FACET_TYPE
         self._has_numbers = False
         self._covers: list[Floats] = []
-        self._regions: list[tuple[str, NDArray[np.bool_], dict[str, Any]]] = []
+        self._regions: list[tuple[str, NDArray[np.bool_], Any]] = []
         self._words: list[Any] = []
+        self._filled: dict[Regime, Any] = {}
         self._spines: dict[str, list[Floats]] = {}
-        self._curves: list[tuple[CurveStyle, list[Floats]]] = []
+        self._curves: list[tuple[str, list[Floats], Any]] = []
         self._clear: list[Floats] = []  # lines that words keep clear of
         self._outlines: list[Floats] = []  # lines that numbers keep clear of, but curves may follow
         self._contours: list[_Contour] = []
@@ -123,25 +100,23 @@ class MapLayers:
 
     def fill_regimes(self) -> None:
         """Fill every regime with its colour, bounded by the critical curves."""
-        self.axes.set_facecolor(REGIME_COLOURS[Regime.NO_SLIP])
-        for regime, curve in BEGINS_AT.items():
-            self._fill(
-                self.fields.log_ratio[curve],
-                gid=regime.label,
-                facecolor=REGIME_COLOURS[regime],
-                zorder=1,
-            )
+        rest = {Regime.NO_SLIP: self.fields.rest}
+        for regime, field in (
+            rest | {r: self.fields.log_ratio[name] for r, name in BEGINS_AT.items()}
+        ).items():
+            filled = self._fill(field, gid=regime.label, facecolor=REGIME_COLOURS[regime], zorder=1)
+            if filled is not None:
+                self._filled[regime] = filled
 
     def name_regimes(self) -> None:
         """Have the visible regimes named by ``write``."""
         begun = [self.fields.log_ratio[curve] for curve in BEGINS_AT.values()]
-        for regime, colour in REGIME_COLOURS.items():
+        for regime, filled in self._filled.items():
             # Where it has begun and no later one has, as the areas are filled.
             place = list(BEGINS_AT).index(regime) + 1 if regime in BEGINS_AT else 0
             own, later = begun[max(place - 1, 0) : place], begun[place:]
-            inside = np.minimum.reduce([*own, *(-field for field in later)])
-            if self._name_region(regime.label, inside, facecolor=colour):
-                self._spines[regime.label] = self._spine(regime)
+            self._name_region(regime.label, np.minimum.reduce([*own, *(-field for field in later)]), filled)
+            self._spines[regime.label] = self._spine(regime)
 
     def _spine(self, regime: Regime) -> list[Floats]:
         """Return the line midway between the curves that bound a regime; none for the first and the last."""
@@ -176,49 +151,24 @@ class MapLayers:
 
     def hatch_doubtful(self) -> None:
         """Hatch, over the colours, where another motion exists and where a number is a mean."""
-        marks = [(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, NO_ANSWER_INK)]
+        self._hatch_over(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, NO_ANSWER_INK)
         if self._has_numbers:
-            self._stripe(self.fields.averaged, AVERAGED_LABEL)
-        for field, label, hatch, ink in marks:
-            style = {"facecolor": "none", "hatch": hatch, "edgecolor": ink}
-            if self._shows(field) and self._fill(field, gid=label, zorder=_COVERS, **style):
-                self.legend[label] = style
+            self._hatch_over(self.fields.averaged, AVERAGED_LABEL, AVERAGED_HATCH, NO_ANSWER_INK)
 
-    def _stripe(self, field: Floats, label: str) -> None:
-        """Draw faint stripes, wide apart, over the area in which a field is positive, dark in white.
-
-        A hatch of matplotlib's has one colour, and is so fine that it looks like a pattern of the numbers.
-        """
-        from matplotlib.collections import LineCollection
-        from matplotlib.patheffects import withStroke
-
-        if not self._shows(field) or not self._fill(field, gid=label, zorder=_COVERS, facecolor="none"):
-            return
-        box = self.axes.bbox
-        rise = box.width / box.height  # of a stripe, which leans by 45 degrees on the paper
-        feet = np.arange(-rise, 1.0, _STRIPE / box.height)
-        stripes = LineCollection(
-            [[(0.0, foot), (1.0, foot + rise)] for foot in feet],
-            colors=INK,
-            linewidths=0.6 * self._scale,
-            alpha=_STRIPE_INK,
-            transform=self.axes.transAxes,
-            path_effects=[withStroke(linewidth=1.5 * self._scale, foreground="#FFFFFF", alpha=_STRIPE_INK)],
-            zorder=_COVERS,
-            gid=label,
-        )
-        self.axes.add_collection(stripes, autolim=False)
-        stripes.set_clip_path(self.axes.patches[-1])
-        self.legend[label] = {"facecolor": "none", "edgecolor": INK, "hatch": "//"}
+    def _hatch_over(
+        self, field: Floats, label: str, hatch: str, ink: str = INK, zorder: float = _COVERS
+    ) -> bool:
+        """Hatch the area in which a field is positive over its colours; False where it is hardly seen."""
+        if not self._shows(field):
+            return False
+        look = {"facecolor": "none", "hatch": hatch, "edgecolor": ink, "zorder": zorder}
+        return self._fill(field, gid=label, label=label, **look) is not None
 
     def draw_reversal(self) -> None:
         """Hatch where bodies move backwards, and draw the line on which they stand still on average."""
         fields = self.fields
-        if not self._shows(fields.backwards):
+        if not self._hatch_over(fields.backwards, BACKWARDS_LABEL, BACKWARDS_HATCH, zorder=1.2):
             return
-        style = {"facecolor": "none", "hatch": BACKWARDS_HATCH, "edgecolor": INK}
-        self._fill(fields.backwards, gid=BACKWARDS_LABEL, zorder=1.2, **style)
-        self.legend[BACKWARDS_LABEL] = style
         hidden = [*self._covers, fields.rest, fields.unknown, -fields.regular]
         pieces = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
         self.draw_curve(ZERO_SPEED.label, ZERO_SPEED, [piece for piece in pieces if self._is_long(piece)])
@@ -232,47 +182,31 @@ class MapLayers:
             )
 
     def draw_curve(self, name: str, style: CurveStyle, pieces: list[Floats]) -> None:
-        """Draw the pieces of a curve, if any, and label it."""
+        """Draw the pieces of a curve, if any, to be named by ``write``."""
+        from matplotlib.patheffects import withStroke
+
         if not pieces:
             return
         width = style.width * self._scale
-        look = {"color": style.colour, "linestyle": style.dashes, "linewidth": width}
-        self._line(
-            pieces,
-            label=style.label,
-            gid=name,
-            zorder=3,
-            path_effects=self._halo(style, width),
-            **look,
-        )
-        self._curves.append((style, pieces))
+        # Dark around a white curve, white around others on coloured numbers.
+        ground = INK if style.colour == ZERO_SPEED.colour else "#FFFFFF"
+        has_halo = self._has_numbers or ground == INK
+        halo = [withStroke(linewidth=width + _HALO, foreground=ground, alpha=0.8)] if has_halo else None
+        look = {"color": style.colour, "linestyle": style.dashes, "linewidth": width, "path_effects": halo}
+        line = self._line(pieces, gid=name, zorder=3, **look)
+        self._curves.append((style.label, pieces, line))
         self._clear += pieces
-        if not self._single:
-            self._explain_curve(style)
-
-    def _halo(self, style: CurveStyle, width: float) -> list[Any] | None:
-        """Return the outline of a curve: white on coloured numbers, dark around a white curve."""
-        from matplotlib.patheffects import withStroke
-
-        if style.colour != INK:
-            return [withStroke(linewidth=width + 1.8, foreground=INK)]
-        light = withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)
-        return [light] if self._has_numbers else None
 
     def draw_level(self, values: Floats, level: float, text: str) -> None:
-        """Draw and label one thick contour of the numbers, or say that there is none."""
+        """Draw and label one thick contour of the numbers."""
         heights = np.nan_to_num(values) - level
         # Irregular motion has no contour to be followed between its points: there they are outlined.
         outlined = np.where(heights >= 0.0, level, -level)
         heights = np.where(self.fields.regular > 0.0, heights, outlined)
         pieces = zero_lines(self.fields, without_hidden(heights, self._covers), self._covers)
-        long = [piece for piece in pieces if self._is_long(piece)]
-        self.draw_curve(text, CurveStyle(text, (0, (1, 1)), 2.2), long)
-        reached = heights[self.open] >= 0.0
-        if not reached.any():
-            self.legend[f"{text} is reached nowhere"] = _NO_LINE
-        elif reached.all():
-            self.legend[f"{text} is reached everywhere"] = _NO_LINE
+        self.draw_curve(
+            text, WANTED._replace(label=text), [piece for piece in pieces if self._is_long(piece)]
+        )
 
     def draw_numbers(self, values: Floats, scale: Scale) -> None:
         """Draw numbers as colours beneath the covers, with contours that ``write`` labels."""
@@ -306,9 +240,6 @@ class MapLayers:
                 look = {"color": ink_on(ground), "linewidth": 0.6 * self._scale, "zorder": 1.5}
                 line = self._line(pieces, gid=f"contour {level:g}", **look)
                 self._contours.append(_Contour(number_text(level), pieces, ground, line))
-            ends = [piece[end] for piece in pieces for end in (0, -1)]
-            if ends and np.any(fields.at(fields.smooth, np.array(ends)) < _CUT_OFF):
-                self.legend[CONTOURS_STOP_LABEL] = _NO_LINE
 
     def _is_long(self, piece: Floats, least: float = _SPECK) -> bool:
         """Whether a piece of a contour is long enough to draw."""
@@ -317,41 +248,45 @@ class MapLayers:
         )
         return bool(np.hypot(width, height) >= least)
 
-    def write(self, *, avoid: Floats) -> None:
-        """Write the words that fit, replacing those of an earlier call; others go to the legend.
+    def write(self, *, avoid: Floats) -> bool:
+        """Write the words that fit, replacing those of an earlier call; leave others to the legend.
 
         Parameters
         ----------
         avoid : (n, 2) float array
             Points, in the user's units, to be kept clear.
+
+        Returns
+        -------
+        bool
+            Whether the legend has to change.
         """
         for word in self._words:
             word.remove()
+        before = [artist.get_label() for _, _, artist in (*self._regions, *self._curves)]
         labeller = Labeller(self.axes)
         labeller.avoid(avoid, radius=9.0)
         labeller.avoid_lines(self._clear)
         self._write_regions(labeller)
-        self._write_curves(labeller)
+        for text, pieces, line in self._curves:
+            place: dict[str, Any] = {"beside": True, "color": INK, "fontsize": 8.5, "halo": "#FFFFFF"}
+            if line.get_label() != text:
+                line.set_label("" if self._single and labeller.along(text, pieces, **place) else text)
         labeller.avoid_lines(self._outlines)
         self._write_numbers(labeller)
         self._words = labeller.words
+        return before != [artist.get_label() for _, _, artist in (*self._regions, *self._curves)]
 
     def _write_regions(self, labeller: Labeller) -> None:
-        for text, member, style in self._regions:
-            face = style["facecolor"]
-            halo = face if "hatch" in style else None
+        for text, member, artist in self._regions:
+            if self._single and artist.get_label() == text:
+                continue
+            face = artist.get_facecolor()
+            halo = face if artist.get_hatch() else None
             type_style: dict[str, Any] = {"color": ink_on(face), "fontsize": 10.0 * self._scale}
             fits = labeller.in_region(text, member, halo=halo, **type_style)
             fits = fits or labeller.along(text, self._spines.get(text, []), **type_style)
-            if not fits:
-                self.legend[text] = style
-
-    def _write_curves(self, labeller: Labeller) -> None:
-        # A name beside a line could belong to the next line: it interrupts its own line instead.
-        type_style: dict[str, Any] = {"plate": "#FFFFFF", "color": INK, "fontsize": 8.5}
-        for style, pieces in _coinciding(self._curves) if self._single else []:
-            if not labeller.along(style.label, pieces, **type_style):
-                self._explain_curve(style)
+            artist.set_label("" if fits and self._single else text)
 
     def _write_numbers(self, labeller: Labeller) -> None:
         """Write the numbers of contours; one that has no room for its number is hidden."""
@@ -380,38 +315,29 @@ class MapLayers:
         inside = self.fields.evenly(field) > 0.0
         return bool(erode(inside, math.ceil(_HATCHED * min(inside.shape)), beyond=False).any())
 
-    def _explain_curve(self, style: CurveStyle) -> None:
-        self.legend[style.label] = {
-            "color": style.colour, "linestyle": style.dashes, "linewidth": style.width,
-            "path_effects": self._halo(style, style.width),
-        }  # fmt: skip
-
     def _cover(self, field: Floats, label: str, **style: Any) -> None:
-        """Cover the area in which a field is positive, and label its visible part."""
-        if self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **style):
-            self._name_region(label, field, **style)
+        """Cover the area in which a field is positive, and have its visible part named."""
+        filled = self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **style)
+        if filled is not None:
+            self._name_region(label, field, filled)
             self._covers.append(field)
 
-    def _name_region(self, text: str, field: Floats, **style: Any) -> bool:
-        """Label the visible part of the area in which a field is positive; False if none is visible."""
+    def _name_region(self, text: str, field: Floats, filled: Any) -> None:
+        """Have the visible part of the area in which a field is positive named, if there is any."""
         seen = np.minimum.reduce([field, *(-cover for cover in self._covers)])
         member = self.fields.evenly(seen) > 0.0
-        if not member.any():
-            return False
-        self._regions.append((text, member, style))
-        if not self._single:
-            self.legend[text] = style
-        return True
+        if member.any():
+            filled.set_label("" if self._single else text)
+            self._regions.append((text, member, filled))
 
-    def _fill(self, field: Floats, **style: Any) -> bool:
-        """Fill the area in which a field is positive; False if there is none."""
+    def _fill(self, field: Floats, **style: Any) -> Any:
+        """Fill the area in which a field is positive, and return what does; None if there is none."""
         from matplotlib.patches import PathPatch
 
         path = zero_region(self.fields, field)
         if path is None:
-            return False
-        self.axes.add_artist(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **style}))
-        return True
+            return None
+        return self.axes.add_artist(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **style}))
 
     def _line(self, pieces: list[Floats], **style: Any) -> Any:
         """Draw the pieces of one line as one artist, and return it."""

@@ -6,28 +6,24 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.plots.frame import place_on
 from vibro.plots.style import INK, number_text, values_text
-from vibro.results.sweep import peaks
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from vibro.axes import Axis
     from vibro.plots.view import Panel
-    from vibro.results.sweep import Peak
+    from vibro.results.sweep import SweepResult
 
     Floats = NDArray[np.float64]
-    Legend = dict[str, dict[str, Any]]
-
-__all__ = ["draw_peaks"]
 
 _MARKERS: Final = {"fastest": "^", "fastest_backwards": "v"}
 _MARKER: Final[dict[str, Any]] = {
     "linestyle": "none",
-    "markersize": 9.0,
+    "markersize": 9.5,
     "markerfacecolor": "none",
     "markeredgecolor": INK,
     "markeredgewidth": 1.8,
@@ -35,21 +31,17 @@ _MARKER: Final[dict[str, Any]] = {
 _HALO: Final = 4.0  # [pt] width of the white around a marker, over any colours and hatches
 
 
-def draw_peaks(
-    axes: Sequence[Axes], panels: Sequence[Panel], varying: Iterable[Axis | None], legend: Legend
-) -> list[Floats]:
-    """Mark the fastest of all panels, forwards and backwards.
+def draw_peaks(result: SweepResult, axes: Sequence[Axes], panels: Sequence[Panel]) -> list[Floats]:
+    """Mark the fastest of a sweep, forwards and backwards, on the panels on which they lie.
 
     Parameters
     ----------
+    result : SweepResult
+        The sweep.
     axes : sequence of Axes
         Where each panel is drawn, some maybe on the same axes.
     panels : sequence of Panel
         With their speeds.
-    varying : iterable of Axis or None
-        The axes whose values the legend shows.
-    legend : dict of str to dict
-        Receives the speed and its place, with the style of the mark.
 
     Returns
     -------
@@ -58,29 +50,22 @@ def draw_peaks(
     """
     from matplotlib.patheffects import withStroke
 
-    found = [_peaks(panel) for panel in panels]
-    points: list[list[tuple[float, float]]] = [[] for _ in panels]
+    marked = [np.empty((0, 2)) for _ in panels]
     for name, marker in _MARKERS.items():
-        with_one = [i for i, of_panel in enumerate(found) if name in of_panel]
-        if not with_one:
+        peak = result.fastest.get(name)
+        if peak is None:
             continue
-        i = max(with_one, key=lambda i: abs(found[i][name].speed))
-        peak, x, y = found[i][name], panels[i].x, panels[i].y
-        point = peak.values[x.name], peak.values[y.name] if y else peak.speed
-        names = [axis.name for axis in varying if axis is not None]
-        place = values_text({key: peak.values[key] for key in names}, all_of_them=True)
-        label = f"{name.replace('_', ' ')}: {number_text(peak.speed)} mm/s at {place}"
-        halo = withStroke(linewidth=_HALO, foreground="#FFFFFF")
-        legend[label] = {**_MARKER, "marker": marker, "path_effects": [halo]}
-        axes[i].plot(
-            *zip(point, strict=True), zorder=6, gid=name, label=label, clip_on=False, **legend[label]
-        )
-        points[i].append(point)
-    return [np.reshape(marked, (-1, 2)) for marked in points]
-
-
-def _peaks(panel: Panel) -> dict[str, Peak]:
-    values: dict[str, Any] = {**panel.values, panel.x.name: panel.x.values}
-    if panel.y is not None:
-        values[panel.y.name] = panel.y.values[:, np.newaxis]
-    return peaks(panel.cycle["mean_velocity"], panel.cycle["mean_velocity_error"], values)
+        label = f"{name.replace('_', ' ')}: {number_text(peak.speed)} mm/s at "
+        label += values_text({axis: peak.values[axis] for axis in result.axes}, all_of_them=True)
+        look = {
+            **_MARKER,
+            "marker": marker,
+            "path_effects": [withStroke(linewidth=_HALO, foreground="#FFFFFF")],
+        }
+        for i, panel in enumerate(panels):
+            point = place_on(panel, {k: v for k, v in peak.values.items() if np.isfinite(v)})
+            if len(point):
+                point[:, 1] = point[:, 1] if panel.y else peak.speed
+                axes[i].plot(*point.T, zorder=6, gid=name, label=label, clip_on=False, **look)
+                marked[i] = np.concatenate([marked[i], point])
+    return marked

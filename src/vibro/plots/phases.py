@@ -5,20 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import PHASE_NAMES, Regime
+from vibro.plots.bands import Band
 from vibro.plots.style import INK, REGIME_COLOURS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from matplotlib.axes import Axes
-    from matplotlib.patches import Patch
-
     from vibro.results.history import Phase
-
-__all__ = ["PHASE_STYLES", "STRENGTH", "Event", "PhaseStyle", "events_of", "legend_entries", "shade"]
-
-#: Opacity of the phases' colours.
-STRENGTH: Final = 0.35
 
 _START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
 _STOP_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "o", "markerfacecolor": "#FFFFFF"}
@@ -63,15 +56,10 @@ def events_of(phases: Sequence[Phase]) -> list[Event]:
     ]
 
 
-def shade(axes: Axes, kind: str, start: float, end: float) -> None:
-    """Shade a phase over the height of the axes."""
-    axes.axvspan(start, end, facecolor=PHASE_STYLES[kind].colour, alpha=STRENGTH, edgecolor="none", zorder=0)
-
-
-def legend_entries(styles: Iterable[PhaseStyle]) -> list[Patch]:
-    """Return the legend's entries for shaded phases."""
-    from matplotlib.patches import Patch
-
+def phase_bands(phases: Iterable[Phase], *, later: float = 0.0) -> list[Band]:
+    """Return the bands of phases over time [ms], so much later [s]."""
     return [
-        Patch(facecolor=style.colour, alpha=STRENGTH, edgecolor="none", label=style.label) for style in styles
+        Band(1e3 * (p.start + later), 1e3 * (p.end + later), style.label, {"facecolor": style.colour})
+        for p in phases
+        for style in [PHASE_STYLES[p.kind]]
     ]

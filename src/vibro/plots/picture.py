@@ -8,11 +8,12 @@ from matplotlib.figure import Figure
 
 from vibro.plots.style import house_style
 
-__all__ = ["Picture"]
-
 
 class Picture(Figure):
     """A figure that several threads may save at once, while others draw: one does so at a time."""
+
+    #: Rows of the legend for which the figure has room.
+    legend_rows = 3
 
     def savefig(self, *args: Any, **more: Any) -> None:
         """Write the picture to a file, as matplotlib does, in the style in which it was drawn."""

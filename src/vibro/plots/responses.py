@@ -7,19 +7,16 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.plots.frame import set_heading, settle
-from vibro.plots.style import INK, house_style
+from vibro.plots.frame import set_heading, settle, stack
+from vibro.plots.style import CURVES, INK, SECOND, house_style
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-
-__all__ = ["DrivePicture", "FitPicture", "drive_figure", "fit_figure"]
 
 _SIZE: Final = (7.4, 5.2)  # [in]
 _CURVE: Final[Mapping[str, Any]] = {"color": "#004488", "linewidth": 1.6}
@@ -31,7 +28,6 @@ _POINTS: Final[Mapping[str, Any]] = {
     "markeredgecolor": INK,
     "markeredgewidth": 0.6,
 }
-_RESONANCE: Final[Mapping[str, Any]] = {"color": INK, "linewidth": 1.0, "linestyle": (0, (1, 1.5))}
 _BAND: Final = "#DDDDDD"
 
 
@@ -75,46 +71,28 @@ def fit_figure(fit: FitPicture, headline: str, below: str) -> Figure:
         One panel.
     """
     with house_style():
-        from vibro.plots.picture import Picture
-
-        figure = Picture(figsize=_SIZE)
-        axes = figure.subplots()
-        legend: dict[str, dict[str, Any]] = {}
+        figure, (axes,) = stack(_SIZE, [1.0])
         x = fit.curve_frequency
         axes.set_xlim(float(x[0]), float(x[-1]))
         low, high = (min(max(end, float(x[0])), float(x[-1])) for end in fit.interval)
         if low < high:  # never of NaN
-            axes.axvspan(low, high, facecolor=_BAND, edgecolor="none", zorder=0)
-            legend["95 % interval of the natural frequency"] = {"facecolor": _BAND}
-        if x[0] <= fit.natural_frequency <= x[-1]:
-            axes.axvline(fit.natural_frequency, **_RESONANCE)
-            legend["natural frequency"] = dict(_RESONANCE)
-        axes.plot(x, fit.curve_amplitude, **_CURVE)
-        legend["fitted"] = dict(_CURVE)
+            label = "95 % interval of the natural frequency"
+            axes.axvspan(low, high, facecolor=_BAND, edgecolor="none", zorder=0, label=label)
+        axes.axvline(fit.natural_frequency, color=INK, linewidth=0.8, label="natural frequency")
+        axes.plot(x, fit.curve_amplitude, label="fitted", **_CURVE)
+        label = "measured"
         if np.isfinite(fit.error).all():
-            axes.errorbar(
-                fit.frequency,
-                fit.amplitude,
-                yerr=fit.error,
-                fmt="none",
-                ecolor=INK,
-                elinewidth=0.8,
-                capsize=2,
-            )
-        axes.plot(fit.frequency, fit.amplitude, zorder=5, **_POINTS)
-        legend["measured" + (", with standard error" if np.isfinite(fit.error).all() else "")] = dict(_POINTS)
-        _from_zero(axes, fit.curve_amplitude, fit.amplitude)
-        axes.set_xlabel("frequency $f$ [Hz]")
-        axes.set_ylabel("amplitude $A$ [mm]")
+            label += ", with standard error"
+            bars: dict[str, Any] = {"fmt": "none", "ecolor": INK, "elinewidth": 0.8, "capsize": 2}
+            axes.errorbar(fit.frequency, fit.amplitude, yerr=fit.error, **bars)
+        axes.plot(fit.frequency, fit.amplitude, zorder=5, label=label, **_POINTS)
+        finite = fit.curve_amplitude[np.isfinite(fit.curve_amplitude)]
+        # From 0 to above the largest; where the curve is infinite, above the points.
+        axes.set_ylim(0.0, 1.08 * float(min(finite.max(), 3.0 * fit.amplitude.max())))
+        axes.set(xlabel="frequency $f$ [Hz]", ylabel="amplitude $A$ [mm]")
         set_heading(figure, headline, below)
-        settle(figure, legend)
+        settle(figure)
         return figure
-
-
-def _from_zero(axes: Axes, *values: Floats) -> None:
-    """Let amplitudes begin at 0, and end above the largest: where a curve is infinite, above the points."""
-    finite = np.concatenate([x[np.isfinite(x)] for x in values])
-    axes.set_ylim(0.0, 1.08 * float(min(finite.max(), 3.0 * values[-1].max())))
 
 
 class DrivePicture(NamedTuple):
@@ -154,26 +132,11 @@ class DrivePicture(NamedTuple):
     others: tuple[float, ...] = ()
 
 
-_STATES: Final[tuple[Mapping[str, Any], ...]] = (
-    {"color": "#004488", "linewidth": 1.8},
-    {"color": "#BB5566", "linewidth": 1.8, "linestyle": (0, (5, 1.5))},
-)
-_STATE_POINTS: Final[tuple[Mapping[str, Any], ...]] = (
-    {"marker": "o", "markerfacecolor": "#FFFFFF", "markeredgecolor": "#004488"},
-    {"marker": "s", "markerfacecolor": "#FFFFFF", "markeredgecolor": "#BB5566"},
-)
-_POINT: Final[Mapping[str, Any]] = {
-    "markersize": 7.0,
-    "markeredgewidth": 2.0,
-    "linestyle": "none",
-}
-_OTHER: Final[Mapping[str, Any]] = {
-    "color": "#BB5566", "marker": "x", "markersize": 7.0, "markeredgewidth": 2.0, "linestyle": "none",
-}  # fmt: skip
-_RESONANCES: Final = (_RESONANCE, {**_RESONANCE, "linestyle": (0, (1, 3))})
-_HOP: Final[Mapping[str, Any]] = {"color": INK, "linewidth": 1.1, "linestyle": (0, (7, 2, 1.5, 2))}
-_SLIP: Final[Mapping[str, Any]] = {"color": "#8A8A8A", "linewidth": 1.1, "linestyle": (0, (3, 1.5))}
-_DRIVE: Final[Mapping[str, Any]] = {"color": INK, "linewidth": 0.8}
+_EMPTY: Final[Mapping[str, Any]] = {"color": "#004488"}
+_FULL: Final[Mapping[str, Any]] = {"color": "#BB5566", "linestyle": SECOND}
+_MARKERS: Final = "os"
+_POINT: Final[Mapping[str, Any]] = {"markersize": 7.0, "markeredgewidth": 2.0, "linestyle": "none"}
+_DRIVE: Final[Mapping[str, Any]] = {"color": INK, "linewidth": 0.8, "zorder": 1}
 _BAND_ALPHA: Final = 0.22
 _TALL: Final = (7.4, 7.4)  # [in]
 _MOST_ABOVE: Final = 3.5  # of the largest amplitude at the drive: the peak at resonance would hide the rest
@@ -195,54 +158,43 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
         Two panels.
     """
     with house_style():
-        from vibro.plots.picture import Picture
-
-        figure = Picture(figsize=_TALL)
-        above, beneath = figure.subplots(2, 1, sharex=True, height_ratios=(1.25, 1.0))
-        legend: dict[str, dict[str, Any]] = {}
-        names = ("empty", f"with {drive.full:g} kg")
-        x = drive.frequency
+        figure, (above, beneath) = stack(_TALL, (1.25, 1.0))
+        x, here = drive.frequency, drive.drive
         above.set_xlim(float(x[0]), float(x[-1]))
-        for i, (amplitude, speed) in enumerate(drive.curves):
-            style = dict(_STATES[i])
-            above.plot(x, amplitude, **style)
-            beneath.plot(x, speed, **style)
-            legend[names[i]] = style
-        for i, (low, high) in enumerate(drive.voltage):
-            face: dict[str, Any] = {"facecolor": _STATES[i]["color"], "alpha": _BAND_ALPHA}
-            above.fill_between(x, low, high, linewidth=0.0, **face)
-            legend[f"band of voltage, {names[i]}"] = face
-        for i, natural in enumerate(drive.resonances):
-            for axes in (above, beneath):
-                axes.axvline(natural, **_RESONANCES[i])
-            legend[f"natural frequency {names[i]}"] = dict(_RESONANCES[i])
+        states = ("empty", _EMPTY), (f"with {drive.full:g} kg", _FULL)
+        for i, ((name, style), curve) in enumerate(zip(states, drive.curves, strict=False)):
+            for axes, values, value in zip((above, beneath), curve, drive.points[i], strict=True):
+                axes.plot(x, values, label=name, linewidth=1.8, **style)
+                if i < len(drive.resonances):
+                    thin = {**style, "linewidth": 0.8}
+                    axes.axvline(drive.resonances[i], label=f"natural frequency {name}", **thin)
+                point = {**_POINT, "color": style["color"], "markerfacecolor": "#FFFFFF"}
+                label = f"operating point {name}"
+                axes.plot(here, value, zorder=6, marker=_MARKERS[i], label=label, **point)
+            if i < len(drive.voltage):
+                face = {"facecolor": style["color"], "alpha": _BAND_ALPHA, "linewidth": 0.0}
+                above.fill_between(x, *drive.voltage[i], label=f"band of voltage, {name}", **face)
         for axes in (above, beneath):
-            axes.axvline(drive.drive, zorder=1, **_DRIVE)
-        legend["frequency of the drive"] = dict(_DRIVE)
-        for i, point in enumerate(drive.points):
-            marker: dict[str, Any] = {**_POINT, **_STATE_POINTS[i]}
-            for axes, value in zip((above, beneath), point, strict=True):
-                axes.plot(drive.drive, value, zorder=6, **marker)
-            legend[f"operating point {names[i]}"] = marker
+            axes.axvline(here, label="frequency of the drive", **_DRIVE)
         if drive.others:
-            above.plot([drive.drive] * len(drive.others), drive.others, zorder=5, **_OTHER)
-            legend[f"other operating points {names[-1]}"] = dict(_OTHER)
-        top = _top(drive, 0)
-        lines = (drive.hop, _HOP, "bodies hop above"), (drive.slip, _SLIP, "bodies slip above")
-        for critical, line, name in lines:
-            if (critical < top).any():
-                above.plot(x, critical, **line)
-                legend[name] = dict(line)
-        above.set_ylim(0.0, top)
+            label = f"other operating points {states[len(drive.curves) - 1][0]}"
+            other = {**_POINT, "marker": "x", "color": _FULL["color"]}
+            above.plot([here] * len(drive.others), drive.others, zorder=5, label=label, **other)
+        for critical, name, label in (
+            (drive.hop, "hop", "bodies hop above"),
+            (drive.slip, "forward_onset", "bodies slip above"),
+        ):
+            look = {"color": INK, "linestyle": CURVES[name].dashes, "linewidth": CURVES[name].width}
+            above.plot(x, np.where(np.isfinite(critical), critical, np.nan), label=label, **look)
+        above.set_ylim(0.0, _top(drive, 0))
         beneath.axhline(0.0, color=INK, linewidth=0.5)
         slowest = min(float(np.min(speed, initial=0.0, where=speed < 0.0)) for _, speed in drive.curves)
         beneath.set_ylim(slowest, _top(drive, 1))
         above.set_ylabel("amplitude $A$ [mm]")
-        beneath.set_ylabel("mean speed [mm/s]")
-        beneath.set_xlabel("frequency of the drive $f$ [Hz]")
+        beneath.set(xlabel="frequency of the drive $f$ [Hz]", ylabel="mean speed [mm/s]")
         figure.align_ylabels([above, beneath])
         set_heading(figure, headline, below)
-        settle(figure, legend)
+        settle(figure)
         return figure
 
 

@@ -6,19 +6,20 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.axes import Axis
 from vibro.core.codes import Regime
-from vibro.plots.fields import Fields, clip_line, zero_lines
+from vibro.plots.bands import Band
+from vibro.plots.fields import BEGINS_AT, Fields, clip_line, zero_lines
 from vibro.plots.style import REGIME_COLOURS
 from vibro.plots.view import Panel
 from vibro.quantities import LENGTH, QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -28,16 +29,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["BEGINS", "LAST", "LIVELIER", "Settings", "Stretch", "below"]
-
 #: Regimes with motion.
-LIVELIER: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
-#: The curve at which each begins.
-BEGINS: Final[Mapping[Regime, str]] = {
-    Regime.FORWARD_SLIP: "forward_onset",
-    Regime.BACK_SLIP: "back_slip",
-    Regime.HOPPING: "hop",
-}
+LIVELIER: Final = tuple(BEGINS_AT)
 #: Prefix of a curve of the last part; other curves are of the first part.
 LAST: Final = "last_"
 
@@ -54,29 +47,17 @@ def below(limit: float, values: Any) -> Floats:
     return np.asarray(np.clip(np.nan_to_num(excess, nan=-_FAR), -_FAR, _FAR))
 
 
-class Stretch(NamedTuple):
-    """A range of loads in which the first and the last part keep their regimes."""
+def _stretch(low: float, high: float, least: Regime, most: Regime) -> Band:
+    """Return a range of loads in which the first part keeps one regime and the last one another, or the same.
 
-    low: float
-    high: float
-    least: Regime
-    most: Regime
-
-    @property
-    def name(self) -> str:
-        """The regimes that occur."""
-        if self.least is self.most:
-            return self.most.label
-        join = "or" if self.most - self.least == 1 else "to"
-        return f"{self.least.label} {join} {self.most.label}, by part"
-
-    @property
-    def style(self) -> dict[str, Any]:
-        """Style of the fill: the first part's colour, hatched in that of the last part."""
-        face = {"facecolor": REGIME_COLOURS[self.most]}
-        if self.least is self.most:
-            return face
-        return {**face, "hatch": _DEPENDS_HATCH, "edgecolor": REGIME_COLOURS[self.least]}
+    It has the first part's colour, hatched in that of the last part.
+    """
+    face = {"facecolor": REGIME_COLOURS[most]}
+    if least is most:
+        return Band(low, high, most.label, face)
+    join = "or" if most - least == 1 else "to"
+    name = f"{least.label} {join} {most.label}, by part"
+    return Band(low, high, name, {**face, "hatch": _DEPENDS_HATCH, "edgecolor": REGIME_COLOURS[least]})
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +84,7 @@ class Settings:
         x = Axis("frequency", np.linspace(*self.data.frequency_hz, _RESOLVED), "linear")
         y = Axis(self.data.amplitude, np.geomspace(*self.data.amplitudes, _RESOLVED), "log")
         loads = {"tips": self.data.tips}
-        for regime, curve in BEGINS.items():
+        for regime, curve in BEGINS_AT.items():
             loads[curve], loads[LAST + curve] = self.data.begins[regime]
         critical = {name: np.array([[load]]) for name, load in loads.items()}
         grid = (y.values[:, np.newaxis], x.values)
@@ -133,14 +114,14 @@ class Settings:
         return [r for r in regimes if load[r] < min((load[h] for h in regimes if h > r), default=math.inf)]
 
     @property
-    def stretches(self) -> list[Stretch]:
+    def stretches(self) -> list[Band]:
         """Regimes of all parts, from rest on, as the load rises."""
         begins = [self.data.begins[regime] for regime in LIVELIER]
         edges = sorted({0.0, math.inf, *(load for pair in begins for load in pair)})
         found = []
         for low, high in pairwise(edges):
             most, least = (Regime(sum(pair[which] <= low for pair in begins)) for which in (0, 1))
-            found.append(Stretch(low, high, least, most))
+            found.append(_stretch(low, high, least, most))
         return found
 
     def __post_init__(self) -> None:

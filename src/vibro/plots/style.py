@@ -21,37 +21,6 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
 
-__all__ = [
-    "AVERAGED_LABEL",
-    "BACKWARDS_FACE",
-    "BACKWARDS_HATCH",
-    "BACKWARDS_LABEL",
-    "COEXISTS_HATCH",
-    "COEXISTS_LABEL",
-    "CONTOURS_STOP_LABEL",
-    "CURVES",
-    "DRAWING",
-    "ERROR_LABEL",
-    "INK",
-    "NO_ANSWER_FACE",
-    "NO_ANSWER_HATCH",
-    "NO_ANSWER_INK",
-    "REGIME_COLOURS",
-    "UNIT_SIGNS",
-    "ZERO_SPEED",
-    "CurveStyle",
-    "axis_label",
-    "broken_lines",
-    "figure_text",
-    "house_style",
-    "ink_on",
-    "number_text",
-    "spans_text",
-    "value_text",
-    "values_text",
-    "visible",
-]
-
 # From Tol's medium-contrast palette, which is safe for the colour-blind. Printed in grey, the colours have
 # CIE lightness 100, 83, 62 and 41.
 REGIME_COLOURS: Final[Mapping[Regime, str]] = {
@@ -76,9 +45,24 @@ BACKWARDS_HATCH: Final = "|"
 BACKWARDS_LABEL: Final = "moves backwards"
 COEXISTS_HATCH: Final = "..."
 COEXISTS_LABEL: Final = "another motion exists"
+AVERAGED_HATCH: Final = "/"
 AVERAGED_LABEL: Final = "irregular motion: mean over many flights"
 ERROR_LABEL: Final = "standard error of this mean"
-CONTOURS_STOP_LABEL: Final = "contours stop where speed no longer rises with load, or motion is irregular"
+
+# Dashes, each with one meaning all over the pictures.
+_FORWARD: Final = (0, (7, 2, 1.5, 2))
+_BACK: Final = (0, (5, 2))
+_CONTINUOUS: Final = (0, (1, 1.6))
+_WANTED: Final = (0, (11, 2))
+#: What the last part of a batch does; the first part has the dashes of the curve itself.
+LAST_PART: Final = (0, (1.5, 3.5))
+TIPPING: Final = (0, (3, 1, 1, 1, 1, 1))
+#: Limits of a drive, or of static friction.
+LIMITS: Final = (0, (3, 1.2))
+#: The second of two alike: a full trough beside an empty one, the motion normal to a trough.
+SECOND: Final = (0, (6, 1.5, 1, 1.5))
+#: Values of a list, in turn.
+IN_TURN: Final[tuple[Any, ...]] = ("-", (0, (8, 1.2)), (0, (2, 0.8)), (0, (4, 1, 2, 1)))
 
 
 class CurveStyle(NamedTuple):
@@ -92,13 +76,15 @@ class CurveStyle(NamedTuple):
 
 # Keys are the fields of CriticalLoads, in the order in which the usual scene passes them as the load rises.
 CURVES: Final[Mapping[str, CurveStyle]] = {
-    "forward_onset": CurveStyle("forward-slip onset", (0, (7, 2, 1.5, 2)), 1.4),
-    "back_slip": CurveStyle("back-slip onset", (0, (5, 2)), 1.4),
-    "continuous_sliding": CurveStyle("continuous sliding", (0, (1, 1.6)), 1.4),
+    "forward_onset": CurveStyle("forward-slip onset", _FORWARD, 1.4),
+    "back_slip": CurveStyle("back-slip onset", _BACK, 1.4),
+    "continuous_sliding": CurveStyle("continuous sliding", _CONTINUOUS, 1.4),
     "hop": CurveStyle("hop limit", "-", 1.8),
 }
 
 ZERO_SPEED: Final = CurveStyle("zero speed", "-", 1.6, "#FFFFFF")
+#: A speed or an error that is asked for; its label says which.
+WANTED: Final = CurveStyle("", _WANTED, 2.2, "#CC3311")
 
 _DPI: Final = 150
 _FONT: Final = "DejaVu Sans"  # comes with matplotlib

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.plots.phases import PHASE_STYLES, STRENGTH, events_of
+from vibro.plots.bands import TINT
+from vibro.plots.phases import PHASE_STYLES, events_of
 from vibro.plots.style import INK
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from vibro.results.history import Phase, Sample
 
     Floats = NDArray[np.float64]
-
-__all__ = ["draw_path"]
 
 _BAND: Final = 9.0  # [pt] width of the band in the colour of a phase
 _MARGIN: Final = 0.12  # margin around the path, as a share of its span
@@ -49,7 +48,7 @@ def draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float)
         part = (time >= phase.start) & (time <= phase.end)
         if part.any():
             (band,) = axes.plot(x[part], y[part], linewidth=_BAND, solid_capstyle="butt", zorder=1)
-            band.set(color=PHASE_STYLES[phase.kind].colour, alpha=STRENGTH)
+            band.set(color=PHASE_STYLES[phase.kind].colour, alpha=TINT)
     axes.plot(x, y, color=INK, linewidth=1.2)
     marked = np.zeros((0, 2))
     for event in events_of(phases):
@@ -60,7 +59,7 @@ def draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float)
             marked = np.concatenate((marked, at))
     _point(axes, x, y, marked)
     axes.margins(_MARGIN)
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal")
     axes.locator_params(nbins=_TICKS)
     axes.set_xlabel("trough along itself [mm]")
     axes.set_ylabel("normal to itself [mm]")

@@ -150,6 +150,8 @@ class SweepResult:
     amplitude : array, optional
         Amplitudes that follow from a machine, broadcastable to the grid's shape; NaN where there is none
         [mm].
+    peaks : mapping of str to Peak, optional
+        The fastest of the table that the picture belongs to, as ``peaks`` names them.
     """
 
     axes: Mapping[str, Axis]
@@ -160,6 +162,15 @@ class SweepResult:
     operating_point: Mapping[str, float] | None
     title: str
     amplitude: Floats | None = None
+    peaks: Mapping[str, Peak] | None = None
+
+    @property
+    def fastest(self) -> Mapping[str, Peak]:
+        """The fastest cells, of the table if there is one, else of these."""
+        if self.peaks is not None:
+            return self.peaks
+        values = cell_values(self.axes, self.fixed)
+        return peaks(self.cycle.mean_velocity, self.cycle.mean_velocity_error, values)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -108,7 +108,8 @@ class SolvedGrid(ABC):
         InputError
             If this sweep has no such picture, axis or value.
         """
-        from vibro.plots import choose_view, map_figures, picture_names
+        from vibro.plots import map_figures, picture_names
+        from vibro.plots.view import choose_view
 
         grid = self._grid
         if not self.shape:
