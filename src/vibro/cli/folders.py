@@ -74,7 +74,7 @@ def write_stored(
         with _progress(console, folder, plan) as report:
             summary = write_folder(folder, plan, workers, argv, force=options.force, report=report)
         content = {**sweep_record(grid, table, summary.tally.told()), "digest": summary.digest}
-        with drawn(pictures, console) as figures:
+        with drawn(pictures, console, summary.tally) as figures:
             record = outputs.finish(content, figures)
     shards = f"{plan.shards} shard{'' if plan.shards == 1 else 's'}"
     size = f"{byte_count(summary.size)}, {summary.size / grid.size:.1f} bytes a cell"

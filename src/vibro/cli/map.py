@@ -29,13 +29,13 @@ from vibro.core.codes import Output
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from matplotlib.figure import Figure
 
     from vibro.cli.target_speed import TargetSpeed
     from vibro.plots.view import View
-    from vibro.results.sweep import Block
+    from vibro.results.sweep import Block, Peak
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
@@ -188,16 +188,16 @@ class _Map:
         if self.cells:
             self.cells.add(block)
 
-    def draw(self, show: Callable[..., None]) -> dict[str, Figure]:
-        """Draw the pictures, from the cells of the table where these are dear."""
+    def draw(self, show: Callable[..., None], peaks: Mapping[str, Peak]) -> dict[str, Figure]:
+        """Draw the pictures, from the cells of the table where these are dear; mark its fastest ones."""
         from vibro.plots import map_figures
         from vibro.sweeps.run import solved_picture, sweep_picture
 
         what = self.grid, self.view.drawn, self.request.own, self.request.name or ""
         if self.cells:
-            result = solved_picture(*what, self.names, self.cells.results)
+            result = solved_picture(*what, self.names, self.cells.results, peaks)
         else:
-            result = sweep_picture(*what, lambda done, size: show(0, f"solving {done / size:.0%}"))
+            result = sweep_picture(*what, lambda done, size: show(0, f"solving {done / size:.0%}"), peaks)
         return map_figures(
             result,
             self.names,

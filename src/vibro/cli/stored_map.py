@@ -10,13 +10,14 @@ from vibro.core.codes import Output
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
     from pathlib import Path
 
     import typer
     from matplotlib.figure import Figure
 
     from vibro.cli.options import Options
+    from vibro.results.sweep import Peak
     from vibro.sweeps.grid import Grid
 
 #: What says which pictures there are to be, and where; all other options are of solving and tables.
@@ -100,9 +101,9 @@ def map_stored(
         forms=("json", *PICTURES), pictures=names, reads=[folder / MANIFEST], default=name,
     )  # fmt: skip
 
-    def draw(show: Callable[..., None]) -> dict[str, Figure]:
+    def draw(show: Callable[..., None], peaks: Mapping[str, Peak]) -> dict[str, Figure]:
         nonlocal said
-        result = stored_picture(shards, view.drawn, names)
+        result = stored_picture(shards, view.drawn, names, peaks)
         if target_speed is not None:
             said = target_in_pictures(result, grid.told_axes, target_speed)
         return map_figures(
@@ -117,7 +118,7 @@ def map_stored(
     with outputs:
         origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
         content = {"sweep": origin, **sweep_record(grid, plan.table, tally.told())}
-        with drawn(Pictures(names, draw), console) as figures:
+        with drawn(Pictures(names, draw), console, tally) as figures:
             record = outputs.finish(content, figures)
     tell_peaks(tally, grid, console)
     if said:

@@ -50,22 +50,23 @@ class Pictures:
     names : sequence of str
         What ``draw`` returns.
     draw : callable
-        Returns the figures by name; called with what shows how many are drawn, and a note beside.
+        Returns the figures by name; called with what shows how many are drawn, and a note beside, and with
+        the fastest cells of the table.
     """
 
     names: Sequence[str]
-    draw: Callable[[Callable[..., None]], Mapping[str, Figure]]
+    draw: Callable[[Callable[..., None], Mapping[str, Peak]], Mapping[str, Figure]]
 
 
 @contextmanager
-def drawn(pictures: Pictures | None, console: Console) -> Iterator[Mapping[str, Figure]]:
-    """Draw pictures, if there are any, and show progress until they are written."""
+def drawn(pictures: Pictures | None, console: Console, tally: Tally) -> Iterator[Mapping[str, Figure]]:
+    """Draw pictures of tallied cells, if there are any, and show progress until they are written."""
     if pictures is None:
         yield {}
         return
     with console.progress("drawing", len(pictures.names)) as bar:
         bar(0)
-        yield pictures.draw(bar)
+        yield pictures.draw(bar, tally.peaks)
 
 
 def count(number: int) -> str:
@@ -141,7 +142,7 @@ def write_sweep(
         with console.progress("solving", grid.size) as bar:
             tally = write_table(grid, table, [*sinks, *books.values()], report=bar, look=look)
         content = sweep_record(grid, table, tally.told())
-        with drawn(pictures if outputs.pictures or books else None, console) as figures:
+        with drawn(pictures if outputs.pictures or books else None, console, tally) as figures:
             if page is not None:
                 outputs.write_texts({"html": page})
             record = outputs.finish({**content, **more()}, figures)

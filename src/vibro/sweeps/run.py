@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.limits import CriticalLoads
+    from vibro.results.sweep import Peak
     from vibro.sweeps.grid import Grid
 
     Floats = NDArray[np.float64]
@@ -131,6 +132,7 @@ def sweep_picture(
     operating_point: Mapping[str, float] | None,
     title: str,
     progress: Callable[[int, int], None] | None = None,
+    peaks: Mapping[str, Peak] | None = None,
 ) -> SweepResult:
     """Solve a grid for pictures, with a resolution of their own.
 
@@ -147,6 +149,8 @@ def sweep_picture(
         Title of the sweep.
     progress : callable, optional
         As for ``vibro.solve``.
+    peaks : mapping of str to Peak, optional
+        The fastest cells of the table that the picture belongs to.
 
     Returns
     -------
@@ -161,7 +165,7 @@ def sweep_picture(
     part = replace(part, axes=axes)
     values = part.values()
     cycle = part.solve(values, progress=progress)
-    return _result(part, cycle, values, grid.operating_point(operating_point), title)
+    return _result(part, cycle, values, grid.operating_point(operating_point), title, peaks)
 
 
 def solved_picture(
@@ -171,6 +175,7 @@ def solved_picture(
     title: str,
     pictures: Iterable[str],
     cells: Callable[[Collection[str], Sequence[NDArray[np.intp]]], Mapping[str, NDArray[Any]]],
+    peaks: Mapping[str, Peak] | None = None,
 ) -> SweepResult:
     """Take the cells of pictures from a grid that is solved already.
 
@@ -184,6 +189,8 @@ def solved_picture(
     cells : callable
         From names of results and indices along every axis to these results, by name: arrays of the shape
         that the indices span.
+    peaks : mapping of str to Peak, optional
+        The fastest cells of the whole grid.
 
     Returns
     -------
@@ -200,7 +207,7 @@ def solved_picture(
         r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS
     }
     results |= {name: values.reshape(part.shape) for name, values in found.items()}
-    return _result(part, SteadyCycle(**results), values, grid.operating_point(operating_point), title)
+    return _result(part, SteadyCycle(**results), values, grid.operating_point(operating_point), title, peaks)
 
 
 def _result(
@@ -209,6 +216,7 @@ def _result(
     values: Mapping[str, Floats],
     point: Mapping[str, float] | None,
     title: str,
+    peaks: Mapping[str, Peak] | None,
 ) -> SweepResult:
     """Hand a solved grid to pictures, in the quantities that were given."""
     return SweepResult(
@@ -220,6 +228,7 @@ def _result(
         None if point is None else part.told(point),
         title,
         None if part.machine is None else values["amplitude"],
+        None if peaks is None else {k: p._replace(values=part.told(p.values)) for k, p in peaks.items()},
     )
 
 

@@ -229,7 +229,10 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
 
 
 def stored_picture(
-    shards: ShardFiles, drawn: Mapping[str, tuple[int, ...]], pictures: Sequence[str]
+    shards: ShardFiles,
+    drawn: Mapping[str, tuple[int, ...]],
+    pictures: Sequence[str],
+    peaks: Mapping[str, Peak] | None = None,
 ) -> SweepResult:
     """Read the cells of pictures from files.
 
@@ -241,6 +244,8 @@ def stored_picture(
         As for ``solved_picture``.
     pictures : sequence of str
         Their names.
+    peaks : mapping of str to Peak, optional
+        The fastest of all cells.
 
     Raises
     ------
@@ -250,7 +255,7 @@ def stored_picture(
         If a file cannot be read.
     """
     plan = shards.plan
-    return solved_picture(plan.grid, drawn, plan.own, plan.name, pictures, partial(_cells, shards))
+    return solved_picture(plan.grid, drawn, plan.own, plan.name, pictures, partial(_cells, shards), peaks)
 
 
 def _cells(
