@@ -209,42 +209,14 @@ def test_twelve_curves_are_told_apart_in_grey() -> None:
         assert one >= other or its != others or greys[other] - greys[one] > 15
 
 
-<<<<<<< HEAD
-def test_a_value_without_answers_is_hatched_and_has_no_curve() -> None:
-    result = sweep(points=101, amplitude="0.1:3", static_friction="0.4,0.6", kinetic_friction=0.5)
-    figures = map_figures(result, ["regime", "speed"])
-    for name in ("regime", "speed"):
-        (part,) = bars(figures[name].axes[0], 0)
-        assert part.get_gid() == "infeasible"
-        assert (
-            part.get_hatch() == NO_ANSWER_HATCH[next(s for s in NO_ANSWER_HATCH if s.label == "infeasible")]
-        )
-        assert (part.get_x(), part.get_width()) == pytest.approx((0.1, 2.9))
-        assert len(bars(figures[name].axes[0], 1)) > 1
-    infeasible, feasible = numbers(figures["speed"].axes[1])
-    assert np.isnan(points(infeasible)[1]).all()
-    assert np.isfinite(points(feasible)[1]).all()
-
-
-def test_hops_that_are_not_followed_are_hatched_over_their_regime() -> None:
-    result = sweep(flight=False, points=101, amplitude="3:4", drive_angle="20, 25")
-    for name, figure in map_figures(result, ["regime", "speed"]).items():
-        axes = figure.axes[0]
-        patches: list[Any] = list(axes.patches)
-        hatched = [p for p in patches if p.get_gid() == "flight not modelled"]
-        hops = [p for p in patches if p.get_gid() == "hopping"]
-        assert [p.get_bbox().bounds for p in hatched] == [p.get_bbox().bounds for p in hops], name
-        assert "flight not modelled" in legend(figure)
-=======
 def test_a_panel_says_for_which_values_there_are_no_numbers() -> None:
     result = sweep(points=101, amplitude="0.1:3", static_friction="0.3,0.4,0.6", kinetic_friction=0.5)
     axes = map_figures(result, ["speed"])["speed"].axes[0]
     assert words(axes) == ["infeasible: 0.3, 0.4"]
     assert [np.isfinite(points(line)[1]).any() for line in numbers(axes)] == [False, False, True]
-    hops = sweep(flight=False, points=101, amplitude="3:4", drive_angle="20,25")
+    hops = sweep(flight=False, points=101, amplitude="3:4", drive_angle="20, 25")
     axes = map_figures(hops, ["speed"])["speed"].axes[0]
     assert words(axes) == ["flight not modelled in part: 20°\nflight not modelled: 25°"]
->>>>>>> 3e169e31 (Draw lists as curves whose regimes are marked, one panel a number, and let legends follow from what is seen)
 
 
 @pytest.mark.parametrize("restitution", [0, 0.6])
@@ -270,16 +242,10 @@ def test_a_list_alone_is_points_in_the_colours_of_their_regimes(restitution: flo
 
 
 def test_two_lists_are_series_of_points_over_the_longer() -> None:
-<<<<<<< HEAD
-    result = sweep(frequency="15, 20", amplitude="0.5,1,1.5")
-    figures = map_figures(result)
-    lines = numbers(figures["speed"].axes[1])
-=======
-    figures = map_figures(sweep(own=OWN, frequency="15,20", amplitude="0.5,1,1.5"))
+    figures = map_figures(sweep(own=OWN, frequency="15, 20", amplitude="0.5,1,1.5"))
     assert list(figures) == ["speed"]
     (axes,) = figures["speed"].axes
     lines = numbers(axes)
->>>>>>> 3e169e31 (Draw lists as curves whose regimes are marked, one panel a number, and let legends follow from what is seen)
     assert [line.get_label() for line in lines] == ["$f$ = 15 Hz", "$f$ = 20 Hz"]
     assert len({line.get_marker() for line in lines}) == 2
     for line, frequency in zip(lines, (15, 20), strict=True):
@@ -309,29 +275,3 @@ def test_a_second_list_makes_facets_of_curves() -> None:
         np.testing.assert_allclose(y, 1e3 * cycle.mean_velocity, rtol=1e-13)
     marked = [any(line.get_gid() == "operating point" for line in a.lines) for a in figure.axes]
     assert marked == [False, True]
-<<<<<<< HEAD
-
-
-def test_a_level_and_the_zero_line(curves: SweepResult) -> None:
-    axes = map_figures(curves, ["speed"], target_speed=20.0)["speed"].axes[1]
-    assert "20 mm/s" in words(axes)
-    climbs = sweep(points=101, amplitude=1.5, trough_angle="-10:25", drive_angle="20, 30")
-    for axes in map_figures(climbs, ["speed"])["speed"].axes[1:]:
-        (zero,) = [line for line in axes.lines if set(np.ravel(line.get_ydata())) == {0.0}]
-        assert zero.get_gid() is None
-
-
-def test_bars_and_bands_are_hatched_where_bodies_move_backwards() -> None:
-    result = sweep(points=801, length=600, trough_angle="-10:10", amplitude="1.5,2")
-    figures = map_figures(result, ["regime", "speed"])
-    hatched = [p for p in figures["regime"].axes[0].patches if p.get_gid() == BACKWARDS_LABEL]
-    assert len(hatched) == 2
-    for patch, amplitude in zip(hatched, (1.5, 2.0), strict=True):
-        assert isinstance(patch, Rectangle)
-        beside = patch.get_x() + np.array([-0.02, 0.02])  # deg
-        before, after = solved(amplitude=amplitude, trough_angle=beside).mean_velocity
-        assert before > 0.0 > after
-        assert patch.get_x() + patch.get_width() == pytest.approx(10.0)
-    assert BACKWARDS_LABEL in legend(figures["speed"])
-=======
->>>>>>> 3e169e31 (Draw lists as curves whose regimes are marked, one panel a number, and let legends follow from what is seen)
