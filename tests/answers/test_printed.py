@@ -23,6 +23,10 @@ PAGES = {
     ),
     "design": ("design_feeder.toml",),
     "drive": ("full_feeder.toml", "voltage=90:110"),
+    "measure": (
+        "safety_nut.toml", str(EXAMPLES / "data" / "nut_trough_mv.csv"), "--trough-along", "Trog längs",
+        "--trough-normal", "Trog normal", "--sensitivity", "100mV/g", "--fit", "mu_s,mu_d",
+    ),
 }  # fmt: skip
 
 

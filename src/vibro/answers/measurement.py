@@ -310,7 +310,7 @@ def _figure_tables(figures: list[list[Any]]) -> list[Table]:
     """Return the usual figures and the others."""
     usual, others = list[list[Any]](), list[list[Any]]()
     for key, unit, measured, error, computed, difference in figures:
-        off = "" if math.isnan(difference) else f"{difference:+.1f} %"
+        off = "" if math.isnan(difference) else f"{difference:+z.1f} %"
         own = uncertain(measured, error) if math.isfinite(measured) else "not seen"
         part = usual if any(word in key for word in _USUAL) else others
         part.append(

@@ -12,6 +12,7 @@ from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import AllOption, Options
 from vibro.cli.outputs import PICTURES
+from vibro.core.codes import Status
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
 
@@ -21,7 +22,10 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from vibro.answers.answer import Answer
     from vibro.axes import AxisSpec
+    from vibro.cli.outputs import Outputs
+    from vibro.records.measurement import Measurement
     from vibro.records.reading import Record
     from vibro.records.trough_drives import TroughDrive
     from vibro.sweeps.request import Request
@@ -90,16 +94,14 @@ def measure_command(
     Columns of a part are found by their units: its motion stands beside the exact one. Those of sensors on
     the trough are named; -o DRIVE.toml writes its motion as a scene file.
     """
-    from vibro.answers.measurement import columns_of, measurement_answer, scene_file
+    from vibro.answers.measurement import measurement_answer
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import question, request_of
-    from vibro.core.codes import Status
     from vibro.files.scene_files import read_scene_file
     from vibro.quantities import LOAD, MASS, checked_number
     from vibro.records.measurement import measure
     from vibro.records.reading import read_record
     from vibro.records.signals import read_sensitivities
-    from vibro.tables.record import json_text
 
     console, argv = Console(quiet=options.quiet), context.obj
     options, data = _scene_and_record(options)
@@ -111,14 +113,14 @@ def measure_command(
     columns = {name: text for name, text in given.items() if text is not None}
     record = read_record(data, columns, read_sensitivities(sensitivity or ()))
     console.echo_all(record.notes)
+    scene = read_scene_file(options.scene).scene if options.scene else {}
+    has_friction = not {*options.given, *scene}.isdisjoint(_FRICTIONS)
     if "friction" in record.signals and body is None:
         if friction is not None:
             raise InputError("a force needs the mass of the body", hint="give its mass, such as 20g")
         console.warn(
             f"column {shown(record.headers['friction'])} is left out: a force needs the mass of the part"
         )
-    scene = read_scene_file(options.scene).scene if options.scene else {}
-    has_friction = not {*options.given, *scene}.isdisjoint(_FRICTIONS)
     has_part = bool({*record.signals} - ({"friction"} if body is None else set()))
     compares = not record.trough or (has_part and (has_friction or fit is not None))
     if has_part and not compares:
@@ -153,29 +155,35 @@ def measure_command(
                 mass=body, reverse=reverse, absolute=absolute,
                 progress=lambda done, total, what: bar(done, what, total),
             )  # fmt: skip
-        answer = measurement_answer(m, data, request)
         for warning in m.warnings:
             console.warn(warning)
-
-        def draw() -> dict[str, Figure]:
-            from vibro.plots.comparison import comparison_figure
-
-            if not m.comparison:
-                return {}
-            title = f"{answer.title}, computed pattern {m.comparison.motion.pattern}"
-            return {"": comparison_figure(m.comparison, title, request.told, m.fitted)}
-
-        def page(figures: Mapping[str, Figure]) -> str:
-            doubted = replace(answer, notes=[*m.warnings, *answer.notes])
-            drawn = {"the part's signals, measured and computed": figures[""]} if figures else {}
-            return doubted.html(drawn, shlex.join(["vibro", *argv]))
-
-        texts = {"html": page, "toml": lambda _: scene_file(m, data, request)}
-        outputs.write(lambda: columns_of(m), draw, answer.content(), texts)
+        answer = measurement_answer(m, data, request)
+        _write(outputs, answer, m, data, request)
     if not outputs.takes_stdout:
-        print(json_text(answer.content()) if options.json else answer.text(every=every))
+        print(answer.json() if options.json else answer.text(every=every))
     is_open = m.speeds is not None and m.speeds.status is Status.UNRESOLVED
     return ExitCode.UNRESOLVED if is_open else ExitCode.DONE
+
+
+def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request: Request) -> None:
+    """Write the files of an answer."""
+    from vibro.answers.measurement import columns_of, scene_file
+
+    def draw() -> dict[str, Figure]:
+        from vibro.plots.comparison import comparison_figure
+
+        if not m.comparison:
+            return {}
+        title = f"{answer.title}, computed pattern {m.comparison.motion.pattern}"
+        return {"": comparison_figure(m.comparison, title, request.told, m.fitted)}
+
+    def page(figures: Mapping[str, Figure]) -> str:
+        doubted = replace(answer, notes=[*m.warnings, *answer.notes])
+        drawn = {"the part's signals, measured and computed": figures[""]} if figures else {}
+        return doubted.html(drawn, shlex.join(["vibro", *outputs.argv]))
+
+    texts = {"html": page, "toml": lambda _: scene_file(m, data, request)}
+    outputs.write(lambda: columns_of(m), draw, answer.content(), texts)
 
 
 def _scene_and_record(options: Options) -> tuple[Options, Path]:
