@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import openpyxl
 import pytest
-from helpers.commands import NUT_ANGLE_AND_FRICTION, rows_of
+from helpers.commands import rows_of
 from helpers.drawn import only_map
-from helpers.reports import ReadPage
 
 import vibro
 from vibro.axes import parse_axis
@@ -53,9 +52,15 @@ def test_the_strokes_that_reach_a_speed(run: Run, scene: Path) -> None:
 
 
 def test_what_was_given_is_told_whichever_the_scene_file_has(run: Run, scene: Path) -> None:
-    told = run("solve", scene, "-A", "0.85").stdout
-    assert "amplitude 0.85 mm (stroke 1.7 mm peak to peak)" in told
+    told = run("solve", scene, "-A", "0.85", "--all").stdout
+    assert "amplitude 0.85 mm, " in told
     assert "amplitude [mm]" in told
+    told = run("solve", scene, "--all").stdout
+    assert "stroke 1.7 mm, " in told
+    assert "stroke [mm]" in told
+    assert "stroke, 1 %" in told
+    assert "stroke, 10 %" in told
+    assert "amplitude" not in told
 
 
 def test_a_swept_stroke_is_echoed_and_its_table_has_amplitudes(
@@ -127,21 +132,6 @@ def test_a_curve_s_caption_and_a_held_stroke() -> None:
     assert swept.draw("speed", x="f", at={"A": 1}).get_suptitle() == speed.get_suptitle()
     assert "stroke" in swept._repr_html_()
     assert list(swept.axes) == ["amplitude_mm", "frequency_hz"]  # as in tables
-
-
-def test_the_report_names_the_stroke_as_given(run: Run, scene: Path) -> None:
-    pytest.importorskip("jinja2")
-    page = ReadPage(run("report", scene).stdout)
-    assert ["stroke", "1.7 mm", "given"] in page.rows
-    assert [cells[0] for cells in page.rows].count("amplitude") == 1
-    assert page.row("amplitude")[:2] == ["0.85 mm", "half of the stroke"]
-    assert ["stroke", "+4.06 %"] in page.rows  # of 1 % more
-    assert "the present stroke" in page.text
-    assert "Map over stroke and frequency" in page.text
-    page = ReadPage(
-        run("report", *NUT_ANGLE_AND_FRICTION[:4], "--mu-ratio", "0.8", "-A", "1", "-f", "15").stdout
-    )
-    assert page.row("friction ratio")[1] == "given"
 
 
 def test_strokes_and_amplitudes_are_exact_in_each_other() -> None:

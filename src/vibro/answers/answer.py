@@ -84,9 +84,10 @@ class Table(NamedTuple):
 
     @property
     def texts(self) -> list[list[str]]:
-        """Its rows for people, the heads first."""
+        """Its rows for people, the heads first, without columns that are empty."""
         heads = [f"{label} [{unit}]" if unit else label for label, unit in self.columns]
-        return [heads, *([shown(cell) for cell in row] for row in self.rows)]
+        columns = zip(heads, *([shown(cell) for cell in row] for row in self.rows), strict=True)
+        return [list(row) for row in zip(*(c for c in columns if any(c[1:])), strict=True)]
 
     @property
     def text(self) -> str:

@@ -321,7 +321,7 @@ def _rare(one: OneScene) -> list[Fact]:
         facts.append(Fact("restitution", one.given["restitution"]))
     exponent = one.value(WITH_EXPONENT)
     if not math.isnan(exponent):
-        facts.append(Fact("speed over amplitude", exponent, "% a %"))
+        facts.append(Fact(f"speed over {one.size}", exponent, "% a %"))
     return [fact._replace(is_rare=True) for fact in facts]
 
 
@@ -350,22 +350,17 @@ def _sensitivities(one: OneScene) -> Table:
     for cell, name in enumerate(names, 1):
         if name == "frequency" and OPERATING in one.block.values:  # with which a machine's amplitude changes
             continue
-        label = (
-            f"{one.size}, 10 %"
-            if name == "drive"
-            else f"{_input(name)}, {'1 deg' if '_deg' in name else '1 %'}"
-        )
+        step = "10 %" if name == "drive" else "1 deg" if name.endswith("_deg") else "1 %"
+        own = one.size if name in ("amplitude", "drive") else QUANTITIES[name.removesuffix("_deg")].label
         change = 100.0 * (speeds[cell] / speeds[0] - 1.0) if speeds[0] and errors[0] == 0.0 else math.nan
         change = 0.0 if abs(change) < _ROUNDING else change
         regime, status = Regime(int(cycle.regime[cell])), Status(int(cycle.status[cell]))
         then = regime.label if regime != cycle.regime[0] else ""
         then = then if status.answered else status.label
-        rows.append((label, float(speeds[cell]), None if math.isnan(change) else float(change), then))
+        rows.append(
+            (f"{own}, {step}", float(speeds[cell]), None if math.isnan(change) else float(change), then)
+        )
     return Table("sensitivities", columns, rows, "A little more of each input")
-
-
-def _input(name: str) -> str:
-    return QUANTITIES[name.removesuffix("_deg")].label
 
 
 def _phases(one: OneScene) -> Table:
