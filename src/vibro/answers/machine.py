@@ -323,6 +323,7 @@ def _sensitivities(sheet: Sheet) -> Table:
     rows = [
         [_INPUTS.get(name, name), *([*rates.values()][: len(_states(sheet))])]
         for name, rates in sheet.record["sensitivities"].items()
+        if not all(map(math.isnan, rates.values()))
     ]
     columns = [("1 % more", ""), *((state, "%") for state in _states(sheet))]
     title = "Change of speed; none where parts hop, rest or never settle"
