@@ -162,7 +162,12 @@ app = typer.Typer(
 )
 
 
-_OF_RECORDS: Final = {"files": "[SCENE.toml] RECORD.csv", "most": 2, "forms": FORMS}
+_OF_RECORDS: Final = {
+    "files": "[SCENE.toml] RECORD.csv",
+    "most": 2,
+    "forms": FORMS,
+    "first": ("amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction"),
+}
 #: What is typed otherwise now, by how it was.
 _GONE: Final = {
     "speed": "vibro solve tells the speed",

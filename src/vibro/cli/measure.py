@@ -39,54 +39,43 @@ _ANY_DRIVE: Final = {"amplitude": "1", "drive_angle": "0", "frequency": "1"}
 _ANY_FRICTION: Final = {"static_friction": "1", "kinetic_friction": "1"}
 
 
-def _column(name: str, text: str, *, hidden: bool = False) -> Any:
-    return typer.Option(f"--{name}", metavar="HEADER", help=text, show_default=False, hidden=hidden)
+def _option(name: str, text: str, metavar: str = "HEADER", *, hidden: bool = False) -> Any:
+    return typer.Option(f"--{name}", metavar=metavar, help=text, show_default=False, hidden=hidden)
 
 
 def measure_command(
     context: typer.Context,
     options: Options,
-    time: Annotated[str | None, _column("time", "Column of the time.", hidden=True)] = None,
+    time: Annotated[str | None, _option("time", "Column of the time.", hidden=True)] = None,
     displacement: Annotated[
-        str | None, _column("displacement", "Column of a part's displacement on the trough.")
+        str | None, _option("displacement", "Column of a part's displacement on the trough.")
     ] = None,
-    velocity: Annotated[str | None, _column("velocity", "Of its velocity.")] = None,
-    acceleration: Annotated[str | None, _column("acceleration", "Of its acceleration.", hidden=True)] = None,
+    velocity: Annotated[str | None, _option("velocity", "Column of its velocity.")] = None,
+    acceleration: Annotated[
+        str | None, _option("acceleration", "Column of its acceleration.", hidden=True)
+    ] = None,
     friction: Annotated[
-        str | None, _column("friction", "Of the friction force on it; needs --mass.", hidden=True)
+        str | None, _option("friction", "Column of the friction force on it; needs --mass.", hidden=True)
     ] = None,
     trough_along: Annotated[
-        str | None, _column("trough-along", "Of the trough's motion along itself, forwards.")
+        str | None, _option("trough-along", "Column of the trough's motion along itself, forwards.")
     ] = None,
-    trough_normal: Annotated[str | None, _column("trough-normal", "Of that normal to it, upwards.")] = None,
+    trough_normal: Annotated[
+        str | None, _option("trough-normal", "Column of that normal to it, upwards.")
+    ] = None,
     sensitivity: Annotated[
         list[str] | None,
-        typer.Option(
-            "--sensitivity",
-            metavar="100mV/g",
-            help="Of voltages; of one column velocity=125mm/s/V.",
-            show_default=False,
-        ),
+        _option("sensitivity", "Of sensors in volts; of one velocity=125mm/s/V.", "100mV/g"),
     ] = None,
-    mass: Annotated[
-        str | None,
-        typer.Option("--mass", metavar="X", help="Mass of the part [kg].", show_default=False, hidden=True),
-    ] = None,
+    mass: Annotated[str | None, _option("mass", "Mass of the part [kg].", "X", hidden=True)] = None,
     reverse: Annotated[
         bool,
-        typer.Option(
-            "--reverse", help="The data's axis points against the conveying direction.", hidden=True
-        ),
+        typer.Option("--reverse", help="The data's axis points against the conveying direction."),
     ] = False,
     absolute: Annotated[
         bool, typer.Option("--absolute", help="The part's data are over the ground, as on video.")
     ] = False,
-    fit: Annotated[
-        str | None,
-        typer.Option(
-            "--fit", metavar="mu_s,mu_d", help="Estimate these from the part's data.", show_default=False
-        ),
-    ] = None,
+    fit: Annotated[str | None, _option("fit", "Estimate these from the part's data.", "mu_s,mu_d")] = None,
     every: AllOption = False,
 ) -> int:
     """Find what a trough does, and a part on it, from a record.

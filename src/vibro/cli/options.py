@@ -15,7 +15,7 @@ import typer
 from vibro.cli.outputs import SERIES
 from vibro.core.codes import Output
 from vibro.errors import InputError, cut, did_you_mean, shown
-from vibro.quantities import DRIVES, MACHINE, QUANTITIES, find_quantity
+from vibro.quantities import QUANTITIES, find_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -254,7 +254,6 @@ def shares_options(
     files: str = "[SCENE.toml]",
     most: int | None = 1,
     of_scene: bool = True,
-    of_drive: bool = True,
     of_answer: bool = True,
     of_table: bool = True,
     forms: Sequence[str] = SERIES,
@@ -273,8 +272,6 @@ def shares_options(
         Largest number of these.
     of_scene : bool
         Whether it takes the quantities of a scene.
-    of_drive : bool
-        Whether it takes those of the drive too.
     of_answer : bool
         Whether it has an answer, which can be printed and written to files.
     of_table : bool
@@ -292,14 +289,9 @@ def shares_options(
         Whose signature has a parameter for every shared option, as typer needs it.
     """
     annotations = get_type_hints(Options, include_extras=True)
-    refused = () if of_drive else ("stroke", "frequency", *DRIVES, *MACHINE)
-    quantities = [
-        name
-        for name, quantity in QUANTITIES.items()
-        if of_scene and quantity.is_option and name not in refused
-    ]
+    quantities = [name for name, quantity in QUANTITIES.items() if of_scene and quantity.is_option]
     left_out = {
-        *([] if of_scene and of_drive else ["pack"]),
+        *([] if of_scene else ["pack"]),
         *([] if of_answer else _OF_ANSWER),
         *([] if of_table else _OF_TABLE),
     }
@@ -326,7 +318,7 @@ def shares_options(
         paths, named = read_arguments(typed.pop("arguments") or (), most, own_ones)
         beside = {name: named.pop(name) for name in own_ones if name in named}
         for name in named:
-            if not of_scene or name in refused:
+            if not of_scene:
                 raise InputError(f"{QUANTITIES[name].label}: not used by this command", hint="leave it out")
             if name in given:
                 raise InputError(f"{QUANTITIES[name].label} is given twice", hint="give it once")
