@@ -128,6 +128,10 @@ class Outputs:
             if form in _DESCRIBED:
                 self.records[_suffixed(path.with_suffix(""), ".json")] = None
 
+        is_csv = self.takes_stdout or any(form == "csv" for _, form in self.tables.values())
+        if options.decimal_comma and not is_csv:
+            raise InputError("--decimal-comma: no CSV is written", hint="add -o NAME.csv, or leave it out")
+
     def _add(
         self, path: Path, form: str, tables: Sequence[str], pictures: Sequence[str], *, is_stem: bool
     ) -> None:

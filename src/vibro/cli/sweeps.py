@@ -13,7 +13,7 @@ from vibro.answers.answer import number, uncertain
 from vibro.cli.exit_codes import ExitCode
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError
-from vibro.quantities import QUANTITIES, as_given
+from vibro.quantities import LOAD, QUANTITIES, as_given, scene_fields
 from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.tally import Tally
 from vibro.tables.record import json_text, sweep_record
@@ -200,8 +200,14 @@ def byte_count(number: float) -> str:
 
 def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
     """Tell which cells of a sweep are conveyed fastest, forwards and backwards."""
+    from vibro.scene import Scene
+
     for name, peak in tally.peaks.items():
         console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.told_axes)}")
+        motion = {} if grid.motion is None else {"motion": grid.motion.motion}
+        load = float(f"{float(Scene(**scene_fields({**peak.values, **motion})).load):.4g}")
+        if doubt := LOAD.doubt(load, load):
+            console.warn(f"there the {doubt}")
 
 
 def peak_text(peak: Peak, axes: Mapping[str, Axis]) -> str:
