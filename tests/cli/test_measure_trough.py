@@ -164,6 +164,9 @@ def test_a_scene_file_gives_the_rest_of_the_scene(run: Run, made: tuple[Path, Fe
         "stroke_mm = 5\ndrive_angle_deg = 3\n",
         "along_amplitudes_mm = [9, 1, 1, 1]\nalong_phases_deg = [0, 0, 0, 5]\n",
         "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n",
+        "drive_angle_deg = 20\n"
+        '[machine]\nkind = "magnet"\ntrough_mass_kg = 6\ncounter_mass_kg = 12\nnatural_hz = 55\n'
+        "damping_ratio = 0.02\ncalibration = { amplitude_mm = 0.3, frequency_hz = 50 }\n",
     ):
         Path("own.toml").write_text(own + drive, encoding="utf-8")
         result = run("measure", "own.toml", made[0], *BOTH, "-o", "drive.toml", "--force")
@@ -173,6 +176,17 @@ def test_a_scene_file_gives_the_rest_of_the_scene(run: Run, made: tuple[Path, Fe
         assert (written["trough_angle_deg"], written["friction_ratio"]) == (2, 0.75)
         assert len(written["along_amplitudes_mm"]) == 3
         assert not {"amplitude_mm", "stroke_mm", "drive_angle_deg"} & written.keys()
+
+
+def test_a_column_of_a_part_with_holes_is_left_out(run: Run, parted: Path) -> None:
+    header, *rows = parted.read_text(encoding="utf-8").splitlines()
+    Path("holes.csv").write_text(
+        "\n".join([header, *(row.rpartition(",")[0] + "," for row in rows)]), "utf-8"
+    )
+    result = run("measure", "holes.csv", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
+    assert "figures" not in told(result)
+    assert "displacement: column 'way [mm]' lacks values" in result.stderr
+    assert run("measure", "holes.csv", *BOTH, "--displacement", "way").exit_code == 2
 
 
 def test_one_sensor_needs_the_drive_angle(run: Run) -> None:

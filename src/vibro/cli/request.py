@@ -83,7 +83,7 @@ def request_of(
     without_machine : str
         Why the command takes no machine; empty if it does.
     measured : collection of str
-        Quantities that are measured: those of the file do not count, nor does its motion.
+        Quantities that are measured: those of the file do not count, nor do its motion and machine.
     **wanted
         As for ``gather``.
 
@@ -95,14 +95,14 @@ def request_of(
         If the scene file cannot be read.
     """
     file = read_scene_file(options.scene) if options.scene else None
+    if measured and file is not None:
+        kept = {name: spec for name, spec in file.scene.items() if STANDS_FOR.get(name, name) not in measured}
+        file = replace(file, scene=kept, motion=None, machine=None)
     if without_machine and file is not None and file.machine is not None:
         raise InputError(
             f"{options.scene}: [machine]: {without_machine}",
             hint="vibro solve tells the amplitude at its operating point: give that in place of [machine]",
         )
-    if measured and file is not None:
-        kept = {name: spec for name, spec in file.scene.items() if STANDS_FOR.get(name, name) not in measured}
-        file = replace(file, scene=kept, motion=None)
     return gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
 
 

@@ -149,6 +149,14 @@ def read_record(
         decimals = ", decimal commas" if table.decimal_comma else ""
         notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")
     values = {role: table.numbers(column.header, column.size) for role, column in chosen.items()}
+    if not values.keys().isdisjoint(TROUGH):  # a part that nobody named is not worth a record of the trough
+        unnamed = [role for role in values if role in SIGNALS and role not in (columns or {})]
+        for role in unnamed:
+            if np.isnan(values[role]).mean() > TOL.skipped:
+                notes.append(
+                    f"{role}: column {shown(chosen.pop(role).header.text)} lacks values: it is left out"
+                )
+                del values[role]
     kept = _with_values(table, {chosen[role].header: column for role, column in values.items()})
     values = {role: column[kept] for role, column in values.items()}
     _check_time(table, chosen["time"].header, values["time"], np.flatnonzero(kept))
