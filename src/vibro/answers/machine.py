@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, shown
+from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
 from vibro.quantities import DEFAULTS, LENGTH, MASS, QUANTITIES
 from vibro.results.operating import WARNED_HARMONIC
-from vibro.sweeps.machines import case_of, points_of
+from vibro.sweeps.machines import points_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,13 +20,8 @@ if TYPE_CHECKING:
 
 _MASSES: Final = ("vibrating_mass_kg", "trough_mass_kg", "counter_mass_kg")
 _TOLD: Final = (
-    "frequency",
-    "drive_angle",
-    "static_friction",
-    "kinetic_friction",
-    "trough_angle",
-    "restitution",
-)
+    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "restitution",
+)  # fmt: skip
 _PROOFS: Final = {
     "corners": "proved", "proved": "proved within 1 %", "searched": "searched", "sampled": "sampled",
 }  # fmt: skip
@@ -46,35 +41,30 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
         Quantities of a single cell by name, in the units outside.
     """
     one = {name: float(values[name].item()) for name in QUANTITIES if name in values}
-    points = points_of(given, values)
-    filling, second = one["filling"], np.asarray(points.second_harmonic).item()
-    at = [
-        f"{name} {QUANTITIES[name].text(one[name])}" for name in ("setting", "voltage") if given.takes(name)
-    ]
-    empty, full, low, high, bend = (
-        LENGTH.from_si(np.asarray(getattr(points, name)).item())
-        for name in ("amplitude_empty", "amplitude", "amplitude_low", "amplitude_high", "relative_amplitude")
-    )
-    between = f", between {shown(low)} and {shown(high)} mm" if low < high else ""
-    note = f"{shown(empty)} mm empty{between}" if filling else "empty"
-    facts = [
-        Fact("amplitude", full, "mm", note=note),
-        Fact("machine", ", ".join([_machine(given, one.get("natural")), *at]), is_rare=True),
-    ]
-    ratios = [points.frequency_ratio, *([points.filled_frequency_ratio] if filling else [])]
-    facts.append(Fact("resonance", _resonance([np.asarray(x).item() for x in ratios]), is_rare=True))
-    if filling:
-        shares = (np.asarray(x).item() for x in (points.added_mass_share, points.added_damping_share))
-        facts.append(Fact("filling", _filling(given, filling, *shares), is_rare=True))
-    if np.asarray(points.number).item() > 1:
-        from vibro.machines.operating import operating_points
+    points, filling = points_of(given, values), one["filling"]
 
-        case = {name: x if x is None else np.asarray(x).item() for name, x in case_of(given, values).items()}
-        found = ", ".join(shown(LENGTH.from_si(x)) for x in operating_points(given.machine, **case))
-        facts.append(Fact("all amplitudes", f"{found} mm", is_rare=True))
+    def value(name: str) -> float:
+        return float(np.asarray(getattr(points, name)).item())
+
+    def length(name: str) -> float:
+        return float(LENGTH.from_si(value(name)))
+
+    note = f"{shown(length('amplitude_empty'))} mm empty" if filling else "empty"
+    if value("amplitude_low") < value("amplitude_high"):
+        note += f", between {shown(length('amplitude_low'))} and {shown(length('amplitude_high'))} mm"
+    ratios = [value("frequency_ratio"), *([value("filled_frequency_ratio")] if filling else [])]
+    at = [f"{name} {one[name]:g} %" for name in ("setting", "voltage") if given.takes(name)]
+    facts = [
+        Fact("amplitude", length("amplitude"), "mm", note=note),
+        Fact("machine", ", ".join([_machine(given, one.get("natural")), *at]), is_rare=True),
+        Fact("resonance", _resonance(ratios), is_rare=True),
+    ]
+    if filling:
+        told = _filling(given, filling, value("added_mass_share"), value("added_damping_share"))
+        facts.append(Fact("filling", told, is_rare=True))
     if given.kind not in ("unbalance", "crank"):  # whose springs bend as the trough moves, or which have none
-        facts.append(Fact("springs bend", bend, "mm", note="to each side", is_rare=True))
-    if filling and second > 0.0:
+        facts.append(Fact("springs bend", length("relative_amplitude"), "mm", is_rare=True))
+    if filling and (second := value("second_harmonic")) > 0.0:
         note = ""
         if second > WARNED_HARMONIC:
             speed = LENGTH.from_si(np.asarray(points.speed_with_second_harmonic()).item())
@@ -134,7 +124,7 @@ def sheet_answer(name: str, sheet: Sheet) -> Answer:
         The numbers.
     """
     notes = [*sheet.doubts, *_notes(sheet)]
-    tables = [_settings(sheet), _guaranteed(sheet), _changes(sheet), _sensitivities(sheet), _packs(sheet)]
+    tables = [_settings(sheet), _changes(sheet), _sensitivities(sheet), _packs(sheet)]
     return Answer(_facts(sheet), [table for table in tables if table.rows], notes, sheet.record, name)
 
 
@@ -180,13 +170,8 @@ def cases(sheets: Mapping[str, Sheet]) -> dict[str, Any]:
             for state in ("empty", "full")
             if pair[state]
         ]
-    return {
-        key: [row[key] for row in rows]
-        if isinstance(rows[0][key], str)
-        else np.array([row[key] for row in rows], float)
-        for key in rows[0]
-        if key not in _LISTED
-    }
+    columns = {key: [row[key] for row in rows] for key in rows[0] if key not in _LISTED}
+    return {key: x if isinstance(x[0], str) else np.array(x, float) for key, x in columns.items()}
 
 
 def picture_texts(sheet: Sheet, name: str) -> tuple[str, str]:
@@ -209,9 +194,7 @@ def _facts(sheet: Sheet) -> list[Fact]:
     ratios = [empty["frequency_ratio"], *([full["filled_frequency_ratio"]] if full else [])]
     facts = [
         Fact("machine", _machine(given, values.get("natural"))),
-        Fact(
-            "bands", ", ".join(bands) or "none", note="" if bands else "voltage=90:110 filling=0:2 give some"
-        ),
+        Fact("bands", ", ".join(bands) or "none, such as voltage=90:110 or filling=0:2"),
         Fact("resonance", _resonance(ratios)),
     ]
     if full and given.kind != "crank":
@@ -244,10 +227,11 @@ def _heads(sheet: Sheet) -> list[tuple[str, str]]:
 def _cells(row: Row) -> list[float | str]:
     low, high = row["amplitude_low_mm"], row["amplitude_high_mm"]
     amplitude = f"{shown(low)}...{shown(high)}" if shown(low) != shown(high) else row["amplitude_mm"]
-    return ["strikes" if row["strikes"] else amplitude, row["mean_velocity_mm_s"]]
+    speed = uncertain(row["mean_velocity_mm_s"], row["mean_velocity_error_mm_s"])
+    return ["strikes" if row["strikes"] else amplitude, speed]
 
 
-def _both(sheet: Sheet, pair: Mapping[str, Any]) -> list[float | str]:
+def _both(pair: Mapping[str, Any]) -> list[float | str]:
     return [cell for state in ("empty", "full") if pair[state] for cell in _cells(pair[state])]
 
 
@@ -261,7 +245,7 @@ def _settings(sheet: Sheet) -> Table:
     columns += [("slowest", "mm/s"), ("fastest", "mm/s")] * bool(record["guaranteed"])
     rows = []
     for i, pair in enumerate(record["settings"]):
-        row = [pair["empty"]["setting_percent"], *_both(sheet, pair)]
+        row = [pair["empty"]["setting_percent"], *_both(pair)]
         if is_bent:
             bent = pair["full"]["mean_velocity_with_second_harmonic_mm_s"]
             row.append(None if math.isnan(bent) else bent)
@@ -287,41 +271,19 @@ def _notes(sheet: Sheet) -> list[str]:
     return [f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {told}"]
 
 
-def _guaranteed(sheet: Sheet) -> Table:
-    columns = [
-        ("setting", "%"), ("amplitude from", "mm"), ("to", "mm"), ("slowest", "mm/s"), ("fastest", "mm/s"),
-        ("how sure", ""),
-    ]  # fmt: skip
-    rows = [
-        [
-            one["setting_percent"],
-            *one["amplitude_mm"],
-            *(one["speed_mm_s"] or [None, None]),
-            _PROOFS[one["proof"][0]] if one["speed_mm_s"] else "unknown",
-        ]
-        for one in sheet.record["guaranteed"]
-    ]
-    return Table("guaranteed", columns, rows, "Guaranteed speeds", is_rare=True)
-
-
 def _changes(sheet: Sheet) -> Table:
-    rows = [["nominal", *_both(sheet, sheet.record["settings"][-1])]]
+    rows = [["nominal", *_both(sheet.record["settings"][-1])]]
     for change in sheet.record["changes"]:
         name, value = change["changed"], change["value"]
-        nominal = sheet.record["scene"][name]
-        told = (
-            f"voltage {value:g} %"
-            if name == "voltage_percent"
-            else f"frequency {100.0 * (value / nominal - 1.0):+.3g} %"
-        )
-        rows.append([told, *_both(sheet, change)])
+        more = 100.0 * (value / sheet.record["scene"][name] - 1.0)
+        rows.append([f"{name.rpartition('_')[0]} {more:+.3g} %", *_both(change)])
     title = f"Mains, at a setting of {sheet.request.settings[-1]:g} %"
     return Table("changes", [("", ""), *_heads(sheet)], rows, title, is_rare=True)
 
 
 def _sensitivities(sheet: Sheet) -> Table:
     rows = [
-        [_INPUTS.get(name, name), *([*rates.values()][: len(_states(sheet))])]
+        [_INPUTS.get(name, name), *rates.values()][: 1 + len(_states(sheet))]
         for name, rates in sheet.record["sensitivities"].items()
         if not all(map(math.isnan, rates.values()))
     ]
@@ -338,7 +300,7 @@ def _packs(sheet: Sheet) -> Table:
             pack["natural_hz"],
             pack["empty"]["frequency_ratio"],
             pack["force_ratio"],
-            *_both(sheet, pack),
+            *_both(pack),
         ]
         for pack in sheet.record["packs"]
     ]

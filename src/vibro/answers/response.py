@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, uncertain
+from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
 from vibro.errors import InputError, SceneError
 from vibro.files.machines import machine_of
 from vibro.files.points import read_points
@@ -124,7 +124,13 @@ def fit_answer(fit: ResponseFit, path: Path, given: GivenMachine | None) -> Answ
         Fact("amplitude error", None if math.isnan(sizes[0]) else f"{between} %, {whose}"),
     ]
     facts += [
-        Fact(label, value, unit, error, f"95 %: {_interval(*interval)}")
+        Fact(
+            label,
+            value,
+            unit,
+            error,
+            "" if math.isnan(interval[0]) else f"95 %: {shown(interval[0])} to {shown(interval[1])}",
+        )
         for label, unit, value, error, interval in _estimates(fit)
     ]
     pairs = {name: column.tolist() for name, column in columns(fit).items()}
@@ -180,19 +186,6 @@ def _estimates(fit: ResponseFit) -> list[tuple[str, str, float, float, tuple[flo
         ("damping ratio", "", *damping),
         (_STATIC[fit.law], "mm", static, error, (low, high)),
     ]
-
-
-def _interval(low: float, high: float) -> str:
-    if math.isnan(low):
-        return "unknown"
-    if low == 0.0 and math.isinf(high):
-        return "not bounded"
-    if math.isinf(high):
-        return f"above {low:.4g}"
-    if low == 0.0:
-        return f"below {high:.4g}"
-    digits = max(0, 1 - math.floor(math.log10(0.5 * (high - low)))) if high > low else 6
-    return f"{low:.{digits}f} ... {high:.{digits}f}"
 
 
 def _rounded(value: float, error: float) -> float:

@@ -40,6 +40,11 @@ _GIVEN: Final = 0.01  # [1] change of speed within which "the motion is given" c
 _LIGHT: Final = np.geomspace(1e-4, 1.0, 82)
 _CURVE_POINTS: Final = 241
 _CURVE_BEYOND: Final = 0.12  # of the frequencies of interest, on either side
+_AMPLITUDES: Final = ("amplitude", "amplitude_low", "amplitude_high")
+_OF_POINTS: Final = (
+    "frequency_ratio", "filled_frequency_ratio", "added_mass_share", "added_damping_share", "at_jump",
+    "strikes",
+)  # fmt: skip
 _SLIDES: Final = (Regime.FORWARD_SLIP.label, Regime.BACK_SLIP.label)
 
 
@@ -177,39 +182,31 @@ def _solved(
     values = {name: np.array([case[name] for case in cases]) for name in nominal}
     points = points_of(given, values)
     cycle = solve(points.scene)
-    known = ~(np.isnan(points.amplitude) | points.strikes)
     bent = np.full(len(cases), math.nan)
     if bends and (which := np.nan_to_num(points.second_harmonic) > WARNED_HARMONIC).any():
         moved = points_of(given, {name: x[which] for name, x in values.items()})
         bent[which] = LENGTH.from_si(moved.speed_with_second_harmonic())
 
-    def told(x: Any, unit: Any = LENGTH) -> Any:
-        return np.where(known, unit.from_si(x), math.nan)
+    def known(x: Any, nothing: Any = math.nan) -> Any:
+        return np.where(np.isnan(points.amplitude) | points.strikes, nothing, x)
 
     of_point = np.array([status not in (Status.OK, Status.BOUNDARY) for status in points.status])
     statuses = np.where(of_point, points.status, cycle.status)
     columns = {
         **{QUANTITIES[name].column: values[name] for name in ("setting", "voltage", "filling", "frequency")},
         "natural_hz": values.get("natural", np.full(len(cases), given.machine.natural_frequency)),
-        "amplitude_mm": told(points.amplitude),
-        "amplitude_low_mm": told(points.amplitude_low),
-        "amplitude_high_mm": told(points.amplitude_high),
+        **{f"{name}_mm": known(LENGTH.from_si(getattr(points, name))) for name in _AMPLITUDES},
         "relative_amplitude_mm": LENGTH.from_si(points.relative_amplitude),
-        "mean_velocity_mm_s": told(cycle.mean_velocity),
-        "mean_velocity_error_mm_s": told(cycle.mean_velocity_error),
+        "mean_velocity_mm_s": known(LENGTH.from_si(cycle.mean_velocity)),
+        "mean_velocity_error_mm_s": known(LENGTH.from_si(cycle.mean_velocity_error)),
         "mean_velocity_with_second_harmonic_mm_s": bent,
-        "throw_number": np.where(known, cycle.throw_number, math.nan),
-        "frequency_ratio": points.frequency_ratio,
-        "filled_frequency_ratio": points.filled_frequency_ratio,
-        "added_mass_share": points.added_mass_share,
-        "added_damping_share": points.added_damping_share,
+        "throw_number": known(cycle.throw_number),
+        **{name: getattr(points, name) for name in _OF_POINTS},
         "second_harmonic_percent": 100.0 * points.second_harmonic,
         "operating_points": points.number,
-        "at_jump": points.at_jump,
-        "strikes": points.strikes,
-        "regime": np.where(known, [Regime(code).label for code in cycle.regime], ""),
+        "regime": known([Regime(code).label for code in cycle.regime], ""),
         "status": np.array([Status(code).label for code in statuses]),
-    }  # fmt: skip
+    }
     rows = [
         dict(zip(columns, cells, strict=True))
         for cells in zip(*(np.asarray(x).tolist() for x in columns.values()), strict=True)
@@ -219,11 +216,12 @@ def _solved(
     return rows, points
 
 
-def _paired(request: SheetRequest, rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Return the rows of cases, empty and full."""
-    count = len(request.fillings)
+def _paired(request: SheetRequest, rows: Sequence[Any], nothing: Any = None) -> list[dict[str, Any]]:
+    """Return what was found for cases, empty and full."""
+    n = len(request.fillings)
     return [
-        {"empty": rows[i], "full": rows[i + 1] if count > 1 else None} for i in range(0, len(rows), count)
+        dict(zip(("empty", "full"), [*rows[i : i + n], nothing], strict=False))
+        for i in range(0, len(rows), n)
     ]
 
 
@@ -281,14 +279,8 @@ def _sensitivities(request: SheetRequest) -> dict[str, dict[str, float]]:
         cases += [{**case, name: case[name] * step} for step in steps]
     rows, _ = _solved(request, cases)
     rates = [_rate(low, high) for low, high in zip(rows[::2], rows[1::2], strict=True)]
-    count = len(request.fillings)
-    return {
-        {"natural": "stiffness"}.get(name, name): {
-            "empty": rates[count * i],
-            "full": rates[count * i + 1] if count > 1 else math.nan,
-        }
-        for i, name in enumerate(names)
-    }
+    pairs = _paired(request, rates, math.nan)
+    return {{"natural": "stiffness"}.get(name, name): pair for name, pair in zip(names, pairs, strict=True)}
 
 
 def _rate(low: Row, high: Row) -> float:
