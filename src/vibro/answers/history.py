@@ -24,7 +24,7 @@ _COLUMNS: Final = (
 
 
 def history_answer(
-    history: History, follow: Callable[..., History], record: Mapping[str, Any], *, every: bool
+    history: History, follow: Callable[..., History] | None, record: Mapping[str, Any], *, every: bool
 ) -> Answer:
     """Make the answer about a history.
 
@@ -32,17 +32,17 @@ def history_answer(
     ----------
     history : History
         What was simulated.
-    follow : callable
-        Simulates the same for another number of ``cycles``.
+    follow : callable or None
+        Simulates the same for another number of ``cycles``, to say when it settles; or None
     record : mapping
         What JSON says, beside the phases.
     every : bool
         Whether all phases and every bounce are told, or the first 24 and chains of bounces as one.
     """
-    facts = [
-        Fact(f"after {shown(history.end)} s", float(LENGTH.from_si(history.phases[-1].end_position)), "mm"),
-        Fact("settles", _settles(history, follow)),
-    ]
+    advance = float(LENGTH.from_si(history.phases[-1].end_position))
+    facts = [Fact(f"after {shown(history.end)} s", advance, "mm")]
+    if follow is not None:
+        facts.append(Fact("settles", _settles(history, follow)))
     if any(phase.kind == "H" for phase in history.phases):
         facts.append(Fact("restitution", float(history.scene.restitution)))
     columns = phase_table(history, history.phases)

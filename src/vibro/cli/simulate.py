@@ -124,7 +124,7 @@ def simulate_command(
         )
     if output.takes_stdout:
         return ExitCode.DONE
-    answer = history_answer(history, follow, content, every=every)
+    answer = history_answer(history, None if options.json else follow, content, every=every)
     print(answer.json() if options.json else answer.text())
     return ExitCode.DONE
 
