@@ -44,6 +44,12 @@ def test_the_text_is_short_or_whole() -> None:
     assert all(text in ANSWER.text(every=True) for text in ("pattern  F_", "One cycle", "74.6"))
 
 
+def test_a_wide_table_has_its_units_below_and_no_empty_column() -> None:
+    columns = [("name", ""), ("n" * 60, "mm"), ("empty", "Hz"), ("w" * 60, "g")]
+    heads, units, row = Table("wide", columns, [("one", 1.0, None, 2.0)]).text.splitlines()
+    assert (heads.split()[0], units.split(), row.split()) == ("name", ["[mm]", "[g]"], ["one", "1", "2"])
+
+
 def test_json_and_csv_have_all_digits_and_no_number_that_is_none() -> None:
     told = json.loads(ANSWER.json())
     assert told["mean_velocity_mm_s"] == 16.26345

@@ -124,10 +124,10 @@ def test_where_nothing_is_guaranteed_there_is_nothing_to_draw(
 
 
 def test_the_question_is_never_overwritten(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("nut.csv").write_text(QUESTION, encoding="utf-8")
+    Path("nut-band.svg").write_text(QUESTION, encoding="utf-8")
     asked = found(monkeypatch, answer(met=True))
-    assert (run("design", "nut.csv", "-o", "nut", "--force").exit_code, asked) == (1, [])
-    assert Path("nut.csv").read_text(encoding="utf-8") == QUESTION
+    assert (run("design", "nut-band.svg", "-o", "nut.svg", "--force").exit_code, asked) == (1, [])
+    assert Path("nut-band.svg").read_text(encoding="utf-8") == QUESTION
 
 
 def test_a_folder_takes_the_questions_name(ask: Callable[..., Any]) -> None:

@@ -86,8 +86,16 @@ class Table(NamedTuple):
     def texts(self) -> list[list[str]]:
         """Its rows for people, the heads first, without columns that are empty."""
         heads = [f"{label} [{unit}]" if unit else label for label, unit in self.columns]
-        columns = zip(heads, *([shown(cell) for cell in row] for row in self.rows), strict=True)
-        return [list(row) for row in zip(*(c for c in columns if any(c[1:])), strict=True)]
+        return [[row[i] for i in self._filled] for row in (heads, *self._cells)]
+
+    @property
+    def _cells(self) -> list[list[str]]:
+        return [[shown(cell) for cell in row] for row in self.rows]
+
+    @property
+    def _filled(self) -> list[int]:
+        """The places of columns that are not empty."""
+        return [i for i, cells in enumerate(zip(*self._cells, strict=True)) if any(cells)]
 
     @property
     def text(self) -> str:
@@ -95,7 +103,7 @@ class Table(NamedTuple):
         head, *rows = self.texts
         lines = aligned([head, *rows])
         if max(map(len, lines.splitlines())) > _WIDTH:
-            labels, units = zip(*self.columns, strict=True)
+            labels, units = zip(*(self.columns[i] for i in self._filled), strict=True)
             lines = aligned([labels, [f"[{unit}]" if unit else "" for unit in units], *rows])
         return f"{self.title}\n{lines}" if self.title else lines
 

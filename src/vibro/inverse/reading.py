@@ -68,7 +68,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     --------
     >>> spec = read_spec({
     ...     "scene": {"static_friction": "0.3:0.5", "friction_ratio": "0.7:0.9", "trough_length_mm": 1200},
-    ...     "drive": [{"amplitude_mm": 0.8, "frequency_hz": "50,100", "drive_angle_deg": "10:40"}],
+    ...     "drive": [{"amplitude_mm": 0.8, "frequency_hz": "50, 100", "drive_angle_deg": "10:40"}],
     ...     "goal": {"traverse_time_s": 15},
     ... })
     >>> spec.drives[0].frequency, spec.goal.speed
