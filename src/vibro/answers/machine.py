@@ -190,6 +190,7 @@ def _facts(sheet: Sheet) -> list[Fact]:
     bands = [
         f"{QUANTITIES[name].label} {f'{low:.15g} to ' if low < high else ''}{QUANTITIES[name].text(high)}"
         for name, (low, high) in request.bands.items()
+        if high
     ]
     ratios = [empty["frequency_ratio"], *([full["filled_frequency_ratio"]] if full else [])]
     facts = [
