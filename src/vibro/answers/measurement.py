@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, number, shown, uncertain
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.records.tolerances import TOL
@@ -38,7 +38,6 @@ _UNITS: Final = {
 _MM: Final = 1e3  # in a metre
 _USUAL: Final = ("advance", "mean_speed", "peak", "slip")  # words in the names of figures that people ask for
 _FIGURES: Final = ("quantity", "unit", "measured", "standard_error", "computed", "difference_percent")
-_FITTED: Final = ("fitted", "estimate", "95 % interval", "given")
 _OF_A_WAVE: Final = (("amplitude", "mm"), ("phase", "deg"))
 _WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
 _CALIBRATIONS: Final = {
@@ -161,21 +160,20 @@ def _speed_facts(m: Measurement, measured: MeasuredMotion) -> list[Fact]:
     shares = [f"{shown(100.0 * share, 3)} % {one.label}" for one, share in speeds.shares.items()]
     shares += [f"{shown(100.0 * speeds.unknown, 3)} % without a speed"] if speeds.unknown else []
 
-    def change(metres: float) -> str:
-        return (
-            f"{shown(100.0 * _MM * metres / abs(speed), 2)} %" if speed else f"{shown(_MM * metres, 2)} mm/s"
-        )
-
-    facts = [Fact("speed", speed, "mm/s", error, note)]
+    facts = [
+        Fact("speed", speed, "mm/s", error, note),
+        Fact("noise", f"{', '.join(shares)}, in {speeds.draws} draws", is_rare=True),
+    ]
     if is_known:
-        changes = ", ".join(f"{change(x)} ({_CALIBRATIONS[name]})" for name, x in speeds.calibrations.items())
-        text = f"changes the speed by {changes}"
-        facts.append(Fact("calibration", text))
-    facts.append(Fact("noise", f"{', '.join(shares)}, in {speeds.draws} draws", is_rare=True))
-    if is_known and measured.order > 1:
-        facts.append(
-            Fact("last harmonic", f"changes the speed by {change(speeds.last_harmonic)}", is_rare=True)
-        )
+        size, unit = (0.01 * abs(speed), "%") if speed else (1.0, "mm/s")
+        changes = [
+            f"{shown(_MM * x / size, 2)} {unit} ({_CALIBRATIONS[name]})"
+            for name, x in speeds.calibrations.items()
+        ]
+        facts.append(Fact("calibration", f"changes the speed by {', '.join(changes)}"))
+        if measured.order > 1:
+            last = f"changes the speed by {shown(_MM * speeds.last_harmonic / size, 2)} {unit}"
+            facts.append(Fact("last harmonic", last, is_rare=True))
     return facts
 
 
@@ -220,14 +218,14 @@ def _trough_record(trough: TroughDrive) -> dict[str, Any]:
     content: dict[str, Any] = {}
     for name, estimate in trough.drive.quantities.items():
         fact = _estimated(name, estimate)
-        content[QUANTITIES[name].column] = {"measured": fact.value, "standard_error": _known(fact.error)}
+        content[QUANTITIES[name].column] = {"measured": fact.value, "standard_error": fact.error}
     motion = trough.drive.trough
-    content["phase_normal_to_along_deg"] = _known(math.degrees(motion.phase))
+    content["phase_normal_to_along_deg"] = math.degrees(motion.phase)
     for name, wave in (("along", motion.along), ("normal", motion.normal)):
         if wave is not None:
             content[name] = {
                 "column": wave.header,
-                "acceleration_m_s2": {"measured": abs(wave.value), "standard_error": _known(wave.error)},
+                "acceleration_m_s2": {"measured": abs(wave.value), "standard_error": wave.error},
                 "harmonics": wave.harmonics,
                 "rest": wave.rest,
             }
@@ -254,15 +252,15 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
         "hop_onset": hops if onset.amplitudes else None,
         "speed": speeds
         and {
-            "mean_velocity_mm_s": _known(_MM * speeds.speed.value),
-            "mean_velocity_error_mm_s": _known(_MM * speeds.speed.error),
+            "mean_velocity_mm_s": _MM * speeds.speed.value,
+            "mean_velocity_error_mm_s": _MM * speeds.speed.error,
             "regime": speeds.regime.label,
             "status": speeds.status.label,
             "draws": speeds.draws,
             "shares": {regime.label: share for regime, share in speeds.shares.items()},
             "share_without_speed": speeds.unknown,
-            "last_harmonic_mm_s": _known(_MM * speeds.last_harmonic),
-            "calibration_mm_s": {name: _known(_MM * x) for name, x in speeds.calibrations.items()},
+            "last_harmonic_mm_s": _MM * speeds.last_harmonic,
+            "calibration_mm_s": {name: _MM * x for name, x in speeds.calibrations.items()},
         },
     }
 
@@ -273,7 +271,7 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
 def _comparison_facts(comparison: Comparison, request: Request, *, is_measured: bool) -> list[Fact]:
     observation, alignment = comparison.observation, comparison.alignment
     given = [
-        f"{QUANTITIES[name].label} {shown(value, 6)} {QUANTITIES[name].unit}".rstrip()
+        f"{QUANTITIES[name].label} {number(value, QUANTITIES[name].unit)}"
         for name, value in request.told.items()
         if value != DEFAULTS.get(name) and not (is_measured and name in MEASURED)
     ]
@@ -328,11 +326,9 @@ def _comparison_record(comparison: Comparison, figures: list[list[Any]]) -> dict
     return {
         "absolute": comparison.recorded.absolute,
         "pattern": comparison.motion.pattern,
-        "trough_time_at_zero_s": _known(comparison.alignment.shift),
-        "trough_time_error_s": _known(comparison.alignment.error),
-        "figures": {
-            key: dict(zip(_FIGURES[1:-1], map(_known, cells), strict=True)) for key, *cells, _ in figures
-        },
+        "trough_time_at_zero_s": comparison.alignment.shift,
+        "trough_time_error_s": comparison.alignment.error,
+        "figures": {key: dict(zip(_FIGURES[1:-1], cells, strict=True)) for key, *cells, _ in figures},
     }
 
 
@@ -366,10 +362,10 @@ def _fit_table(fit: Fit, request: Request) -> Table:
         quantity, found = QUANTITIES[p.name], _parameter_record(p)
         # to two digits of half the narrowest interval
         halves = [0.5 * (high - low) for low, high in found["intervals"]]
-        least = max(min(halves, default=1.0), sys.float_info.epsilon * abs(found["high"] or 1.0))
+        least = max([min(halves, default=1.0), sys.float_info.epsilon * abs(p.high)])  # NaN without one
         digits = max(0, 1 - math.floor(math.log10(least)))
         pieces = [f"{low:.{digits}f} ... {high:.{digits}f}" for low, high in found["intervals"]]
-        estimate = "-" if found["estimate"] is None else f"{found['estimate']:.{digits}f}"
+        estimate = f"{found['estimate']:.{digits}f}" if p.identified else "-"
         interval = " or ".join(pieces) or "not identified"
         name = f"{quantity.letter} [{quantity.unit}]" if quantity.unit else quantity.letter
         rows.append([name, estimate, interval, shown(request.fixed[p.name], 6)])
@@ -380,8 +376,8 @@ def _fit_table(fit: Fit, request: Request) -> Table:
 def _parameter_record(p: Parameter) -> dict[str, Any]:
     quantity = QUANTITIES[p.name]
 
-    def outside(value: float) -> Any:
-        return _known(float(quantity.from_si(value)))
+    def outside(value: float) -> float:
+        return float(quantity.from_si(value))
 
     return {
         "unit": quantity.unit,
@@ -401,10 +397,6 @@ def _notes(m: Measurement, request: Request) -> list[str]:
     notes = list(m.fit.statements)
     if angle is not None and "drive_angle" not in known:
         notes.append(
-            f"the drive angle of {shown(angle, 6)} deg is taken as exact: no interval holds its error"
+            f"the drive angle of {number(angle, 'deg')} is taken as exact: no interval holds its error"
         )
     return notes
-
-
-def _known(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from vibro.errors import InputError, VibroError
 from vibro.records.alignment import Observation
 from vibro.records.comparison import Comparison, compare
 from vibro.records.fitting import Fit, check_names, fit
@@ -103,7 +104,12 @@ def measure(
         check_names(scene, names)
         frequency, clock = float(scene.frequency), trough.drive.clock if trough else None
         seen = Observation.of(record, frequency, mass=mass, reverse=reverse, clock=clock, absolute=absolute)
-        comparison = compare(scene, seen)
+        try:
+            comparison = compare(scene, seen)
+        except VibroError as exc:
+            if onset is None or isinstance(exc, InputError):
+                raise
+            raise InputError(str(exc), hint="without friction the trough alone is measured") from exc
         if names:
             found = fit(scene, seen, names, trough.drive.moved if trough else (), progress)
             fitted = compare(found.scene, seen)
