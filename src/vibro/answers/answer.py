@@ -20,7 +20,7 @@ Value: TypeAlias = "float | str | None"
 
 _DIGITS: Final = 4  # for people; JSON and CSV have all
 _WIDTH: Final = 80  # characters of a terminal
-_EXACT: Final = 1e-9  # of a value: nobody measures with less error
+_EXACT: Final = 1e-9, 1e-12  # of a value, and of its unit: nobody measures with less error
 
 
 class Fact(NamedTuple):
@@ -208,7 +208,7 @@ def shown(value: Value, digits: int = _DIGITS) -> str:
 
 def uncertain(value: float, error: float, digits: int = _DIGITS) -> str:
     """Write a value with its standard error, to two digits of that; one without, or exact, to some digits."""
-    if not _EXACT * abs(value) < error < math.inf:
+    if not max(_EXACT[0] * abs(value), _EXACT[1]) < error < math.inf:
         return shown(value, digits)
     decimals = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:z.{decimals}f} ± {error:.{decimals}f}"
