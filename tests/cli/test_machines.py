@@ -139,7 +139,7 @@ def test_maps_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str, tab
 def test_maps_of_every_kind_are_drawn(run: Run, tmp_path: Path, kind: str) -> None:
     result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, "-o", kind)
     assert result.exit_code == 0, result.stderr
-    assert {f"{kind}-regime.png", f"{kind}-speed.png"} <= {path.name for path in tmp_path.iterdir()}
+    assert {f"{kind}-speed.png"} <= {path.name for path in tmp_path.iterdir()}
 
 
 @each("table", ["csv", "xlsx", "parquet"])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.errors import InputError
+from vibro.errors import InputError, Problems
 from vibro.fillings import filling_of
 from vibro.inverse.guarantees import guarantee
 from vibro.limits import critical_loads
@@ -19,7 +19,7 @@ from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.scene import Scene
 from vibro.steady import solve
-from vibro.sweeps.machines import OF_SCENE, case_of, points_of
+from vibro.sweeps.machines import OF_SCENE, case_of, check_operating, operated, points_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -34,7 +34,6 @@ Row: TypeAlias = dict[str, Any]
 _MAINS: Final = 0.01  # [1] change of the mains' frequency whose effect is on every sheet
 _STEP: Final = 1e-3  # [1] relative change from which sensitivities are taken
 _FILLINGS: Final = 17  # computed over the band of the filling for the bounds of the amplitude
-_ROOM: Final = 0.98  # [1] of the largest setting at which masses do not strike, as a filling may push it
 _GIVEN: Final = 0.01  # [1] change of speed within which "the motion is given" counts as right
 # Fillings over the trough's mass among which that change is sought, 12 % apart.
 _LIGHT: Final = np.geomspace(1e-4, 1.0, 82)
@@ -130,7 +129,9 @@ def make_sheet(
     """
     cases = [{"setting": s, "filling": m} for s in request.settings for m in request.fillings]
     rows, points = _solved(request, cases, bends=True)
-    _refuse_strikes(request.machine, rows)
+    for row in rows:
+        if row["strikes"]:
+            _refuse_strikes(request, row)
     machine, frequency = _fitted(request), request.values["frequency"]
     last = {"setting": request.settings[-1]}
     ends = [("voltage", end) for end in request.bands.get("voltage", ())]
@@ -231,24 +232,14 @@ def _pairs(request: SheetRequest, changes: Sequence[Mapping[str, float]]) -> lis
     return _paired(request, _solved(request, cases)[0])
 
 
-def _refuse_strikes(given: GivenMachine, rows: Sequence[Row]) -> None:
-    """Refuse settings at which the masses strike each other: name the first."""
-    row = next((row for row in rows if row["strikes"]), None)
-    if row is None:
-        return
-    case = f"setting {row['setting_percent']:g} %, {_state(row['filling_kg'])}"
-    across, gap = row["relative_amplitude_mm"], LENGTH.from_si(given.machine.gap)
-    if math.isinf(across):
-        raise InputError(
-            f"{case}: the amplitude is infinite: the drive is at resonance, without damping",
-            hint="give a damping_ratio > 0",
-        )
-    raise InputError(
-        f"{case}: the masses strike: the relative amplitude would be {across:.4g} mm, and gap_mm allows"
-        f" {gap:.4g} mm",
-        hint=f"lower it, such as setting={_ROOM * row['setting_percent'] * gap / across:.3g}, or take springs"
-        " farther from resonance",
-    )
+def _refuse_strikes(request: SheetRequest, row: Row) -> None:
+    """Refuse a setting at which the masses strike each other."""
+    values = {**request.values, "setting": row["setting_percent"], "filling": row["filling_kg"]}
+    cell = {name: np.array([value]) for name, value in values.items()}
+    problems = Problems(f"setting {row['setting_percent']:g} %, {_state(row['filling_kg'])}: ")
+    with problems.taken():
+        check_operating(request.machine, {**cell, **operated(request.machine, cell)})
+    problems.settle()
 
 
 def _all_amplitudes(given: GivenMachine, case: Mapping[str, float]) -> list[float]:

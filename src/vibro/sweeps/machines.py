@@ -40,6 +40,7 @@ OF_SCENE: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",
     "restitution",
 )  # fmt: skip
+_ROOM: Final = 0.98  # [1] of the largest setting at which masses do not strike, as a filling may push it
 _UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that are not 0
 
 
@@ -136,19 +137,19 @@ def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
     """
     if not np.isnan(values["amplitude"]).any():
         return
-    found = values[OPERATING]
-    across, gap = (
-        f"{LENGTH.from_si(float(x)):.4g} mm" for x in (found["relative_amplitude"].item(), given.machine.gap)
-    )
-    if np.isinf(found["relative_amplitude"].item()):
+    across = float(LENGTH.from_si(values[OPERATING]["relative_amplitude"].item()))
+    gap = float(LENGTH.from_si(given.machine.gap))
+    if np.isinf(across):
         raise InputError(
             "the amplitude is infinite: the drive is at resonance, without damping",
             hint="give a damping_ratio > 0",
         )
-    if found["relative_amplitude"].item() > given.machine.gap:
+    if across > gap:
+        least = _ROOM * values["setting"].item() * gap / across
         raise InputError(
-            f"the masses strike: the relative amplitude would be {across}, and gap_mm allows {gap}",
-            hint="lower the setting, or run further from resonance",
+            f"the masses strike: the relative amplitude would be {across:.4g} mm, and gap_mm allows"
+            f" {gap:.4g} mm",
+            hint=f"lower it, such as setting={least:.3g}, or take springs farther from resonance",
         )
     raise InputError(
         "the machine has no operating point here: no amplitude with this filling was found",
