@@ -74,23 +74,16 @@ def test_mains_frequency_at_the_ends_of_a_percent(tmp_path: Path, ratio: float, 
 
 
 def test_the_load_proof_pack_and_its_price(tmp_path: Path) -> None:
-    record = sheet_of(tmp_path, feeder(0.9), filling=4.0).record
-    proof = record["packs"][-1]
+    sheet = sheet_of(tmp_path, feeder(0.9), filling=4.0)
+    record = sheet.record
+    fitted, proof = record["packs"]
+    assert fitted["empty"]["amplitude_mm"] == states(sheet)[0]["amplitude_mm"]
     assert proof["name"] == "load-proof"
     assert proof["force_ratio"] == pytest.approx(8.4, abs=0.05)
     assert proof["empty"]["amplitude_mm"] == pytest.approx(0.35, rel=1e-12)  # with that force
     assert proof["full"][SPEED] == pytest.approx(proof["empty"][SPEED], rel=2e-3)
     assert record["no_load_proof_pack"] is None
     assert "counter" in sheet_of(tmp_path, other("rod")).record["no_load_proof_pack"]
-
-
-def test_packs_keep_the_force(tmp_path: Path) -> None:
-    packs = '[[machine.pack]]\nname = "stiff"\nnatural_hz = 60\n'
-    stiff = sheet_of(tmp_path, feeder(1.05, packs)).record["packs"][1]
-    assert (stiff["name"], stiff["natural_hz"], stiff["force_ratio"]) == ("stiff", 60.0, 1.0)
-    machine = asked(tmp_path, feeder(1.05, packs)).machine.machine
-    expected = 1e3 * float(machine.with_natural_frequency(60.0).response(50.0).amplitude)
-    assert stiff["empty"]["amplitude_mm"] == pytest.approx(expected, rel=1e-12)
 
 
 def test_bounds_hold_every_body_within_the_bands(tmp_path: Path) -> None:

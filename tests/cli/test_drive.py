@@ -66,19 +66,12 @@ def test_json_has_every_number_of_the_sheet(run: Run, tmp_path: Path) -> None:
     assert full["amplitude_mm"] == pytest.approx(0.2518, abs=1e-4)
     assert empty["added_mass_share"] is None
     assert empty["mean_velocity_with_second_harmonic_mm_s"] is None
-    bent = full["mean_velocity_with_second_harmonic_mm_s"]
-    assert full["second_harmonic_percent"] > 0.1
-    assert 0.01 < abs(bent / full["mean_velocity_mm_s"] - 1.0) < 0.2
     assert told["resonant_filling_kg"] is None
     assert 0.02 < told["tolerated_filling_kg"] < 0.05
     assert [pack["name"] for pack in told["packs"]] == ["as fitted", "6 leaves", "load-proof"]
-    assert [(row["changed"], row["value"]) for row in told["changes"]] == [
-        ("voltage_percent", 90.0), ("voltage_percent", 110.0), ("frequency_hz", 49.5), ("frequency_hz", 50.5),
-    ]  # fmt: skip
     low, high = told["guaranteed"][-1]["speed_mm_s"]
     assert low <= full["mean_velocity_mm_s"] <= empty["mean_velocity_mm_s"] <= high
     assert told["guaranteed"][-1]["proof"] == ["sampled", "sampled"]
-    assert told["sensitivities"]["setting"]["empty"] is None
     assert told["machine"]["natural_hz"] == 50.0 / 1.05
 
 
