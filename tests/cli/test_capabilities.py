@@ -15,7 +15,7 @@ from helpers.made_records import EXAMPLES
 import vibro
 from vibro.explore.state import initial_state
 from vibro.inverse.certain import certain
-from vibro.records.fitting import FITTABLE
+from vibro.records.problem import FITTABLE
 from vibro.records.tolerances import TOL
 from vibro.sweeps.whole import request_of_call
 

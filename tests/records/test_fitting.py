@@ -25,10 +25,10 @@ from scipy.signal import lfilter
 import vibro
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation
-from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, fit
+from vibro.records.fitting import Fit, Parameter, _profile, fit
 from vibro.records.folding import Estimate, Floats
 from vibro.records.minimisation import Minimum
-from vibro.records.problem import Problem
+from vibro.records.problem import FITTABLE, Problem
 from vibro.records.reading import read_record
 from vibro.records.trough import trough_of
 

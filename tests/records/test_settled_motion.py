@@ -16,8 +16,8 @@ from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.comparison import compare
 from vibro.records.cycles import HOPS, scene_cycles
-from vibro.records.fitting import FITTABLE, fit
-from vibro.records.problem import Problem
+from vibro.records.fitting import fit
+from vibro.records.problem import FITTABLE, Problem
 from vibro.records.waveforms import motion_of
 
 GRAVITY, FREQUENCY, RATE = 9.81, 15.0, 600.0

@@ -19,8 +19,6 @@ from vibro.records.reading import Record
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
-__all__ = ["Alignment", "Observation", "align", "check_scene", "computed_signals", "misfits_at_shifts"]
-
 _RANGE: Final = f"[{1.0 / TOL.largest:g}, {TOL.largest:g}]"
 _TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
 

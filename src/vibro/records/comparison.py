@@ -20,8 +20,6 @@ from vibro.records.tolerances import TOL
 from vibro.results.history import Phase
 from vibro.scene import Scene
 
-__all__ = ["Comparison", "Row", "compare"]
-
 _WAYS: Final = {"F": 1, "B": -1}
 
 

@@ -22,8 +22,6 @@ from vibro.scene import Fields, Scene
 from vibro.slopes import slides_of
 from vibro.steady import solve
 
-__all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
-
 Labels = NDArray[np.object_]  # of str
 
 _REMEMBERED: Final = 256  # motions, of some kilobytes each: more than the points of a few steps

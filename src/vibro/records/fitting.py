@@ -30,8 +30,6 @@ from vibro.records.problem import FITTABLE, Moves, Problem, fittable, starts
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
-__all__ = ["FITTABLE", "Fit", "Parameter", "check_names", "fit"]
-
 Intervals = tuple[tuple[float, float], ...]
 Groups = list[tuple[str, ...]]
 _T = TypeVar("_T")

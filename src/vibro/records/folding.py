@@ -13,11 +13,6 @@ from scipy.linalg import solve_toeplitz
 from vibro.errors import InputError
 from vibro.records.tolerances import TOL
 
-__all__ = [
-    "Estimate", "Floats", "Folded", "detrended", "fold", "harmonics", "independent_samples",
-    "independent_share", "whitening_filter",
-]  # fmt: skip
-
 Floats = NDArray[np.float64]
 
 

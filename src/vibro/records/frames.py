@@ -14,8 +14,6 @@ from vibro.records.signals import DERIVATIVES, rounded
 from vibro.records.tolerances import TOL
 from vibro.results.history import Sample
 
-__all__ = ["of_another_frame"]
-
 
 @dataclass(frozen=True, eq=False)
 class _AtRest(SettledMotion):

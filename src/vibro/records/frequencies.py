@@ -15,8 +15,6 @@ from vibro.records.alignment import Observation
 from vibro.records.folding import Estimate, Floats, harmonics, independent_share
 from vibro.records.tolerances import TOL
 
-__all__ = ["Foreign", "Repetition", "foreign_frequency"]
-
 Places = NDArray[np.intp]
 
 # Of each signal the powers of 2 pi f that turn its spectrum into that of a velocity. There the fundamental

@@ -22,8 +22,6 @@ from vibro.records.signals import (
 )
 from vibro.records.tolerances import TOL
 
-__all__ = ["Column", "Columns", "Header", "Wanted", "columns_of"]
-
 # Words in a header that decide between columns whose units are of the same kind.
 _WORDS: Final = {
     role: re.compile(rf"(?:{words})(?:[\W_\d].*)?", re.IGNORECASE)

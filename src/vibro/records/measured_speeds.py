@@ -16,8 +16,6 @@ from vibro.records.waveforms import MeasuredMotion, Motions
 from vibro.scene import Scene
 from vibro.steady import solve
 
-__all__ = ["HopOnset", "Speeds", "change_by_harmonics", "hop_onset", "speeds_of"]
-
 
 class HopOnset(NamedTuple):
     """How far a measured motion is from lifting parts off the trough.

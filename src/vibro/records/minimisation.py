@@ -23,10 +23,6 @@ from vibro.records.folding import Floats
 from vibro.records.problem import Problem
 from vibro.records.tolerances import TOL
 
-__all__ = [
-    "Minimum", "best_of", "error_covariance", "jacobian_at", "minimise", "move_to_edge", "nearest_inside",
-]  # fmt: skip
-
 _DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(*TOL.distances)).ravel()
 
 

@@ -21,8 +21,6 @@ from vibro.records.folding import Floats, detrended, fold, independent_samples, 
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
-__all__ = ["FITTABLE", "Moves", "Problem", "Residuals", "fittable", "starts"]
-
 #: Fields of a scene that an error of a measured drive changes, one standard error to either side.
 Moves = tuple[Mapping[str, Any], Mapping[str, Any]]
 

@@ -20,8 +20,6 @@ from vibro.records.headers import Columns, Header, Wanted, columns_of
 from vibro.records.signals import DERIVATIVES, SIGNALS, TROUGH, Sensitivity
 from vibro.records.tolerances import TOL
 
-__all__ = ["Record", "read_record"]
-
 Flags = NDArray[np.bool_]
 
 # Possessive quantifiers: the time for a cell is proportional to its length.

@@ -11,11 +11,6 @@ from vibro.errors import InputError, cut, shown
 from vibro.quantities import LENGTH, SPEED
 from vibro.records.tolerances import TOL
 
-__all__ = [
-    "DERIVATIVES", "EXAMPLES", "KINDS", "SIGNALS", "SIGNAL_UNITS", "TROUGH", "Sensitivity", "Unit", "doubt",
-    "kinds_of", "read_sensitivities", "rounded", "signal_unit",
-]  # fmt: skip
-
 #: Kind of a unit, a key of ``SIGNAL_UNITS``, and its size in SI units.
 Unit = tuple[str, float]
 #: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.

@@ -6,8 +6,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-__all__ = ["TOL", "Tolerances"]
-
 
 class Tolerances(NamedTuple):
     """Limits, steps and thresholds; shares or factors if no unit is given."""

@@ -23,11 +23,6 @@ from vibro.records.reading import Record
 from vibro.records.signals import SIGNAL_UNITS, doubt
 from vibro.records.tolerances import TOL
 
-__all__ = [
-    "MeasuredDrive", "Trough", "Wave", "drive_frequency", "refuse_line_down", "spelled", "to_accelerations",
-    "trough_of", "trough_signals",
-]  # fmt: skip
-
 _ALONG, _NORMAL = "trough_along", "trough_normal"
 _TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
 _G: Final = SIGNAL_UNITS["acceleration"]["g"]

@@ -37,7 +37,6 @@ from vibro.records.trough import (
 if TYPE_CHECKING:
     from os import PathLike
 
-__all__ = ["HarmonicDrive", "MeasuredMotion", "Motions", "measured_motion", "motion_of"]
 
 Complexes = NDArray[np.complex128]
 
