@@ -21,10 +21,8 @@ from matplotlib.figure import Figure
 
 import vibro
 from vibro.motion.trace import trace
-from vibro.plots.bands import shade
-from vibro.plots.frame import set_heading
-from vibro.plots.history import history_figure
-from vibro.plots.phases import phase_bands
+from vibro.plots.frame import set_heading, shade
+from vibro.plots.history import history_figure, phase_bands
 from vibro.plots.style import INK, house_style, values_text
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ BLOCK: Final = re.compile(r"^\.\. code-block:: bash\n\n((?:    .*\n)+)", re.MULT
 ORDER: Final = (
     "regimes", "speed", "traverse_time", "impact", "flight", "irregular", "climbing", "frictions",
     "friction_band", "phase", "any_motion", "target_speed", "facets", "one_axis", "curves",
-    "history", "flights", "trough_path", "branch", "compare", "measured_drive", "response",
+    "history", "flights", "trough_path", "compare", "measured_drive", "response",
     "design_speed", "design_regimes", "design_band", "accuracy",
 )  # fmt: skip
 PICTURE: Final = re.compile(r"``(out/[\w-]+\.png)``")

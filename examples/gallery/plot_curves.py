@@ -9,7 +9,7 @@ faster. Dots on the curves have the colours of the regimes that begin there. The
 
 .. code-block:: bash
 
-    vibro map examples/full_feeder.toml -o out/full
+    vibro map examples/full_feeder.toml filling=0:4:501 -o out/full
 """
 
 import vibro

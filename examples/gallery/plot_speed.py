@@ -3,13 +3,13 @@ Mean conveying speed
 ====================
 
 How fast the same part goes, on a logarithmic scale. Labelled contours join settings of equal speed:
-follow one to trade amplitude for frequency. They stop where speed no longer rises with load, or motion
-is irregular; faint stripes mark irregular motion, whose speed is a mean over many flights. The triangle
-marks the fastest cell of the table. The command writes ``out/nut-speed.png``.
+follow one to trade amplitude for frequency. They stop where motion does not repeat with the drive; faint
+stripes mark irregular motion, whose speed is a mean over many flights. The triangle marks the fastest
+cell of the table. The command writes ``out/nut-speed.png``.
 
 .. code-block:: bash
 
-    vibro map examples/safety_nut.toml -o out/nut
+    vibro map examples/safety_nut.toml -A 0.1:3:301 -f 5:60:301 -o out/nut
 """
 
 import vibro

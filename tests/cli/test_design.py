@@ -29,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("unsaved")
 @pytest.fixture(autouse=True)
 def coarse() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.plots.settings._RESOLVED", 41)
+        patch.setattr("vibro.plots.design._RESOLVED", 41)
         patch.setattr("vibro.inverse.pictured._POINTS", {False: 41, True: 41})
         yield
 

@@ -14,11 +14,11 @@ from helpers.commands import rows_of
 from helpers.packed import state_of, table_of, unpacked
 
 import vibro
+from vibro.core.codes import PHASE_NAMES
 from vibro.explore import bands
 from vibro.explore.answers import Answers
 from vibro.explore.controls import CONTROLS, DRIVES, drives_of
 from vibro.explore.state import State, initial_state, read_state
-from vibro.plots.phases import PHASE_STYLES
 from vibro.quantities import MACHINE, QUANTITIES, SWEPT
 from vibro.sweeps.whole import request_of_call
 
@@ -147,7 +147,7 @@ def test_a_history_is_what_simulate_gives(answers: Answers) -> None:
     history = vibro.simulate(state.point.scene(), cycles=2)
     assert header["duration_ms"] == 1e3 * history.end
     assert [phase["kind"] for phase in header["phases"]] == [phase.kind for phase in history.phases]
-    assert header["phases"][0]["name"] == PHASE_STYLES[history.phases[0].kind].label
+    assert header["phases"][0]["name"] == PHASE_NAMES[history.phases[0].kind]
     assert [panel["name"] for panel in header["panels"]] == [
         "trough",
         "forces",

@@ -432,7 +432,7 @@ def test_a_machine_without_bands_or_filling_is_certain() -> None:
 
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.plots.settings._RESOLVED", 41)
+    monkeypatch.setattr("vibro.plots.design._RESOLVED", 41)
     monkeypatch.setattr("vibro.inverse.pictured._POINTS", {False: 41, True: 41})
 
 

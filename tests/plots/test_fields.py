@@ -28,7 +28,7 @@ def rough(*points: tuple[int, int]) -> NDArray[np.bool_]:
     periods = np.ones((SIZE, SIZE))
     for point in points:
         periods[point] = 2.0
-    return np.asarray(fields(mean_velocity=np.ones((SIZE, SIZE)), period_cycles=periods).smooth < 0.0)
+    return np.asarray(fields(mean_velocity=np.ones((SIZE, SIZE)), period_cycles=periods).regular < 0.0)
 
 
 def test_contours_keep_off_a_point_of_longer_period() -> None:

@@ -12,7 +12,7 @@ from helpers.drawn import OWN, curve, legend, maps_of, only_map, said, sweep
 from matplotlib.figure import Figure
 
 from vibro.plots import map_figures
-from vibro.plots.frame import _columns, make_logarithmic, renderer_of, set_heading
+from vibro.plots.frame import make_logarithmic, renderer_of, set_heading
 from vibro.plots.style import broken_lines, house_style, values_text
 from vibro.quantities import ELLIPTICAL, HARMONIC, QUANTITIES
 from vibro.results.sweep import SweepResult
@@ -20,10 +20,6 @@ from vibro.results.sweep import SweepResult
 
 def test_which_pictures_there_are(pictures: dict[str, Figure]) -> None:
     assert list(pictures) == ["regime", "speed", "traverse"]
-
-
-def test_no_traverse_picture_without_a_length(friction_pictures: dict[str, Figure]) -> None:
-    assert list(friction_pictures) == ["regime", "speed"]
 
 
 @pytest.mark.parametrize("name", ["regime", "speed", "traverse"])
@@ -101,14 +97,6 @@ def test_numbers_along_axes_are_full_and_apart(changes: dict[str, Any]) -> None:
     within = [tick for tick in ticks if ends[0] - 1e-12 <= tick <= ends[1] + 1e-12]
     assert len(set(within)) >= 2
     assert all("e" not in label.get_text() for label in bottom.get_xticklabels())
-
-
-def test_a_legend_takes_the_fewest_rows_that_its_width_allows() -> None:
-    short, long = ["a line"] * 6, "means of motion without a short period, at least in part"
-    assert _columns(short, 7.4) == 6
-    assert _columns(short, 3.6) == 3
-    assert _columns([long, *short[:5]], 7.4) == 3
-    assert _columns([long] * 3, 7.4) == 1
 
 
 def test_the_operating_point_is_marked(pictures: dict[str, Figure]) -> None:

@@ -16,8 +16,7 @@ import vibro
 from vibro.errors import InputError
 from vibro.motion.trace import trace
 from vibro.plots.comparison import comparison_figure
-from vibro.plots.history import PANELS, choose_panels, history_figure
-from vibro.plots.phases import PHASE_STYLES
+from vibro.plots.history import PANELS, PHASE_COLOURS, choose_panels, history_figure
 from vibro.records.comparison import compare
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def shades(axes: Axes, kind: str) -> list[tuple[float, float]]:
     found = []
     for patch in axes.patches:
         if not isinstance(patch, Rectangle | Polygon) or to_rgb(patch.get_facecolor()) != to_rgb(
-            PHASE_STYLES[kind].colour
+            PHASE_COLOURS[kind]
         ):
             continue
         x = np.asarray(patch.get_path().transformed(patch.get_patch_transform()).vertices)[:, 0]

@@ -125,17 +125,6 @@ def test_contours_lie_between_the_least_and_the_largest_number() -> None:
     assert log_levels(1.5, 6e5).tolist() == [10, 100, 1000, 10000, 100000]
 
 
-@pytest.mark.parametrize("name", ["speed", "traverse"])
-def test_specks_of_contours_are_left_out(pictures: dict[str, Figure], name: str) -> None:
-    axes = only_map(pictures[name])
-    for line in axes.lines:
-        if (line.get_gid() or "").startswith("contour"):
-            points = axes.transAxes.inverted().transform(axes.transData.transform(line.get_xydata()))
-            gaps = np.flatnonzero(np.isnan(points[:, 0]))
-            for piece in np.split(points, gaps)[:-1]:
-                assert np.hypot(*np.ptp(piece[~np.isnan(piece[:, 0])], axis=0)) >= 0.04
-
-
 def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
     axes = only_map(pictures["speed"])
     levels = [name.split()[1] for name in contours(axes)]
@@ -207,24 +196,6 @@ def test_where_bodies_move_backwards_is_hatched_up_to_the_line_of_zero_speed(
     )
     sure = np.abs(speed) > 0.01 * np.nanmax(np.abs(speed))
     np.testing.assert_array_equal(hatched.reshape(speed.shape)[sure], (speed < 0.0)[sure])
-
-
-def test_nothing_is_said_of_reversal_where_there_is_none(pictures: dict[str, Figure]) -> None:
-    for name in ("regime", "speed"):
-        axes = only_map(pictures[name])
-        assert [line for line in axes.lines if line.get_gid() == "zero speed"] == []
-        assert [p for p in axes.patches if p.get_gid() == BACKWARDS_LABEL] == []
-
-
-def test_contours_end_before_the_crest_over_the_load(pictures: dict[str, Figure], nut: SweepResult) -> None:
-    """Beyond it they would turn around: each is passed once on the way up, at any frequency."""
-    axes = only_map(pictures["speed"])
-    for name in contours(axes):
-        frequency, amplitude = curve(axes, name).T
-        assert nut.limits is not None
-        hops = amplitude > 1.01e3 * nut.limits.hop.item() * GRAVITY / (2 * math.pi * frequency) ** 2
-        steps = np.diff(np.log(amplitude)) / np.diff(np.log(frequency))
-        assert np.all(steps[hops[1:] & hops[:-1]] < -0.5), name
 
 
 def test_negative_contours_have_a_minus() -> None:

@@ -10,22 +10,17 @@ import numpy as np
 import pytest
 from helpers.drawn import (
     GRAVITY,
-    corners,
     curve,
     drawn_regime,
     legend,
     lightness,
     only_map,
-    patch,
-    said,
     scene_of,
     sweep,
     words,
 )
-from matplotlib.colors import to_rgb
-from matplotlib.path import Path as Outline
 
-from vibro import Regime, Scene, Status, critical_loads, solve
+from vibro import Scene, Status, critical_loads, solve
 from vibro.core.codes import is_answered
 from vibro.plots import map_figures
 from vibro.plots.style import CURVES, REGIME_COLOURS
@@ -43,34 +38,6 @@ def test_colours_are_apart_in_grey() -> None:
     assert all(colour.startswith("#") and len(colour) == 7 for colour in REGIME_COLOURS.values())
     shades = sorted(lightness(colour) for colour in REGIME_COLOURS.values())
     assert min(high - low for low, high in itertools.pairwise(shades)) > 15
-
-
-def test_every_region_has_its_regimes_colour(pictures: dict[str, Figure]) -> None:
-    axes = only_map(pictures["regime"])
-    assert to_rgb(axes.get_facecolor()) == to_rgb(REGIME_COLOURS[Regime.NO_SLIP])
-    for regime in (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING):
-        found = patch(axes, regime.label)
-        assert found is not None
-        assert to_rgb(found.get_facecolor()) == to_rgb(REGIME_COLOURS[regime])
-
-
-def test_all_regimes_and_curves_are_named(pictures: dict[str, Figure]) -> None:
-    names = {regime.label for regime in REGIME_COLOURS} | {style.label for style in CURVES.values()}
-    assert names <= said(pictures["regime"])
-    assert {style.label for style in CURVES.values()} <= said(pictures["speed"])
-
-
-@pytest.mark.parametrize("name", ["regime", "speed", "traverse"])
-def test_words_lie_inside_and_apart(pictures: dict[str, Figure], name: str) -> None:
-    axes = only_map(pictures[name])
-    outlines = {text.get_text(): corners(text) for text in axes.texts}
-    assert len(outlines) >= 5
-    box = axes.get_window_extent()
-    for text, outline in outlines.items():
-        assert (outline >= [box.x0, box.y0]).all(), text
-        assert (outline <= [box.x1, box.y1]).all(), text
-    for (one, first), (other, second) in itertools.combinations(outlines.items(), 2):
-        assert not Outline(first).intersects_path(Outline(second), filled=True), (one, other)
 
 
 def test_critical_curves_are_exact(pictures: dict[str, Figure], nut: SweepResult) -> None:

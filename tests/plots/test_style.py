@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import subprocess
 import sys
@@ -13,13 +12,12 @@ from helpers.drawn import OWN, lightness, sweep
 
 from vibro import Regime
 from vibro.plots import map_figures, save
-from vibro.plots.phases import PHASE_STYLES
-from vibro.plots.style import REGIME_COLOURS, house_style, ink_on
+from vibro.plots.history import PHASE_COLOURS
+from vibro.plots.style import REGIME_COLOURS, ink_on
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    import pytest
 
 # As a user may have them, in a matplotlibrc or a style sheet.
 CONFIGURED: Final[Any] = {
@@ -51,14 +49,6 @@ CONFIGURED: Final[Any] = {
     "xtick.top": True,
     "xtick.major.size": 20.0,
 }
-# Prints what matplotlib is left with, after a name was prepared for a picture.
-DRAWS: Final = """
-import os, vibro.plots.style as style
-with style.house_style():
-    print(ascii(style.figure_text("振", 9.0, 99.0)))
-import matplotlib
-print(os.environ["MPLBACKEND"], matplotlib.rcParams["axes.grid"])
-"""
 
 
 def test_regimes_and_phases_have_colours_of_their_own_with_legible_words() -> None:
@@ -66,9 +56,7 @@ def test_regimes_and_phases_have_colours_of_their_own_with_legible_words() -> No
     for colour in REGIME_COLOURS.values():
         assert abs(lightness(colour) - lightness(ink_on(colour))) > 40.0
     phases = {"F": Regime.FORWARD_SLIP, "B": Regime.BACK_SLIP, "H": Regime.HOPPING, "_": Regime.NO_SLIP}
-    assert {k: style.colour for k, style in PHASE_STYLES.items()} == {
-        k: REGIME_COLOURS[regime] for k, regime in phases.items()
-    }
+    assert {k: REGIME_COLOURS[regime] for k, regime in phases.items()} == PHASE_COLOURS
 
 
 def test_settings_for_other_pictures_change_nothing(tmp_path: Path) -> None:
@@ -104,15 +92,6 @@ def run(code: str, folder: Path, **environment: str) -> subprocess.CompletedProc
     )
 
 
-def test_neither_an_unknown_backend_nor_a_bad_configuration_matters(tmp_path: Path) -> None:
-    (tmp_path / "matplotlibrc").write_text(
-        "no_such_key: 1\nbackend: none\naxes.grid: True\n: x\n", encoding="utf-8"
-    )
-    done = run(DRAWS, tmp_path, MPLBACKEND="bogus", MPLCONFIGDIR=str(tmp_path / "matplotlibrc" / "folder"))
-    assert done.stderr == ""
-    assert done.stdout.splitlines() == [r"'\u25a1'", "bogus True"]
-
-
 def test_no_window_is_asked_for_and_other_pictures_have_their_backend(tmp_path: Path) -> None:
     code = (
         "import sys, numpy as np\n"
@@ -130,19 +109,3 @@ def test_no_window_is_asked_for_and_other_pictures_have_their_backend(tmp_path: 
     done = run(code, tmp_path, MPLBACKEND="svg")
     assert done.stderr == ""
     assert done.stdout.splitlines() == ["[]", "False svg"]
-
-
-def test_a_configuration_that_stops_matplotlib_is_named(tmp_path: Path) -> None:
-    (tmp_path / "matplotlibrc").write_bytes(b"\xff\xfea\x00")
-    done = run(DRAWS, tmp_path)
-    assert "vibro.errors.FileError: matplotlib cannot read its configuration" in done.stderr
-    assert "hint: remove the matplotlibrc from the current folder" in done.stderr
-
-
-def test_the_logger_is_left_as_it_was(caplog: pytest.LogCaptureFixture) -> None:
-    logger = logging.getLogger("matplotlib")
-    with caplog.at_level(logging.INFO, "matplotlib"):
-        with house_style():
-            logging.getLogger("matplotlib.font_manager").warning("not for users of vibro")
-        assert logger.level == logging.INFO
-    assert not caplog.records

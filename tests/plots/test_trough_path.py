@@ -14,8 +14,7 @@ from matplotlib.text import Annotation
 
 import vibro
 from vibro.motion.trace import motion_table, trace
-from vibro.plots.history import choose_panels, history_figure
-from vibro.plots.phases import PHASE_STYLES
+from vibro.plots.history import PHASE_COLOURS, choose_panels, history_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -100,7 +99,7 @@ def test_phases_and_events_lie_where_the_trough_is_then(normal: float, degrees: 
         bands = [
             np.asarray(line.get_xydata())
             for line in axes.lines
-            if to_rgb(line.get_color()) == to_rgb(PHASE_STYLES[phase.kind].colour) and line.get_alpha()
+            if to_rgb(line.get_color()) == to_rgb(PHASE_COLOURS[phase.kind]) and line.get_alpha()
         ]
         assert min(np.linalg.norm(band - point, axis=1).min() for band in bands) < 0.05
 

@@ -105,7 +105,6 @@ def map_command(
 
         return map_stored(context, options, x, y, at or [], show or [], speed)
     from vibro.cli.request import question, request_of
-    from vibro.plots.view import check_drawable
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.sweeps.request import RANGES
 
@@ -137,7 +136,6 @@ def map_command(
         outputs=outputs, console=console,
     )  # fmt: skip
     if sweep.draws:
-        check_drawable(view)
         tell_choices(view, grid.told_axes, held, console)
     return sweep.into_folder(options, made_by) if outputs.folder else sweep.into_files(options)
 

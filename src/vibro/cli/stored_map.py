@@ -63,7 +63,6 @@ def map_stored(
     from vibro.cli.sweeps import Pictures, drawn, tell_peaks
     from vibro.cli.target_speed import target_in_pictures
     from vibro.plots import map_figures
-    from vibro.plots.view import check_drawable
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.tables.plan import MANIFEST
     from vibro.tables.record import json_text, sweep_record
@@ -91,7 +90,6 @@ def map_stored(
     names = names_of(view, grid, shown)
     if not names:
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
-    check_drawable(view)
     tell_choices(view, grid.told_axes, held, console)
     name, said = folder.resolve().stem, ""
     if "-" in (options.output or []):

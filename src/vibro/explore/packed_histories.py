@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.core.codes import PHASE_NAMES
 from vibro.explore.packing import pack
 from vibro.explore.words import even_ticks
 from vibro.motion.histories import simulate
 from vibro.motion.trace import trace
-from vibro.plots.history import PANELS, choose_panels, most_force, panels_of, values_of
-from vibro.plots.phases import PHASE_STYLES
+from vibro.plots.history import PANELS, PHASE_COLOURS, choose_panels, most_force, panels_of, values_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -89,8 +89,8 @@ def packed_history(state: State) -> bytes:
         "phases": [
             {
                 "kind": phase.kind,
-                "name": PHASE_STYLES[phase.kind].label,
-                "colour": PHASE_STYLES[phase.kind].colour,
+                "name": PHASE_NAMES[phase.kind],
+                "colour": PHASE_COLOURS[phase.kind],
                 "start": phase.start / history.end,
                 "end": phase.end / history.end,
             }

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.bands import shade
-from vibro.plots.frame import set_heading, settle
-from vibro.plots.phases import phase_bands
+from vibro.plots.frame import set_heading, settle, shade
+from vibro.plots.history import phase_bands
 from vibro.plots.style import INK, SECOND, house_style, values_text
 
 if TYPE_CHECKING:
@@ -22,21 +21,13 @@ if TYPE_CHECKING:
     from vibro.records.comparison import Comparison
 
     Floats = NDArray[np.float64]
+    Look = Mapping[str, Any]
 
-_MEASURED: Final[Mapping[str, Any]] = {
-    "label": "measured",
-    "color": "#004488",
-    "marker": ".",
-    "linestyle": "none",
-    "alpha": 0.75,
-}
-_COMPUTED: Final[Mapping[str, Any]] = {"label": "computed", "color": "#BB5566", "linewidth": 1.6}
-_FITTED: Final[Mapping[str, Any]] = {
-    "label": "computed, fitted",
-    "color": INK,
-    "linewidth": 1.2,
-    "linestyle": SECOND,
-}
+_MEASURED: Final[Look] = {
+    "label": "measured", "color": "#004488", "marker": ".", "linestyle": "none", "alpha": 0.75,
+}  # fmt: skip
+_COMPUTED: Final[Look] = {"label": "computed", "color": "#BB5566", "linewidth": 1.6}
+_FITTED: Final[Look] = {"label": "computed, fitted", "color": INK, "linewidth": 1.2, "linestyle": SECOND}
 _POINTS: Final = 1001  # of a computed curve, in each cycle
 # A record's displacement has no known zero. Over this first part of the cycle its mean is made the model's.
 _EARLY: Final = 0.08
@@ -72,25 +63,21 @@ def comparison_figure(
     Figure
         One row for each signal: the first cycles over time, and all cycles on top of each other.
     """
-    names = list(comparison.observation.signals)
     models = [(comparison, _COMPUTED)] + ([(fitted, _FITTED)] if fitted else [])
     if fitted and fitted.recorded.absolute:
         # The trough's motion was subtracted at each scene's place in the cycle: that of the fit is better.
         comparison = fitted
+    signals = comparison.observation.signals
     with house_style():
         from vibro.plots.picture import Picture
 
-        figure = Picture(figsize=(10.0, 1.4 + _ROW * len(names)))
-        grid = figure.subplots(len(names), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
-        for row, name in zip(grid, names, strict=True):
+        figure = Picture(figsize=(10.0, 1.4 + _ROW * len(signals)))
+        grid = figure.subplots(len(signals), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
+        for (over_time, on_one), name in zip(grid, signals, strict=True):
             label, unit, size = _SIGNALS[name]
-            row[0].set_ylabel(f"{label}\n[{unit}]")
-            _over_time(row[0], comparison, name, size)
-            _on_one_cycle(row[1], comparison, name, size)
-            for model, style in models:
-                _draw_model(row, comparison, model, name, size, style)
-            for axes in row:
-                _draw_zero(axes)
+            over_time.set_ylabel(f"{label}\n[{unit}]")
+            _draw_over_time(over_time, comparison, models, name, size)
+            _draw_on_one_cycle(on_one, comparison, models, name, size)
         grid[0][0].set_title(f"first {_SHOWN} cycles of the record")
         grid[0][1].set_title("all cycles on one")
         grid[-1][0].set_xlabel("time of the record [ms]")
@@ -102,72 +89,62 @@ def comparison_figure(
         return figure
 
 
-def _over_time(axes: Axes, comparison: Comparison, name: str, size: float) -> None:
+def _draw_over_time(
+    axes: Axes, comparison: Comparison, models: list[tuple[Comparison, Look]], name: str, size: float
+) -> None:
     """Draw the first cycles of the record, and shade the computed slides."""
-    time = comparison.observation.time
-    period = comparison.motion.period
-    end = float(time[0]) + _SHOWN * period
-    shown = time <= end
-    axes.plot(1e3 * time[shown], comparison.observation.signals[name][shown] / size, **_MEASURED)
-    shift = float(comparison.trough_time[0] - time[0])
-    first = math.floor(float(comparison.trough_time[0]) / period)
-    _shade(axes, comparison, range(first - 1, first + _SHOWN + 2), shift)
-    axes.set_xlim(1e3 * float(time[0]), 1e3 * end)
+    time, values = comparison.observation.time, comparison.observation.signals[name]
+    start, period = float(time[0]), comparison.motion.period
+    shown = time <= start + _SHOWN * period
+    axes.plot(1e3 * time[shown], values[shown] / size, **_MEASURED)
+    whole = start + period * np.linspace(0.0, _SHOWN, _SHOWN * _POINTS)
+    for model, look in models:
+        computed = _at(model, name, whole + float(model.trough_time[0]) - start)
+        if name == "displacement":
+            computed = computed - computed[0] + values[0]
+        axes.plot(1e3 * whole, computed / size, **look)
+    first = float(comparison.trough_time[0])
+    turn = math.floor(first / period)
+    _finish(axes, comparison, range(turn - 1, turn + _SHOWN + 2), start - first, (start, whole[-1]))
 
 
-def _on_one_cycle(axes: Axes, comparison: Comparison, name: str, size: float) -> None:
+def _draw_on_one_cycle(
+    axes: Axes, comparison: Comparison, models: list[tuple[Comparison, Look]], name: str, size: float
+) -> None:
     """Draw every sample at its time within its cycle; displacements start from 0 in each."""
-    period = comparison.motion.period
+    period, values = comparison.motion.period, comparison.observation.signals[name]
     turns = np.floor(comparison.trough_time / period)
     time = comparison.trough_time - turns * period
-    values = comparison.observation.signals[name]
     if name == "displacement":
         advance = next(row.measured.value for row in comparison.rows if row.key == "stroke_advance")
         values = values - turns * advance
         early = time < _EARLY * period
         values = values - float((values[early] - _at(comparison, name, time[early])).mean())
     axes.plot(1e3 * time, values / size, markersize=3, **_MEASURED)
-    _shade(axes, comparison, range(-1, 2), 0.0)
-    axes.set_xlim(0.0, 1e3 * period)
-
-
-def _draw_model(
-    row: NDArray[Any], comparison: Comparison, model: Comparison, name: str, size: float, style: Any
-) -> None:
-    """Draw a computed signal in both panels, shifted from the clock of the model to that of the record."""
-    observation, period = comparison.observation, comparison.motion.period
-    start = float(observation.time[0])
-    shift = float(model.trough_time[0]) - start
-    time = start + period * np.linspace(0.0, _SHOWN, _SHOWN * _POINTS)
-    values = _at(model, name, time + shift)
-    if name == "displacement":
-        values = values - values[0] + observation.signals[name][0]
-    row[0].plot(1e3 * time, values / size, **style)
-    cycle = np.linspace(0.0, period, _POINTS)
-    values = _at(model, name, cycle + float(model.trough_time[0] - comparison.trough_time[0]))
-    if name == "displacement":
-        values = values - values[0]
-    row[1].plot(1e3 * cycle, values / size, **style)
-
-
-def _draw_zero(axes: Axes) -> None:
-    """Draw a line at zero where the curves reach it: of a record far from zero it would squeeze them."""
-    low, high = axes.get_ylim()
-    if low < 0.0 < high:
-        axes.axhline(0.0, color=INK, linewidth=0.5)
-        axes.set_ylim(low, high)
+    whole = np.linspace(0.0, period, _POINTS)
+    for model, look in models:
+        computed = _at(model, name, whole + float(model.trough_time[0] - comparison.trough_time[0]))
+        if name == "displacement":
+            computed = computed - computed[0]
+        axes.plot(1e3 * whole, computed / size, **look)
+    _finish(axes, comparison, range(-1, 2), 0.0, (0.0, period))
 
 
 def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
     """Take a signal at any time from its curve over one cycle."""
-    period = model.motion.period
-    turns = np.floor(trough_time / period)
-    values = np.interp(trough_time - turns * period, model.curve_time, model.curves[name])
+    turns = np.floor(trough_time / model.motion.period)
+    values = np.interp(trough_time - turns * model.motion.period, model.curve_time, model.curves[name])
     return values + turns * model.motion.advance if name == "displacement" else values
 
 
-def _shade(axes: Axes, comparison: Comparison, turns: range, shift: float) -> None:
+def _finish(
+    axes: Axes, comparison: Comparison, turns: range, later: float, ends: tuple[float, float]
+) -> None:
+    """Shade the computed slides of some turns, so much later; draw zero where curves reach it."""
+    slides = [phase for phase in comparison.motion.phases if phase.kind != "_"]
     for turn in turns:
-        later = turn * comparison.motion.period - shift
-        slides = [phase for phase in comparison.motion.phases if phase.kind != "_"]
-        shade(axes, phase_bands(slides, later=later), named=True)
+        shade(axes, phase_bands(slides, later=turn * comparison.motion.period + later), named=True)
+    low, high = axes.get_ylim()
+    if low < 0.0 < high:  # a record far from zero would be squeezed by it
+        axes.axhline(0.0, color=INK, linewidth=0.5)
+    axes.set(xlim=(1e3 * ends[0], 1e3 * ends[1]), ylim=(low, high))

@@ -8,40 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.bands import Band, settle_bands, shade
+from vibro.plots import frame, style
 from vibro.plots.fields import BEGINS_AT, hiding_fields, zero_points
-from vibro.plots.frame import (
-    facets,
-    head_sweep,
-    make_logarithmic,
-    mark_point,
-    place_on,
-    scale_axis,
-    settle,
-    stack,
-)
-from vibro.plots.labels import outline
-from vibro.plots.peaks import draw_peaks
-from vibro.plots.style import (
-    AVERAGED_LABEL,
-    BACKWARDS_HATCH,
-    BACKWARDS_LABEL,
-    COEXISTS_HATCH,
-    COEXISTS_LABEL,
-    CURVES,
-    ERROR_LABEL,
-    IN_TURN,
-    INK,
-    NO_ANSWER_FACE,
-    NO_ANSWER_HATCH,
-    NO_ANSWER_INK,
-    REGIME_COLOURS,
-    WANTED,
-    axis_label,
-    number_text,
-    value_text,
-    values_text,
-)
 from vibro.plots.subjects import SUBJECTS, heading_of
 from vibro.plots.view import is_discrete
 
@@ -107,14 +75,14 @@ def curve_figure(
     subject, panels = SUBJECTS[picture], [fields[0].panel for fields in groups]
     bands = [] if view.curves or is_discrete(view.x) else bands_of(groups[0][0])
     if bands:
-        figure, (strip, *axes) = stack(_SIZE, (0.1, 1.0))
-        scale_axis(strip.xaxis, view.x)
-        axes[0].set(xlabel=axis_label(view.x), ylabel=subject.label)
-        shade(axes[0], bands)
+        figure, (strip, *axes) = frame.stack(_SIZE, (0.1, 1.0))
+        frame.scale_axis(strip.xaxis, view.x)
+        axes[0].set(xlabel=style.axis_label(view.x), ylabel=subject.label)
+        frame.shade(axes[0], bands)
         _critical_lines(axes[0], groups[0][0])
     else:
-        figure, axes = facets(panels, subject.label)
-    head_sweep(figure, heading_of(picture, result.length), result, [f.panel for g in groups for f in g])
+        figure, axes = frame.facets(panels, subject.label)
+    frame.head_sweep(figure, heading_of(picture, result.length), result, [f.panel for g in groups for f in g])
     looks = _looks(view)
     for a, fields in zip(axes, groups, strict=True):
         shown = []
@@ -123,9 +91,9 @@ def curve_figure(
             values = np.where(values > 0.0, values, np.nan) if picture == "traverse" else values
             values = subject.told(values, result.length)
             _draw_numbers(a, f, values, look, uncertain=subject.result == "mean_velocity")
-            point = place_on(f.panel, result.operating_point)
+            point = frame.place_on(f.panel, result.operating_point)
             point[:, 1] = np.interp(point[:, 0], f.x, values)
-            mark_point(a, point)
+            frame.mark_point(a, point)
             shown.append(values)
         for f, look, values in zip(fields, looks, shown, strict=True):
             if not bands:
@@ -134,11 +102,11 @@ def curve_figure(
         _finish_scale(a, picture, np.concatenate(shown), target_speed)
     if picture == "speed":
         drawn = [(a, f.panel) for a, fields in zip(axes, groups, strict=True) for f in fields]
-        draw_peaks(result, [a for a, _ in drawn], [panel for _, panel in drawn])
+        frame.draw_peaks(result, [a for a, _ in drawn], [panel for _, panel in drawn])
     if bands:
-        settle_bands(figure, strip, bands)
+        frame.settle_bands(figure, strip, bands)
     else:
-        settle(figure)
+        frame.settle(figure)
     return figure
 
 
@@ -151,46 +119,42 @@ def _looks(view: View) -> list[dict[str, Any]]:
     if view.curves is None:
         marked = points or len(view.x) <= _MARKED  # a single value in its regime makes no line
         mark = {"marker": "o", "markersize": 4.0} if marked else {}
-        return [{"color": INK, "linewidth": 1.8, **mark, **(_POINT if points else {})}]
+        return [{"color": style.INK, "linewidth": 1.8, **mark, **(_POINT if points else {})}]
     name, values = view.curves.name, view.curves.values.tolist()
     colours = [to_hex(c) for c in colormaps[_COLOURS](np.linspace(0.0, _LIGHTEST, len(values)))]
     looks = []
-    for value, colour, dashes, marker in zip(values, colours, cycle(IN_TURN), cycle(_MARKERS), strict=False):
+    for value, colour, dashes, marker in zip(
+        values, colours, cycle(style.IN_TURN), cycle(_MARKERS), strict=False
+    ):
         look: Look = {**_POINT, "marker": marker} if points else {"linestyle": dashes, "linewidth": 1.8}
-        looks.append({**look, "color": colour, "label": values_text({name: value}, all_of_them=True)})
+        looks.append({**look, "color": colour, "label": style.values_text({name: value}, all_of_them=True)})
     return looks
 
 
-def bands_of(fields: Fields) -> list[Band]:
+def bands_of(fields: Fields) -> list[frame.Band]:
     """Cut a range at each change of regime or status."""
-    unanswered = {s: fields.unanswered(s) for s in NO_ANSWER_HATCH if s in fields.statuses}
+    unanswered = {s: fields.unanswered(s) for s in style.NO_ANSWER_HATCH if s in fields.statuses}
     cuts = [x for _, x in _begins(fields, BEGINS_AT.values())]
-    over = (*unanswered.values(), fields.coexists, fields.backwards)
-    cuts += [x for field in over for x in zero_points(fields, field)]
+    others = (*unanswered.values(), fields.coexists, fields.backwards)
+    cuts += [x for field in others for x in zero_points(fields, field)]
     found = []
     for low, high in pairwise(np.unique([*fields.x[[0, -1]], *cuts]).tolist()):
         middle = 0.5 * (low + high)
-        nearest = int(np.argmin(np.abs(fields.x - middle)))
-        status = next((s for s, field in unanswered.items() if field[0, nearest] > 0.0), None)
-        regime = _regime_at(fields, middle)
-        name, style = regime.label, {"facecolor": REGIME_COLOURS[regime]}
-        hatches: dict[str, Look] = {}
-        if status is not None:
-            told = status.label.replace("-", " ")
-            hatch = {"edgecolor": NO_ANSWER_INK, "hatch": NO_ANSWER_HATCH[status]}
-            if status is Status.FLIGHT_NOT_MODELLED:
-                hatches[told] = {"facecolor": "none", **hatch}
-            else:
-                name, style = told, {"facecolor": NO_ANSWER_FACE, **hatch}
-        if fields.coexists[0, nearest] > 0.0:
-            hatches[COEXISTS_LABEL] = {
-                "facecolor": "none",
-                "edgecolor": NO_ANSWER_INK,
-                "hatch": COEXISTS_HATCH,
-            }
-        if fields.backwards[0, nearest] > 0.0 and "hatch" not in style:
-            hatches[BACKWARDS_LABEL] = {"facecolor": "none", "edgecolor": INK, "hatch": BACKWARDS_HATCH}
-        found.append(Band(low, high, name, style, hatches))
+        status = next((s for s, field in unanswered.items() if fields.along(field, middle) > 0.0), None)
+        begun = [r for r, c in BEGINS_AT.items() if fields.along(fields.log_ratio[c], middle) > 0.0]
+        regime = begun[-1] if begun else Regime.NO_SLIP
+        name, face = regime.label, {"facecolor": style.REGIME_COLOURS[regime]}
+        marks = {style.COEXISTS_LABEL: fields.coexists, style.BACKWARDS_LABEL: fields.backwards}
+        over = {
+            label: style.OVER[label] for label, field in marks.items() if fields.along(field, middle) > 0.0
+        }
+        if status is Status.FLIGHT_NOT_MODELLED:  # but the regime is known
+            label, look = style.no_answer(status)
+            over[label] = {**look, "facecolor": "none"}
+        elif status is not None:
+            name, face = style.no_answer(status)
+            over.pop(style.BACKWARDS_LABEL, None)
+        found.append(frame.Band(low, high, name, face, over))
     return found
 
 
@@ -203,22 +167,11 @@ def _begins(fields: Fields, curves: Iterable[str]) -> list[tuple[str, float]]:
     ]
 
 
-def _regime_at(fields: Fields, x: float) -> Regime:
-    """Return the regime at a place that may be between points, in a stretch that no point lies in."""
-    regime = Regime.NO_SLIP
-    for later, curve in BEGINS_AT.items():
-        ratio = fields.log_ratio[curve]
-        passed = int(np.searchsorted(zero_points(fields, ratio), x))
-        if (ratio[0, 0] > 0.0) != bool(passed % 2):
-            regime = later
-    return regime
-
-
 def _critical_lines(axes: Axes, fields: Fields) -> None:
-    for name, x in _begins(fields, CURVES):
-        style = CURVES[name]
-        look = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
-        label = f"{style.label}: {value_text(fields.panel.x.name, x)}"
+    for name, x in _begins(fields, style.CURVES):
+        curve = style.CURVES[name]
+        look = {"color": style.INK, "linestyle": curve.dashes, "linewidth": curve.width}
+        label = f"{curve.label}: {style.value_text(fields.panel.x.name, x)}"
         axes.axvline(x, zorder=2, gid=name, label=label, **look)
 
 
@@ -229,14 +182,14 @@ def _mark_regimes(axes: Axes, fields: Fields, values: Floats, look: Look) -> Non
         for code in np.unique(fields.panel.cycle["regime"][0][np.isfinite(values)]):
             regime = Regime(code)
             here = fields.panel.cycle["regime"][0] == code
-            style = {**look, **edge, "markerfacecolor": REGIME_COLOURS[regime], "label": regime.label}
-            axes.plot(fields.x[here], values[here], gid=regime.label, **style)
+            face = {**look, **edge, "markerfacecolor": style.REGIME_COLOURS[regime], "label": regime.label}
+            axes.plot(fields.x[here], values[here], gid=regime.label, **face)
         return
     for regime, curve in BEGINS_AT.items():
         x = np.array([x for _, x in _begins(fields, [curve])])
         if x.size:
-            style = {**_BEGINS, **edge, "color": INK, "markerfacecolor": REGIME_COLOURS[regime]}
-            axes.plot(x, np.interp(x, fields.x, values), gid=curve, label=f"{regime.label} begins", **style)
+            face = {**_BEGINS, **edge, "color": style.INK, "markerfacecolor": style.REGIME_COLOURS[regime]}
+            axes.plot(x, np.interp(x, fields.x, values), gid=curve, label=f"{regime.label} begins", **face)
 
 
 def _draw_numbers(axes: Axes, fields: Fields, values: Floats, look: Look, *, uncertain: bool) -> None:
@@ -250,11 +203,11 @@ def _draw_numbers(axes: Axes, fields: Fields, values: Floats, look: Look, *, unc
         error, speed = (cycle[name][0, averaged] for name in ("mean_velocity_error", "mean_velocity"))
         off = np.abs(values[averaged] * error / speed)
         ends = values[averaged] - off, values[averaged] + off
-        bars = {"color": look["color"], "linewidth": 0.6, "alpha": 0.3, "gid": ERROR_LABEL}
-        axes.vlines(x[averaged], *ends, label=ERROR_LABEL, **bars)
+        bars = {"color": look["color"], "linewidth": 0.6, "alpha": 0.3, "gid": style.ERROR_LABEL}
+        axes.vlines(x[averaged], *ends, label=style.ERROR_LABEL, **bars)
     if averaged.any() and not is_discrete(fields.panel.x):
-        dots = {**_DOTS, "color": look["color"], "zorder": 3, "gid": AVERAGED_LABEL}
-        axes.plot(x[averaged], values[averaged], label=AVERAGED_LABEL, **dots)
+        dots = {**_DOTS, "color": look["color"], "zorder": 3, "gid": style.AVERAGED_LABEL}
+        axes.plot(x[averaged], values[averaged], label=style.AVERAGED_LABEL, **dots)
         values = np.where(averaged, np.nan, values)
     regime = cycle["regime"][0]
     jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
@@ -266,35 +219,27 @@ def _tell_unanswered(axes: Axes, view: View, fields: Sequence[Fields], shown: Se
     found: dict[str, list[str]] = {}
     for f, values in zip(fields, shown, strict=True):
         missing, status = ~np.isfinite(values), f.panel.cycle["status"][0]
-        labels = [s.label.replace("-", " ") for s in NO_ANSWER_HATCH if (status[missing] == s).any()]
+        labels = [style.no_answer(s)[0] for s in style.NO_ANSWER_HATCH if (status[missing] == s).any()]
         part = "" if missing.all() else " in part"
         labels = [label + part for label in labels or (["nothing conveyed"] if missing.all() else [])]
         for label in labels:
             name = view.curves.name if view.curves else ""
-            found.setdefault(label, []).append(value_text(name, f.panel.values[name]) if name else "")
+            found.setdefault(label, []).append(style.value_text(name, f.panel.values[name]) if name else "")
     lines = [": ".join(filter(None, [label, ", ".join(values)])) for label, values in found.items()]
     if lines:
         text = axes.text(0.02, 0.97, "\n".join(lines), transform=axes.transAxes, va="top", fontsize=8.0)
-        outline(text, "#FFFFFF")
+        style.outline(text, "#FFFFFF")
 
 
 def _finish_scale(axes: Axes, picture: str, values: Floats, target_speed: float | None) -> None:
     """Draw what helps to read a scale, and mark a target speed on it; long times are logarithmic."""
     finite = values[np.isfinite(values)]
     if finite.size and finite.min() < 0.0:
-        axes.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
+        axes.axhline(0.0, color=style.INK, linewidth=0.8, zorder=1)
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.8)
     if picture == "traverse" and finite.size and finite.max() > _WIDE * finite.min():
-        make_logarithmic(axes.yaxis, finite.min(), finite.max())
+        frame.make_logarithmic(axes.yaxis, finite.min(), finite.max())
     if picture == "speed" and target_speed is not None:
         low, high = axes.get_ylim()
-        draw_wanted(axes, target_speed, f"{number_text(target_speed)} mm/s")
+        frame.draw_wanted(axes, target_speed, f"{style.number_text(target_speed)} mm/s")
         axes.set_ylim(low, max(high, target_speed + _HEADROOM * (target_speed - low)))
-
-
-def draw_wanted(axes: Axes, level: float, text: str) -> None:
-    """Draw a line at what is asked for, and name it."""
-    look = {"color": WANTED.colour, "linestyle": WANTED.dashes, "linewidth": WANTED.width}
-    axes.axhline(level, zorder=2.5, gid="level", **look)
-    place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
-    outline(axes.annotate(text, *place), "#FFFFFF")

@@ -3,38 +3,25 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.axes import Axis
 from vibro.core.codes import Regime, Status
-from vibro.plots.bands import settle_bands
-from vibro.plots.curves import draw_wanted
-from vibro.plots.fields import BEGINS_AT, zero_lines
-from vibro.plots.frame import facets, mark_point, set_heading, stack
-from vibro.plots.layers import MapLayers
+from vibro.plots import frame, style
+from vibro.plots.fields import BEGINS_AT, Fields, clip_line, zero_lines
+from vibro.plots.layers import WHITE, MapLayers
 from vibro.plots.maps import colour_bar, place_words
 from vibro.plots.scales import Scale, even_levels
-from vibro.plots.settings import LAST, LIVELIER, Settings, below
-from vibro.plots.style import (
-    CURVES,
-    INK,
-    LAST_PART,
-    LIMITS,
-    NO_ANSWER_HATCH,
-    REGIME_COLOURS,
-    TIPPING,
-    CurveStyle,
-    axis_label,
-    figure_text,
-    house_style,
-    number_text,
-    spans_text,
-)
-from vibro.quantities import QUANTITIES, SPEED
+from vibro.plots.view import Panel
+from vibro.quantities import LENGTH, QUANTITIES, SPEED
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -54,10 +41,11 @@ _BEGINS_TO: Final[Mapping[Regime, str]] = {
     Regime.BACK_SLIP: "slips back",
     Regime.HOPPING: "hops",
 }
-_TIPS: Final = CurveStyle("first part lifts an edge", TIPPING, 1.6)
+_TIPS: Final = style.CurveStyle("first part lifts an edge", style.TIPPING, 1.6)
+_UNKNOWN: Final = style.no_answer(Status.RUNAWAY)[1]
 _FORBIDDEN_HATCH: Final = "\\\\"
 _VEIL: Final = "#FFFFFF", 0.55  # over settings beyond the drive's limits: colour, opacity
-_DRIVE: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": LIMITS, "linewidth": 1.5}
+_DRIVE: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": style.LIMITS, "linewidth": 1.5}
 _MEETS: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": "-", "linewidth": 3.0}
 _NOTHING: Final = "no speed guaranteed"
 _BAND: Final = "#A9C4E4"
@@ -65,6 +53,163 @@ _WINDOW: Final = "#E4E4E4"
 _SIZE: Final = (7.4, 5.2)  # [in]
 _NAME_SIZE: Final = 8.5  # [pt] of a drive's name
 _NAME_ROOM: Final = 160.0  # [pt]
+#: Regimes with motion.
+LIVELIER: Final = tuple(BEGINS_AT)
+#: Prefix of a curve of the last part; other curves are of the first part.
+LAST: Final = "last_"
+
+_RESOLVED: Final = 301  # values an axis
+_DEPENDS_HATCH: Final = "////"
+_FAR: Final = 30.0  # where logarithms are cut, so that contours find finite numbers
+
+
+def below(limit: float, values: Any) -> Floats:
+    """ln(limit / values): positive below a limit, and finite; negative where a value is unknown."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        excess = np.log(limit / np.asarray(values, np.float64))
+    return np.asarray(np.clip(np.nan_to_num(excess, nan=-_FAR), -_FAR, _FAR))
+
+
+def _stretch(low: float, high: float, least: Regime, most: Regime) -> frame.Band:
+    """Return a range of loads in which the first part keeps one regime and the last one another, or the same.
+
+    It has the first part's colour, hatched in that of the last part.
+    """
+    face = {"facecolor": style.REGIME_COLOURS[most]}
+    if least is most:
+        return frame.Band(low, high, most.label, face)
+    join = "or" if most - least == 1 else "to"
+    name = f"{least.label} {join} {most.label}, by part"
+    return frame.Band(
+        low, high, name, {**face, "hatch": _DEPENDS_HATCH, "edgecolor": style.REGIME_COLOURS[least]}
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Settings:
+    """Amplitudes and frequencies of a drive, in the user's units, with their guarantees.
+
+    Attributes
+    ----------
+    spec : Spec
+        The question.
+    chosen : Chosen
+        The design that is marked.
+    data : SettingFields
+        Of its drive and drive angle.
+    """
+
+    spec: Spec
+    chosen: Chosen
+    data: SettingFields
+
+    @cached_property
+    def fields(self) -> Fields:
+        """The grid of a map, with the loads at which the first and the last part reach regimes."""
+        x = Axis("frequency", np.linspace(*self.data.frequency_hz, _RESOLVED), "linear")
+        y = Axis(self.data.amplitude, np.geomspace(*self.data.amplitudes, _RESOLVED), "log")
+        loads = {"tips": self.data.tips}
+        for regime, curve in BEGINS_AT.items():
+            loads[curve], loads[LAST + curve] = self.data.begins[regime]
+        critical = {name: np.array([[load]]) for name, load in loads.items()}
+        grid = (y.values[:, np.newaxis], x.values)
+        speed = self.speed(*grid)
+        cycle = {"mean_velocity": speed, "period_cycles": np.ones(speed.shape)}
+        return Fields(Panel(x, y, {}, None, cycle, critical, self.load(*grid)))
+
+    @property
+    def point(self) -> Floats:
+        """The chosen setting, as an array of shape (1, 2)."""
+        return np.array([[self.chosen.design.frequency_hz, self.chosen.design.nominal]], np.float64)
+
+    @property
+    def goal(self) -> float:
+        """Least speed [mm/s]."""
+        return float(LENGTH.from_si(self.spec.goal.speed))
+
+    @property
+    def forbidden(self) -> Regime | None:
+        """Event of the first part that the goal forbids; None if all are allowed."""
+        higher = [regime for regime in LIVELIER if regime > self.spec.goal.highest_regime]
+        return next(iter(self.first(higher)), None)
+
+    def first(self, regimes: Sequence[Regime]) -> list[Regime]:
+        """Leave out regimes that the first part never reaches, or skips as a higher one begins there too."""
+        load = {regime: self.data.begins[regime][0] for regime in regimes}
+        return [r for r in regimes if load[r] < min((load[h] for h in regimes if h > r), default=math.inf)]
+
+    @property
+    def stretches(self) -> list[frame.Band]:
+        """Regimes of all parts, from rest on, as the load rises."""
+        begins = [self.data.begins[regime] for regime in LIVELIER]
+        edges = sorted({0.0, math.inf, *(load for pair in begins for load in pair)})
+        found = []
+        for low, high in pairwise(edges):
+            most, least = (Regime(sum(pair[which] <= low for pair in begins)) for which in (0, 1))
+            found.append(_stretch(low, high, least, most))
+        return found
+
+    def load(self, amplitude: Any, frequency: Any) -> Floats:
+        """G = A w^2 / g of an amplitude or a stroke in the drive's units [mm], or of a scale [1]."""
+        size = QUANTITIES[self.data.amplitude].to_si(amplitude) / self.chosen.drive.told_per_amplitude
+        return self.chosen.drive.space.load_at(size, frequency, self.spec.gravity)
+
+    def amplitude(self, load: float) -> float:
+        """Amplitude or stroke [mm], or scale [1], at which the chosen frequency has a load."""
+        one = self.chosen.drive.space.load_at(1.0, float(self.point[0, 0]), self.spec.gravity)
+        size = load / float(one) * self.chosen.drive.told_per_amplitude
+        return float(QUANTITIES[self.data.amplitude].from_si(size))
+
+    def speed(self, amplitude: Any, frequency: Any) -> Floats:
+        """Guaranteed speed; NaN where none is guaranteed [mm/s]."""
+        known = np.where(np.isfinite(self.data.speed_min), self.data.speed_min, np.nan)
+        return np.asarray(self._at_load(known, amplitude, frequency) / frequency)
+
+    def strong(self, amplitude: Any, frequency: Any) -> Floats:
+        """Positive where amplitude and acceleration keep to the drive's limits, at any frequency."""
+        low, high = self.data.limits
+        excess = [below(high, amplitude), below(self.data.most_load, self.load(amplitude, frequency))]
+        excess += [-below(low, amplitude)] if low > 0.0 else []
+        return np.asarray(np.minimum.reduce(np.broadcast_arrays(*excess)))
+
+    def meets(self, amplitude: Any, frequency: Any) -> Floats:
+        """Positive where the drive's limits hold and all demands of goal and parts are guaranteed."""
+        goal = self.spec.goal
+        load = self.load(amplitude, frequency)
+        excess = [
+            self.strong(amplitude, frequency),
+            -below(self.goal, np.fmax(self.speed(amplitude, frequency), 0.0)),
+            below(self.data.tips, load),
+        ]
+        if self.forbidden is not None:
+            excess.append(below(self.data.begins[self.forbidden][0], load))
+        if self.data.impact_speed is not None:
+            impact = self._at_load(self.data.impact_speed, amplitude, frequency) / frequency
+            excess.append(below(float(LENGTH.from_si(goal.impact_speed)), impact))
+        if self.data.flight_fraction is not None:
+            flight = self._at_load(self.data.flight_fraction, amplitude, frequency)
+            excess.append(below(goal.flight_fraction, flight))
+        return np.asarray(np.minimum.reduce(excess))
+
+    def over(self, excess: Callable[[Any, Any], Floats]) -> Floats:
+        """Return an excess over the grid, negative beside the frequency ranges of the drive."""
+        y, x = self.fields.y[:, np.newaxis], self.fields.x
+        ranges = [span for span in self.chosen.drive.frequency if span[0] < span[1]]
+        inside = [np.minimum(-below(low, x), below(high, x)) for low, high in ranges]
+        chosen = np.maximum.reduce([np.full(x.shape, -_FAR), *inside])
+        return np.asarray(np.minimum(chosen, excess(y, x)))
+
+    def pieces(self, excess: Callable[[Any, Any], Floats]) -> list[Floats]:
+        """Return lines around the drive's settings with an excess, and along them at single frequencies."""
+        found = zero_lines(self.fields, self.over(excess))
+        for low, high in self.chosen.drive.frequency:
+            if low == high:
+                line = np.column_stack([np.full(self.fields.y.shape, low), self.fields.y])
+                found += clip_line(line, -excess(line[:, 1], line[:, 0]))
+        return found
+
+    def _at_load(self, values: Floats, amplitude: Any, frequency: Any) -> Floats:
+        return np.asarray(np.interp(self.load(amplitude, frequency), self.data.load, values))
 
 
 def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand) -> dict[str, Figure]:
@@ -89,7 +234,7 @@ def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: Spee
         amplitude.
     """
     settings = Settings(spec, chosen, fields)
-    with house_style():
+    with style.house_style():
         return {
             "regime": _regime_map(settings),
             "speed": _speed_map(settings),
@@ -110,7 +255,7 @@ class _Layers(MapLayers):
         reach = self._settings.over(self._settings.strong)
         for band in self._settings.stretches:
             field = np.minimum(-below(band.low, load), below(band.high, load))
-            filled = self._fill(field, gid=band.name, zorder=1, **band.style)
+            filled = self._fill(field, gid=band.name, zorder=1, **band.look)
             if filled is not None:
                 # Names go to settings within the drive's limits, if any.
                 inside = np.minimum(field, reach)
@@ -121,7 +266,11 @@ class _Layers(MapLayers):
         for curve in BEGINS_AT.values():
             for name in (curve, LAST + curve):
                 if pieces := zero_lines(self.fields, self.fields.log_ratio[name]):
-                    look = {"color": INK, "linestyle": _dashes(name), "linewidth": CURVES[curve].width}
+                    look = {
+                        "color": style.INK,
+                        "linestyle": _dashes(name),
+                        "linewidth": style.CURVES[curve].width,
+                    }
                     self._line(pieces, gid=name, zorder=3, **look)
                     self._clear += pieces
         self._draw_tips()
@@ -131,15 +280,15 @@ class _Layers(MapLayers):
         regime = self._settings.forbidden
         if regime is not None:
             field = self.fields.log_ratio[BEGINS_AT[regime]]
-            self.hatch(field, f"some part {_BEGINS_TO[regime]}", _FORBIDDEN_HATCH)
+            self.cover(field, f"some part {_BEGINS_TO[regime]}", {**_UNKNOWN, "hatch": _FORBIDDEN_HATCH})
         self._draw_tips()
 
     def cover_nothing(self, speed: Floats) -> None:
         """Cover settings without a guaranteed speed: below the last part's start, and others."""
         rest = -self.fields.log_ratio[LAST + "forward_onset"]
-        self._cover(rest, f"{_NOTHING}: the last part rests", facecolor=REGIME_COLOURS[Regime.NO_SLIP])
+        self.cover(rest, f"{_NOTHING}: the last part rests", WHITE)
         others = np.where(np.nan_to_num(speed) > 0.0, -0.5, 0.5)
-        self.hatch(np.minimum(others, -rest), _NOTHING, NO_ANSWER_HATCH[Status.RUNAWAY])
+        self.cover(np.minimum(others, -rest), _NOTHING, _UNKNOWN)
 
     def draw_drive(self) -> None:
         """Draw the drive's limits, and veil settings beyond them."""
@@ -149,15 +298,12 @@ class _Layers(MapLayers):
         outside = -settings.over(settings.strong)
         if outside.min() < 0.0:
             self._fill(outside, gid="beyond the drive", zorder=2.5, facecolor=to_rgba(*_VEIL))
-        pieces = settings.pieces(settings.strong)
-        self._outline("drive", f"limits of {_name(settings.chosen)}", pieces, _DRIVE)
-        self._clear += pieces
+        name = style.figure_text(settings.chosen.drive.name, _NAME_SIZE, _NAME_ROOM)
+        self._outline("drive", f"limits of {name}", settings.pieces(settings.strong), _DRIVE)
 
     def draw_meets(self) -> None:
         """Outline the settings that meet the goal."""
-        pieces = self._settings.pieces(self._settings.meets)
-        self._outline("meets", "meets the goal", pieces, _MEETS)
-        self._outlines += pieces  # partly along the contour of the goal, whose label may lie on both
+        self._outline("meets", "meets the goal", self._settings.pieces(self._settings.meets), _MEETS)
 
     def _draw_tips(self) -> None:
         self.draw_curve("tips", _TIPS, zero_lines(self.fields, self.fields.log_ratio["tips"]))
@@ -168,15 +314,12 @@ class _Layers(MapLayers):
         if pieces:
             halo = withStroke(linewidth=look["linewidth"] + 2.0, foreground="#FFFFFF")
             self._line(pieces, label=label, gid=name, zorder=4, path_effects=[halo], **look)
+            self._clear += pieces
 
 
 def _dashes(name: str) -> Any:
     """Return the dashes of a curve, other ones for the last part than for the first."""
-    return LAST_PART if name.startswith(LAST) else CURVES[name].dashes
-
-
-def _name(chosen: Chosen) -> str:
-    return figure_text(chosen.drive.name, _NAME_SIZE, _NAME_ROOM)
+    return style.LAST_PART if name.startswith(LAST) else style.CURVES[name].dashes
 
 
 def _marked(settings: Settings) -> str:
@@ -198,25 +341,25 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
         spans[shape] = (angle, angle)
     if frequency:
         spans["frequency"] = (float(settings.point[0, 0]),) * 2
-    goal = f"goal: at least {number_text(settings.goal)} mm/s"
+    goal = f"goal: at least {style.number_text(settings.goal)} mm/s"
     if spec.goal.highest_regime is not Regime.HOPPING:
         goal += f", {spec.goal.highest_regime.label} at most"
     else:
         goal += ", hopping allowed"
     if math.isfinite(spec.goal.impact_speed):
-        goal += f", impacts up to {number_text(float(SPEED.from_si(spec.goal.impact_speed)))} mm/s"
+        goal += f", impacts up to {style.number_text(float(SPEED.from_si(spec.goal.impact_speed)))} mm/s"
     if math.isfinite(spec.goal.flight_fraction):
-        goal += f", in flight up to {number_text(100.0 * spec.goal.flight_fraction)} %"
+        goal += f", in flight up to {style.number_text(100.0 * spec.goal.flight_fraction)} %"
     if float(design.speed_min_mm_s or 0.0) < settings.goal:
         goal += " (not met)"
-    return f"{spans_text(spans)}{_ratio(design)}\n{goal}"
+    return f"{style.spans_text(spans)}{_ratio(design)}\n{goal}"
 
 
 def _ratio(design: Design) -> str:
     """Describe the ratio of an ellipse's amplitudes."""
     if not design.along_amplitude_mm:
         return "" if design.along_amplitude_mm is None else ", $X$ = 0"
-    return f", $Y/X$ = {number_text((design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm)}"
+    return f", $Y/X$ = {style.number_text((design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm)}"
 
 
 def _regime_map(settings: Settings) -> Figure:
@@ -245,7 +388,7 @@ def _speed_map(settings: Settings) -> Figure:
     extend = "max" if np.any(speed[shown] > high) else "neither"
     scale = Scale(Normalize(0.0, high), "cividis", even_levels(0.0, high), None, extend)
     layers.draw_numbers(speed, scale)
-    layers.draw_level(speed, settings.goal, f"goal {number_text(settings.goal)} mm/s")
+    layers.draw_level(speed, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
     layers.draw_drive()
     machine = settings.chosen.drive.machine
     if machine is None or not machine.is_filled:  # other amplitudes are not covered
@@ -255,36 +398,36 @@ def _speed_map(settings: Settings) -> Figure:
 
 
 def _start(settings: Settings, heading: str) -> tuple[Figure, _Layers]:
-    figure, (axes,) = facets([settings.fields.panel])
-    set_heading(figure, _headline(settings, heading), _question(settings))
+    figure, (axes,) = frame.facets([settings.fields.panel])
+    frame.set_heading(figure, _headline(settings, heading), _question(settings))
     return figure, _Layers(axes, settings)
 
 
 def _finish(figure: Figure, layers: _Layers, settings: Settings) -> Figure:
-    mark_point(layers.axes, settings.point, _marked(settings))
+    frame.mark_point(layers.axes, settings.point, _marked(settings))
     place_words(figure, [layers], [settings.point])
     return figure
 
 
 def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     """Speeds from the slowest to the fastest part over the amplitude, with the goal and what keeps it."""
-    figure, (strip, axes) = stack(_SIZE, (0.09, 1.0))
-    set_heading(figure, _headline(settings, "Speed of all parts"), _question(settings, frequency=True))
+    figure, (strip, axes) = frame.stack(_SIZE, (0.09, 1.0))
+    frame.set_heading(figure, _headline(settings, "Speed of all parts"), _question(settings, frequency=True))
     low, high = float(band.amplitude[0]), float(band.amplitude[-1])
     axes.set_xlim(low, high)
     _draw_band(axes, band)
-    draw_wanted(axes, settings.goal, f"goal {number_text(settings.goal)} mm/s")
+    frame.draw_wanted(axes, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, max(top, 1.05 * settings.goal))
     if band.window is not None:
-        look: dict[str, Any] = {"zorder": 0.5, "linewidth": 0.6, "facecolor": _WINDOW, "edgecolor": INK}
+        look: dict[str, Any] = {"zorder": 0.5, "linewidth": 0.6, "facecolor": _WINDOW, "edgecolor": style.INK}
         axes.axvspan(*band.window, gid="window", label="keeps the guarantee", **look)
     _draw_beginnings(axes, settings)
     design = settings.chosen.design
     point = np.array([[design.nominal, design.speed_min_mm_s]], np.float64)
-    mark_point(axes, point, _marked(settings))
+    frame.mark_point(axes, point, _marked(settings))
     assert settings.fields.panel.y is not None
-    axes.set(xlabel=axis_label(settings.fields.panel.y), ylabel="mean conveying speed [mm/s]")
+    axes.set(xlabel=style.axis_label(settings.fields.panel.y), ylabel="mean conveying speed [mm/s]")
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.1)
     shown = [
         stretch._replace(low=max(low, begin), high=min(high, end))
@@ -292,17 +435,17 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
         for begin, end in [(settings.amplitude(stretch.low), settings.amplitude(stretch.high))]
         if begin < high and end > low
     ]
-    settle_bands(figure, strip, shown)
+    frame.settle_bands(figure, strip, shown)
     return figure
 
 
 def _draw_band(axes: Axes, band: SpeedBand) -> None:
     """Draw the slowest, the nominal and the fastest part, with a band if both extremes are known."""
     least, most = (np.where(np.isfinite(v), v, np.nan) for v in (band.speed_min, band.speed_max))
-    look: dict[str, Any] = {"facecolor": _BAND, "edgecolor": INK, "linewidth": 0.6, "zorder": 1}
+    look: dict[str, Any] = {"facecolor": _BAND, "edgecolor": style.INK, "linewidth": 0.6, "zorder": 1}
     axes.fill_between(band.amplitude, least, most, gid="band", label="slowest to fastest part", **look)
     for name, values, width in (("guaranteed speed", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
-        axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=INK, linewidth=width)
+        axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=style.INK, linewidth=width)
     known = np.concatenate([least, band.speed_nominal, most])
     top = float(np.nanmax(known, initial=0.0))
     bottom = float(np.nanmin(known, initial=0.0))
@@ -322,6 +465,6 @@ def _draw_beginnings(axes: Axes, settings: Settings) -> None:
         if math.isfinite(amplitude):
             unit = QUANTITIES[settings.data.amplitude].unit
             part = "last" if name.startswith(LAST) else "first"
-            text = f"{part} part {_BEGINS_TO[regime]}: {number_text(amplitude)} {unit}".rstrip()
-            look = {"color": INK, "linestyle": _dashes(name), "linewidth": 1.0}
+            text = f"{part} part {_BEGINS_TO[regime]}: {style.number_text(amplitude)} {unit}".rstrip()
+            look = {"color": style.INK, "linestyle": _dashes(name), "linewidth": 1.0}
             axes.axvline(amplitude, zorder=2, gid=name, label=text, **look)

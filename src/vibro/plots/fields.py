@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.neighbours import are_even, dilate, erode, fill_unknown
+from vibro.plots.neighbours import dilate, erode, fill_unknown, spread_evenly
 from vibro.quantities import scene_fields
 from vibro.scene import Scene
 
@@ -60,7 +60,6 @@ _ROUNDING: Final = 1e-9  # of the largest speed: less counts as none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
 
-_EVEN_POINTS: Final = 100  # points along an axis, to find places for words
 # Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
 _LEAST_RATIO: Final = 1e-30
 
@@ -157,36 +156,11 @@ class Fields:
     @cached_property
     def regular(self) -> Floats:
         """Positive where motion repeats every cycle, with a margin; elsewhere lines would be noise."""
-        return _without(self._several_cycles)
-
-    @cached_property
-    def smooth(self) -> Floats:
-        """Positive where contours are lines: motion repeats every cycle, and goes farther with the load.
-
-        Around the crest that comes before irregular motion contours turn, and would end in hooks.
-        """
-        return _without(self._several_cycles | self._beyond_crest)
-
-    @property
-    def _several_cycles(self) -> NDArray[np.bool_]:
         answered = np.isfinite(self.panel.cycle["mean_velocity"])
-        return np.asarray(answered & (self.panel.cycle["period_cycles"] != 1.0))
-
-    @property
-    def _beyond_crest(self) -> NDArray[np.bool_]:
-        """Whether a body hops, and its advance a cycle, over the amplitude, falls as the load rises."""
-        drives = {
-            axis.name: i
-            for i, axis in enumerate((self.panel.y, self.panel.x))
-            if axis is not None and axis.name in _LOADING
-        }
-        advance = self.panel.cycle.get("displacement_per_cycle")
-        if not drives or advance is None:
-            return np.zeros((len(self.y), len(self.x)), np.bool_)
-        if not drives.keys() <= {"frequency"}:
-            advance = advance / self._scene.scale
-        rise = np.gradient(advance, axis=min(drives.values()))
-        return np.asarray((self.log_ratio["hop"] > 0.0) & (advance > 0.0) & (rise < 0.0))
+        rough = answered & (self.panel.cycle["period_cycles"] != 1.0)
+        # And away from the gaps between such points.
+        closed = erode(dilate(rough, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
+        return np.where(closed, -0.5, 0.5)
 
     @cached_property
     def reversal(self) -> Floats:
@@ -260,22 +234,13 @@ class Fields:
         y = points[:, 1] if self.panel.y is None else _unstraightened(self.panel.y, points[:, 1])
         return np.column_stack([_unstraightened(self.panel.x, points[:, 0]), y])
 
-    def evenly(self, field: Floats) -> Floats:
-        """Return a field on points that lie evenly on the paper, for the search for places of words.
+    def evenly(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values at points that lie evenly on the paper: of the nearest of the grid's points."""
+        return spread_evenly(values, self.panel.x.on_paper, (self.panel.y or self.panel.x).on_paper)
 
-        Pictures that solve their own cells have such axes already; a caller's cells may not.
-        """
-        axes = [axis for axis in (self.panel.x, self.panel.y) if axis is not None]
-        if len(axes) < 2 or all(map(_is_even, axes)):
-            return field
-        u, v = (_straightened(axis, _even_values(axis)) for axis in axes)
-        points = np.column_stack([np.tile(u, len(v)), np.repeat(v, len(u))])
-        return _sample(self, field, points).reshape(len(v), len(u))
-
-    def at(self, field: Floats, points: Floats) -> Floats:
-        """Return the bilinear values of a field at points (x, y) in the user's units."""
-        y = points[:, 1] if self.panel.y is None else _straightened(self.panel.y, points[:, 1])
-        return _sample(self, field, np.column_stack([_straightened(self.panel.x, points[:, 0]), y]))
+    def along(self, field: Floats, x: float) -> float:
+        """Return the value of a field of one row at a place, in the user's units."""
+        return float(np.interp(_straightened(self.panel.x, np.array([x])), self.u, field[0])[0])
 
     @property
     def _zeros(self) -> Floats:
@@ -306,22 +271,6 @@ def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
         statuses.append(Status.RUNAWAY)
     hiding = [fields.log_ratio[other] for other in HIDDEN_BY[curve]]
     return hiding + [fields.unanswered(status) for status in statuses if status in fields.statuses]
-
-
-def _without(rough: NDArray[np.bool_]) -> Floats:
-    """Positive away from irregular points, and from the gaps between them."""
-    closed = erode(dilate(rough, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
-    return np.where(closed, -0.5, 0.5)
-
-
-def _is_even(axis: Axis) -> bool:
-    return len(axis) >= _EVEN_POINTS and are_even(axis.on_paper)
-
-
-def _even_values(axis: Axis) -> Floats:
-    space = np.geomspace if axis.spacing == "log" else np.linspace
-    values: Floats = space(axis.values[0], axis.values[-1], _EVEN_POINTS)
-    return values
 
 
 def _straightened(axis: Axis, values: Floats) -> Floats:

@@ -1,18 +1,19 @@
-"""The frame of a picture: figure, axes with names and units, titles, operating point, legend."""
+"""What all pictures have: figure, axes with names and units, titles, marks, bands, legend."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.plots.style import INK, axis_label, broken_lines, figure_text, number_text, values_text
+from vibro.plots import style
 from vibro.plots.view import is_discrete
 from vibro.quantities import DRIVES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -51,6 +52,19 @@ _MARKER: Final[dict[str, Any]] = {
     "markeredgewidth": 2.0,
     "linestyle": "none",
 }
+
+
+_PEAKS: Final = {"fastest": "^", "fastest_backwards": "v"}
+_PEAK: Final[dict[str, Any]] = {
+    "linestyle": "none",
+    "markersize": 9.5,
+    "markerfacecolor": "none",
+    "markeredgecolor": style.INK,
+    "markeredgewidth": 1.8,
+}
+_HALO: Final = 4.0  # [pt] width of the white around a marker, over any colours and hatches
+#: Opacity of bands behind curves.
+TINT: Final = 0.35
 
 
 def renderer_of(figure: Figure) -> Any:
@@ -93,12 +107,12 @@ def facets(panels: Sequence[Panel], label: str = "") -> tuple[Figure, list[Axes]
         if panel.y is not None:
             scale_axis(a.yaxis, panel.y)
         if number % columns == 0:
-            a.set_ylabel(axis_label(panel.y) if panel.y else label)
+            a.set_ylabel(style.axis_label(panel.y) if panel.y else label)
         if number + columns >= n:
-            a.set_xlabel(axis_label(panel.x))
+            a.set_xlabel(style.axis_label(panel.x))
             a.tick_params(labelbottom=True)
         if panel.facet is not None:
-            a.set_title(values_text({panel.facet: panel.values[panel.facet]}, all_of_them=True))
+            a.set_title(style.values_text({panel.facet: panel.values[panel.facet]}, all_of_them=True))
     return figure, grid[:n]
 
 
@@ -121,7 +135,7 @@ def head_sweep(figure: Figure, heading: str, result: SweepResult, panels: Sequen
     """Write the content of a picture and the title of the sweep; below, what all panels have in common."""
     first = panels[0].values.items()
     common = {name: value for name, value in first if all(p.values[name] == value for p in panels)}
-    told = values_text(common, hops=result.hops)
+    told = style.values_text(common, hops=result.hops)
     headline = f"{heading} – {result.title}" if result.title else heading
     set_heading(figure, headline, "\n".join(filter(None, [told, result.rest_text])))
 
@@ -140,8 +154,8 @@ def set_heading(figure: Figure, headline: str, below: str = "") -> None:
     """
     figure.set_label(headline)
     room = _HEADING_SHARE * _POINTS * float(figure.get_figwidth())
-    told = [broken_lines(line, _HEADING_SIZE, room) for line in below.splitlines()]
-    lines = [figure_text(headline, _HEADING_SIZE, room), *told]
+    told = [style.broken_lines(line, _HEADING_SIZE, room) for line in below.splitlines()]
+    lines = [style.figure_text(headline, _HEADING_SIZE, room), *told]
     figure.suptitle("\n".join(line for line in lines if line), fontsize=_HEADING_SIZE, linespacing=1.5)
 
 
@@ -164,7 +178,7 @@ def _mark_values(axis: Any, values: NDArray[np.float64]) -> None:
     labels, last = [], -np.inf
     for value in values.tolist():
         has_room = value - last >= _LIST_TICK / width * span
-        labels.append(number_text(value) if has_room else "")
+        labels.append(style.number_text(value) if has_room else "")
         last = value if has_room else last
     axis.axes.set_xticks(values, labels)
 
@@ -186,29 +200,22 @@ def _spread_ticks(axis: Any, steps: Sequence[float] = _TICK_STEPS) -> None:
 
 def make_logarithmic(axis: Any, low: float, high: float) -> None:
     """Scale an axis logarithmically, with plain numbers at 1, 2, 5, or at powers of ten on a long one."""
-    from matplotlib.ticker import (
-        AutoLocator,
-        FuncFormatter,
-        LogLocator,
-        NullFormatter,
-        NullLocator,
-        ScalarFormatter,
-    )
+    from matplotlib import ticker
 
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
     if high < _SHORT * low:
-        axis.set_major_locator(AutoLocator())
-        axis.set_major_formatter(ScalarFormatter())
-        axis.set_minor_locator(NullLocator())
+        axis.set_major_locator(ticker.AutoLocator())
+        axis.set_major_formatter(ticker.ScalarFormatter())
+        axis.set_minor_locator(ticker.NullLocator())
         _spread_ticks(axis)
         return
     decades = math.log10(high / low)
     subs = (1.0,) if decades > _DECADES_FOR_TENS else (1.0, 2.0, 5.0)
-    axis.set_major_locator(LogLocator(subs=subs))
+    axis.set_major_locator(ticker.LogLocator(subs=subs))
     axis.set_major_formatter(
-        FuncFormatter(lambda value, _: np.format_float_positional(float(f"{value:.6g}"), trim="-"))
+        ticker.FuncFormatter(lambda value, _: np.format_float_positional(float(f"{value:.6g}"), trim="-"))
     )
-    axis.set_minor_formatter(NullFormatter())
+    axis.set_minor_formatter(ticker.NullFormatter())
 
 
 def place_on(panel: Panel, point: Mapping[str, float] | None) -> NDArray[np.float64]:
@@ -232,6 +239,54 @@ def mark_point(axes: Axes, points: NDArray[np.float64], label: str = "operating 
     """Mark the scene's own point, or another single point, on top of everything."""
     if len(points):
         axes.plot(points[:, 0], points[:, 1], zorder=7, gid=label, label=label, clip_on=False, **_MARKER)
+
+
+def draw_peaks(result: SweepResult, axes: Sequence[Axes], panels: Sequence[Panel]) -> list[Any]:
+    """Mark the fastest of a sweep, forwards and backwards, on the panels on which they lie.
+
+    Parameters
+    ----------
+    result : SweepResult
+        The sweep.
+    axes : sequence of Axes
+        Where each panel is drawn, some maybe on the same axes.
+    panels : sequence of Panel
+        With their speeds.
+
+    Returns
+    -------
+    list of (n, 2) array
+        The points marked on each panel; of lines, their height is the speed [mm/s].
+    """
+    from matplotlib.patheffects import withStroke
+
+    marked = [np.empty((0, 2)) for _ in panels]
+    for name, marker in _PEAKS.items():
+        peak = result.fastest.get(name)
+        if peak is None:
+            continue
+        label = f"{name.replace('_', ' ')}: {style.number_text(peak.speed)} mm/s at "
+        label += style.values_text({axis: peak.values[axis] for axis in result.axes}, all_of_them=True)
+        look = {
+            **_MARKER,
+            "marker": marker,
+            "path_effects": [withStroke(linewidth=_HALO, foreground="#FFFFFF")],
+        }
+        for i, panel in enumerate(panels):
+            point = place_on(panel, {k: v for k, v in peak.values.items() if np.isfinite(v)})
+            if len(point):
+                point[:, 1] = point[:, 1] if panel.y else peak.speed
+                axes[i].plot(*point.T, zorder=6, gid=name, label=label, clip_on=False, **look)
+                marked[i] = np.concatenate([marked[i], point])
+    return marked
+
+
+def draw_wanted(axes: Axes, level: float, text: str) -> None:
+    """Draw a line at what is asked for, and name it."""
+    look = {"color": style.WANTED.colour, "linestyle": style.WANTED.dashes, "linewidth": style.WANTED.width}
+    axes.axhline(level, zorder=2.5, gid="level", **look)
+    place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
+    style.outline(axes.annotate(text, *place), "#FFFFFF")
 
 
 def settle(figure: Figure) -> None:
@@ -282,7 +337,7 @@ def _handles(figure: Figure, renderer: Any) -> list[Any]:
             found[label] = Line2D([], [], color=colour, linewidth=width)
         else:
             face, edge = (np.reshape(c, (-1, 4)) for c in (artist.get_facecolor(), artist.get_edgecolor()))
-            seen: Any = edge[0] if edge.any() else INK
+            seen: Any = edge[0] if edge.any() else style.INK
             found[label] = Patch(facecolor=face[0], edgecolor=seen, hatch=artist.get_hatch(), linewidth=0.6)
         found[label].set_label(label)
     return list(found.values())
@@ -314,3 +369,51 @@ def _columns(texts: list[str], room: float) -> int:
         if sum(part.max() for part in parts) <= room:
             return columns
     return 1
+
+
+class Band(NamedTuple):
+    """A stretch of a scale: ends, name, style of its fill, and the hatches over it by their names."""
+
+    low: float
+    high: float
+    name: str
+    look: Mapping[str, Any]
+    over: Mapping[str, Mapping[str, Any]] = {}
+
+
+def shade(axes: Axes, bands: Iterable[Band], *, named: bool = False) -> None:
+    """Fill bands behind the curves of a panel; the legend names them where no strip does."""
+    for band in bands:
+        look = band.look if "hatch" in band.look else {**band.look, "alpha": TINT, "linewidth": 0.0}
+        label = band.name if named else ""
+        axes.axvspan(band.low, band.high, zorder=0, gid=band.name, label=label, **look)
+        for name, look in band.over.items():
+            axes.axvspan(band.low, band.high, zorder=0.5, linewidth=0.0, gid=name, label=name, **look)
+
+
+def settle_bands(figure: Figure, strip: Axes, bands: Iterable[Band]) -> None:
+    """Fix the layout, and write the names of bands into a strip above the panels, or else into the legend."""
+    strip.set_yticks([])
+    strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
+    settle(figure)
+    renderer, to_pixels = renderer_of(figure), strip.transData
+    (first, last), named, others = strip.get_xlim(), set(), []
+    for name, group in groupby(bands, key=lambda band: band.name):
+        run = list(group)
+        low, high, look = max(run[0].low, first), min(run[-1].high, last), run[0].look
+        area = strip.axvspan(low, high, gid=name, **{"linewidth": 0.0, **look})
+        (left, y), (right, _) = to_pixels.transform([(end, 0.5) for end in (low, high)])
+        middle = to_pixels.inverted().transform((0.5 * (left + right), y))[0]
+        place: dict[str, Any] = {"ha": "center", "va": "center_baseline", "fontsize": 9.0}
+        text = strip.text(middle, 0.5, name, color=style.ink_on(look["facecolor"]), **place)
+        if "hatch" in look:
+            style.outline(text, look["facecolor"])
+        if text.get_window_extent(renderer).width <= right - left - 4.0:
+            named.add(name)
+        else:
+            text.remove()
+            others.append((name, area))
+    for name, area in others:
+        area.set_label("" if name in named else name)
+    if any(area.get_label() for _, area in others):
+        settle(figure)

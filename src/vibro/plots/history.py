@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.codes import PHASE_NAMES, Regime
 from vibro.errors import InputError
-from vibro.plots.bands import settle_bands, shade
-from vibro.plots.frame import set_heading, stack
-from vibro.plots.phases import events_of, phase_bands
-from vibro.plots.style import INK, LIMITS, SECOND, house_style, values_text
-from vibro.plots.trough_path import draw_path
+from vibro.plots.frame import TINT, Band, set_heading, settle_bands, shade, stack
+from vibro.plots.style import INK, LIMITS, REGIME_COLOURS, SECOND, house_style, values_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -24,6 +22,44 @@ if TYPE_CHECKING:
     from vibro.results.history import Phase, Sample
 
     Floats = NDArray[np.float64]
+
+_START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
+_STOP_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "o", "markerfacecolor": "#FFFFFF"}
+_IMPACT_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "v", "color": "#994455"}
+
+
+# Keys are the letters of a pattern. Each phase has the colour of the regime in which it is typical.
+PHASE_COLOURS: Final[Mapping[str, str]] = {
+    kind: REGIME_COLOURS[regime]
+    for kind, regime in zip(
+        "FBH_", (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING, Regime.NO_SLIP), strict=True
+    )
+}
+
+
+class Event(NamedTuple):
+    """A mark where phases meet: name, style, times [s], and whether at the values before or after."""
+
+    label: str
+    mark: Mapping[str, Any]
+    instants: list[float]
+    before: bool
+
+
+def events_of(phases: Sequence[Phase]) -> list[Event]:
+    """List the starts and the stops of slides, and the impacts."""
+    slides = [p for p in phases if p.kind in "FB"]
+    return [
+        Event("slide starts", _START_MARK, [p.start for p in slides if p.start_velocity == 0.0], before=True),
+        Event("slide stops", _STOP_MARK, [p.end for p in slides if p.end_velocity == 0.0], before=False),
+        Event("impact", _IMPACT_MARK, [p.end for p in phases if p.kind == "H"], before=False),
+    ]
+
+
+def phase_bands(phases: Iterable[Phase], *, later: float = 0.0) -> list[Band]:
+    """Return the bands of phases over time [ms], so much later [s]."""
+    looks = {kind: (PHASE_NAMES[kind], {"facecolor": colour}) for kind, colour in PHASE_COLOURS.items()}
+    return [Band(1e3 * (p.start + later), 1e3 * (p.end + later), *looks[p.kind]) for p in phases]
 
 
 class Curve(NamedTuple):
@@ -88,6 +124,7 @@ _PATH: Final = 2.0  # height of the path below the panels
 _MARGIN: Final = 0.12  # margin above and below the curves, as a share of their span
 # The load along the trough may stretch the panel of forces to so many times what friction needs.
 _STRETCH: Final = 1.5
+_BAND: Final = 9.0  # [pt] width of a path in the colour of a phase
 _EDGE: Final = 1e-9  # share of the drawn time by which a phase must reach into it: rounding
 # Panels in which events are marked: the first of them that is shown.
 _MARKED: Final = ("forces", "velocity", "acceleration", "position", "trough", "gap")
@@ -177,7 +214,7 @@ def history_figure(
     with house_style():
         figure, (strip, *grid) = stack((9.0, 1.5 + _ROW * sum(heights)), heights, own=int(elliptical))
         if elliptical:
-            draw_path(grid.pop(), phases, trace, period)
+            _draw_path(grid.pop(), phases, trace, period)
         bands = phase_bands(phases)
         for axes, panel in zip(grid, shown.values(), strict=True):
             _draw(axes, panel, trace)
@@ -235,3 +272,43 @@ def _mark_events(
             places = np.searchsorted(trace.time, seen, side="left" if before else "right")
             places = places if before else places - 1
             panels[name].plot(1e3 * np.array(seen), values[places], label=label, zorder=5, **mark)
+
+
+def _draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float) -> None:
+    """Draw the last turn of a trough.
+
+    Parameters
+    ----------
+    axes : Axes
+        Receives the drawing.
+    phases : sequence of Phase
+        Phases of the motion: their colours lie under the path, their events are marked on it.
+    trace : Sample
+        Motion over time, with both sides of every event.
+    period : float
+        Of the drive [s].
+    """
+    last = float(trace.time[-1])
+    first = max(float(trace.time[0]), last - period)
+    seen = trace.time >= first
+    time, x, y = trace.time[seen], 1e3 * trace.trough_along[seen], 1e3 * trace.trough_normal[seen]
+    for phase in phases:
+        part = (time >= phase.start) & (time <= phase.end)
+        if part.any():
+            (band,) = axes.plot(x[part], y[part], linewidth=_BAND, solid_capstyle="butt", zorder=1)
+            band.set(color=PHASE_COLOURS[phase.kind], alpha=TINT)
+    axes.plot(x, y, color=INK, linewidth=1.2)
+    for event in events_of(phases):
+        inside = [t for t in event.instants if first < t < last]
+        at = np.interp(inside, time, x), np.interp(inside, time, y)
+        axes.plot(*at, zorder=5, **event.mark)
+    if np.ptp(x):  # the way round, where the path is straight
+        tail, ahead = x.size // 4, max(1, x.size // 100)
+        arrow = {"arrowstyle": "-|>", "color": INK, "mutation_scale": 14}
+        axes.annotate("", (x[tail + ahead], y[tail + ahead]), (x[tail], y[tail]), arrowprops=arrow)
+    axes.margins(_MARGIN)
+    axes.set_aspect("equal")
+    axes.locator_params(nbins=4)
+    axes.set_xlabel("trough along itself [mm]")
+    axes.set_ylabel("normal to itself [mm]")
+    axes.set_title("path of the trough, last cycle", fontsize=9)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.plots.frame import renderer_of
+from vibro.plots.style import outline
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,12 +30,10 @@ _OFF: Final = 1000  # more than the things on a map
 _MARGIN: Final = 3.0  # [px] kept free around a label, as part of it
 _APART: Final = 6.0  # [px] between the margin of a label and that of the next
 _BESIDE: Final = 6.0  # [px] between the margin of a label and the line that it stands beside
-_HALO: Final = 2.4  # [pt]
 _ROOMIER: Final = 1.2  # from one size of free rectangles to the next
 _PLACES: Final = 45  # tried along a line
 _REACHES: Final = (3, 6, 10, 15, 21, 28, 36, 46, 58)  # [pt] from a point to its label, tried in turn
 _DIRECTIONS: Final = (*itertools.product((1, -1), (0.7, -0.7)), (1, 0), (-1, 0), (0, 1), (0, -1))
-_INNER: Final = 3  # places, from the end of a free stretch to a label on it, if it is long enough
 # A label hides the stretch of the line under it: that must be nearly straight, and not the whole line.
 _LEAST_LENGTH: Final = 1.3  # of the line, over that of the label
 _LEAST_REACH: Final = 0.9  # from end to end of the stretch, over the label's length: it may not wind
@@ -77,10 +76,6 @@ class Labeller:
         """Keep labels off lines in the user's units, all but those that are written on them."""
         self._crowd += self._under(lines)
 
-    def forget_lines(self, lines: Sequence[Floats]) -> None:
-        """Undo ``avoid_lines``."""
-        self._crowd -= self._under(lines)
-
     def in_region(self, text: str, member: NDArray[np.bool_], halo: Any = None, **style: Any) -> bool:
         """Write a region's name in the middle of its roomiest part.
 
@@ -105,7 +100,8 @@ class Labeller:
             for n, count in zip(member.shape, self._crowd.shape, strict=True)
         ]
         free = (member[np.ix_(*nearest)] & (self._crowd == 0))[1:-1, 1:-1]
-        for words in dict.fromkeys((text, _broken(text))):
+        broken = text.replace("-", "-\n", 1) if "-" in text else text.replace(" ", "\n", 1)
+        for words in dict.fromkeys((text, broken)):
             artist, width, height = self._text(words, style)
             middle = _roomiest(free, math.ceil(height / _CELL), math.ceil(width / _CELL))
             if middle is not None:
@@ -162,18 +158,19 @@ class Labeller:
         artist.remove()
         return False
 
-    def beside(self, text: str, point: tuple[float, float], **style: Any) -> bool:
-        """Write the name of a point, in the user's units, where there is room around it; False if none."""
+    def beside(self, text: str, point: tuple[float, float], **style: Any) -> None:
+        """Write the name of a point, in the user's units, where it is nearest and covers least."""
         artist, width, height = self._text(text, style)
         (centre,) = self._on_paper(np.array([point]))
-        for reach, (right, up) in itertools.product(_REACHES, _DIRECTIONS):
-            off = reach * self._pixels_per_point
-            middle = centre + right * (off + 0.5 * width) + 1j * up * (off + 0.5 * height)
-            if (self._crowd[self._cells(_rectangle(width, height) + middle)] == 0).all():
-                self._put(artist, width, height, middle)
-                return True
-        artist.remove()
-        return False
+        middles = [
+            centre + right * (off + 0.5 * width) + 1j * up * (off + 0.5 * height)
+            for off in self._pixels_per_point * np.array(_REACHES)
+            for right, up in _DIRECTIONS
+        ]
+        shape = _rectangle(width, height)
+        self._put(
+            artist, width, height, min(middles, key=lambda m: int(self._crowd[self._cells(shape + m)].sum()))
+        )
 
     def _place_on(
         self, line: Points, others: Integers, width: float, height: float, side: int
@@ -198,9 +195,7 @@ class Labeller:
         fits &= (others[self._cells(ground)] <= 0).all(axis=1)
         runs = np.split(np.arange(_PLACES), np.flatnonzero(np.diff(fits)) + 1)
         longest = max(runs, key=lambda run: len(run) * fits[run[0]])
-        inner = longest[min(_INNER, (len(longest) - 1) // 2) :]
-        inner = inner[: max(1, len(inner) - _INNER)]
-        best = inner[np.argmin(np.abs(inner - _PLACES // 2))]
+        best = longest[np.argmin(np.abs(longest - _PLACES // 2))]
         return len(longest) * int(fits[best]), middle[best], direction[best]
 
     def _text(self, words: str, style: dict[str, Any]) -> tuple[Any, float, float]:
@@ -242,18 +237,6 @@ class Labeller:
             for part, n in zip((points.imag, points.real), self._crowd.shape, strict=True)
         )
         return row, column
-
-
-def outline(artist: Any, halo: Any) -> None:
-    """Outline words in a colour, so that they stand out from the background; None leaves them."""
-    if halo is not None:
-        from matplotlib.patheffects import withStroke
-
-        artist.set_path_effects([withStroke(linewidth=_HALO, foreground=halo)])
-
-
-def _broken(text: str) -> str:
-    return text.replace("-", "-\n", 1) if "-" in text else text.replace(" ", "\n", 1)
 
 
 def _roomiest(free: NDArray[np.bool_], high: int, wide: int) -> complex | None:

@@ -8,32 +8,14 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
+from vibro.plots import style
 from vibro.plots.fields import BEGINS_AT, HIDDEN_BY, hiding_fields, without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
-from vibro.plots.neighbours import erode, spread_evenly
+from vibro.plots.neighbours import erode
 from vibro.plots.scales import colours_of
-from vibro.plots.style import (
-    AVERAGED_HATCH,
-    AVERAGED_LABEL,
-    BACKWARDS_HATCH,
-    BACKWARDS_LABEL,
-    COEXISTS_HATCH,
-    COEXISTS_LABEL,
-    CURVES,
-    INK,
-    NO_ANSWER_FACE,
-    NO_ANSWER_HATCH,
-    NO_ANSWER_INK,
-    REGIME_COLOURS,
-    WANTED,
-    ZERO_SPEED,
-    CurveStyle,
-    ink_on,
-    number_text,
-)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
@@ -43,6 +25,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+WHITE: Final = {"facecolor": style.REGIME_COLOURS[Regime.NO_SLIP]}
 _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump up and down, contours break up into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
@@ -87,7 +70,6 @@ class MapLayers:
         self._spines: dict[str, list[Floats]] = {}
         self._curves: list[tuple[str, list[Floats], Any]] = []
         self._clear: list[Floats] = []  # lines that words keep clear of
-        self._outlines: list[Floats] = []  # lines that numbers keep clear of, but curves may follow
         self._contours: list[_Contour] = []
 
     @property
@@ -104,7 +86,7 @@ class MapLayers:
         for regime, field in (
             rest | {r: self.fields.log_ratio[name] for r, name in BEGINS_AT.items()}
         ).items():
-            filled = self._fill(field, gid=regime.label, facecolor=REGIME_COLOURS[regime], zorder=1)
+            filled = self._fill(field, gid=regime.label, facecolor=style.REGIME_COLOURS[regime], zorder=1)
             if filled is not None:
                 self._filled[regime] = filled
 
@@ -132,69 +114,61 @@ class MapLayers:
 
         Where flight is not modelled the regime is still known: a picture of regimes shows it.
         """
-        for status, hatch in NO_ANSWER_HATCH.items():
+        for status in style.NO_ANSWER_HATCH:
             known = regimes_show and status is Status.FLIGHT_NOT_MODELLED
             if status in self.fields.statuses and not known:
-                self.hatch(self.fields.unanswered(status), status.label.replace("-", " "), hatch)
-
-    def hatch(self, field: Floats, label: str, hatch: str, face: str = NO_ANSWER_FACE) -> None:
-        """Hatch the area in which a field is positive, beneath earlier covers, and name the reason."""
-        self._cover(field, label, facecolor=face, hatch=hatch, edgecolor=NO_ANSWER_INK)
+                self.cover(self.fields.unanswered(status), *style.no_answer(status))
 
     def cover_rest(self) -> None:
         """Cover the area where nothing moves with the colour of that regime, beneath earlier covers."""
-        self._cover(self.fields.rest, Regime.NO_SLIP.label, facecolor=REGIME_COLOURS[Regime.NO_SLIP])
+        self.cover(self.fields.rest, Regime.NO_SLIP.label, WHITE)
 
     def cover_contact(self) -> None:
         """Cover the area where nothing flies, beneath earlier covers."""
-        self._cover(-self.fields.log_ratio["hop"], "no flight", facecolor=REGIME_COLOURS[Regime.NO_SLIP])
+        self.cover(-self.fields.log_ratio["hop"], "no flight", WHITE)
 
     def hatch_doubtful(self) -> None:
         """Hatch, over the colours, where another motion exists and where a number is a mean."""
-        self._hatch_over(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, NO_ANSWER_INK)
+        self._hatch_over(self.fields.coexists, style.COEXISTS_LABEL)
         if self._has_numbers:
-            self._hatch_over(self.fields.averaged, AVERAGED_LABEL, AVERAGED_HATCH, NO_ANSWER_INK)
+            self._hatch_over(self.fields.averaged, style.AVERAGED_LABEL)
 
-    def _hatch_over(
-        self, field: Floats, label: str, hatch: str, ink: str = INK, zorder: float = _COVERS
-    ) -> bool:
+    def _hatch_over(self, field: Floats, label: str, zorder: float = _COVERS) -> bool:
         """Hatch the area in which a field is positive over its colours; False where it is hardly seen."""
-        if not self._shows(field):
-            return False
-        look = {"facecolor": "none", "hatch": hatch, "edgecolor": ink, "zorder": zorder}
-        return self._fill(field, gid=label, label=label, **look) is not None
+        look = {"gid": label, "label": label, "zorder": zorder, **style.OVER[label]}
+        return self._shows(field) and self._fill(field, **look) is not None
 
     def draw_reversal(self) -> None:
         """Hatch where bodies move backwards, and draw the line on which they stand still on average."""
         fields = self.fields
-        if not self._hatch_over(fields.backwards, BACKWARDS_LABEL, BACKWARDS_HATCH, zorder=1.2):
+        if not self._hatch_over(fields.backwards, style.BACKWARDS_LABEL, zorder=1.2):
             return
         hidden = [*self._covers, fields.rest, fields.unknown, -fields.regular]
         pieces = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
-        self.draw_curve(ZERO_SPEED.label, ZERO_SPEED, [piece for piece in pieces if self._is_long(piece)])
+        self.draw_curve(style.ZERO_SPEED.label, style.ZERO_SPEED, self._long(pieces))
 
     def draw_curves(self, names: Iterable[str]) -> None:
         """Draw the critical curves where they bound a regime."""
         for name in names:
             hidden_by = hiding_fields(self.fields, name)
             self.draw_curve(
-                name, CURVES[name], zero_lines(self.fields, self.fields.log_ratio[name], hidden_by)
+                name, style.CURVES[name], zero_lines(self.fields, self.fields.log_ratio[name], hidden_by)
             )
 
-    def draw_curve(self, name: str, style: CurveStyle, pieces: list[Floats]) -> None:
+    def draw_curve(self, name: str, curve: style.CurveStyle, pieces: list[Floats]) -> None:
         """Draw the pieces of a curve, if any, to be named by ``write``."""
         from matplotlib.patheffects import withStroke
 
         if not pieces:
             return
-        width = style.width * self._scale
+        width = curve.width * self._scale
         # Dark around a white curve, white around others on coloured numbers.
-        ground = INK if style.colour == ZERO_SPEED.colour else "#FFFFFF"
-        has_halo = self._has_numbers or ground == INK
+        ground = style.INK if curve.colour == style.ZERO_SPEED.colour else "#FFFFFF"
+        has_halo = self._has_numbers or ground == style.INK
         halo = [withStroke(linewidth=width + _HALO, foreground=ground, alpha=0.8)] if has_halo else None
-        look = {"color": style.colour, "linestyle": style.dashes, "linewidth": width, "path_effects": halo}
+        look = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": width, "path_effects": halo}
         line = self._line(pieces, gid=name, zorder=3, **look)
-        self._curves.append((style.label, pieces, line))
+        self._curves.append((curve.label, pieces, line))
         self._clear += pieces
 
     def draw_level(self, values: Floats, level: float, text: str) -> None:
@@ -204,21 +178,18 @@ class MapLayers:
         outlined = np.where(heights >= 0.0, level, -level)
         heights = np.where(self.fields.regular > 0.0, heights, outlined)
         pieces = zero_lines(self.fields, without_hidden(heights, self._covers), self._covers)
-        self.draw_curve(
-            text, WANTED._replace(label=text), [piece for piece in pieces if self._is_long(piece)]
-        )
+        self.draw_curve(text, style.WANTED._replace(label=text), self._long(pieces))
 
     def draw_numbers(self, values: Floats, scale: Scale) -> None:
         """Draw numbers as colours beneath the covers, with contours that ``write`` labels."""
         fields, norm, colours = self.fields, scale.norm, colours_of(scale)
         self._has_numbers = True
-        self.axes.set_facecolor(NO_ANSWER_FACE)
+        self.axes.set_facecolor(style.NO_ANSWER_FACE)
         # A mesh of so many cells draws slowly, and so does mapping numbers to colours pixel by pixel. On a
         # grid that is even on the paper, for any scale of the axes, an image of colours is the same picture.
         # Numbers below a logarithmic scale have the colour of its foot.
         heights = np.asarray(norm(np.maximum(values, float(norm.vmin or 0.0))))
-        x, y = fields.panel.x, fields.panel.y or fields.panel.x
-        even = spread_evenly(heights, x.on_paper, y.on_paper)
+        even = fields.evenly(heights)
         right, up = (0.5 / (n - 1) for n in even.shape[::-1])
         image = self.axes.imshow(
             colours(even, bytes=True),
@@ -230,23 +201,19 @@ class MapLayers:
             zorder=0,
         )
         image.set(norm=norm, cmap=colours)  # not applied again: it only records the scale in the image
-        hidden = [*self._covers, -fields.smooth]
+        hidden = [*self._covers, -fields.regular]
         heights = without_hidden(np.nan_to_num(heights), hidden)
         for level in scale.levels:
-            pieces = zero_lines(fields, heights - norm(level), hidden)
-            pieces = [piece for piece in pieces if self._is_long(piece)]
-            if pieces:
+            if pieces := self._long(zero_lines(fields, heights - norm(level), hidden)):
                 ground = colours(norm(level))
-                look = {"color": ink_on(ground), "linewidth": 0.6 * self._scale, "zorder": 1.5}
+                look = {"color": style.ink_on(ground), "linewidth": 0.6 * self._scale, "zorder": 1.5}
                 line = self._line(pieces, gid=f"contour {level:g}", **look)
-                self._contours.append(_Contour(number_text(level), pieces, ground, line))
+                self._contours.append(_Contour(style.number_text(level), pieces, ground, line))
 
-    def _is_long(self, piece: Floats, least: float = _SPECK) -> bool:
-        """Whether a piece of a contour is long enough to draw."""
-        width, height = np.ptp(
-            self.axes.transAxes.inverted().transform(self.axes.transData.transform(piece)), 0
-        )
-        return bool(np.hypot(width, height) >= least)
+    def _long(self, pieces: list[Floats], least: float = _SPECK) -> list[Floats]:
+        """Return the pieces of a contour that are long enough to draw."""
+        to_axes = self.axes.transData - self.axes.transAxes
+        return [piece for piece in pieces if np.hypot(*np.ptp(to_axes.transform(piece), 0)) >= least]
 
     def write(self, *, avoid: Floats) -> bool:
         """Write the words that fit, replacing those of an earlier call; leave others to the legend.
@@ -269,10 +236,9 @@ class MapLayers:
         labeller.avoid_lines(self._clear)
         self._write_regions(labeller)
         for text, pieces, line in self._curves:
-            place: dict[str, Any] = {"beside": True, "color": INK, "fontsize": 8.5, "halo": "#FFFFFF"}
+            place: dict[str, Any] = {"beside": True, "color": style.INK, "fontsize": 8.5, "halo": "#FFFFFF"}
             if line.get_label() != text:
                 line.set_label("" if self._single and labeller.along(text, pieces, **place) else text)
-        labeller.avoid_lines(self._outlines)
         self._write_numbers(labeller)
         self._words = labeller.words
         return before != [artist.get_label() for _, _, artist in (*self._regions, *self._curves)]
@@ -283,7 +249,7 @@ class MapLayers:
                 continue
             face = artist.get_facecolor()
             halo = face if artist.get_hatch() else None
-            type_style: dict[str, Any] = {"color": ink_on(face), "fontsize": 10.0 * self._scale}
+            type_style: dict[str, Any] = {"color": style.ink_on(face), "fontsize": 10.0 * self._scale}
             fits = labeller.in_region(text, member, halo=halo, **type_style)
             fits = fits or labeller.along(text, self._spines.get(text, []), **type_style)
             artist.set_label("" if fits and self._single else text)
@@ -292,32 +258,21 @@ class MapLayers:
         """Write the numbers of contours; one that has no room for its number is hidden."""
         for contour in self._contours:
             labeller.avoid_lines(contour.pieces)
-        crowded = [contour for contour in self._contours if not self._write_number(labeller, contour)]
-        for contour in crowded:
-            labeller.forget_lines(contour.pieces)
-        for contour in crowded:  # fewer contours may leave room
-            labeller.avoid_lines(contour.pieces)
-            if not self._write_number(labeller, contour):
-                labeller.forget_lines(contour.pieces)
-
-    def _write_number(self, labeller: Labeller, contour: _Contour) -> bool:
-        # Numbers of contours lie in the order of covers: hatches over the line go over the number too.
-        style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
-        size = 8.0 * self._scale
-        long = [piece for piece in contour.pieces if self._is_long(piece, _NUMBERED)]
-        written = [labeller.along(contour.text, [piece], fontsize=size, **style) for piece in long]
-        fits = any(written) or labeller.along(contour.text, contour.pieces, fontsize=size, **style)
-        contour.artist.set_visible(fits)
-        return fits
+        for text, pieces, ground, line in self._contours:
+            # They lie in the order of covers: hatches over the line go over the number too.
+            look: dict[str, Any] = {"plate": ground, "color": style.ink_on(ground), "zorder": _COVERS}
+            look["fontsize"] = 8.0 * self._scale
+            written = [labeller.along(text, [piece], **look) for piece in self._long(pieces, _NUMBERED)]
+            line.set_visible(any(written) or labeller.along(text, pieces, **look))
 
     def _shows(self, field: Floats) -> bool:
         """Whether the area in which a field is positive is wide enough to see a hatch there."""
-        inside = self.fields.evenly(field) > 0.0
+        inside = self.fields.evenly(field > 0.0)
         return bool(erode(inside, math.ceil(_HATCHED * min(inside.shape)), beyond=False).any())
 
-    def _cover(self, field: Floats, label: str, **style: Any) -> None:
+    def cover(self, field: Floats, label: str, look: Mapping[str, Any]) -> None:
         """Cover the area in which a field is positive, and have its visible part named."""
-        filled = self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **style)
+        filled = self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **look)
         if filled is not None:
             self._name_region(label, field, filled)
             self._covers.append(field)
@@ -325,23 +280,23 @@ class MapLayers:
     def _name_region(self, text: str, field: Floats, filled: Any) -> None:
         """Have the visible part of the area in which a field is positive named, if there is any."""
         seen = np.minimum.reduce([field, *(-cover for cover in self._covers)])
-        member = self.fields.evenly(seen) > 0.0
+        member = self.fields.evenly(seen > 0.0)
         if member.any():
             filled.set_label("" if self._single else text)
             self._regions.append((text, member, filled))
 
-    def _fill(self, field: Floats, **style: Any) -> Any:
+    def _fill(self, field: Floats, **look: Any) -> Any:
         """Fill the area in which a field is positive, and return what does; None if there is none."""
         from matplotlib.patches import PathPatch
 
         path = zero_region(self.fields, field)
         if path is None:
             return None
-        return self.axes.add_artist(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **style}))
+        return self.axes.add_artist(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **look}))
 
-    def _line(self, pieces: list[Floats], **style: Any) -> Any:
+    def _line(self, pieces: list[Floats], **look: Any) -> Any:
         """Draw the pieces of one line as one artist, and return it."""
         gap = np.full((1, 2), np.nan)
         points = np.concatenate([part for piece in pieces for part in (piece, gap)])
-        (line,) = self.axes.plot(points[:, 0], points[:, 1], **style)
+        (line,) = self.axes.plot(points[:, 0], points[:, 1], **look)
         return line

@@ -7,11 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.plots.frame import facets, head_sweep, mark_point, place_on, settle
+from vibro.plots.frame import (
+    draw_peaks,
+    facets,
+    head_sweep,
+    mark_point,
+    place_on,
+    settle,
+)
 from vibro.plots.layers import MapLayers
-from vibro.plots.peaks import draw_peaks
 from vibro.plots.scales import Scale, colours_of, scale_of, time_scale
-from vibro.plots.style import BACKWARDS_FACE, BACKWARDS_HATCH, BACKWARDS_LABEL, CURVES, number_text
+from vibro.plots.style import BACKWARDS_FACE, BACKWARDS_LABEL, CURVES, OVER, number_text
 from vibro.plots.subjects import SUBJECTS, heading_of
 
 if TYPE_CHECKING:
@@ -56,7 +62,7 @@ def map_figure(
             layers.cover_rest()
         if picture == "traverse":
             backwards = np.nan_to_num(-layers.fields.velocity, nan=-1.0)
-            layers.hatch(backwards, BACKWARDS_LABEL, BACKWARDS_HATCH, BACKWARDS_FACE)
+            layers.cover(backwards, BACKWARDS_LABEL, {**OVER[BACKWARDS_LABEL], "facecolor": BACKWARDS_FACE})
     if picture != "regime":
         _draw_numbers(figure, maps, picture, result.length, target_speed)
     points = [place_on(f.panel, result.operating_point) for f in fields]
@@ -88,7 +94,7 @@ def _draw_numbers(
     if picture == "traverse":
         scale = time_scale(seen)
     else:
-        regular = _seen(maps, values, [layers.fields.smooth > 0.0 for layers in maps])
+        regular = _seen(maps, values, [layers.fields.regular > 0.0 for layers in maps])
         calm = _seen(maps, values, [layers.fields.log_ratio["hop"] <= 0.0 for layers in maps])
         scale = scale_of(seen, regular, calm, reverses=any(layers.fields.reverses for layers in maps))
     for layers, numbers in zip(maps, values, strict=True):

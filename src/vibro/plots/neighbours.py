@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int32]
     Mask = NDArray[np.bool_]
 
-__all__ = ["are_even", "dilate", "erode", "fill_unknown", "spread_evenly"]
-
 _UNEVEN: Final = 1e-6  # of a step: smaller differences are rounding
 _SPREAD: Final = 1000  # points along an uneven axis: about as many as the picture has
 

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import re
-import sys
 import threading
 import unicodedata
 from bisect import bisect_right
-from contextlib import contextmanager, suppress
-from itertools import groupby, islice
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import Regime, Status
-from vibro.errors import FileError
 from vibro.quantities import QUANTITIES, TOLD_HARMONICS, counted_harmonics
 
 if TYPE_CHECKING:
@@ -41,12 +37,18 @@ NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
     Status.UNRESOLVED: "+++",
 }
 BACKWARDS_FACE: Final = "#F4A582"  # for bodies without a number: a colour of speeds below 0
-BACKWARDS_HATCH: Final = "|"
 BACKWARDS_LABEL: Final = "moves backwards"
-COEXISTS_HATCH: Final = "..."
 COEXISTS_LABEL: Final = "another motion exists"
-AVERAGED_HATCH: Final = "/"
 AVERAGED_LABEL: Final = "irregular motion: mean over many flights"
+#: Hatches over colours, by their names.
+OVER: Final[Mapping[str, Mapping[str, Any]]] = {
+    label: {"facecolor": "none", "hatch": hatch, "edgecolor": ink}
+    for label, hatch, ink in (
+        (BACKWARDS_LABEL, "|", INK),
+        (COEXISTS_LABEL, "...", NO_ANSWER_INK),
+        (AVERAGED_LABEL, "/", NO_ANSWER_INK),
+    )
+}
 ERROR_LABEL: Final = "standard error of this mean"
 
 # Dashes, each with one meaning all over the pictures.
@@ -86,6 +88,7 @@ ZERO_SPEED: Final = CurveStyle("zero speed", "-", 1.6, "#FFFFFF")
 #: A speed or an error that is asked for; its label says which.
 WANTED: Final = CurveStyle("", _WANTED, 2.2, "#CC3311")
 
+_HALO: Final = 2.4  # [pt]
 _DPI: Final = 150
 _FONT: Final = "DejaVu Sans"  # comes with matplotlib
 _RC: Final[Any] = {
@@ -117,8 +120,6 @@ _HIDING: Final = frozenset({"Cc", "Cf", "Cn", "Cs", "Zl", "Zp"})
 _JOINERS: Final = "\N{ZERO WIDTH JOINER}\N{ZERO WIDTH NON-JOINER}"
 _HIDDEN: Final = "\N{REPLACEMENT CHARACTER}"
 _NO_GLYPH: Final = "\N{WHITE SQUARE}"
-_MARKS: Final = ("Mn", "Me")
-_MOST_MARKS: Final = 3  # on one letter: each stands on top of the one before
 
 UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
 _COMMAND: Final = re.compile(r"\\[a-z]+")
@@ -135,50 +136,15 @@ DRAWING: Final = threading.RLock()
 def house_style() -> Iterator[None]:
     """Draw or save in this style over matplotlib's own defaults: the same on every machine.
 
-    One thread does so at a time. A user's configuration (matplotlibrc, style sheets, MPLBACKEND) is ignored
-    without a warning, and does not change outside.
-
-    Raises
-    ------
-    FileError
-        If a matplotlibrc keeps matplotlib from being imported.
+    One thread does so at a time. A user's configuration (matplotlibrc, style sheets) does not change.
     """
-    import logging
+    import matplotlib as mpl
 
-    # matplotlib logs a bad matplotlibrc, or a folder for its cache that it cannot write: silence that.
     with DRAWING:
-        logger = logging.getLogger("matplotlib")
-        level = logger.level
-        logger.setLevel(max(level, logging.ERROR))
-        try:
-            mpl = _matplotlib()
-            # The context restores every setting but the backend, which no figure here needs.
-            defaults = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"}
-            with mpl.rc_context({**defaults, **_RC}):
-                yield
-        finally:
-            logger.setLevel(level)
-
-
-def _matplotlib() -> Any:
-    """Import matplotlib with any MPLBACKEND: that names a kind of windows, and no window is opened here."""
-    # Matplotlib refuses to be imported with an unknown name: hide that. A known name must reach it, as a
-    # notebook's own pictures depend on it.
-    backend = None if "matplotlib" in sys.modules else os.environ.pop("MPLBACKEND", None)
-    try:
-        import matplotlib as mpl
-    except UnicodeDecodeError as exc:
-        raise FileError(
-            f"matplotlib cannot read its configuration: {exc}",
-            hint="remove the matplotlibrc from the current folder, or from where MATPLOTLIBRC says",
-        ) from exc
-    finally:
-        if backend is not None:
-            os.environ["MPLBACKEND"] = backend
-    if backend:
-        with suppress(ValueError):
-            mpl.rcParams["backend"] = backend
-    return mpl
+        # The context restores every setting but the backend, which no figure here needs.
+        defaults: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"}
+        with mpl.rc_context({**defaults, **_RC}):
+            yield
 
 
 def visible(text: str) -> str:
@@ -209,9 +175,7 @@ def figure_text(text: str, size: float, room: float) -> str:
     font = get_font(findfont(FontProperties(family=_FONT)))
     font.set_size(size, _DPI)
 
-    runs = groupby(visible(text), key=lambda c: unicodedata.category(c) in _MARKS)
-    words = "".join("".join(islice(run, _MOST_MARKS if marks else None)) for marks, run in runs)
-    words = "".join(c if font.get_char_index(ord(c)) else _NO_GLYPH for c in words)
+    words = "".join(c if font.get_char_index(ord(c)) else _NO_GLYPH for c in visible(text))
 
     def width(line: str) -> float:
         font.set_text(line)
@@ -230,6 +194,12 @@ def axis_label(axis: Axis) -> str:
     """Name, symbol and unit of an axis: ``frequency f [Hz]``."""
     unit = f" [{UNIT_SIGNS.get(axis.unit, axis.unit)}]" if axis.unit else ""
     return f"{axis.label} ${QUANTITIES[axis.name].symbol}${unit}"
+
+
+def no_answer(status: Status) -> tuple[str, dict[str, Any]]:
+    """Return the name of a status without an answer, and the look of an area that has it."""
+    look = {"facecolor": NO_ANSWER_FACE, "edgecolor": NO_ANSWER_INK, "hatch": NO_ANSWER_HATCH[status]}
+    return status.label.replace("-", " "), look
 
 
 def number_text(value: float) -> str:
@@ -294,3 +264,11 @@ def ink_on(colour: Any) -> str:
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
     luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
     return INK if luminance > _EVEN_LUMINANCE else "#FFFFFF"
+
+
+def outline(artist: Any, halo: Any) -> None:
+    """Outline words in a colour, so that they stand out from the background; None leaves them."""
+    if halo is not None:
+        from matplotlib.patheffects import withStroke
+
+        artist.set_path_effects([withStroke(linewidth=_HALO, foreground=halo)])

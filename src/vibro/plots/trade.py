@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.plots.curves import draw_wanted
-from vibro.plots.frame import set_heading, settle, stack
+from vibro.plots.frame import draw_wanted, set_heading, settle, stack
 from vibro.plots.labels import Labeller
 from vibro.plots.style import house_style
 

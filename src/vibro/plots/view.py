@@ -18,20 +18,7 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.results.sweep import SweepResult
 
-__all__ = [
-    "MAX_FACETS",
-    "Panel",
-    "View",
-    "check_drawable",
-    "choose_view",
-    "index_of",
-    "is_discrete",
-    "panels",
-    "value_of",
-]
-
 MAX_FACETS: Final = 12
-_LEAST, _MOST = 1e-100, 1e100  # of drawn values, in their unit
 # A value that is typed with another unit, or copied from a picture, differs in its last digits.
 _SAME: Final = 5e-5  # relative difference
 _CURVES: Final = ("hop", "forward_onset", "back_slip", "continuous_sliding")
@@ -181,21 +168,6 @@ def choose_view(
     held = {name: index_of(axes[name], value) for name, value in at.items()}
     held |= _middles(axes, [name for name in axes if name in others], held, fixed or {})
     return View(axes[x], axes[y] if y else None, curves, facet, _facet_indices(facet), held)
-
-
-def check_drawable(view: View) -> None:
-    """Refuse axes whose lengths matplotlib's arithmetic loses or overflows.
-
-    Raises
-    ------
-    InputError
-        If a value that is drawn is beyond 1e100, or not 0 and below 1e-100.
-    """
-    for axis in filter(None, (view.x, view.y, view.curves, view.facet)):
-        sizes = np.abs(axis.values[axis.values != 0.0])
-        if np.any((sizes < _LEAST) | (sizes > _MOST)):
-            ends = f"{axis.label} = {axis.values[0]:g} ... {axis.values[-1]:g}"
-            raise InputError(f"{ends}: no picture has such an axis", hint='output="-" writes the table alone')
 
 
 def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Mapping[str, float]) -> None:
