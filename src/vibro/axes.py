@@ -31,7 +31,7 @@ _REPEATED: Final = 40  # characters of a number that a hint repeats
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
 # Two whole numbers without a blank between them: 1,5 may be a decimal.
-_DECIMAL_COMMA = re.compile(r"\s*([+-]?[0-9]{1,20}),([0-9]{1,20}[^,:0-9.]*)")
+_DECIMAL_COMMA = re.compile(r"\s*([+\u2212-]?[0-9]{1,20}),([0-9]{1,20}[^,:0-9.]*)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,7 +229,7 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
 
 def one_value_of(value: object, quantity: Quantity) -> AxisSpec:
     """Read what should be one value as ``axis_of`` does, but a comma in a text as that of a decimal."""
-    if isinstance(value, str) and ":" not in value and value.count(",") == 1:
+    if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
         return AxisSpec(quantity, (exact_number(value, quantity),))
     return axis_of(value, quantity)
 

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
-from helpers.commands import SLIP_STICK, Run, rows_of
+from helpers.commands import SLIP_STICK, Run, other, rows_of
 
 import vibro
 
@@ -51,7 +51,7 @@ def test_options_and_lists_give_the_same_drive(run: Run, tmp_path: Path) -> None
 def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None:
     file = written(tmp_path, FILE)
     forth, back = (
-        json.loads(run("solve", file, f"--along-phase-2={phase}", "--json").stdout)["mean_velocity_mm_s"]
+        json.loads(run("solve", file, f"along_phase_2={phase}", "--json").stdout)["mean_velocity_mm_s"]
         for phase in (-90, 90)
     )
     assert forth == pytest.approx(-back, rel=1e-13)
@@ -90,8 +90,8 @@ def test_patterns_that_are_longer_than_codes_are_whole(run: Run, tmp_path: Path)
     assert swept.to_frame()["pattern"].tolist() == expected
     rows = rows_of(run("map", file, "--frequency", "2:24:6", "-o", "-").stdout)
     assert [row["pattern"] for row in rows] == expected
-    said = [run("solve", file, "--frequency", "15", *how).stdout for how in ((), ("--json",))]
-    assert f"pattern {'F_B_' * 8}\n" in said[0]
+    said = [run("solve", file, "--frequency", "15", how).stdout for how in ("--all", "--json")]
+    assert f" {'F_B_' * 8}\n" in said[0]
     assert json.loads(said[1])["pattern"] == "F_B_" * 8
 
 
@@ -118,7 +118,7 @@ def test_regions_of_a_map_are_those_of_its_cells() -> None:
 
 
 def test_a_traverse_time_and_the_arrival_of_a_body(run: Run) -> None:
-    result = run("traverse-time", *SLIP_STICK, "along_phase_2=-90", "-L", "600", "--json")
+    result = run("traverse-time", *other(SLIP_STICK, "along_phase_2=-90"), "-L", "600", "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
     cycles = (answer["arrival_time_s"] - answer["traverse_time_s"]) * answer["frequency_hz"]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.commands import ELLIPSE, FRICTION, NUT, Run, rows_of
+from helpers.commands import ELLIPSE, FRICTION, NUT, Run, other, rows_of
 
 import vibro
 
@@ -56,10 +56,12 @@ def written(folder: Path, text: str, name: str = "drive.toml") -> Path:
 # --- one scene --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("phase", [("phase=-60",), ("phase=-60"), ("phase=-60deg"), ("phase=300",)])
-def test_a_negative_phase_needs_no_equals_sign(run: Run, phase: tuple[str, ...]) -> None:
-    rest = tuple(text for text in ELLIPSE if not text.startswith("--phase"))
-    answer = json.loads(run("solve", *rest, *phase, "--json").stdout)
+@pytest.mark.parametrize(
+    "phase", ["phase=-60deg", "phase=300", "normal_phase_deg=-60", "phi = \N{MINUS SIGN}60"]
+)
+def test_a_quantity_has_several_names(run: Run, phase: str) -> None:
+    rest = [text for text in ELLIPSE if not text.startswith("phase")]
+    answer = json.loads(run("solve", *rest, phase, "--json").stdout)
     expected = 1e3 * vibro.solve(vibro.Scene(**VALUES)).mean_velocity
     assert answer["mean_velocity_mm_s"] == pytest.approx(expected, rel=1e-13)
 
@@ -143,14 +145,14 @@ def test_a_line_s_table_keeps_its_columns(run: Run) -> None:
 
 def test_columns_are_chosen_by_name(run: Run) -> None:
     names = "normal_phase_deg,stroke_mm,acceleration_g"
-    rows = rows_of(run("map", *ELLIPSE, "phase=-90:90:3", "-o", "-", "--columns", names).stdout)
+    rows = rows_of(run("map", *other(ELLIPSE, "phase=-90:90:3"), "-o", "-", "--columns", names).stdout)
     assert [float(row["normal_phase_deg"]) for row in rows] == [-90, 0, 90]
     assert float(rows[0]["stroke_mm"]) == pytest.approx(2.0, rel=1e-15)  # the axes of the ellipse are X and Y
     assert float(rows[1]["stroke_mm"]) == pytest.approx(2.0 * math.hypot(1.0, 0.3), rel=1e-15)
 
 
 def test_the_sidecar_gives_what_was_solved(run: Run, tmp_path: Path) -> None:
-    run("map", *ELLIPSE, "phase=-180:180:9", "-o", "x")
+    run("map", *other(ELLIPSE, "phase=-180:180:9"), "-o", "x")
     content = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
     assert content["axes"]["normal_phase_deg"] == {
         "count": 9,
@@ -174,7 +176,7 @@ def test_python_sweeps_the_same(run: Run) -> None:
     )  # fmt: skip
     frame = swept.to_frame()
     assert tuple(frame.columns)[: len(COLUMNS)] == COLUMNS
-    rows = rows_of(run("map", *ELLIPSE, "phase=-180:180:5", "-o", "-").stdout)
+    rows = rows_of(run("map", *other(ELLIPSE, "phase=-180:180:5"), "-o", "-").stdout)
     assert [float(row["mean_velocity_mm_s"]) for row in rows] == frame["mean_velocity_mm_s"].tolist()
     assert list(swept.axes) == ["normal_phase_deg"]
     with pytest.raises(vibro.VibroError, match=r"the call gives amplitude, along amplitude: a drive moves"):

@@ -63,6 +63,12 @@ def started(*args: str, cwd: Path, program: tuple[str, ...] = VIBRO) -> subproce
     )  # fmt: skip
 
 
+def other(drive: tuple[str, ...], *given: str) -> tuple[str, ...]:
+    """Return a drive with some quantities, as NAME=VALUE, in place of those of the same names."""
+    names = {text.partition("=")[0] for text in given}
+    return (*(text for text in drive if text.partition("=")[0] not in names), *given)
+
+
 def rows_of(text: str) -> list[dict[str, str]]:
     """Read a CSV as a user's script would."""
     return list(csv.DictReader(io.StringIO(text, newline="")))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 VERSION: Final = 1
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
-_DIGITS: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_DIGITS: Final = r"[+\u2212-]?(?:[0-9]+(?:\.[0-9]*|,[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 Schema = dict[str, Any]
 
