@@ -280,7 +280,11 @@ def _asked(one: OneScene, part: Mapping[str, float]) -> list[Fact]:
             facts.append(Fact("throughput", rate, unit, rate * one.relative_error, note))
     if "stand_ratio" in part:
         upright, load = (one.value(column) for column in standing(part["stand_ratio"]))
-        note = f"an edge lifts at {decimals(1.0 / load, _SHORT)} times the drive" if load > 0.0 else ""
+        note = (
+            f"an edge lifts at {decimals(1.0 / load, _SHORT)} times the drive"
+            if 0.0 < load < math.inf
+            else ""
+        )
         facts.append(Fact("upright", _STANDS[int(upright)], note=note))
     for column in weighed(part):
         facts.append(Fact(label_of(column.name, column.unit), one.value(column), column.unit))

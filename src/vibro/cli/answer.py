@@ -7,18 +7,19 @@ import shlex
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from vibro.answers.answer import Answer
 from vibro.answers.scene import OneScene, cells_answer, scene_answer
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.outputs import TABLES, Outputs
 from vibro.core.codes import Status
+from vibro.errors import InputError
 from vibro.quantities import QUANTITIES, as_given
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from vibro.answers.answer import Answer
     from vibro.cli.options import Options
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
@@ -40,12 +41,15 @@ class Run:
         What files hold of it.
     columns : sequence of Column
         What JSON holds of a cell.
+    is_chosen : bool
+        Whether somebody has chosen these: JSON then has nothing else, and there is no text.
     """
 
     request: Request
     grid: Grid
     table: Table
     columns: Sequence[Column]
+    is_chosen: bool = False
 
     def records(self, block: Block) -> list[dict[str, Any]]:
         """Return cells as JSON has them."""
@@ -92,6 +96,8 @@ def answer_one(
         If the files cannot be written.
     """
     grid, console = run.grid, Console(quiet=options.quiet)
+    if run.is_chosen and not options.json and not options.output:
+        raise InputError("--columns: the answer is no table", hint="add --json, -o - or -o NAME.csv")
     if grid.machine is not None:
         from vibro.sweeps.machines import check_operating, points_of
 
@@ -105,6 +111,8 @@ def answer_one(
     def answer(*, whole: bool, recorded: bool) -> Answer:
         one = OneScene(blocks[0])
         record = run.records(blocks[0])[0] if recorded else {}
+        if run.is_chosen and recorded:
+            return Answer((), record=record)
         if make is not None:
             return make(one, record)
         return scene_answer(one, grid, run.table.part, record, every=whole, title=title)

@@ -173,6 +173,7 @@ _GONE: Final = {
     "speed": "vibro solve tells the speed",
     "--mu": "static friction is --mu-s, kinetic friction --mu-d",
     "report": "a page is -o NAME.html of solve, drive, design or measure",
+    "--flight": "--regimes-only leaves all speeds out",
     "--format": "the ending of -o says the form: -o NAME.csv, NAME.xlsx, NAME.parquet",
     "--table": "-o NAME.csv writes a table, -o - prints it",
     "--excel": "-o NAME.xlsx writes a workbook",

@@ -24,7 +24,7 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_MOST_CELLS: Final = 400  # of lists; more are a map's
+_MOST_CELLS: Final = 50  # of lists: a screen; more are a map's
 _NO_MACHINE: Final = (
     "--speed asks for an amplitude, which follows from the machine; vibro map setting=10:100 --speed shows"
     " the settings that reach a speed"
@@ -104,11 +104,14 @@ def solve_command(
         grid = request.grid(output, flight=follows, coexistence=coexist, arrivals=arrives)
         table = table_of(grid, columns, extra, needed=_NEEDS, part=part)
         whole = usual_columns(grid, more) if columns is None else table.columns
-        runs.append(Run(request, grid, table, whole))
+        runs.append(Run(request, grid, table, whole, columns is not None))
     if len(runs) == 1 and not runs[0].request.varying:
         return answer_one(runs[0], options, context.obj, "vibro-solve", every=every)
     if (size := sum(run.grid.size for run in runs)) > _MOST_CELLS:
-        raise InputError(f"{size} scenes are too many for a list", hint="vibro map sweeps ranges")
+        raise InputError(
+            f"{size} scenes: at most {_MOST_CELLS} are listed",
+            hint="give fewer, such as -A 1:3:10, or use vibro map",
+        )
     return answer_cells(runs, options, context.obj, "vibro-solve")
 
 

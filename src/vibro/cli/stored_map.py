@@ -8,6 +8,7 @@ from vibro.cli.console import Console
 from vibro.cli.views import names_of, shown_pictures, tell_choices, view_of
 from vibro.core.codes import Output
 from vibro.errors import InputError
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -134,7 +135,7 @@ def _refuse_others(context: typer.Context, folder: Path, given: Iterable[str]) -
         if parameter.name not in _OF_PICTURES
         and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
     ]
-    typed += list(given)
+    typed += [QUANTITIES[name].label for name in given]
     if typed:
         hint = _OTHERWISE.format("it" if len(typed) == 1 else "them")
         raise InputError(

@@ -46,7 +46,7 @@ def traverse_time_command(
     grid = request.grid(arrivals=follows)
     console.echo_all(map(str, grid.told_axes.values()))
     table = table_of(grid, columns, extra, needed={WITH_ARRIVAL.name: "--exact"})
-    run = Run(request, grid, table, table.columns)
+    run = Run(request, grid, table, table.columns, columns is not None)
     if request.varying:
         return answer_sweep(run, options, context.obj, console, name)
     return answer_one(run, options, context.obj, name, traverse_answer)

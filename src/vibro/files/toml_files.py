@@ -57,15 +57,17 @@ def read_toml(path: Path) -> dict[str, Any]:
     InputError
         If it is not TOML.
     """
-    if kind := _OTHER_FILES.get(path.suffix.casefold()):
-        raise InputError(f"{path}: {kind}, and no scene or design file", hint="these are TOML: NAME.toml")
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as exc:
-        hint = "give a file, such as NAME.toml" if path.is_dir() else suggestion(path, (".toml",))
+        hint = (
+            "give a file, such as NAME.toml" if path.is_dir() else suggestion(path, (".toml",), folders=True)
+        )
         raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=hint) from exc
     except UnicodeDecodeError as exc:
-        raise InputError(f"{path}: not a text file in UTF-8", hint="save it as UTF-8") from exc
+        raise _other(path) or InputError(
+            f"{path}: not a text file in UTF-8", hint="save it as UTF-8"
+        ) from exc
     except ValueError as exc:  # the path has a zero character
         raise FileError(f"cannot read {path}: {exc}") from exc
     try:
@@ -76,7 +78,15 @@ def read_toml(path: Path) -> dict[str, Any]:
         comma, unit = _DECIMAL_COMMA.search(text), _UNQUOTED.search(text)
         hint = f"write a decimal point: {comma[1]} = {comma[2]}.{comma[3]}" if comma else ""
         hint = f'write a number and its unit in quotes: {unit[1]} = "{unit[2]}"' if unit else hint
-        raise InputError(f"{path}: not valid TOML: {cut(str(exc), _REASON)}", hint=hint) from exc
+        said = f"{path}: not valid TOML: {cut(str(exc), _REASON)}"
+        raise _other(path) or InputError(said, hint=hint) from exc
+
+
+def _other(path: Path) -> InputError | None:
+    """Return what is wrong with a file of another kind, if its name says so."""
+    kind = _OTHER_FILES.get(path.suffix.casefold())
+    said = f"{path}: {kind}, and no scene or design file"
+    return InputError(said, hint="these are TOML: NAME.toml") if kind else None
 
 
 def kind_of(content: Mapping[str, Any]) -> FileKind:
