@@ -36,11 +36,7 @@ if TYPE_CHECKING:
 #: Names of the pictures.
 DESIGN_PICTURES: Final = ("regime", "speed", "band")
 
-_BEGINS_TO: Final[Mapping[Regime, str]] = {
-    Regime.FORWARD_SLIP: "starts",
-    Regime.BACK_SLIP: "slips back",
-    Regime.HOPPING: "hops",
-}
+_BEGINS_TO: Final = dict(zip(BEGINS_AT, ("starts", "slips back", "hops"), strict=True))
 _TIPS: Final = style.CurveStyle("first part lifts an edge", style.TIPPING, 1.6)
 _UNKNOWN: Final = style.no_answer(Status.RUNAWAY)[1]
 _FORBIDDEN_HATCH: Final = "\\\\"

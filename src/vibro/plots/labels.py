@@ -33,6 +33,8 @@ _BESIDE: Final = 6.0  # [px] between the margin of a label and the line that it 
 _ROOMIER: Final = 1.2  # from one size of free rectangles to the next
 _PLACES: Final = 45  # tried along a line
 _REACHES: Final = (3, 6, 10, 15, 21, 28, 36, 46, 58)  # [pt] from a point to its label, tried in turn
+_LED: Final = 12.0  # [pt] from a point: beyond, a label is connected with it
+_LEADER: Final = {"arrowstyle": "-", "color": "#999999", "linewidth": 0.6}
 _DIRECTIONS: Final = (*itertools.product((1, -1), (0.7, -0.7)), (1, 0), (-1, 0), (0, 1), (0, -1))
 # A label hides the stretch of the line under it: that must be nearly straight, and not the whole line.
 _LEAST_LENGTH: Final = 1.3  # of the line, over that of the label
@@ -168,9 +170,14 @@ class Labeller:
             for right, up in _DIRECTIONS
         ]
         shape = _rectangle(width, height)
-        self._put(
-            artist, width, height, min(middles, key=lambda m: int(self._crowd[self._cells(shape + m)].sum()))
-        )
+        middle = min(middles, key=lambda m: int(self._crowd[self._cells(shape + m)].sum()))
+        self._put(artist, width, height, middle)
+        outline(artist, "#FFFFFF")
+        if abs(middle - centre) > _LED * self._pixels_per_point + 0.5 * width:  # a line leads to it
+            half, off = 0.5 * complex(width, height), centre - middle
+            x, y = (np.clip(o, -h, h) for o, h in ((off.real, half.real), (off.imag, half.imag)))
+            end: Any = (middle.real + x, middle.imag + y)
+            self._axes.annotate("", point, end, textcoords="axes pixels", arrowprops=_LEADER, zorder=2)
 
     def _place_on(
         self, line: Points, others: Integers, width: float, height: float, side: int

@@ -69,9 +69,9 @@ def trade_figure(trade: Trade) -> Figure:
         lines += [np.array([_point(row), (row.time_us, max(row.error_median, _LEAST_ERROR))]) for row in rows]
         lines.append(np.array([[x, trade.tolerance] for x in axes.get_xlim()]))
         labeller.avoid_lines(lines)
-        for name, (colour, _) in zip(methods, itertools.cycle(_LOOKS), strict=False):
-            for row in methods[name]:
-                labeller.beside(row.setting, _point(row), fontsize=7.5, color=colour)
+        colours = dict(zip(methods, (colour for colour, _ in itertools.cycle(_LOOKS)), strict=False))
+        for row in sorted(rows, key=lambda row: -len(row.setting)):
+            labeller.beside(row.setting, _point(row), fontsize=7.5, color=colours[row.method])
     return figure
 
 
