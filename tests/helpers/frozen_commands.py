@@ -36,7 +36,6 @@ solve -A 2 {_NUT}
 solve -A 4 {_NUT} -L 600
 solve -A 4 {_NUT} --coexist
 solve -A 4 {_NUT} --restitution .3
-solve -A 8 {_NUT} --flight off
 solve -A 1 {_NUT} --regimes-only
 solve -A 1 -f 15 -a 20 --mu-s .2 --mu-ratio .5 --trough-angle=-15
 solve --stroke 2 -f 900rpm -a 20 --mu-s .74 --mu-ratio .8
@@ -77,7 +76,7 @@ drive feeder.toml --fit points.csv
 drive --fit points.csv --law square
 map -A .5:4:8 {_NUT} -f 10:20:6 -L 600 -o -
 map -A .5:4:8 {_NUT} -f 10:20:6 --decimal-comma -o -
-map {_BOWL}=.2:1.4:7 phase=-90:90:7 -o -
+map along=1 phase=-90:90:7 -f 25 --mu-s .4 --mu-d .3 normal=.2:1.4:7 -o -
 map {_TWO}=.5 motion_scale=.5:2:30 -o -
 map samples.toml motion_scale=.5:2:30 -o -
 map feeder.toml filling=0:2:5 voltage=90:110:5 -o -

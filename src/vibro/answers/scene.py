@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.answers.answer import Answer, Fact, Table, decimals, label_of, shown, uncertain
-from vibro.core.codes import PHASE_NAMES, Regime, Status
+from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
 from vibro.inverse.costs import changed_cycles
 from vibro.limits import Transition, transitions
 from vibro.motion.settled import cycle_phases
@@ -175,7 +175,8 @@ def scene_answer(
     tables = [_next(one)]
     if every:
         facts += _rare(one)
-        tables = [_beginnings(one), _sensitivities(one), _phases(one)]
+        tables = [_beginnings(one)]
+        tables += [_sensitivities(one), _phases(one)] if grid.output is Output.EXACT else []
     return Answer(facts, [table for table in tables if table.rows], _notes(one), record, title)
 
 
