@@ -168,6 +168,7 @@ class MapLayers:
         halo = [withStroke(linewidth=width + _HALO, foreground=ground, alpha=0.8)] if has_halo else None
         look = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": width, "path_effects": halo}
         line = self._line(pieces, gid=name, zorder=3, **look)
+        line.set_label("" if self._single else curve.label)
         self._curves.append((curve.label, pieces, line))
         self._clear += pieces
 
