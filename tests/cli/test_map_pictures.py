@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, SMALL, Run
-from helpers.drawn import only_map
+from helpers.drawn import curve, legend, only_map
 from PIL import Image
 
 from vibro.plots import map_figures
@@ -21,15 +21,33 @@ def names() -> list[str]:
     return sorted(path.name for path in Path().rglob("*") if path.is_file())
 
 
-@pytest.mark.usefixtures("unsaved")
-def test_the_axes_of_a_picture_are_those_asked_for(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn: dict[str, Figure] = {}
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> dict[str, Figure]:
+    found: dict[str, Figure] = {}
 
     def noted(*args: Any, **how: Any) -> dict[str, Figure]:
-        drawn.update(map_figures(*args, **how))
-        return drawn
+        found.update(map_figures(*args, **how))
+        return found
 
     monkeypatch.setattr("vibro.plots.map_figures", noted)
+    return found
+
+
+@pytest.mark.usefixtures("unsaved")
+def test_table_and_picture_name_the_same_fastest_cell(run: Run, drawn: dict[str, Figure]) -> None:
+    """Of a coarse table; the cells of the picture are finer, and some of them faster."""
+    args = ("map", "--stroke", "1:6:8", "-f", "10:60:8", *NUT_ANGLE_AND_FRICTION)
+    for output in (("-o", "nut"), ("-o", "nut.parquet", "-o", "folder.png")):
+        assert run(*args, *output).exit_code == 0
+        peak = json.loads(Path("nut.json").read_text(encoding="utf-8"))["peaks"]["fastest"]
+        (told,) = (text for text in legend(drawn["speed"]) if text.startswith("fastest"))
+        assert told.startswith(f"fastest: {peak['mean_velocity_mm_s']:.5g} mm/s at $2A$ = ")
+        place = peak["frequency_hz"], 2.0 * peak["amplitude_mm"]
+        assert curve(only_map(drawn["speed"]), "fastest")[0].tolist() == pytest.approx(place)
+
+
+@pytest.mark.usefixtures("unsaved")
+def test_the_axes_of_a_picture_are_those_asked_for(run: Run, drawn: dict[str, Figure]) -> None:
     args = ("-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
     assert run("map", *args, "-o", "nut", "--x", "amplitude", "--y", "frequency").exit_code == 0
     axes = only_map(drawn["regime"])

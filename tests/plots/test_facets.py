@@ -52,15 +52,6 @@ def test_the_operating_point_is_on_its_map_alone(facets: dict[str, Figure]) -> N
     assert marked == [False, True, False]
 
 
-def test_at_most_twelve() -> None:
-    figure = map_figures(
-        sweep(points=31, amplitude="0.2:3", frequency="10:50", drive_angle="5:40"), ["regime"]
-    )["regime"]
-    titles = [axes.get_title() for axes in maps_of(figure)]
-    assert len(titles) == 12
-    assert (titles[0], titles[-1]) == (r"$\alpha$ = 5°", r"$\alpha$ = 40°")
-
-
 def test_held_axes_are_in_the_heading() -> None:
     result = sweep(
         at={"drive_angle": 30},

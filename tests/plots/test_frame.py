@@ -31,13 +31,6 @@ def test_axes_have_names_units_and_the_range_of_the_sweep(pictures: dict[str, Fi
     assert axes.get_ylim() == (0.1, 3)
 
 
-def test_angles_and_coefficients(
-    climb_pictures: dict[str, Figure], friction_pictures: dict[str, Figure]
-) -> None:
-    assert only_map(climb_pictures["speed"]).get_ylabel() == r"trough angle $\beta$ [°]"
-    assert only_map(friction_pictures["speed"]).get_xlabel() == r"static friction $\mu_s$"
-
-
 def test_heading_says_what_of_what_and_where(pictures: dict[str, Figure]) -> None:
     heading = pictures["traverse"].get_suptitle()
     assert heading.startswith("Traverse time over 600 mm – a sweep\n")

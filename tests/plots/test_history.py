@@ -131,15 +131,6 @@ def test_friction_is_legible_beside_the_load_of_a_hopping_body() -> None:
             assert (np.isnan(np.asarray(line.get_ydata())[inside]) == (phase.kind == "H")).all()
 
 
-def test_a_load_that_leaves_friction_legible_is_not_cut_off() -> None:
-    for amplitude in (1.0, 1.5):
-        _, figure = draw(amplitude)
-        bottom, top = figure.axes[2].get_ylim()
-        for line in figure.axes[2].lines:
-            assert bottom < np.min(np.asarray(line.get_ydata())) <= np.max(np.asarray(line.get_ydata())) < top
-        assert "inertial and gravity, along the trough" in names_in(figure)
-
-
 def test_far_from_the_start_the_position_has_a_scale_of_its_own() -> None:
     _, figure = draw(1.0, cycles=20.0, since=14 / 15)
     bottom, top = figure.axes[1 + list(PANELS).index("position")].get_ylim()

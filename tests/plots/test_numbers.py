@@ -27,7 +27,7 @@ from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize, to_rg
 
 from vibro import Regime, Scene, Status, solve
 from vibro.plots import map_figures
-from vibro.plots.scales import even_levels, log_levels, scale_of, time_scale
+from vibro.plots.scales import scale_of
 from vibro.plots.style import AVERAGED_LABEL, BACKWARDS_LABEL
 from vibro.results.sweep import SweepResult
 
@@ -107,22 +107,6 @@ def test_a_logarithmic_scale_begins_below_nearly_all_numbers_within_five_decades
     assert foot(few, few[few < 3]) == pytest.approx(1e-4)
     fast = np.concatenate([[0.0, 1.0], np.linspace(8.0, 10.0, 199)])
     assert foot(fast, fast[:2]) == pytest.approx(5.0)
-
-
-def test_times_near_rest_do_not_set_the_scale() -> None:
-    times = np.concatenate([np.linspace(1.0, 20.0, 200), [1e3, 1e9]])
-    scale = time_scale(times)
-    assert scale.norm.vmin == 1.0
-    assert 19.0 < float(scale.norm.vmax or 0.0) < 21.0
-    assert scale.extend == "max"
-
-
-def test_contours_lie_between_the_least_and_the_largest_number() -> None:
-    assert even_levels(0.0, 400.0).tolist() == [50, 100, 150, 200, 250, 300, 350]
-    assert even_levels(-100.0, 200.0).tolist() == [-50, 0, 50, 100, 150]
-    assert even_levels(10.0, 14.0).tolist() == [10.5, 11, 11.5, 12, 12.5, 13, 13.5]
-    assert log_levels(1.5, 60.0).tolist() == [2, 5, 10, 20, 50]
-    assert log_levels(1.5, 6e5).tolist() == [10, 100, 1000, 10000, 100000]
 
 
 def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
