@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.neighbours import dilate, erode, fill_unknown, spread_evenly
+from vibro.plots.neighbours import are_even, dilate, erode, fill_unknown
 from vibro.quantities import scene_fields
 from vibro.scene import Scene
 
@@ -60,6 +60,7 @@ _ROUNDING: Final = 1e-9  # of the largest speed: less counts as none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
 
+_EVEN_POINTS: Final = 100  # points along an axis, to find places for words
 # Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
 _LEAST_RATIO: Final = 1e-30
 
@@ -234,9 +235,17 @@ class Fields:
         y = points[:, 1] if self.panel.y is None else _unstraightened(self.panel.y, points[:, 1])
         return np.column_stack([_unstraightened(self.panel.x, points[:, 0]), y])
 
-    def evenly(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values at points that lie evenly on the paper: of the nearest of the grid's points."""
-        return spread_evenly(values, self.panel.x.on_paper, (self.panel.y or self.panel.x).on_paper)
+    def evenly(self, field: Floats) -> Floats:
+        """Return a field on points that lie evenly on the paper, for the search for places of words.
+
+        Pictures that solve their own cells have such axes already; a caller's cells may not.
+        """
+        for dimension, (axis, own) in enumerate(((self.panel.y, self.v), (self.panel.x, self.u))):
+            if axis is not None and (len(axis) < _EVEN_POINTS or not are_even(axis.on_paper)):
+                space = np.geomspace if axis.spacing == "log" else np.linspace
+                at = _straightened(axis, space(axis.values[0], axis.values[-1], _EVEN_POINTS))
+                field = np.apply_along_axis(lambda f, to, of: np.interp(to, of, f), dimension, field, at, own)
+        return field
 
     def along(self, field: Floats, x: float) -> float:
         """Return the value of a field of one row at a place, in the user's units."""

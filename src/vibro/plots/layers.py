@@ -11,7 +11,7 @@ from vibro.core.codes import Regime, Status
 from vibro.plots import style
 from vibro.plots.fields import BEGINS_AT, HIDDEN_BY, hiding_fields, without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
-from vibro.plots.neighbours import erode
+from vibro.plots.neighbours import erode, spread_evenly
 from vibro.plots.scales import colours_of
 
 if TYPE_CHECKING:
@@ -190,7 +190,7 @@ class MapLayers:
         # grid that is even on the paper, for any scale of the axes, an image of colours is the same picture.
         # Numbers below a logarithmic scale have the colour of its foot.
         heights = np.asarray(norm(np.maximum(values, float(norm.vmin or 0.0))))
-        even = fields.evenly(heights)
+        even = spread_evenly(heights, fields.panel.x.on_paper, (fields.panel.y or fields.panel.x).on_paper)
         right, up = (0.5 / (n - 1) for n in even.shape[::-1])
         image = self.axes.imshow(
             colours(even, bytes=True),
@@ -268,7 +268,7 @@ class MapLayers:
 
     def _shows(self, field: Floats) -> bool:
         """Whether the area in which a field is positive is wide enough to see a hatch there."""
-        inside = self.fields.evenly(field > 0.0)
+        inside = self.fields.evenly(field) > 0.0
         return bool(erode(inside, math.ceil(_HATCHED * min(inside.shape)), beyond=False).any())
 
     def cover(self, field: Floats, label: str, look: Mapping[str, Any]) -> None:
@@ -281,7 +281,7 @@ class MapLayers:
     def _name_region(self, text: str, field: Floats, filled: Any) -> None:
         """Have the visible part of the area in which a field is positive named, if there is any."""
         seen = np.minimum.reduce([field, *(-cover for cover in self._covers)])
-        member = self.fields.evenly(seen > 0.0)
+        member = self.fields.evenly(seen) > 0.0
         if member.any():
             filled.set_label("" if self._single else text)
             self._regions.append((text, member, filled))

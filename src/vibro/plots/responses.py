@@ -20,14 +20,7 @@ if TYPE_CHECKING:
 
 _SIZE: Final = (7.4, 5.2)  # [in]
 _CURVE: Final[Mapping[str, Any]] = {"color": "#004488", "linewidth": 1.6}
-_POINTS: Final[Mapping[str, Any]] = {
-    "color": "#BB5566",
-    "marker": "o",
-    "markersize": 5.0,
-    "linestyle": "none",
-    "markeredgecolor": INK,
-    "markeredgewidth": 0.6,
-}
+_POINTS: Final[dict[str, Any]] = {"color": "#BB5566", "marker": "o", "markersize": 6.0, "linestyle": "none"}
 _BAND: Final = "#DDDDDD"
 
 
