@@ -150,7 +150,7 @@ def test_a_terminal_sees_progress_files_and_shares(tmp_path: Path) -> None:
 
     ours, theirs = pty.openpty()
     environment = {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
-    environment |= {"TERM": "xterm-256color", "COLUMNS": "100", "MPLBACKEND": "bogus"}  # no window opens
+    environment |= {"TERM": "xterm-256color", "COLUMNS": "100"}
     args = ("map", *NUT, "-A", "0.5:4:300", "-o", "n")
     with subprocess.Popen(
         [*VIBRO, *args],
