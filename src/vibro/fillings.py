@@ -40,13 +40,13 @@ _ROWS: Final = 7  # shares, both parts of the second harmonic, errors of the sha
 def _compliance(frequency_ratio: float, trough_share: float) -> float:
     """Compliance of a free machine of two masses to more mass on the trough, times the trough's mass.
 
-    Eq. (80); ``trough_share`` is that of the trough in both masses, 0 for one mass on springs.
+    Eq. (78); ``trough_share`` is that of the trough in both masses, 0 for one mass on springs.
     """
     damping, square = 2j * _DAMPING_RATIO * frequency_ratio, frequency_ratio * frequency_ratio
     return abs((square - trough_share * (1.0 + damping)) / (square - 1.0 - damping))
 
 
-#: Compliance ``abs(m1 H)`` of typical machines, Eq. (80), by their kind [1].
+#: Compliance ``abs(m1 H)`` of typical machines, Eq. (78), by their kind [1].
 TYPICAL_MACHINES: Final = {
     "unbalance motors, soft mounts (f/f0 = 4)": _compliance(4.0, 0.0),
     "two masses, m2 = 2 m1, below resonance (f/f0 = 0.90)": _compliance(0.90, 1.0 / 3.0),
@@ -82,7 +82,7 @@ def filling(scene: Scene, *, threads: int | None = None) -> Filling:
 
     Notes
     -----
-    Eqs. (75)-(79) of docs/theory, summed over the slides and flights of the cycle; within 1e-11 of an
+    Eqs. (73)-(77) of docs/theory, summed over the slides and flights of the cycle; within 1e-11 of an
     event-driven simulation in 34 digits (tests/test_fillings.py). For irregular motion they are means over
     the same flights as the mean speed of ``solve``, which takes several ms per cell.
 
@@ -217,7 +217,7 @@ def most_mass_ratio(
     Returns
     -------
     array
-        Mass of the filling over that of the trough, to first order, Eq. (81); NaN where the speed's
+        Mass of the filling over that of the trough, to first order, Eq. (79); NaN where the speed's
         dependence on the amplitude, or the filling's share, is unknown [1].
     """
     exponent = np.abs(amplitude_exponent(scene, cycle))

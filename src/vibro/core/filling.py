@@ -1,7 +1,7 @@
 """What a body in the trough weighs to its drive: the harmonics of the force with which it acts on the trough.
 
 By parts each harmonic of the body's absolute acceleration is an integral of its relative velocity over the
-settled cycle, Eqs. (75)-(77) of docs/theory: rests contribute nothing, and jumps of the velocity need no
+settled cycle, Eqs. (73)-(75) of docs/theory: rests contribute nothing, and jumps of the velocity need no
 terms of their own. Lengths in A, speeds in A w, phases of the normal motion in radians.
 """
 
@@ -46,9 +46,9 @@ class Reaction(NamedTuple):
     Attributes
     ----------
     added_mass, added_damping : float
-        lambda and delta: first harmonic, Eq. (76).
+        lambda and delta: first harmonic, Eq. (74).
     second_real, second_imaginary : float
-        Second harmonic along the line, Eq. (77); of an ellipse its size, and 0.
+        Second harmonic along the line, Eq. (75); of an ellipse its size, and 0.
     mass_error, damping_error : float
         Standard errors of the first two where they are means, else 0.
     """
@@ -200,7 +200,7 @@ def _with_contact(track: Track, landing: float, rest: float, walk: _Walk) -> _Wa
 
 
 def _reaction(loads: Loads, walk: _Walk, duration: float) -> Reaction:
-    """Project the harmonics on the trough's path, Eqs. (75)-(77)."""
+    """Project the harmonics on the trough's path, Eqs. (73)-(75)."""
     a, b, x, y = loads.drive_tangential, loads.drive_normal, walk.along, walk.normal
     square = a * a + b * b
     if square == 0.0:
@@ -333,7 +333,7 @@ def _with_single_bounces(track: Track, restitution: float, found: Reaction, hops
 
 
 def force_bound(loads: Loads) -> float:
-    """Bound the first harmonic, and each other one, by the weight alone, Eq. (78).
+    """Bound the first harmonic, and each other one, by the weight alone, Eq. (76).
 
     The mean normal force of a settled body is its weight, and friction takes mu_s of it at most.
     """
@@ -392,7 +392,7 @@ def _with_impulse(out: _Integrals, phase: float, weight: float) -> _Integrals:
 
 
 def _long(motion: _Motion, phase: float, length: float) -> _Integrals:
-    """Integrate in closed form, Eq. (79): powers of e^(-is), times those at the start."""
+    """Integrate in closed form, Eq. (77): powers of e^(-is), times those at the start."""
     c1, s1 = math.cos(length), math.sin(length)
     c2, s2 = (c1 - s1) * (c1 + s1), 2.0 * s1 * c1
     c3, s3 = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2

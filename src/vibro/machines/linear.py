@@ -1,4 +1,4 @@
-"""A linear machine of one or two masses, Eq. (85): motion for a force of 1 N, and its logarithmic slopes."""
+"""A linear machine of one or two masses, Eq. (83): motion for a force of 1 N, and its logarithmic slopes."""
 
 from __future__ import annotations
 
@@ -55,13 +55,13 @@ class Transfer(NamedTuple):
     trough, counter, relative : complex array
         X_1, X_2 and X_1 - X_2 over F [m/N].
     compliance : complex array
-        H of Eq. (87), A / A_0 = 1 / abs(1 + m H) for a complex added mass m [1/kg].
+        H of Eq. (85), A / A_0 = 1 / abs(1 + m H) for a complex added mass m [1/kg].
     kappa : complex array
         k + k_r + i w c [N/m].
     added_mass : complex array
         Of the filling [kg].
     impedance : complex array
-        -Z / (m2 w^2) of Eq. (85) [N/m].
+        -Z / (m2 w^2) of Eq. (83) [N/m].
     """
 
     trough: Complexes
@@ -74,7 +74,7 @@ class Transfer(NamedTuple):
 
 
 class Slopes(NamedTuple):
-    """d ln A / d ln q with the force's own dependence, Eq. (86), each with all other inputs held [1].
+    """d ln A / d ln q with the force's own dependence, Eq. (84), each with all other inputs held [1].
 
     ``stiffness`` is k without the rod, ``damping`` c, ``filling`` the added mass.
     """
@@ -87,7 +87,7 @@ class Slopes(NamedTuple):
 
 
 def transfer(masses: Masses, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
-    """Solve Eq. (85) for a force of 1 N.
+    """Solve Eq. (83) for a force of 1 N.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def transfer(masses: Masses, frequency: Any, natural_frequency: Any, added_mass:
 
 
 def slopes(masses: Masses, frequency: Any, found: Transfer, exponent: float) -> Slopes:
-    """Differentiate ln A, Eq. (86).
+    """Differentiate ln A, Eq. (84).
 
     Parameters
     ----------

@@ -625,7 +625,7 @@ class Machine:
 
         Notes
         -----
-        Eqs. (85) to (87); within 1e-12 of a computation in 60 digits on 40 machines
+        Eqs. (83) to (85); within 1e-12 of a computation in 60 digits on 40 machines
         (tests/machines/test_machine.py).
 
         Examples
@@ -749,7 +749,7 @@ class Machine:
 
     @shielded
     def load_proof_frequency(self, frequency: float) -> float:
-        """Return the natural frequency at which the amplitude does not depend on the filling, Eq. (88).
+        """Return the natural frequency at which the amplitude does not depend on the filling, Eq. (86).
 
         Parameters
         ----------

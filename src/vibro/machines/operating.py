@@ -1,4 +1,4 @@
-"""Operating points of a machine with its filling: the amplitude at which both agree, Eq. (89)."""
+"""Operating points of a machine with its filling: the amplitude at which both agree, Eq. (87)."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ class OperatingPoints:
 
         Notes
         -----
-        The second harmonic follows from the force of the filling on a sinusoidal trough, Eq. (92). On ten
+        The second harmonic follows from the force of the filling on a sinusoidal trough, Eq. (90). On ten
         machines with fillings of 10 to 50 % of the trough's mass, and the worked feeder of docs/theory, it
         reduces the error of the speed from up to 16 % to 4 % (tests/machines/test_second_harmonic.py).
         """
@@ -306,7 +306,7 @@ def operate(
 
     Notes
     -----
-    Eqs. (89) to (92). All operating points lie between two proved bounds. Between these about 30 amplitudes
+    Eqs. (87) to (90). All operating points lie between two proved bounds. Between these about 30 amplitudes
     are searched, with more of them where slides begin: a pair of operating points that differ by less than
     3 % may be missed. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py). Because
     only the first harmonic of the force is fed back, a simulation of trough and body together has amplitudes
@@ -538,7 +538,7 @@ class _Nodes(NamedTuple):
     Attributes
     ----------
     cell, amplitude, residual, status : array
-        Residual of Eq. (89), 0 where the share is unknown [m], and status of the body there.
+        Residual of Eq. (87), 0 where the share is unknown [m], and status of the body there.
     first : array
         Index of the first node of each cell, and of the one behind the last.
     """
@@ -608,7 +608,7 @@ class _Together(NamedTuple):
     sticks : bool array
         Whether it does not, at that amplitude.
     low, high : array
-        Between which all further operating points lie, Eq. (91) [m].
+        Between which all further operating points lie, Eq. (89) [m].
     critical : (n, 5) array
         Amplitudes at which the kind of the body's motion changes [m].
     """
@@ -809,7 +809,7 @@ def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
 
 
 def _reach(case: _Case) -> Floats:
-    """Return an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (91) [m]."""
+    """Return an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (89) [m]."""
     body = case.body
     alpha, beta = body["drive_angle"], body["trough_angle"]
     unit = body["gravity"] / (2.0 * np.pi * case.frequency) ** 2
