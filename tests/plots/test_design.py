@@ -14,6 +14,7 @@ from matplotlib.path import Path as Outline
 
 import vibro
 from vibro import Regime
+from vibro.answers.design import goal_text
 from vibro.inverse.designs import chosen_of
 from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.reading import read_spec
@@ -80,7 +81,7 @@ def design_of(spec: Spec, drive: int, a: float, f: float, angle: float, **more: 
 def pictures_of(spec: Spec, chosen: Chosen) -> dict[str, Figure]:
     fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
     with unarranged():
-        return design_figures(spec, chosen, fields, band)
+        return design_figures(spec, chosen, fields, band, goal_text(spec, chosen))
 
 
 @pytest.fixture(scope="module")
@@ -256,7 +257,7 @@ def test_headings_repeat_the_question(pictures: dict[str, Figure], nut: tuple[Sp
         text = str(figure.get_suptitle())
         assert "0.7 ... 0.78" in text
         assert "0.5 ... 0.6" in text
-        assert "goal: at least 30 mm/s, forward-slip at most" in text
+        assert "goal: at least 30 mm/s for every part; forward-slip at most" in text
         assert "not met" not in text
         assert "vibro" not in text
     spec, chosen = nut

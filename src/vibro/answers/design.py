@@ -120,6 +120,12 @@ def _goal(spec: Spec) -> str:
     return "; ".join(parts)
 
 
+def goal_text(spec: Spec, chosen: Chosen) -> str:
+    """Say what is wanted, and if the chosen design misses it, for headings of pictures."""
+    met = (chosen.design.speed_min_mm_s or 0.0) >= SPEED.from_si(spec.goal.speed)
+    return f"goal: {_goal(spec)}{'' if met else ' (not met)'}"
+
+
 def _given(spec: Spec, result: DesignResult) -> list[Fact]:
     """Tell what the question says of parts, trough and drives."""
     hops = any(d.highest_regime == Regime.HOPPING.label for d in result.designs)

@@ -115,7 +115,9 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
     """Draw the pictures of the chosen design; none if nothing is guaranteed anywhere."""
     if chosen is None:
         return {}
+    from vibro.answers.design import goal_text
     from vibro.inverse.pictured import setting_fields, speed_band
     from vibro.plots.design import design_figures
 
-    return design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
+    fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
+    return design_figures(spec, chosen, fields, band, goal_text(spec, chosen))

@@ -18,7 +18,7 @@ from vibro.plots.layers import WHITE, MapLayers
 from vibro.plots.maps import colour_bar, place_words
 from vibro.plots.scales import Scale, even_levels
 from vibro.plots.view import Panel
-from vibro.quantities import LENGTH, QUANTITIES, SPEED
+from vibro.quantities import LENGTH, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -93,11 +93,14 @@ class Settings:
         The design that is marked.
     data : SettingFields
         Of its drive and drive angle.
+    wanted : str
+        The goal in words.
     """
 
     spec: Spec
     chosen: Chosen
     data: SettingFields
+    wanted: str = ""
 
     @cached_property
     def fields(self) -> Fields:
@@ -208,7 +211,9 @@ class Settings:
         return np.asarray(np.interp(self.load(amplitude, frequency), self.data.load, values))
 
 
-def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand) -> dict[str, Figure]:
+def design_figures(
+    spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand, wanted: str = ""
+) -> dict[str, Figure]:
     """Draw the guarantees around a design.
 
     Parameters
@@ -221,6 +226,8 @@ def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: Spee
         Of its drive and drive angle.
     band : SpeedBand
         At its frequency and drive angle.
+    wanted : str, optional
+        The goal in words, and whether it is met, for headings.
 
     Returns
     -------
@@ -229,7 +236,7 @@ def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: Spee
         ``speed``: the guaranteed speed, and the settings that meet the goal; ``band``: speeds over the
         amplitude.
     """
-    settings = Settings(spec, chosen, fields)
+    settings = Settings(spec, chosen, fields, wanted)
     with style.house_style():
         return {
             "regime": _regime_map(settings),
@@ -328,27 +335,15 @@ def _headline(settings: Settings, heading: str) -> str:
 
 
 def _question(settings: Settings, *, frequency: bool = False) -> str:
-    """Describe parts, trough, goal and drifts in a few lines."""
-    spec, design = settings.spec, settings.chosen.design
-    spans = dict(spec.bands)
+    """Describe parts, trough and goal in two lines."""
+    design, spans = settings.chosen.design, dict(settings.spec.bands)
     shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"
     angle = math.radians(design.drive_angle_deg or design.normal_phase_deg or 0.0)
     if design.motion_scale is None:
         spans[shape] = (angle, angle)
     if frequency:
         spans["frequency"] = (float(settings.point[0, 0]),) * 2
-    goal = f"goal: at least {style.number_text(settings.goal)} mm/s"
-    if spec.goal.highest_regime is not Regime.HOPPING:
-        goal += f", {spec.goal.highest_regime.label} at most"
-    else:
-        goal += ", hopping allowed"
-    if math.isfinite(spec.goal.impact_speed):
-        goal += f", impacts up to {style.number_text(float(SPEED.from_si(spec.goal.impact_speed)))} mm/s"
-    if math.isfinite(spec.goal.flight_fraction):
-        goal += f", in flight up to {style.number_text(100.0 * spec.goal.flight_fraction)} %"
-    if float(design.speed_min_mm_s or 0.0) < settings.goal:
-        goal += " (not met)"
-    return f"{style.spans_text(spans)}{_ratio(design)}\n{goal}"
+    return "\n".join(filter(None, [style.spans_text(spans) + _ratio(design), settings.wanted]))
 
 
 def _ratio(design: Design) -> str:
