@@ -28,7 +28,7 @@ def names() -> list[str]:
     return sorted(path.name for path in Path().rglob("*") if path.is_file())
 
 
-NUT_MAP = ("map", "-A", "0.5,1.1", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-L", "600", "-o", "out/nut")
+NUT_MAP = ("map", "-A", "0.5:1.1:2", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-L", "600", "-o", "out/nut")
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +70,7 @@ def test_the_sidecar_says_how_to_run_it_again(nut_map: tuple[Path, Result]) -> N
         "trough_length_mm": 600,
     }
     assert content["axes"]["amplitude_mm"] == {
-        "count": 2, "first": 0.5, "last": 1.1, "spacing": "list", "values": [0.5, 1.1],
+        "count": 2, "first": 0.5, "last": 1.1, "spacing": "linear",
     }  # fmt: skip
     assert content["axes"]["frequency_hz"] == {"count": 5, "first": 10, "last": 30, "spacing": "linear"}
     assert content["cells"] == 10
@@ -101,7 +101,7 @@ def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
     assert json.loads(result.stdout) == json.loads(Path("nut.json").read_text(encoding="utf-8"))
 
 
-HOPS = ("map", "-A", "0.5:6:3", "-f", "15, 25", *NUT_ANGLE_AND_FRICTION, "-o", "hop")
+HOPS = ("map", "-A", "0.5:6:3", "-f", "15:25:2", *NUT_ANGLE_AND_FRICTION, "-o", "hop")
 
 
 CLIMB = ("map", "-A", "1:3:5", "--trough-angle", "0:20:3", "-f", "15", *NUT_ANGLE_AND_FRICTION)
@@ -148,6 +148,7 @@ def test_one_axis_has_lines_of_flight(run: Run) -> None:
 def test_regimes_alone(run: Run) -> None:
     assert run(*HOPS, "--regimes-only").exit_code == 0
     assert [name for name in names() if name.endswith(".png")] == ["hop-regime.png"]
+    assert json.loads(Path("hop.json").read_text(encoding="utf-8"))["flight"] is False
     regimes = rows_of(Path("hop.csv").read_text(encoding="utf-8"))
     exact = rows_of(run(*HOPS[:-1], "-").stdout)
     for quick, full in zip(regimes, exact, strict=True):

@@ -93,7 +93,7 @@ def test_only_what_is_needed_is_read(stored: StoredSweep, monkeypatch: pytest.Mo
     wanted = ["regime", "mean_velocity_mm_s"]
     stored.to_frame({"A": 1.36}, wanted)
     assert read == [(1, [1, 2], wanted), (2, [0, 1], wanted)]
-    stored.draw("regime", x="beta", at={"A": 0.2, "f": 5})
+    stored.draw("speed", x="beta", at={"A": 0.2, "f": 5})
     assert (len(read), read[2][:2], "pattern" in read[2][2]) == (3, (0, [0]), False)
 
 
