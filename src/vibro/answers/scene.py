@@ -296,7 +296,7 @@ def _next(one: OneScene) -> Table:
     """List the regimes that begin as the drive grows, with their units in the cells."""
     rows = []
     for t in one.transitions():
-        if t.name in _NEXT and t.ratio < 1.0:
+        if t.name in _NEXT and 0.0 < t.ratio < 1.0:
             size = one.sized / t.ratio
             cells = ["-" if math.isnan(t.frequency) else f"{decimals(t.frequency, _SHORT)} Hz"]
             unit = QUANTITIES[one.size.replace(" ", "_")].unit if not math.isnan(one.sized) else ""
