@@ -24,7 +24,7 @@ from vibro.sweeps.grid import Grid
 WARM_UP = 300  # values of each axis of a first map, that pays for the imports
 COLUMNS = "amplitude_mm,frequency_hz,regime,mean_velocity_mm_s"
 MAPS = {
-    "in contact, hopping left out": ("-A", "0.1:3", "-f", "5:60", "--flight", "off"),
+    "in contact": ("-A", "0.1:1", "-f", "5:25"),
     "62 % hopping": ("-A", "0.1:3", "-f", "5:60"),
     "the same, few columns": ("-A", "0.1:3", "-f", "5:60", "--columns", COLUMNS),
 }
