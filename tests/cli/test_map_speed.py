@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
 from helpers.commands import NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 IRREGULAR = ("-A", "0.5:3:6", "-f", "20:60:5", *NUT_ANGLE_AND_FRICTION, "--restitution", "0.6")
@@ -20,9 +19,5 @@ def test_every_map_tells_the_share_that_reaches_a_speed(run: Run) -> None:
     )
 
 
-@pytest.mark.usefixtures("unsaved")
-def test_folders_and_what_is_drawn_of_them_tell_the_share(run: Run) -> None:
+def test_a_folder_does_not_tell_the_share(run: Run) -> None:
     assert "--speed: not told" in run("map", *IRREGULAR, "--speed", "150", "-o", "wide.parquet").stderr
-    assert run("map", *IRREGULAR, "-o", "wide.parquet").exit_code == 0
-    read = run("map", "wide.parquet", "--speed", "150", "-o", "read").stderr.splitlines()[-1]
-    assert read == run("map", *IRREGULAR, "--speed", "150", "-o", "-").stderr.splitlines()[-1]

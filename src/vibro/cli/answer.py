@@ -131,12 +131,13 @@ def answer_one(
             forms=TABLES if make is None else TABLES[:-1], pictures=(), reads=options.files,
         )  # fmt: skip
         if outputs.tables or outputs.records or outputs.takes_stdout:
-            from vibro.cli.sweeps import write_sweep
+            from vibro.cli.sweeps import conclude, write_sweep
 
-            code = write_sweep(
+            tally = write_sweep(
                 grid, run.table, outputs, replace(options, json=False), console, look=blocks.append,
                 more=lambda: answer(whole=True, recorded=True).content(), page=page,
             )  # fmt: skip
+            code = conclude(tally, grid, console)
             if outputs.takes_stdout:
                 return code
         else:
@@ -221,7 +222,7 @@ def answer_sweep(run: Run, options: Options, argv: Sequence[str], console: Conso
 
     if options.output or not options.json:
         outputs = Outputs(options, name, argv, console, forms=TABLES[:-1], pictures=(), default="-")
-        return write_sweep(run.grid, run.table, outputs, options, console)
+        return conclude(write_sweep(run.grid, run.table, outputs, options, console), run.grid, console)
     tally = Tally()
     between = "[\n"
     for block in sweep_blocks(run.grid):

@@ -8,15 +8,14 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.cli.outputs import Outputs
     from vibro.cli.sweeps import Pictures
-    from vibro.sweeps.columns import Table
-    from vibro.sweeps.grid import Grid
+    from vibro.sweeps.tally import Tally
     from vibro.tables.plan import Plan
     from vibro.tables.shards import Progress
 
@@ -24,26 +23,19 @@ _TENTHS: Final = 10  # lines of progress where nobody watches
 
 
 def write_stored(
-    grid: Grid,
-    table: Table,
-    name: str,
-    own: Mapping[str, float],
+    plan: Plan,
     outputs: Outputs,
     workers: int | str | None,
     options: Options,
     console: Console,
     pictures: Pictures | None,
-) -> tuple[int, bool]:
+) -> Tally:
     """Solve a sweep into a folder, and write its pictures and its record beside, if they are wanted.
 
     Parameters
     ----------
-    grid, table : Grid, Table
+    plan : Plan
         What is solved, and written of it.
-    name : str
-        Of the scene.
-    own : mapping of str to float
-        The scene's own values, for pictures.
     outputs : Outputs
         Where to.
     workers : int, str or None
@@ -53,37 +45,35 @@ def write_stored(
 
     Returns
     -------
-    tuple of int and bool
-        The exit code, and whether all bodies rest.
+    Tally
+        Of its cells.
 
     Raises
     ------
     InputError, FileError
         If the files cannot be written, or the folder holds something else.
     """
-    from vibro.cli.sweeps import byte_count, conclude, drawn
-    from vibro.tables.plan import Plan
+    from vibro.cli.sweeps import byte_count, drawn
     from vibro.tables.record import json_text, sweep_record
     from vibro.tables.writing import write_folder
 
     folder = outputs.folder
     assert folder is not None
-    plan = Plan.of(grid, table, name, own)
     argv = ["vibro", *outputs.argv]
     with outputs:
         with _progress(console, folder, plan) as report:
             summary = write_folder(folder, plan, workers, argv, force=options.force, report=report)
-        content = {**sweep_record(grid, table, summary.tally.told()), "digest": summary.digest}
+        content = {**sweep_record(plan.grid, plan.table, summary.tally.told()), "digest": summary.digest}
         with drawn(pictures, console, summary.tally) as figures:
             record = outputs.finish(content, figures)
     shards = f"{plan.shards} shard{'' if plan.shards == 1 else 's'}"
-    size = f"{byte_count(summary.size)}, {summary.size / grid.size:.1f} bytes a cell"
+    size = f"{byte_count(summary.size)}, {summary.size / plan.grid.size:.1f} bytes a cell"
     is_new = any(made.is_new for made in summary.made.values())
     said = "wrote" if is_new else "complete already:"
     console.echo(f"{said} {folder}: {shards}, {size}; digest {summary.digest}")
     if options.json:
         print(json_text({"folder": str(folder), "shards": plan.shards, "bytes": summary.size, **record}))
-    return conclude(summary.tally, grid, console), summary.tally.at_rest
+    return summary.tally
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -31,15 +30,7 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from matplotlib.figure import Figure
-
-    from vibro.cli.target_speed import TargetSpeed
-    from vibro.plots.view import View
-    from vibro.results.sweep import Block, Peak
-    from vibro.sweeps.columns import Table
-    from vibro.sweeps.grid import Grid
-    from vibro.sweeps.request import Request
-    from vibro.sweeps.run import DrawnCells
+    from vibro.results.sweep import Block, Peak, SweepResult
 
 
 def map_command(
@@ -104,9 +95,16 @@ def map_command(
         from vibro.cli.stored_map import map_stored
 
         return map_stored(context, options, x, y, at or [], show or [], speed)
+    from vibro.cli.folders import write_stored
     from vibro.cli.request import question, request_of
+    from vibro.cli.sweeps import Pictures, conclude, write_sweep
+    from vibro.cli.target_speed import TargetSpeed
     from vibro.quantities import LEAST_SPEED, checked_number
+    from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC, bent
+    from vibro.results.sweep import where_motion_begins
     from vibro.sweeps.request import RANGES
+    from vibro.sweeps.run import DrawnCells, limits_of, solved_picture, sweep_picture
+    from vibro.tables.plan import Plan
 
     console = Console(quiet=options.quiet)
     shown = shown_pictures(show or [])
@@ -131,130 +129,50 @@ def map_command(
         pictures=names, reads=[options.scene], default=name,
     )  # fmt: skip
     made_by = _workers(workers, outputs)
-    sweep = _Map(
-        request=request, grid=grid, table=table, view=view, names=names, target_speed=target_speed,
-        outputs=outputs, console=console,
-    )  # fmt: skip
-    if sweep.draws:
+    if outputs.folder and target_speed is not None:
+        raise InputError("--speed: not told of a folder", hint="vibro map NAME.parquet --speed draws it")
+    cells, pictures = None, None
+    if outputs.pictures or any(form == "xlsx" for _, form in outputs.tables.values()):
         tell_choices(view, grid.told_axes, held, console)
-    return sweep.into_folder(options, made_by) if outputs.folder else sweep.into_files(options)
+        cells = None if outputs.folder else DrawnCells.of(grid, view.drawn)
+        what = grid, view.drawn, request.own, request.name or ""
 
+        def solved(peaks: Mapping[str, Peak], progress: Callable[[int, int], None]) -> SweepResult:
+            """Take the cells of the table where these are dear."""
+            if cells:
+                return solved_picture(*what, names, cells.results, peaks)
+            return sweep_picture(*what, progress, peaks)
 
-@dataclass(kw_only=True)
-class _Map:
-    """A sweep that is solved and drawn.
+        pictures = Pictures(names, view, target_speed, solved)
+    target = None if target_speed is None else TargetSpeed(grid.told_axes, target_speed)
+    bends = 0
 
-    Attributes
-    ----------
-    request, grid, table : Request, Grid, Table
-        What is solved, and written of it.
-    view, names : View, list of str
-        What pictures show, and which there are.
-    target_speed : float or None
-        What ``--speed`` says [mm/s].
-    outputs, console : Outputs, Console
-        Where to.
-    """
+    def look(block: Block) -> None:
+        nonlocal bends
+        bends += bent(block)
+        if target:
+            target.add(block)
+        if cells:
+            cells.add(block)
 
-    request: Request
-    grid: Grid
-    table: Table
-    view: View
-    names: list[str]
-    target_speed: float | None
-    outputs: Outputs
-    console: Console
-    cells: DrawnCells | None = None
-    target: TargetSpeed | None = None
-    moves: bool = False
-    bends: int = 0
-
-    @property
-    def draws(self) -> bool:
-        """Whether any picture is wanted, beside the table or in its workbook."""
-        return bool(self.outputs.pictures) or any(form == "xlsx" for _, form in self.outputs.tables.values())
-
-    def look(self, block: Block) -> None:
-        """Take from solved cells what is told, or drawn, of them."""
-        from vibro.results.operating import bent
-        from vibro.results.sweep import at_rest
-
-        self.moves = self.moves or not at_rest(block.cycle).all()
-        self.bends += bent(block)
-        if self.target:
-            self.target.add(block)
-        if self.cells:
-            self.cells.add(block)
-
-    def draw(self, show: Callable[..., None], peaks: Mapping[str, Peak]) -> dict[str, Figure]:
-        """Draw the pictures, from the cells of the table where these are dear; mark its fastest ones."""
-        from vibro.plots import map_figures
-        from vibro.sweeps.run import solved_picture, sweep_picture
-
-        what = self.grid, self.view.drawn, self.request.own, self.request.name or ""
-        if self.cells:
-            result = solved_picture(*what, self.names, self.cells.results, peaks)
-        else:
-            result = sweep_picture(*what, lambda done, size: show(0, f"solving {done / size:.0%}"), peaks)
-        return map_figures(
-            result,
-            self.names,
-            x=self.view.x.name,
-            y=self.view.y.name if self.view.y else None,
-            target_speed=self.target_speed,
-            progress=lambda done, size: show(done),
+    if outputs.folder:
+        plan = Plan.of(grid, table, request.name or "", request.own)
+        tally = write_stored(plan, outputs, made_by, options, console, pictures)
+    else:
+        tally = write_sweep(grid, table, outputs, options, console, pictures, look)
+    code = conclude(tally, grid, console)
+    if target:
+        console.echo(target.text())
+    if bends:
+        console.warn(
+            f"{bends} of {grid.size} cells: the filling adds a second harmonic above"
+            f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; {BENT_SPEED.column} of --columns has the"
+            " speed with it"
         )
-
-    def into_files(self, options: Options) -> int:
-        """Solve the sweep into tables, and tell what came out."""
-        from vibro.cli.sweeps import Pictures, write_sweep
-        from vibro.cli.target_speed import TargetSpeed
-        from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC
-        from vibro.sweeps.run import DrawnCells
-
-        if self.target_speed is not None:
-            self.target = TargetSpeed(self.grid.told_axes, self.target_speed)
-        if self.draws:
-            self.cells = DrawnCells.of(self.grid, self.view.drawn)
-        pictures = Pictures(self.names, self.draw) if self.draws else None
-        code = write_sweep(
-            self.grid, self.table, self.outputs, options, self.console, pictures, self.look, self.view
-        )
-        if self.target:
-            self.console.echo(self.target.text())
-        if self.bends:
-            self.console.warn(
-                f"{self.bends} of {self.grid.size} cells: the filling adds a second harmonic above"
-                f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; {BENT_SPEED.column} of --columns has the"
-                " speed with it"
-            )
-        if not self.moves:
-            self._tell_beginning()
-        return code
-
-    def into_folder(self, options: Options, workers: int | str | None) -> int:
-        """Solve the sweep into a folder of Parquet files, and tell what came out."""
-        from vibro.cli.folders import write_stored
-        from vibro.cli.sweeps import Pictures
-
-        if self.target_speed is not None:
-            raise InputError("--speed: not told of a folder", hint="vibro map NAME.parquet --speed draws it")
-        code, rests = write_stored(
-            self.grid, self.table, self.request.name or "", self.request.own, self.outputs, workers, options,
-            self.console, Pictures(self.names, self.draw) if self.draws else None,
-        )  # fmt: skip
-        if rests:
-            self._tell_beginning()
-        return code
-
-    def _tell_beginning(self) -> None:
-        from vibro.results.sweep import where_motion_begins
-        from vibro.sweeps.run import limits_of
-
-        grid = self.grid
-        self.console.echo(
-            where_motion_begins(grid.told_axes, grid.told(grid.fixed), limits_of(grid.values()))
-        )
+    if tally.at_rest:
+        limits = limits_of(grid.values())
+        console.echo(where_motion_begins(grid.told_axes, grid.told(grid.fixed), limits))
+    return code
 
 
 def _workers(text: str | None, outputs: Outputs) -> int | str | None:

@@ -11,14 +11,12 @@ from vibro.errors import InputError
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Iterable
     from pathlib import Path
 
     import typer
-    from matplotlib.figure import Figure
 
     from vibro.cli.options import Options
-    from vibro.results.sweep import Peak
     from vibro.sweeps.grid import Grid
 
 #: What says which pictures there are to be, and where; all other options are of solving and tables.
@@ -62,8 +60,6 @@ def map_stored(
     """
     from vibro.cli.outputs import PICTURES, Outputs
     from vibro.cli.sweeps import Pictures, drawn, tell_peaks
-    from vibro.cli.target_speed import target_in_pictures
-    from vibro.plots import map_figures
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.tables.plan import MANIFEST
     from vibro.tables.record import json_text, sweep_record
@@ -92,7 +88,7 @@ def map_stored(
     if not names:
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
     tell_choices(view, grid.told_axes, held, console)
-    name, said = folder.resolve().stem, ""
+    name = folder.resolve().stem
     if "-" in (options.output or []):
         raise InputError(f"-o -: the cells of {folder} are solved already", hint=_OTHERWISE.format("it"))
     outputs = Outputs(
@@ -100,28 +96,15 @@ def map_stored(
         forms=("json", *PICTURES), pictures=names, reads=[folder / MANIFEST], default=name,
     )  # fmt: skip
 
-    def draw(show: Callable[..., None], peaks: Mapping[str, Peak]) -> dict[str, Figure]:
-        nonlocal said
-        result = stored_picture(shards, view.drawn, names, peaks)
-        if target_speed is not None:
-            said = target_in_pictures(result, grid.told_axes, target_speed)
-        return map_figures(
-            result,
-            names,
-            x=view.x.name,
-            y=view.y.name if view.y else None,
-            target_speed=target_speed,
-            progress=lambda done, size: show(done),
-        )
-
+    pictures = Pictures(
+        names, view, target_speed, lambda peaks, _: stored_picture(shards, view.drawn, names, peaks)
+    )
     with outputs:
         origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
         content = {"sweep": origin, **sweep_record(grid, plan.table, tally.told())}
-        with drawn(Pictures(names, draw), console, tally) as figures:
+        with drawn(pictures, console, tally) as figures:
             record = outputs.finish(content, figures)
     tell_peaks(tally, grid, console)
-    if said:
-        console.echo(said)
     if options.json:
         print(json_text(record))
     return 0

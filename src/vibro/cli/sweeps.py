@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.cli.outputs import Outputs
     from vibro.plots.view import View
-    from vibro.results.sweep import Block, Peak
+    from vibro.results.sweep import Block, Peak, SweepResult
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
     from vibro.tables.xlsx import Xlsx
@@ -48,14 +48,19 @@ class Pictures:
     Attributes
     ----------
     names : sequence of str
-        What ``draw`` returns.
-    draw : callable
-        Returns the figures by name; called with what shows how many are drawn, and a note beside, and with
-        the fastest cells of the table.
+        Which.
+    view : View
+        What they show.
+    speed : float or None
+        To be marked [mm/s].
+    solved : callable
+        Returns their cells; called with the fastest cells of the table, and with what shows progress.
     """
 
     names: Sequence[str]
-    draw: Callable[[Callable[..., None], Mapping[str, Peak]], Mapping[str, Figure]]
+    view: View
+    speed: float | None
+    solved: Callable[[Mapping[str, Peak], Callable[[int, int], None]], SweepResult]
 
 
 @contextmanager
@@ -64,9 +69,20 @@ def drawn(pictures: Pictures | None, console: Console, tally: Tally) -> Iterator
     if pictures is None:
         yield {}
         return
-    with console.progress("drawing", len(pictures.names)) as bar:
+    from vibro.plots import map_figures
+
+    names, view = pictures.names, pictures.view
+    with console.progress("drawing", len(names)) as bar:
         bar(0)
-        yield pictures.draw(bar, tally.peaks)
+        result = pictures.solved(tally.peaks, lambda done, size: bar(0, f"solving {done / size:.0%}"))
+        yield map_figures(
+            result,
+            names,
+            x=view.x.name,
+            y=view.y.name if view.y else None,
+            target_speed=pictures.speed,
+            progress=lambda done, size: bar(done),
+        )
 
 
 def count(number: int) -> str:
@@ -82,10 +98,9 @@ def write_sweep(
     console: Console,
     pictures: Pictures | None = None,
     look: Callable[[Block], None] = lambda block: None,
-    view: View | None = None,
     more: Callable[[], Mapping[str, Any]] = dict,
     page: Callable[[], str] | None = None,
-) -> int:
+) -> Tally:
     """Solve a grid and write its table, pictures and JSON.
 
     Parameters
@@ -104,8 +119,6 @@ def write_sweep(
         What to draw.
     look : callable, optional
         Called with every block of solved cells, in their order.
-    view : View, optional
-        What the pictures show.
     more : callable, optional
         Returns what the record says beside, once all is solved.
     page : callable, optional
@@ -113,8 +126,8 @@ def write_sweep(
 
     Returns
     -------
-    int
-        The exit code.
+    Tally
+        Of its cells.
 
     Raises
     ------
@@ -136,6 +149,7 @@ def write_sweep(
                 from vibro.tables.xlsx import Xlsx
 
                 scratch = stack.enter_context(hidden_folder(path.parent))
+                view = pictures.view if pictures else None
                 books[path] = Xlsx(outputs.waiting[path], scratch, grid, table, view)
         if outputs.takes_stdout:
             sinks.append(Csv(sys.stdout.buffer, table, form))
@@ -155,7 +169,7 @@ def write_sweep(
                 )
     if options.json:
         print(json_text(record))
-    return conclude(tally, grid, console)
+    return tally
 
 
 def _png(figure: Figure, record: Mapping[str, Any]) -> bytes:

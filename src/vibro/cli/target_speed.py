@@ -12,7 +12,6 @@ from vibro.answers.answer import number
 from vibro.cli.sweeps import count, peak_text
 from vibro.core.codes import Status
 from vibro.quantities import LENGTH, QUANTITIES
-from vibro.results.sweep import cell_values
 from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
@@ -21,9 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.results.sweep import Block, SweepResult
-
-__all__ = ["TargetSpeed", "target_in_pictures"]
+    from vibro.results.sweep import Block
 
 _FRICTIONS: Final = ({"static_friction", "friction_ratio"}, {"static_friction", "kinetic_friction"})
 
@@ -38,13 +35,10 @@ class TargetSpeed:
         Of the sweep.
     speed : float
         [mm/s].
-    among : str, optional
-        What the cells are called in the text.
     """
 
     axes: Mapping[str, Axis]
     speed: float
-    among: str = "possible cells"
     _tally: Tally = field(default_factory=Tally)
     _counts: Counter[str] = field(default_factory=Counter)
     _fast: list[NDArray[np.bool_]] = field(default_factory=list)
@@ -71,7 +65,7 @@ class TargetSpeed:
         """Say how many cells are fast enough, or how fast the fastest is; of frictions, within which."""
         fast, irregular = self._counts["fast"], self._counts["irregular"]
         possible = self._tally.status.total() - self._tally.status[Status.INFEASIBLE]
-        said = f"at least {number(self.speed, 'mm/s')}: {count(fast)} of {count(possible)} {self.among}"
+        said = f"at least {number(self.speed, 'mm/s')}: {count(fast)} of {count(possible)} possible cells"
         if not fast:
             fastest = self._tally.peaks.get("fastest")
             return f"{said}; " + (
@@ -94,15 +88,3 @@ class TargetSpeed:
         whole = fast[box].sum() == possible[box].sum()
         which = "all" if whole else f"{100.0 * fast[box].sum() / possible[box].sum():.1f} %"
         return f"they lie within {' and '.join(ranges)}, where {which} of the possible cells reach it"
-
-
-def target_in_pictures(result: SweepResult, axes: Mapping[str, Axis], speed: float) -> str:
-    """Say the same of the cells of pictures, which may be others than those of a table with these axes."""
-    from vibro.results.sweep import Block
-
-    same = all(np.array_equal(axis.values, axes[name].values) for name, axis in result.axes.items())
-    same = same and len(result.axes) == len(axes)
-    among = TargetSpeed.among if same else "possible cells of the pictures"
-    target = TargetSpeed(result.axes, speed, among)
-    target.add(Block(cell_values(result.axes, result.fixed), result.cycle, None))
-    return target.text()
