@@ -16,7 +16,7 @@ import numpy as np
 from vibro import __version__
 from vibro.axes import Axis
 from vibro.core.codes import Output
-from vibro.errors import FileError, InputError, VibroError, cut, shown
+from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
 from vibro.parallel import BLOCK
@@ -56,8 +56,8 @@ def unsealed(text: str | bytes) -> dict[str, Any]:
 
     Raises
     ------
-    ValueError, RecursionError
-        If it was changed since.
+    Exception
+        Of any kind, if it was changed since.
     """
     content = json.loads(text)
     if not isinstance(content, dict) or content.pop("checksum", "") != _digest(content):
@@ -175,7 +175,7 @@ def read_plan(path: Path) -> Plan:
         form = json.loads(text)["format"]
     except OSError as exc:
         raise FileError(f"cannot read {path}: {exc.strerror or exc}") from exc
-    except (LookupError, RecursionError, TypeError, ValueError):
+    except Exception:  # it is something else
         form = None
     if not str(form).startswith(_FORMATS):
         raise FileError(f"{path} is no manifest of a sweep", hint="choose another folder")
@@ -183,11 +183,11 @@ def read_plan(path: Path) -> Plan:
         raise FileError(f"{path}: {shown(form)} is an unknown format", hint="use the vibro that wrote it")
     try:
         return _plan_of(unsealed(text))  # first: changed numbers may ask for endless work
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, VibroError):
-        raise FileError(
-            f"{path} is damaged, or was changed after it was written",
-            hint="restore the file, or choose another folder",
-        ) from None
+    except MemoryError:
+        raise
+    except Exception:  # whatever a change may lead to
+        hint = "restore the file, or choose another folder"
+        raise FileError(f"{path} is damaged, or was changed after it was written", hint=hint) from None
 
 
 def _plan_of(content: Mapping[str, Any]) -> Plan:

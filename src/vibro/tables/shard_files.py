@@ -114,7 +114,7 @@ def read_success(folder: Path, plan: Plan) -> Summary | None:
         return None
     except OSError as exc:
         raise FileError(f"cannot read {path}: {exc.strerror or exc}") from exc
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as exc:
+    except Exception as exc:  # whatever a change may lead to
         raise damaged(path, str(exc)) from exc
 
 

@@ -14,16 +14,7 @@ import sys
 import threading
 import time
 import zlib
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent import futures
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, Self
@@ -113,13 +104,9 @@ class Summary:
     def success(self, plan: Plan) -> str:
         """Return the text of the file that says that all shards are whole."""
         files = {shard_name(shard): self.made[shard][:4] for shard in sorted(self.made)}
-        counts = {
-            "fingerprint": plan.fingerprint,
-            "cells": self.tally.status.total(),
-            "shards": len(files),
-            "bytes": self.size,
-        }
-        return sealed({**counts, "digest": self.digest, **self.tally.told(), "files": files})
+        sweep = {"fingerprint": plan.fingerprint, "cells": self.tally.status.total()}
+        counts = {"shards": len(files), "bytes": self.size, "digest": self.digest}
+        return sealed({**sweep, **counts, **self.tally.told(), "files": files})
 
     @classmethod
     def read(cls, text: bytes, plan: Plan) -> Self:
@@ -127,14 +114,13 @@ class Summary:
 
         Raises
         ------
-        ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError
-            If it was changed since, or is of another sweep.
+        Exception
+            Of any kind, if it was changed since, or is of another sweep.
         """
         content = unsealed(text)
         tally, files = Tally.read(content), content["files"]
-        if content["fingerprint"] != plan.fingerprint or list(files) != [
-            *map(shard_name, range(plan.shards))
-        ]:
+        names = [shard_name(shard) for shard in range(plan.shards)]
+        if content["fingerprint"] != plan.fingerprint or list(files) != names:
             raise ValueError("it is of another sweep")
         return cls({shard: Made(*told) for shard, told in enumerate(files.values())}, tally)
 
@@ -172,11 +158,9 @@ def make_shard(
     from pyarrow import parquet
 
     if made_by() != plan.content["made_by"]:
-        here, there = (
-            ", ".join(f"{k} {v}" for k, v in what.items()) for what in (made_by(), plan.content["made_by"])
-        )
-        hint = "install the same everywhere"
-        raise FileError(f"a worker has {here}; this sweep is made with {there}", hint=hint)
+        here, there = (", ".join(map(" ".join, of.items())) for of in (made_by(), plan.content["made_by"]))
+        told = f"a worker has {here}; this sweep is made with {there}"
+        raise FileError(told, hint="install the same everywhere")
     if not running.is_dir():
         raise FileError(f"a worker finds no folder {running}", hint=_SAME_FILES)
     path = folder / shard_name(shard)
@@ -195,28 +179,22 @@ def make_shard(
                 writer = writer or parquet.ParquetWriter(stream, cells.schema, **_encoding(cells.schema))
                 writer.write_table(cells, size)
             assert writer is not None
-            record = {
-                "fingerprint": plan.fingerprint,
-                "first_cell": first,
-                "cells": end - first,
-                **tally.told(),
-            }
-            writer.add_key_value_metadata({_FOOTER: sealed(record), _WHOLE: _BLANK})
+            place = {"fingerprint": plan.fingerprint, "first_cell": first, "cells": end - first}
+            writer.add_key_value_metadata({_FOOTER: sealed({**place, **tally.told()}), _WHOLE: _BLANK})
             writer.close()
-        _sign(waiting)
-        made = _made(waiting, tally, is_new=True)
-        waiting.replace(path)
     finally:
         if writer is not None:
             with contextlib.suppress(OSError, ValueError):  # of a full disk, once more; of a closed file
                 writer.close()
-        waiting.unlink(missing_ok=True)
+    _sign(waiting)
+    made = _made(waiting, tally, is_new=True)
+    waiting.replace(path)
     return made
 
 
 def _found(plan: Plan, path: Path, shard: int) -> Made | None:
     """Return a shard of this sweep that is there; a file of another one is an error."""
-    from pyarrow import ArrowException, parquet
+    from pyarrow import parquet
 
     first, end = plan.range_of(shard)
     try:
@@ -231,18 +209,9 @@ def _found(plan: Plan, path: Path, shard: int) -> Made | None:
             return _made(path, Tally.read(record))
     except FileNotFoundError:
         return None
-    except MemoryError:  # one of Arrow's exceptions, too
+    except MemoryError:
         raise
-    except (
-        ArrowException,
-        ArithmeticError,
-        AttributeError,
-        LookupError,
-        OSError,
-        RecursionError,
-        TypeError,
-        ValueError,
-    ) as exc:
+    except Exception as exc:  # whatever changed bytes may lead to
         raise damaged(path, str(exc)) from exc
     raise FileError(f"{path} belongs to another sweep", hint="remove it, or choose another folder")
 
@@ -370,19 +339,19 @@ def make_shards(
         _executor(workers, plan.shards) as (pool, number, threads, check),
     ):
         left: Iterator[int] = iter(range(plan.shards))
-        futures: dict[Future[Made], int] = {}
+        tasks: dict[futures.Future[Made], int] = {}
         tell = (solved.append,) if workers is None else ()
         try:
             while True:
-                while len(futures) < _WAITING * number and (shard := next(left, None)) is not None:
+                while len(tasks) < _WAITING * number and (shard := next(left, None)) is not None:
                     call: tuple[Any, ...] = (make_shard, plan, folder, running, shard, threads, *tell)
                     if isinstance(workers, str):
                         call = pickle.loads, pickle.dumps(_Call(call))
-                    futures[pool.submit(*call)] = shard
-                if not futures:
+                    tasks[pool.submit(*call)] = shard
+                if not tasks:
                     return summary
-                for future in wait(futures, _NOTICED, FIRST_COMPLETED).done:
-                    shard, made = futures.pop(future), future.result()
+                for future in futures.wait(tasks, _NOTICED, futures.FIRST_COMPLETED).done:
+                    shard, made = tasks.pop(future), future.result()
                     if not made.is_new and made.digest != known.get(shard, made).digest:
                         raise damaged(folder / shard_name(shard), "it is not what was written")
                     summary.made[shard] = made
@@ -393,11 +362,11 @@ def make_shards(
                 old = sum(made.tally.status.total() for made in summary.made.values() if not made.is_new)
                 new, seconds = sum(solved), time.monotonic() - began
                 report(Progress(old + new, len(summary.made), new, summary.size, seconds))
-        except BrokenExecutor as exc:
+        except futures.BrokenExecutor as exc:
             raise FileError(f"a worker has ended: {cut(str(exc))}", hint=f"{_MAIN}; {GO_ON}") from exc
         finally:
             shutil.rmtree(running, ignore_errors=True)  # so that workers end what they are at
-            for future in futures:
+            for future in tasks:
                 future.cancel()
             pool.shutdown(wait=False)
 
@@ -405,14 +374,14 @@ def make_shards(
 @contextlib.contextmanager
 def _executor(
     workers: int | str | None, shards: int
-) -> Iterator[tuple[Executor, int, int, Callable[[], None]]]:
+) -> Iterator[tuple[futures.Executor, int, int, Callable[[], None]]]:
     """Have an executor, the number of its workers, that of threads for each, and what checks for workers."""
     if isinstance(workers, str):
         with _cluster(workers) as (pool, number, check):
             yield pool, number, 1, check
     elif workers is None:
         number = max(1, min(cores(), shards))
-        with ThreadPoolExecutor(number) as threads:
+        with futures.ThreadPoolExecutor(number) as threads:
             yield threads, number, max(1, cores() // number), lambda: None
     else:
         context = multiprocessing.get_context("spawn")  # a fork would inherit locks that other threads hold
@@ -423,17 +392,16 @@ def _executor(
 
 
 @contextlib.contextmanager
-def _cluster(address: str) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
+def _cluster(address: str) -> Iterator[tuple[futures.Executor, int, Callable[[], None]]]:
     """Have the workers of a Dask cluster."""
     try:
         import distributed
     except ImportError:
-        raise FileError(
-            f"{address} needs the library distributed", hint=how_to_install("distributed")
-        ) from None
+        hint = how_to_install("distributed")
+        raise FileError(f"{address} needs the library distributed", hint=hint) from None
     for name in _LOGS:
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    opened: Future[Any] = Future()
+    opened: futures.Future[Any] = futures.Future()
     # In a thread: a client waits without end for the first words of whoever accepts its connection
     # (github.com/dask/distributed/issues/8071).
     threading.Thread(target=_open_client, args=(distributed.Client, address, opened), daemon=True).start()
@@ -464,23 +432,23 @@ def _cluster(address: str) -> Iterator[tuple[Executor, int, Callable[[], None]]]
                 yield pool, max(1, sum(client.nthreads().values())), check
         except (ImportError, AttributeError) as exc:  # it could not read the task
             raise FileError(f"a worker of {address} has another vibro, or none: {cut(str(exc))}") from exc
-        except CancelledError as exc:
+        except futures.CancelledError as exc:
             raise FileError(f"the scheduler at {address} is lost", hint=GO_ON) from exc
         except (TimeoutError, distributed.KilledWorker, distributed.core.CommClosedError) as exc:
             raise FileError(f"workers of {address} are lost: {cut(str(exc))}", hint=GO_ON) from exc
 
 
-def _open_client(kind: Callable[..., Any], address: str, opened: Future[Any]) -> None:
+def _open_client(kind: Callable[..., Any], address: str, opened: futures.Future[Any]) -> None:
     try:
         opened.set_result(kind(address, timeout=_CONNECTING, set_as_default=False))
     except Exception as exc:
         opened.set_exception(exc)
 
 
-class _Processes(ProcessPoolExecutor):
+class _Processes(futures.ProcessPoolExecutor):
     """Processes, of which some are started when a task is submitted."""
 
-    def submit(self, *call: Any, **named: Any) -> Future[Any]:
+    def submit(self, *call: Any, **named: Any) -> futures.Future[Any]:
         """Submit a task."""
         with _starting():
             return super().submit(*call, **named)
@@ -502,9 +470,8 @@ def _starting() -> Iterator[None]:
         yield
     finally:
         sys.warnoptions.remove("ignore:resource_tracker")
-        if path is None:
-            del os.environ["PYTHONSAFEPATH"]
-        else:
+        del os.environ["PYTHONSAFEPATH"]
+        if path is not None:
             os.environ["PYTHONSAFEPATH"] = path
         if can_block:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
