@@ -42,7 +42,7 @@ from vibro.sweeps.columns import Table, arrow_table, columns_of
 from vibro.sweeps.grid import Grid
 from vibro.tables import shards
 from vibro.tables.plan import Plan
-from vibro.tables.sinks import Csv, write_table
+from vibro.tables.sinks import csv_sink, write_table
 from vibro.tables.stored import open_sweep
 from vibro.tables.writing import write_folder
 
@@ -138,7 +138,7 @@ def write(way: str, grid: Grid, place: Path, workers: int | str | None, shard_ce
     if way == "CSV":
         path, table = place / "sweep.csv", table_of(grid)
         with path.open("wb") as file:
-            write_table(grid, table, [Csv(file, table, CsvFormat())])
+            write_table(grid, table, [csv_sink(file, table, CsvFormat())])
         return path.stat().st_size
     return write_folder(place / "sweep", plan_of(grid, shard_cells), workers, [], force=True).size
 

@@ -96,7 +96,7 @@ def workbook(path: Path, solved: Sweep, **shown: Any) -> tuple[Any, list[dict[st
     table = Table(columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with))
     view = choose_view(grid.told_axes, **shown) if grid.axes else None
     book, rows = Xlsx(path, path.parent, grid, table, view), Rows()
-    tally = write_table(grid, table, [book, rows])
+    tally = write_table(grid, table, [book.write, rows.write])
     book.close(run_record(argv, {"name": name, **sweep_record(grid, table, tally.told())}), pictures)
     return openpyxl.load_workbook(path), rows.cells
 

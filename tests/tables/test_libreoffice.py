@@ -14,7 +14,7 @@ from helpers.plans import Rows, swept, workbook
 
 from vibro.files.csv_tables import CsvFormat
 from vibro.sweeps.columns import Table, columns_of
-from vibro.tables.sinks import Csv, write_table
+from vibro.tables.sinks import csv_sink, write_table
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -77,7 +77,7 @@ def test_csv(tmp_path: Path, form: CsvFormat, language: str) -> None:
     rows, path = Rows(), tmp_path / "map.csv"
     table = Table(columns_of(grid.axes))
     with path.open("wb") as file:
-        write_table(grid, table, [Csv(file, table, form), rows])
+        write_table(grid, table, [csv_sink(file, table, form), rows.write])
     (book,) = converted(tmp_path, path, separator=form.separator, language=language)
     header, *found = book.active.iter_rows(values_only=True)
     assert header == tuple(rows.cells[0])

@@ -17,7 +17,7 @@ from vibro.quantities import LOAD, QUANTITIES, as_given, scene_fields
 from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.tally import Tally
 from vibro.tables.record import json_text, sweep_record
-from vibro.tables.sinks import Csv, Sink, write_table
+from vibro.tables.sinks import csv_sink, write_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from vibro.results.sweep import Block, Peak, SweepResult
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
+    from vibro.tables.sinks import Sink
     from vibro.tables.xlsx import Xlsx
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
@@ -144,17 +145,18 @@ def write_sweep(
         for path, (_, ending) in outputs.tables.items():
             if ending == "csv":
                 _check_size(grid, _row_bytes(grid, table), path.parent, console)
-                sinks.append(Csv(stack.enter_context(outputs.waiting[path].open("wb")), table, form))
+                sinks.append(csv_sink(stack.enter_context(outputs.waiting[path].open("wb")), table, form))
             else:
                 from vibro.tables.xlsx import Xlsx
 
                 scratch = stack.enter_context(hidden_folder(path.parent))
                 view = pictures.view if pictures else None
                 books[path] = Xlsx(outputs.waiting[path], scratch, grid, table, view)
+                sinks.append(books[path].write)
         if outputs.takes_stdout:
-            sinks.append(Csv(sys.stdout.buffer, table, form))
+            sinks.append(csv_sink(sys.stdout.buffer, table, form))
         with console.progress("solving", grid.size) as bar:
-            tally = write_table(grid, table, [*sinks, *books.values()], report=bar, look=look)
+            tally = write_table(grid, table, sinks, report=bar, look=look)
         content = sweep_record(grid, table, tally.told())
         with drawn(pictures if outputs.pictures or books else None, console, tally) as figures:
             if page is not None:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
-__all__ = ["Table", "arrow_table", "chosen", "column_names", "columns_of", "frame_of", "listed", "to_frame"]
+__all__ = ["Table", "arrow_table", "chosen", "column_names", "columns_of", "frame_of", "named", "to_frame"]
 
 
 @dataclass(frozen=True)
@@ -136,19 +136,34 @@ def column_names() -> list[str]:
     )]  # fmt: skip
 
 
-def listed(names: object) -> list[str]:
+def named(names: object, known: Collection[str], hint: str) -> list[str]:
     """Return the names of columns that a call gives.
+
+    Parameters
+    ----------
+    names : object
+        As given.
+    known : collection of str
+        The columns that there are.
+    hint : str
+        What there are.
 
     Raises
     ------
     InputError
-        If it is one text, or no texts.
+        If they are no names, or one is unknown, or named twice, or there is none.
     """
-    if not isinstance(names, str) and isinstance(names, Iterable):
-        found = list(names)
-        if all(isinstance(name, str) for name in found):
-            return found
-    raise InputError(f"columns = {shown(names)}: must be names", hint='write it like ["regime"]')
+    found: list[Any] = list(names) if not isinstance(names, str) and isinstance(names, Iterable) else [None]
+    if not all(isinstance(name, str) for name in found):
+        raise InputError(f"columns = {shown(names)}: must be names", hint='write it like ["regime"]')
+    unknown = [name for name in found if name not in known]
+    if unknown or not found:
+        problems = [f"there is no column {shown(name)}" for name in unknown] or ["no column is named"]
+        meant = did_you_mean(unknown[0], known) if unknown else ""
+        raise InputError(*problems, hint=f"{meant}\n{hint}".lstrip())
+    if twice := [name for i, name in enumerate(found) if name in found[:i]]:
+        raise InputError(f"column {twice[0]} is named twice", hint="name it once")
+    return found
 
 
 def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...]:
@@ -166,21 +181,12 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     InputError
         If there is no such column, or one is named twice.
     """
-    names = listed(names)
     known = {column.name: column for column in (*columns, *_ON_REQUEST)}
     if MACHINE_RESULTS[0].column in known:
         known[WITH_BENT_SPEED.name] = WITH_BENT_SPEED
-    unknown = [name for name in names if name not in known]
-    if unknown or not names:
-        hints = [did_you_mean(unknown[0], known)] if unknown else []
-        inputs = [name for name in known if name in BY_COLUMN]
-        hints.append(f"those of inputs are {', '.join(inputs)}")
-        hints.append(f"those of results are {', '.join(name for name in known if name not in inputs)}")
-        problems = [f"there is no column {shown(name)}" for name in unknown] or ["no column is named"]
-        raise InputError(*problems, hint="\n".join(filter(None, hints)))
-    twice = [name for i, name in enumerate(names) if name in names[:i]]
-    if twice:
-        raise InputError(f"column {twice[0]} is named twice", hint="name it once")
+    inputs, results = (", ".join(name for name in known if (name in BY_COLUMN) is of) for of in (True, False))
+    hint = f"those of inputs are {inputs}\nthose of results are {results}"
+    names = named(names, known, hint)
     return tuple(known[name] for name in names)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, BinaryIO, Protocol
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from vibro.files.csv_tables import CsvFormat
 from vibro.sweeps.columns import arrow_table
@@ -18,34 +18,13 @@ if TYPE_CHECKING:
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
 
-
-class Sink(Protocol):
-    """Where the cells of a sweep go as they are solved."""
-
-    def write(self, cells: pa.Table) -> None:
-        """Add cells, in the order of the grid."""
+    Sink = Callable[[pa.Table], Any]
 
 
-class Csv:
-    """Cells as CSV.
-
-    Parameters
-    ----------
-    file : binary file
-        Where to.
-    table : Table
-        What is written.
-    form : CsvFormat
-        How.
-    """
-
-    def __init__(self, file: BinaryIO, table: Table, form: CsvFormat) -> None:
-        self._file, self._form = file, form
-        file.write(form.header(column.name for column in table.columns))
-
-    def write(self, cells: pa.Table) -> None:
-        """Write a row a cell."""
-        self._file.write(self._form.rows(cells))
+def csv_sink(file: BinaryIO, table: Table, form: CsvFormat) -> Sink:
+    """Begin a table as CSV; what is returned adds cells, a row each."""
+    file.write(form.header(column.name for column in table.columns))
+    return lambda cells: file.write(form.rows(cells))
 
 
 def write_table(
@@ -64,8 +43,8 @@ def write_table(
         What to solve.
     table : Table
         What is written of it.
-    sinks : iterable of Sink
-        Where to.
+    sinks : iterable of callable
+        What takes the cells, in the order of the grid, as they are solved.
     report : callable, optional
         Called with the number of cells done so far.
     look : callable, optional
@@ -81,7 +60,7 @@ def write_table(
         if sinks:
             cells = arrow_table(table.columns, block)
             for sink in sinks:
-                sink.write(cells)
+                sink(cells)
         tally.add(block)
         look(block)
         done += block.cycle.status.size

@@ -19,12 +19,11 @@ from vibro.plots.view import index_of
 from vibro.quantities import QUANTITIES, SPEED
 from vibro.reals import shielded
 from vibro.results.steady import NO_REGIME, RESULTS
-from vibro.sweeps.columns import frame_of, listed
+from vibro.sweeps.columns import frame_of, named
 from vibro.sweeps.datasets import TEXT, block_sizes, check_xarray, dataset, results_among, values_of
 from vibro.sweeps.run import solved_picture
 from vibro.sweeps.solved import SolvedGrid, axis_called, check_memory, one_value
-from vibro.tables.selection import Selection
-from vibro.tables.shard_files import ShardFiles, open_shards
+from vibro.tables.shard_files import Selection, ShardFiles, open_shards
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -161,7 +160,8 @@ class StoredSweep(SolvedGrid):
     def _wanted(
         self, filters: Mapping[str, Any] | None, columns: Sequence[str] | None
     ) -> tuple[Sequence[str], Selection]:
-        names = self.columns if columns is None else _checked(columns, self.columns)
+        known = self.columns
+        names = known if columns is None else named(columns, known, f"there are {', '.join(known)}")
         return names, _selection(self._grid, {} if filters is None else filters)
 
     def _summary(self) -> list[tuple[str, str]]:
@@ -308,18 +308,6 @@ def _read_block(shards: ShardFiles, name: str, cells: Selection, block_info: Any
     )
     found: NDArray[Any] = values_of(shards.read([name], block), block.shape)(shards.columns[name])
     return found
-
-
-def _checked(names: object, known: Sequence[str]) -> list[str]:
-    names = listed(names)
-    unknown = [name for name in names if name not in known]
-    if unknown or not names:
-        problems = [f"there is no column {shown(name)}" for name in unknown] or ["no column is named"]
-        raise InputError(*problems, hint=f"there are {', '.join(known)}")
-    twice = [name for i, name in enumerate(names) if name in names[:i]]
-    if twice:
-        raise InputError(f"column {twice[0]} is named twice", hint="name it once")
-    return names
 
 
 def _selection(grid: Grid, filters: Mapping[str, Any]) -> Selection:
