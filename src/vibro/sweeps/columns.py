@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
-__all__ = ["Table", "arrow_table", "chosen", "column_names", "columns_of", "frame_of", "named", "to_frame"]
-
 
 @dataclass(frozen=True)
 class Table:

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     Values = Callable[[Column], Any]
 
-__all__ = ["TEXT", "block_sizes", "check_xarray", "dataset", "results_among", "values_of"]
-
 #: Texts of any length. The metadata, by which xarray knows its own, has it write blocks of them one by one.
 TEXT: Final = np.dtype("O", metadata={"element_type": str})
 _CONVENTIONS: Final = "CF-1.11"

@@ -24,7 +24,7 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.results.sweep import Block, Column
-from vibro.slopes import LEAST_DIFFERENCE, speed_exponent
+from vibro.slopes import speed_exponent
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.machines import bent_speed
 
@@ -34,22 +34,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-
-__all__ = [
-    "LEAST_DIFFERENCE",
-    "TRAVERSE",
-    "WITH_ACCELERATION",
-    "WITH_ARRIVAL",
-    "WITH_BENT_SPEED",
-    "WITH_EXPONENT",
-    "WITH_LENGTH",
-    "WITH_MULTIPLIER",
-    "WITH_STROKE",
-    "WITH_STROKES",
-    "column_of",
-    "standing",
-    "throughput",
-]
 
 
 def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:

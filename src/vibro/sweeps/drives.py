@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
 
-__all__ = ["MOTION", "MOVED", "drive_given"]
-
 #: Slot of a motion of steps or samples, which is no quantity.
 MOTION: Final = "motion"
 #: Quantities of a drive by such a motion.

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["GIVEN_IN", "Grid", "scene_of"]
-
 #: Key of a description: the quantity in which the amplitude was given, if that is another one.
 GIVEN_IN: Final = "amplitude_given_as"
 
@@ -127,49 +125,14 @@ class Grid:
             motion is under ``motion``, an array of one object. With a machine the amplitude found is among
             them, NaN where there is none, and under ``OPERATING`` its other results.
         """
-        result = cell_values(self.axes, self.fixed, box)
-        return self._completed(result)
+        return self._completed(cell_values(self.axes, self.fixed, box))
 
     def cells(self, start: int, stop: int) -> dict[str, Floats]:
-        """Return every quantity of some cells in a row, in the user's units.
-
-        Parameters
-        ----------
-        start, stop : int
-            The first cell, and the one after the last; the last axis runs fastest.
-
-        Returns
-        -------
-        dict of str to array
-            By name, as from ``values``: of shape (stop - start,), or (1,) where one value serves all of them.
-
-        Raises
-        ------
-        IndexError
-            If there are no such cells, or ``start`` is not before ``stop``.
-        """
-        if not 0 <= start < stop <= self.size:
-            raise IndexError(f"cells {start} to {stop} of {self.size}")
-        # The values of each quantity, and for how many cells one of them lasts.
-        turns = {name: (np.array([value]), self.size) for name, value in self.fixed.items()}
-        for place, axis in enumerate(self.axes.values(), 1):
-            turns[axis.name] = axis.values, math.prod(self.shape[place:]) if len(axis) > 1 else self.size
-        result = {name: _in_turn(values, held, start, stop) for name, (values, held) in turns.items()}
-        if "friction_ratio" in result:
-            # Formed once for every pair of frictions, not for every cell.
-            pair = [turns[name] for name in ("friction_ratio", "static_friction")]
-            lasts = min(held for _, held in pair)
-            period = max((values.size * held // lasts for values, held in pair if values.size > 1), default=1)
-
-            def of_pairs(first: int, number: int) -> Floats:
-                both = (_in_turn(values, held // lasts, first, first + number) for values, held in pair)
-                return np.asarray(kinetic_friction(*both))
-
-            result["kinetic_friction"] = _repeated(of_pairs, period, lasts, start, stop)
-        return self._moved(result)
+        """Return every quantity of some cells in a row, the last axis running fastest."""
+        return self.picked(np.arange(start, stop))
 
     def picked(self, cells: NDArray[np.intp]) -> dict[str, Floats]:
-        """Return every quantity of cells by their numbers, as ``cells`` does."""
+        """Return every quantity of cells by their numbers, as ``values`` does: flat arrays."""
         result = {name: np.array([value]) for name, value in self.fixed.items()}
         where = np.unravel_index(cells, self.shape) if self.axes else ()
         result |= {axis.name: axis.values[i] for axis, i in zip(self.axes.values(), where, strict=True)}
@@ -262,56 +225,13 @@ class Grid:
         given = {GIVEN_IN: QUANTITIES["stroke"].column} if self.in_stroke else {}
         return {"scene": scene, **motion, "axes": axes, **given}
 
-    def _completed(self, values: dict[str, Floats]) -> dict[str, Floats]:
+    def _completed(self, values: dict[str, Any]) -> dict[str, Any]:
         """Add the kinetic friction, where its ratio to the static one is given, and what the drive does."""
         if "friction_ratio" in values:
             values["kinetic_friction"] = kinetic_friction(values["friction_ratio"], values["static_friction"])
-        return self._moved(values)
-
-    def _moved(self, values: dict[str, Any]) -> dict[str, Any]:
         if self.motion is not None:
             values["motion"] = np.full((1,) * max(x.ndim for x in values.values()), self.motion.motion)
         return values if self.machine is None else values | operated(self.machine, values)
-
-
-def _in_turn(values: Floats, held: int, start: int, stop: int) -> Floats:
-    """Return cells ``start`` to ``stop`` of values that follow each other, each for ``held`` cells."""
-
-    def look_up(first: int, number: int) -> Floats:
-        return values.take(np.arange(number) + first % values.size, mode="wrap")
-
-    return _repeated(look_up, values.size, held, start, stop)
-
-
-def _repeated(look_up: Callable[[int, int], Floats], period: int, held: int, start: int, stop: int) -> Floats:
-    """Return cells of an endless sequence, without a division for each of them.
-
-    Parameters
-    ----------
-    look_up : callable
-        From the first value and a number of values to these values.
-    period : int
-        After how many values they repeat.
-    held : int
-        For how many cells each lasts.
-    start, stop : int
-        The first cell, and the one after the last.
-
-    Returns
-    -------
-    float array
-        Of shape (stop - start,), or (1,) where one value serves all.
-    """
-    first, last = start // held, (stop - 1) // held
-    number = last - first + 1
-    if number == 1:
-        return look_up(first, 1)
-    if number > period + 1:
-        turn = _repeated(look_up, period, held, start, start + period * held)
-        return np.tile(turn, -(-(stop - start) // turn.size))[: stop - start]
-    lasts = np.full(number, held)
-    lasts[0], lasts[-1] = (first + 1) * held - start, stop - last * held
-    return np.repeat(look_up(first, number), lasts)
 
 
 def scene_of(values: Mapping[str, Floats]) -> Scene:

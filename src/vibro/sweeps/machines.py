@@ -24,17 +24,6 @@ if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
 
-__all__ = [
-    "OF_SCENE",
-    "bent_speed",
-    "case_of",
-    "check_operating",
-    "empty_amplitude",
-    "operated",
-    "points_of",
-    "withheld",
-]
-
 #: Arguments of ``vibro.operate`` that are fields of a scene.
 OF_SCENE: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "gravity",

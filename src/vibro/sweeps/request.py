@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from vibro.files.motions import GivenMotion
     from vibro.quantities import Quantity
 
-__all__ = ["RANGES", "Caller", "Request", "gather"]
-
 #: Swept where they are not given. Friction and drive angle are never invented.
 RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
 

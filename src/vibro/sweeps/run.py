@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["DrawnCells", "limits_of", "solved_picture", "sweep_blocks", "sweep_picture"]
-
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2
 # for each core: few enough that memory stays small (benchmarks/sweeps.py)

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from vibro.quantities import Quantity
     from vibro.sweeps.grid import Grid
 
-__all__ = ["SolvedGrid", "axis_called", "check_memory", "one_value"]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SolvedGrid(ABC):

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from vibro.results.sweep import Block
 
-__all__ = ["Tally"]
-
 _Code = TypeVar("_Code", Status, Regime)
 _NO_REGIME = "none"
 _SPEED, _ERROR = "mean_velocity_mm_s", "mean_velocity_error_mm_s"

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from vibro.results.sweep import Column
     from vibro.sweeps.request import Request
 
-__all__ = ["Sweep", "read_scene", "request_of_call", "sweep"]
-
 _BYTES_PER_CELL: Final = 110  # [B] of all results
 
 
