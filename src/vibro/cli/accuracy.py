@@ -10,6 +10,7 @@ import typer
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import AllOption, Options  # typer reads the annotations
 from vibro.errors import InputError
+from vibro.quantities import LINEAR
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -104,15 +105,18 @@ def _request(options: Options, argv: Sequence[str]) -> Request:
 
     if options.scene is None and not options.given:
         options = replace(options, given=_SAMPLE)
-    return request_of(
+    request = request_of(
         options,
         argv,
+        varies=True,
         reads_map=True,
         takes_axes=True,
         ranges=_AROUND_A_SCENE,
-        line_alone=_LINE_ALONE,
         without_machine="the methods that are compared know amplitudes alone",
     )
+    if request.drive != LINEAR:
+        raise InputError(_LINE_ALONE[0], hint=_LINE_ALONE[1])
+    return request
 
 
 def _grid(request: Request, console: Console) -> Grid:

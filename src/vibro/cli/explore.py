@@ -122,7 +122,7 @@ def _request(options: Options, argv: Sequence[str]) -> Request | None:
     from vibro.cli.request import request_of
     from vibro.sweeps.request import RANGES
 
-    return request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
+    return request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES)
 
 
 def _open(url: str, begun: threading.Event, console: Console) -> None:

@@ -116,7 +116,7 @@ def map_command(
     if target_speed is not None and output is not Output.EXACT:
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
-    request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
+    request = request_of(options, context.obj, varies=True, reads_map=True, takes_axes=True, ranges=RANGES)
     question(request, options)
     grid = request.grid(output, flight=output is Output.EXACT, coexistence=coexist)
     console.echo_all(map(str, grid.told_axes.values()))

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.sweeps.request import Request
 
-__all__ = ["plain_number", "question", "request_of", "warn_of_machine", "whole_number"]
-
 
 class _CommandLine(NamedTuple):
     """How messages speak of options; ``argv`` are the arguments as typed, the command first."""
@@ -34,9 +32,6 @@ class _CommandLine(NamedTuple):
             f"vibro {self.argv[0]} takes one value",
             "vibro map takes axes; a decimal is written with a point",
         )
-
-    def axis(self, quantity: Quantity) -> str:
-        return quantity.typed("0.1:3:200")
 
     def name(self, quantity: Quantity) -> str:
         return quantity.options[0] if quantity.is_option else quantity.typed()
@@ -70,6 +65,7 @@ def request_of(
     *,
     without_machine: str = "",
     measured: Collection[str] = (),
+    varies: bool = False,
     **wanted: Any,
 ) -> Request:
     """Read the options and the scene file that they name, and check them together.
@@ -84,6 +80,8 @@ def request_of(
         Why the command takes no machine; empty if it does.
     measured : collection of str
         Quantities that are measured: those of the file do not count, nor do its motion and machine.
+    varies : bool
+        Whether a quantity has to vary.
     **wanted
         As for ``gather``.
 
@@ -103,7 +101,11 @@ def request_of(
             f"{options.scene}: [machine]: {without_machine}",
             hint="vibro solve tells the amplitude at its operating point: give that in place of [machine]",
         )
-    return gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
+    request = gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
+    if varies and not request.varying:
+        example = QUANTITIES[request.drive[0]].typed("0.1:3:200")
+        raise InputError("nothing varies", hint=f"give an axis, for example {example}")
+    return request
 
 
 def warn_of_machine(request: Request, console: Console) -> None:

@@ -30,16 +30,13 @@ def traverse_time_command(
     from vibro.cli.answer import Run, answer_one, answer_sweep
     from vibro.cli.console import Console
     from vibro.cli.request import question, request_of
-    from vibro.errors import InputError
-    from vibro.quantities import QUANTITIES
     from vibro.sweeps.derived import WITH_ARRIVAL, WITH_STROKES
 
-    request = request_of(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
+    request = request_of(
+        options, context.obj, varies=sweep, reads_map=sweep, takes_axes=True, needs_length=True
+    )
     question(request, options)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
-    if sweep and not request.varying:
-        example = QUANTITIES[request.drive[0]].typed("0.1:3:200")
-        raise InputError("nothing varies", hint=f"give an axis, for example {example}")
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     console = Console(quiet=options.quiet)

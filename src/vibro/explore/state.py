@@ -86,9 +86,6 @@ class _Page:
     gives = "the page"
     takes_one_value = ("it takes one value", "write 1.25 or 1250, not 1,250; axes are chosen at the map")
 
-    def axis(self, quantity: Quantity) -> str:
-        return f"{quantity.label} 0.1:3"
-
     def name(self, quantity: Quantity) -> str:
         return quantity.label
 

@@ -51,7 +51,7 @@ RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
 # What must be given, in the order in which messages name what is missing.
 _REQUIRED: Final = (
     "amplitude", "along_amplitude", "normal_amplitude", "along_amplitude_2", "normal_amplitude_2",
-    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_length",
+    "frequency", "drive_angle", "static_friction", "kinetic_friction",
 )  # fmt: skip
 Specs = dict[str, AxisSpec]
 
@@ -66,9 +66,6 @@ class Caller(Protocol):
     @property
     def takes_one_value(self) -> tuple[str, str]:
         """Message and hint if an axis was given and one value is wanted."""
-
-    def axis(self, quantity: Quantity) -> str:
-        """Show an axis as it is given: ``-A 0.1:3:200``."""
 
     def name(self, quantity: Quantity) -> str:
         """Name an argument: ``-A``."""
@@ -191,38 +188,27 @@ class Request:
         InputError
             If the machine has no operating point.
         """
+        values = self.grid().values()
         if self.machine is not None:
-            values = self.grid(Output.EXACT).values()
             check_operating(self.machine, values)
-            return scene_of({name: x.reshape(()) for name, x in values.items()})
-        moved = {} if self.motion is None else {MOTION: self.motion.motion}
-        return Scene(**scene_fields({**self.fixed, **moved}))
+        return scene_of({name: x.reshape(()) for name, x in values.items()})
 
-    def axes(self, count: int | None = None) -> dict[str, Axis]:
+    def axes(self, count: int = 0) -> dict[str, Axis]:
         """Spell out the axes; ``count`` values where a range leaves that open, the usual number without."""
-        usual = default_count(len(self.varying))
-        return {name: self.specs[name].axis(count or usual) for name in self.varying}
+        count = count or default_count(len(self.varying))
+        return {name: self.specs[name].axis(count) for name in self.varying}
 
-    def grid(
-        self,
-        output: Output = Output.EXACT,
-        *,
-        flight: bool = True,
-        coexistence: bool = False,
-        arrivals: bool = False,
-    ) -> Grid:
-        """Make the grid of all combinations."""
+    def grid(self, output: Output = Output.EXACT, **how: bool) -> Grid:
+        """Make the grid of all combinations; ``how`` are fields of a ``Grid``."""
         return Grid(
             self.axes(),
             self.fixed,
             self.length,
             output,
-            flight,
-            coexistence,
-            arrivals,
-            self.motion,
-            self.in_stroke,
-            self.machine,
+            motion=self.motion,
+            in_stroke=self.in_stroke,
+            machine=self.machine,
+            **how,
         )
 
 
@@ -256,9 +242,7 @@ def gather(
     takes_axes: bool = False,
     ranges: Mapping[str, str] | None = None,
     needs_length: bool = False,
-    must_vary: bool = True,
     asked_for: Sequence[str] = (),
-    line_alone: tuple[str, str] | None = None,
     pack: str | None = None,
 ) -> Request:
     """Merge a scene file and the caller's input, and check everything before anything is computed.
@@ -266,7 +250,7 @@ def gather(
     Parameters
     ----------
     given : mapping of str to object
-        What the caller gives by the name of its quantity: what ``axis_of`` reads, or its result.
+        What the caller gives by the name of its quantity, for ``axis_of`` to read.
     file : SceneFile or None
         Overridden by ``given``.
     caller : Caller
@@ -279,12 +263,8 @@ def gather(
         Axes for quantities that are not given; if nothing else varies, also for those in ``[scene]``.
     needs_length : bool
         Whether the length of the trough is needed.
-    must_vary : bool
-        Whether ``ranges`` without any axis are refused.
     asked_for : sequence of str, optional
         Names of quantities that are to be found: a caller may not give them, and the file's are ignored.
-    line_alone : pair of str, optional
-        Message and hint for drives that do not move along a line.
     pack : str, optional
         Name of the machine's spring pack, in place of its natural frequency.
 
@@ -330,8 +310,6 @@ def gather(
         _check_line(drive, layers, problems)
     motion = described.pop(MOTION, None)
     own = described
-    if line_alone is not None and drive is not LINEAR:
-        problems.add(*line_alone)
     other = {*DRIVES}.difference(drive)
     ranges = {slot: text for slot, text in ranges.items() if slot not in other}
     merged = own | swept | typed
@@ -348,13 +326,10 @@ def gather(
         _check_range(slot, spec, problems, is_clamped="normal_acceleration" in merged)
     _check_combinations(merged, problems)
     _check_clamped(drive, merged, caller, problems)
-    if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
-        problems.add("nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
     given_up = {*ranges, *asked_for, *other, *_harmonics_left_out(merged)}
     given_up |= set() if machine is None else {"amplitude"}
-    given_up |= set() if needs_length else {"trough_length"}
-    required = [slot for slot in _REQUIRED if slot not in given_up]
-    _check_missing(required, merged, caller, problems)
+    required = [*_REQUIRED, "trough_length"] if needs_length else _REQUIRED
+    _check_missing([slot for slot in required if slot not in given_up], merged, caller, problems)
     problems.settle()
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
@@ -424,7 +399,7 @@ def _understood(given: Mapping[str, object], problems: _Problems, *, takes_axes:
         with problems.taken(field=STANDS_FOR.get(name, name)):
             quantity = QUANTITIES[name]
             read = axis_of if takes_axes and STANDS_FOR.get(name, name) in SWEPT else one_value_of
-            specs[name] = value if isinstance(value, AxisSpec) else read(value, quantity)
+            specs[name] = read(value, quantity)
     return specs
 
 

@@ -49,9 +49,6 @@ class _Call(NamedTuple):
     gives: str = "the call"
     takes_one_value: tuple[str, str] = ("one value is wanted", "vibro.sweep takes axes")
 
-    def axis(self, quantity: Quantity) -> str:
-        return f'{quantity.column}="0.1:3:200"'
-
     def name(self, quantity: Quantity) -> str:
         return quantity.column
 
@@ -275,9 +272,7 @@ def request_of_call(
     file = None if scene_file is None else _read(scene_file)
     typed += (repr(str(scene_file)),) if scene_file is not None else ()
     call = _Call(function.__name__, (*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))
-    return gather(
-        given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False, pack=pack
-    )
+    return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, pack=pack)
 
 
 def _read(path: str | PathLike[str]) -> SceneFile:
