@@ -296,11 +296,18 @@ def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
         raise
 
 
+def _size(text: str) -> float:
+    """Return the number with which a text begins."""
+    found = re.match(r"[+-]?[0-9]+", text.replace("\u2212", "-"))
+    return float(found[0]) if found else 0.0
+
+
 def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(text) <= _REPEATED and (match := _DECIMAL_COMMA.fullmatch(text)):
+        two = ", ".join(sorted(match.groups(), key=_size))
         raise InputError(
             f"{quantity.label} = {shown(text)}: a decimal comma, or two values",
-            hint=f"write {match[1]}.{match[2]}, or '{match[1]}, {match[2]}' for the two values",
+            hint=f"write {match[1]}.{match[2]}, or '{two}' for two values",
         )
     items = text.split(",")
     if not all(map(str.strip, items)):
@@ -310,7 +317,7 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(items) > MAX_VALUES:
         raise _too_many(shown(text), quantity)
     values = np.array([nearest_double(item, quantity) for item in items])
-    _check_order(values, shown(text), quantity, "{}", ",")
+    _check_order(values, shown(text), quantity, *(("'{}'", ", ") if values.size == 2 else ("{}", ",")))
     return AxisSpec(quantity, tuple(_unsigned(values).tolist()))
 
 

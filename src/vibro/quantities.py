@@ -271,7 +271,7 @@ _ALL: Final = (
              "phase of the first harmonic along the trough, where arrays give it; else 0"),
     *(quantity for n in range(2, MOST_HARMONICS + 1) for quantity in _harmonic(n)),
     Quantity("motion_scale", PURE, "c", "c", ("motion_scale",), POSITIVE,
-             "factor by which all amplitudes, or accelerations, of a motion are multiplied", 1.0),
+             "factor of all amplitudes, or accelerations, of a motion", 1.0),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), ZERO_OR_MORE,
              "coefficient of friction at rest", usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
@@ -380,8 +380,10 @@ START_NORMAL_VELOCITY: Final = Quantity(
 _NUMBER = re.compile(
     r"([+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+)\s*+([^\W\d_].*|[\u00b0%]|1?/.*)?"
 )
-# A decimal comma; before three digits it may part thousands.
-_COMMA: Final = re.compile(r"([+-]?[0-9]+),(?![0-9]{3}(?![0-9]))([0-9]+)(?![0-9]|.*,)", re.DOTALL)
+# A decimal comma; before three digits it may part thousands, and between long numbers two of them.
+_COMMA: Final = re.compile(
+    r"([+-]?[0-9]+),(?![0-9]{3}(?![0-9])|(?<=[0-9]{2},)[0-9]{3})([0-9]+)(?![0-9]|.*,)", re.DOTALL
+)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
 _CATALOGUED: Final = ("static_friction", "kinetic_friction")
 # More digits than this are no number that somebody measured or computed: those of every double fit.
@@ -636,7 +638,7 @@ def _not_finite(text: str, quantity: Quantity) -> InputError:
 
 
 def _number_hint(text: str, quantity: Quantity) -> str:
-    thousands = re.fullmatch(r"([+-]?[0-9]+),([0-9]{3})\s*(\D*)", text)
+    thousands = re.fullmatch(r"([+-]?[0-9]+),([0-9]{3,})\s*(\D*)", text)
     if thousands and text.isprintable() and len(text) <= _HINTED:
         first, last, unit = thousands.groups()
         return f"write {first}{last}{unit}, or {first}.{last}{unit} if that is meant"

@@ -7,7 +7,7 @@ import importlib
 import math
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
@@ -329,7 +329,7 @@ def test_errors_are_counted_where_they_are() -> None:
 
 
 def test_the_reference_is_the_cycle_of_another_walk() -> None:
-    fields = draw_scenes(grid(), 0, 60).flat()[:-1]
+    fields: Any = draw_scenes(grid(), 0, 60).flat()[:-1]
     stays = 0
     for values in zip(*(field.tolist() for field in fields), strict=True):
         known = exact_cycle(values)
@@ -353,7 +353,7 @@ def without_mpmath(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_without_mpmath_the_reference_is_a_walk_in_doubles() -> None:
     reference = importlib.reload(sys.modules["vibro.accuracy.reference"])
     assert reference.NAME == "event walk in double precision"
-    fields = draw_scenes(grid(), 0, 60).flat()[:-1]
+    fields: Any = draw_scenes(grid(), 0, 60).flat()[:-1]
     for values in zip(*(field.tolist() for field in fields), strict=True):
         known = exact_cycle(values)
         if known.pattern != "hopping":

@@ -48,7 +48,7 @@ def states(sheet: Sheet) -> list[Row]:
 def change(sheet: Sheet) -> float:
     """Change of speed that the filling brings [%]."""
     empty, full = states(sheet)
-    return 100.0 * (full[SPEED] / empty[SPEED] - 1.0)
+    return float(100.0 * (full[SPEED] / empty[SPEED] - 1.0))
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_the_load_proof_pack_and_its_price(tmp_path: Path) -> None:
 
 def test_bounds_hold_every_body_within_the_bands(tmp_path: Path) -> None:
     """2000 random bodies are within the bounds, which are 0.3 of what docs/theory tells."""
-    request = asked(tmp_path, feeder(), **BANDS, **FRICTIONS)
+    request = asked(tmp_path, feeder(), **{**BANDS, **FRICTIONS})  # type: ignore[arg-type]  # bands alone
     (bounds,) = make_sheet(request, picture=False).record["guaranteed"]
     low, high = bounds["speed_mm_s"]
     assert low == pytest.approx(11.6, abs=0.3)

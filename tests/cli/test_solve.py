@@ -103,7 +103,7 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
     assert [row["scene"] for row in rows] == ["one", "two"]
     assert [float(row["mean_velocity_mm_s"]) for row in rows] == [c["mean_velocity_mm_s"] for c in cells]
     text = run("solve", "one.toml", "two.toml").stdout.splitlines()
-    assert [line.split()[:2] for line in text] == [
+    assert [line.split()[:2] for line in text if line[:1].isalpha()][:3] == [
         ["scene", "regime"],
         ["one", "forward-slip"],
         ["two", "hopping"],

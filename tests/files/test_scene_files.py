@@ -191,4 +191,4 @@ def test_a_question_of_vibro_design_is_told_from_a_scene(
     path = written(tmp_path, text)
     with pytest.raises(InputError) as caught:
         read_scene_file(path)
-    assert ("vibro.design(" in caught.value.hint) is is_question
+    assert ("vibro.design in Python" in caught.value.hint) is is_question

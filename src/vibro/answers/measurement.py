@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.answers.answer import Answer, Fact, Table, number, shown, uncertain
 from vibro.errors import printable
-from vibro.quantities import DEFAULTS, QUANTITIES
+from vibro.quantities import DEFAULTS, QUANTITIES, SIZES, STANDS_FOR
 from vibro.records.tolerances import TOL
 from vibro.records.trough_drives import MEASURED
 
@@ -393,10 +393,13 @@ def _notes(m: Measurement, request: Request) -> list[str]:
     if m.fit is None:
         return []
     known = {*(m.trough.drive.quantities if m.trough else ()), *(p.name for p in m.fit.parameters)}
-    angle = request.fixed.get("drive_angle")
+    taken = {name: request.told[name] for name in (*SIZES, "drive_angle") if name in request.told}
+    told = [
+        f"{QUANTITIES[name].label} {number(value, QUANTITIES[name].unit)}"
+        for name, value in taken.items()
+        if STANDS_FOR.get(name, name) not in known
+    ]
     notes = list(m.fit.statements)
-    if angle is not None and "drive_angle" not in known:
-        notes.append(
-            f"the drive angle of {number(angle, 'deg')} is taken as exact: no interval holds its error"
-        )
+    if told:
+        notes.append(f"taken as exact, so that no interval holds its error: {', '.join(told)}")
     return notes

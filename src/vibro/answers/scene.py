@@ -49,6 +49,15 @@ _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 _STANDS: Final = {1: "yes", 0: "no", -1: "unknown"}
 _WAYS: Final = {True: "backwards, down the track", False: "forwards, down the trough"}
+_NO_BOUNCE: Final = "restitution 0: parts land without a bounce"
+# What tables of several scenes have where it was asked for.
+_WHERE_ASKED: Final = (
+    ("traverse_time_s", "traverse time", "s"),
+    ("parts_per_min", "throughput", "parts/min"),
+    ("mass_flow_kg_h", "throughput", "kg/h"),
+    ("upright", "upright", ""),
+    ("power_w", "power of the filling", "W"),
+)
 _ROUNDING: Final = 1e-9  # [%] change of a speed that is rounding alone
 
 
@@ -191,7 +200,10 @@ def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
 
 
 def cells_answer(
-    head: Sequence[tuple[str, str]], heads: Sequence[Sequence[Any]], cells: Sequence[Mapping[str, Any]]
+    head: Sequence[tuple[str, str]],
+    heads: Sequence[Sequence[Any]],
+    cells: Sequence[Mapping[str, Any]],
+    given: Mapping[str, Mapping[str, float]],
 ) -> Answer:
     """Make the answer about several scenes: a line for each.
 
@@ -203,21 +215,36 @@ def cells_answer(
         That of each scene.
     cells : sequence of mapping
         The results of each, by column.
+    given : mapping of str to mapping
+        What does not vary, in the units outside, by the name of each scene file.
     """
     columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), ("a cycle", "mm")]
     keys = ["displacement_per_cycle_mm", "throw_number"]
     columns += [("throw number", "")]
-    timed = any(cell.get("traverse_time_s") is not None for cell in cells)
-    columns += [("traverse time", "s")] if timed else []
-    keys += ["traverse_time_s"] if timed else []
+    for key, label, unit in _WHERE_ASKED:
+        if any(cell.get(key) is not None for cell in cells):
+            columns.append((label, unit))
+            keys.append(key)
     rows = []
     for names, cell in zip(heads, cells, strict=True):
         speed = cell["mean_velocity_mm_s"]
         rate = None if speed is None else _RATE * speed
-        rows.append([*names, cell["regime"] or "none", speed, rate, *(cell[key] for key in keys)])
+        rows.append([*names, cell["regime"] or "none", speed, rate, *(cell.get(key) for key in keys)])
     told = {cell["status"] for cell in cells}
     notes = [code.message for code in Status if code is not Status.OK and code.label in told]
-    return Answer((), [Table("scenes", columns, rows)], notes)
+    if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
+        notes.append(_NO_BOUNCE)
+    facts = [Fact(name, _given_text(values), is_rare=True) for name, values in given.items()]
+    return Answer(facts, [Table("scenes", columns, rows)], notes, title=", ".join(given))
+
+
+def _given_text(given: Mapping[str, float]) -> str:
+    """Name the quantities of a scene, but for those that are as usual."""
+    return ", ".join(
+        f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+        for name, value in given.items()
+        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS and name not in MACHINE
+    )
 
 
 def _motion(one: OneScene) -> Fact:
@@ -288,7 +315,10 @@ def _asked(one: OneScene, part: Mapping[str, float]) -> list[Fact]:
         )
         facts.append(Fact("upright", _STANDS[int(upright)], note=note))
     for column in weighed(part):
-        facts.append(Fact(label_of(column.name, column.unit), one.value(column), column.unit))
+        is_rare = column.name not in ("filling_kg", "power_w")
+        facts.append(
+            Fact(label_of(column.name, column.unit), one.value(column), column.unit, is_rare=is_rare)
+        )
     return facts
 
 
@@ -308,14 +338,10 @@ def _next(one: OneScene) -> Table:
 
 
 def _rare(one: OneScene) -> list[Fact]:
-    told = {
-        name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
-        for name, value in one.given.items()
-        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS and name not in MACHINE
-    }
-    if OPERATING in one.block.values:  # which follows, to as many digits as mean something
-        told["amplitude"] = f"amplitude {shown(one.given['amplitude'], 6)} mm"
-    scene = ", ".join([*([motion_text(one.scene)] if one.scene.motion else []), *told.values()])
+    given = dict(one.given)
+    if OPERATING in one.block.values:  # from which the amplitude follows: as many digits as mean something
+        given["amplitude"] = float(shown(given["amplitude"], 6))
+    scene = ", ".join([*([motion_text(one.scene)] if one.scene.motion else []), _given_text(given)])
     facts = [
         Fact("scene", scene),
         Fact("stroke", one.value(WITH_STROKE), "mm", note="peak to peak"),
@@ -395,7 +421,7 @@ def _notes(one: OneScene) -> list[str]:
         else:
             notes.append("a disturbed part can settle into another steady motion than one from rest")
     if one.cycle.flight_fraction > 0.0 and one.given["restitution"] == 0.0:
-        notes.append("restitution 0: parts land without a bounce")
+        notes.append(_NO_BOUNCE)
     return notes
 
 

@@ -35,7 +35,7 @@ _LEAST: Final = 1e-6  # of the largest of them, where parts start at once or hop
 _MOST: Final = 1e3  # times the largest critical load, where parts never hop
 _BELOW_HOP: Final = 1e-12
 _SETS: Final = {
-    "speed": "the speed is reached",
+    "speed": "the speed",
     "onset": "forward slip begins",
     "back slip": "back slip",
     "hop": "hopping",
@@ -176,6 +176,11 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     where = f"up to throw number {MOST_DESIGN_THROW:g}" if math.isfinite(limit) else "without hopping"
     name, share = next(iter(shares.items()))
     label, unit = QUANTITIES[name].label, QUANTITIES[name].unit
+    if not hopping:
+        notes.append("with --hopping parts may hop too")
+    if request.length is not None and found:
+        time = shown(request.length / speed)
+        notes.insert(0, f"over {request.length:.10g} mm that takes {time} s")
     if not found:
         most, at = drive.best(limit)
         told = f"none reaches {asked} {where}"

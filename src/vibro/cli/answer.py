@@ -18,7 +18,9 @@ from vibro.quantities import QUANTITIES, as_given
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
+
+    from matplotlib.figure import Figure
 
     from vibro.cli.options import Options
     from vibro.results.sweep import Block, Column
@@ -98,6 +100,8 @@ def answer_one(
     grid, console = run.grid, Console(quiet=options.quiet)
     if run.is_chosen and not options.json and not options.output:
         raise InputError("--columns: the answer is no table", hint="add --json, -o - or -o NAME.csv")
+    if options.decimal_comma and not options.output:
+        raise InputError("--decimal-comma: no CSV is written", hint="add -o NAME.csv, or leave it out")
     if grid.machine is not None:
         from vibro.sweeps.machines import check_operating, points_of
 
@@ -165,30 +169,42 @@ def answer_cells(runs: Sequence[Run], options: Options, argv: Sequence[str], nam
     head += [(QUANTITIES[name].label, QUANTITIES[name].unit) for name in varying]
     heads: list[list[Any]] = []
     cells: list[dict[str, Any]] = []
+    unresolved = False
     for i, run in enumerate(runs, 1):
         for block in sweep_blocks(run.grid):
+            unresolved |= bool((block.cycle.status == Status.UNRESOLVED).any())
             values = as_given(block.values, in_stroke=run.grid.in_stroke)
             axes = [_cells(values.get(name), block) for name in varying]
-            names = [run.request.name or f"scene {i}"] * (len(runs) > 1)
-            heads += [[*names, *(axis[k] for axis in axes)] for k in range(block.cycle.status.size)]
-            own = {"scene": names[0]} if names else {}
+            own = {"scene": run.request.name or f"scene {i}"} if len(runs) > 1 else {}
+            heads += [[*own.values(), *(axis[k] for axis in axes)] for k in range(block.cycle.status.size)]
             cells += [{**own, **record} for record in run.records(block)]
-    answer = cells_answer(head, heads, cells)
-    with Outputs(
-        options, name, argv, console, forms=("csv", "json", "html"), pictures=(), reads=options.files
-    ) as outputs:
+    whole = not runs[0].is_chosen
+    if not (whole or options.json or options.output):
+        raise InputError("--columns: the answer is no table", hint="add --json, -o - or -o NAME.csv")
+    names = {run.request.name or f"scene {i}": run.request.told for i, run in enumerate(runs, 1)}
+    answer = cells_answer(head, heads, cells, names) if whole else Answer(())
+
+    def page(figures: Mapping[str, Figure] | None = None) -> str:
+        return answer.html(figures, shlex.join(["vibro", *argv]))
+
+    forms = TABLES if len(runs) == 1 else tuple(form for form in TABLES if form != "xlsx")
+    outputs = Outputs(options, name, argv, console, forms=forms, pictures=(), reads=options.files)
+    if options.output and len(runs) == 1:
+        from vibro.cli.sweeps import write_sweep
+
+        write_sweep(
+            runs[0].grid, runs[0].table, outputs, replace(options, json=False), console,
+            more=lambda: {"cells": cells}, page=page,
+        )  # fmt: skip
+    elif options.output:
         keys = list(dict.fromkeys(key for cell in cells for key in cell))
-        outputs.write(
-            lambda: {"": {key: _column([cell.get(key) for cell in cells]) for key in keys}},
-            dict,
-            {"cells": cells},
-            {"html": lambda figures: answer.html(figures, shlex.join(["vibro", *argv]))},
-        )
+        table = {key: _column([cell.get(key) for cell in cells]) for key in keys}
+        with outputs:
+            outputs.write(lambda: {"": table}, dict, {"cells": cells}, {"html": page})
     if options.json:
         print(json.dumps(cells, indent=2, allow_nan=False))
-    elif not outputs.takes_stdout:
+    elif whole and not outputs.takes_stdout:
         print(answer.text())
-    unresolved = any(cell["status"] == Status.UNRESOLVED.label for cell in cells)
     return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
 
 

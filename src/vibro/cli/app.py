@@ -144,6 +144,8 @@ def _hint(exc: Any, argv: Sequence[str]) -> str:
         typed = next((arg for arg in argv if not arg.startswith("-")), "")
         if not isinstance(exc, typer.BadParameter) and "No such command" in exc.format_message():
             names = ", ".join(name for name in _COMMANDS if name not in _HIDDEN)
+            if typed.casefold().endswith(".toml"):
+                return f"write vibro solve {typed}"
             return _GONE.get(typed, f"the commands are {names}")
         return ""
     if option in _GONE:

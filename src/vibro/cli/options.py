@@ -192,6 +192,11 @@ def read_arguments(
             if quantity.name in given:
                 raise InputError(f"{quantity.label} is given twice", hint="give it once")
             given[quantity.name] = found[2]
+        elif text.startswith(("=", "\N{EN DASH}", "\N{EM DASH}")) or text.endswith("="):
+            raise InputError(
+                f"{cut(text)}: neither an option nor a quantity",
+                hint="write NAME=VALUE without blanks, and options with a hyphen, -A 1mm",
+            )
         elif text.casefold() in _UNITS or (_NUMBER.fullmatch(text) and not Path(text).exists()):
             raise InputError(
                 f"{cut(text)}: a value without its option, such as -A or gravity=",

@@ -103,10 +103,12 @@ class Outputs:
         self._written: list[Path] = []
         self.argv, self._console, self._force = argv, console, options.force
         self._reads = [path for path in reads if path is not None]
-        self._has_record = len(forms) > 1  # a JSON alone is the answer itself
+        self._has_record = _has_record(forms)
         self._decimal_comma = options.decimal_comma
         given = options.output or ([] if default is None else [default])
         for text in given:
+            if text == "-" and "csv" not in forms and _has_record(forms):
+                raise InputError("-o -: this answer has no table", hint="--json prints it")
             if text == "-":
                 if options.json:
                     raise InputError("--json and -o - both want stdout", hint="leave one of them out")
@@ -253,6 +255,11 @@ class Outputs:
         for path in self.records:
             self.waiting[path].write_text(json_text(record) + "\n", encoding="utf-8")
         return record
+
+
+def _has_record(forms: Sequence[str]) -> bool:
+    """Whether a JSON describes other files; one that is alone is the answer itself."""
+    return len(forms) > 1
 
 
 def scene_record(request: Request) -> dict[str, Any]:

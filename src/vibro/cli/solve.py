@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 _MOST_CELLS: Final = 50  # of lists: a screen; more are a map's
 _NO_MACHINE: Final = (
-    "--speed asks for an amplitude, which follows from the machine; vibro map setting=10:100 --speed shows"
-    " the settings that reach a speed"
+    "--speed asks for an amplitude, which follows from the machine; vibro map FILE setting=10:100 --speed X"
+    " shows the settings that reach a speed"
 )
 _NEEDS: Final = {
     **NEEDS_PART,
@@ -80,6 +80,10 @@ def solve_command(
     if speed is not None:
         others = {"regimes_only": regimes_only, "coexist": coexist, "stand_ratio": stand_ratio}
         others |= {"columns": columns, "pitch": pitch, "mass": mass, "filling=": "filling" in options.given}
+        if len(options.files) > 1:
+            raise InputError(
+                f"--speed with {len(options.files)} files: it takes one", hint="leave the others out"
+            )
         if refused := [f"--{name.replace('_', '-')}" for name, given in others.items() if given]:
             raise InputError(f"--speed finds amplitudes: {', '.join(refused)} cannot be used with it")
         return _target(speed, options, context.obj, hopping=hopping)

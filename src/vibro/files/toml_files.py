@@ -29,6 +29,7 @@ _OTHER_FILES: Final = {
     ".xlsx": "a workbook", ".xls": "a workbook", ".ods": "a workbook", ".csv": "a table", ".txt": "a table",
     ".json": "a record", ".parquet": "one file of a sweep", ".png": "a picture", ".html": "a page",
 }  # fmt: skip
+_COMMANDS: Final = {"scene": "solve", "design": "design"}
 _OF_DESIGNS: Final = {"drive", "goal"}  # tables
 _REASON: Final = 200  # characters of the parser's message
 # Matches whole numbers that may be too long for Python (4300 digits), and the digits that are kept: more than
@@ -98,7 +99,10 @@ def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -
     """Refuse a file of another kind as a whole, but not one that lacks a table."""
     other = kind_of(content)
     if other is not file and (other is DESIGN_FILE or not content.keys() & _OF_DESIGNS):
-        raise InputError(f"{path}: this is {other.meaning}", hint=f'run vibro.{other.function}("{path}")')
+        raise InputError(
+            f"{path}: this is {other.meaning}",
+            hint=f"it is for vibro {_COMMANDS[other.name]}, or vibro.{other.function} in Python",
+        )
 
 
 def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: Problems) -> None:

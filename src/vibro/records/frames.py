@@ -56,14 +56,10 @@ def of_another_frame(observation: Observation, motion: SettledMotion) -> list[st
     what = f"the {' and the '.join(names)} fit{'s' if len(names) == 1 else ''}"
     times = f"{rounded(given / max(found[best], TOL.least_misfit))} times better"
     if seen.absolute:
-        return [
-            f"{what} {times} relative to the trough: leave out the option absolute if the sensor rides on it"
-        ]
+        return [f"{what} {times} relative to the trough: leave out --absolute if the sensor rides on it"]
     if best == "computed":
-        return [
-            f"{what} {times} over the ground: give the option absolute if a camera or a sensor stands there"
-        ]
-    own = "give the option absolute of a part that does not slide, trough_along of a sensor on the trough"
+        return [f"{what} {times} over the ground: give --absolute if a camera or a sensor stands there"]
+    own = "give --absolute of a part that does not slide, --trough-along of a sensor on the trough"
     return [f"{what} the trough's own motion {times}: {own}"]
 
 

@@ -323,7 +323,7 @@ def refuse_line_down(trough: Trough, *, reverse: bool) -> None:
     """Raise InputError if the trough moves down along a line while it moves forwards."""
     if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:  # no drive angle is below 0
         why = "the axis along the trough points against the conveying direction"
-        hint = f"{'leave out the option reverse, unless' if reverse else 'give the option reverse, if'} {why}"
+        hint = f"{'leave out --reverse, unless' if reverse else 'give --reverse, if'} {why}"
         inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
         raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
 
@@ -370,6 +370,6 @@ def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | No
     if abs(off) > 0.5 * math.pi:
         than = "that along the trough" if normal_phase is None else "where the scene has it"
         lead = f"{abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'} {than}"
-        why = "one of the two sensors may be inverted (the option reverse, or a negative sensitivity)"
+        why = "one of the two sensors may be inverted (--reverse, or a negative sensitivity)"
         doubts.append(f"the normal motion is {lead}: {why}")
     return doubts
