@@ -51,17 +51,6 @@ def test_products_of_matrices_take_one_thread_unless_the_user_wants_more(
     assert done.stdout.splitlines()[-1] == threads
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_has_every_shared_option(run: Run, command: str) -> None:
-    text = run(command, "--help-all").stdout
-    for option in (
-        "-A", "--amplitude", "--stroke", "-f", "--frequency", "-a", "--drive-angle", "--mu-s",
-        "--mu-d", "--mu-ratio", "--trough-angle", "--restitution", "-L", "--length", "-o",
-        "--output", "--json", "--force", "-q", "--quiet", "--debug", "--version", "SCENE.toml",
-    ):  # fmt: skip
-        assert option in text
-
-
 @pytest.mark.parametrize("args", [["--version"], *([command, "--version"] for command in COMMANDS)])
 def test_version(run: Run, args: list[str]) -> None:
     result = run(*args)

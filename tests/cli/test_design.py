@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -100,16 +99,6 @@ def test_the_files(ask: Callable[..., Any]) -> None:
             assert row[name] == wanted if isinstance(wanted, str) else float(row[name]) == wanted
 
 
-def test_the_table_goes_to_stdout(ask: Callable[..., Any]) -> None:
-    result = ask("--all", "-o", "-", "--decimal-comma")
-    assert result.exit_code == 0
-    assert result.stdout.splitlines()[1].startswith("motor;forward-slip;gentlest;2,80763335;10;45;")
-    assert len(result.stdout.splitlines()) == 19
-    assert ask("-o", "-", met=False).exit_code == 4
-    assert ask("-o", "-", "--json").exit_code == 2
-    assert list(Path().iterdir()) == [Path("nut.toml")]
-
-
 def test_where_nothing_is_guaranteed_there_is_nothing_to_draw(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -128,11 +117,6 @@ def test_the_question_is_never_overwritten(run: Run, monkeypatch: pytest.MonkeyP
     asked = found(monkeypatch, answer(met=True))
     assert (run("design", "nut-band.svg", "-o", "nut.svg", "--force").exit_code, asked) == (1, [])
     assert Path("nut-band.svg").read_text(encoding="utf-8") == QUESTION
-
-
-def test_a_folder_takes_the_questions_name(ask: Callable[..., Any]) -> None:
-    assert ask("-o", f"out{os.sep}").exit_code == 0
-    assert Path("out/nut-design.csv").exists()
 
 
 def test_a_question_in_stroke_is_answered_in_stroke(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -201,11 +185,3 @@ def test_a_bar_says_what_is_searched(
     assert told == [
         ("searching", None), (0, what, 18), (4, what, 18), (18, what, 18), ("drawing", None),
     ]  # fmt: skip
-
-
-def test_help_has_the_options_that_apply_alone(run: Run) -> None:
-    text = run("design", "--help-all").stdout
-    for option in ("--all", "--digits", "-o", "--json", "--decimal-comma", "--force", "-q", "--debug"):
-        assert option in text
-    for option in ("-A", "--mu-s", "--length", "SCENE.toml"):
-        assert option not in text

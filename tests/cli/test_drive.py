@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.commands import Run, rows_of
-from helpers.fed_machines import feeder, other, written
+from helpers.fed_machines import feeder, written
 from helpers.read_pages import ReadPage
 
 from vibro import Scene, Status, SteadyCycle, solve
@@ -198,20 +198,6 @@ def test_a_fitted_machine_keeps_its_force(run: Run, points: Path, tmp_path: Path
     assert solved.exit_code == 0, solved.stderr
     assert json.loads(solved.stdout)["natural_hz"] == told["machine"]["natural_hz"]
     assert math.isclose(told["machine"]["natural_hz"], told["natural_frequency_hz"]["estimate"], rel_tol=1e-5)
-
-
-def test_laws_of_the_file(run: Run, points: Path, tmp_path: Path) -> None:
-    unbalance = written(tmp_path, other("unbalance"), "unbalance")
-    assert json.loads(run("drive", unbalance, "--fit", points, "--json").stdout)["law"] == "square"
-
-
-def test_points_with_errors_of_their_own(run: Run, points: Path) -> None:
-    points.write_text(
-        "frequency_hz,amplitude_mm,error_percent\n48,0.15,2\n52,0.61,3\n54,0.65,3\n58,0.18,2\n",
-        encoding="utf-8",
-    )
-    told = json.loads(run("drive", "--fit", points, "--law", "constant", "--json").stdout)
-    assert told["table"]["error_percent"] == pytest.approx([2.0, 3.0, 3.0, 2.0])
 
 
 def test_the_pack_that_was_measured_is_fitted_too(run: Run, points: Path, tmp_path: Path) -> None:

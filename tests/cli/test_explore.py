@@ -184,15 +184,6 @@ def test_states_come_from_the_scene_and_options(run: Run, served: list[Any]) -> 
     assert hopping["restitution"] == "0.3"
 
 
-def test_the_table_of_a_map_counts(run: Run, served: list[Any], tmp_path: Path) -> None:
-    scene = tmp_path / "nut.toml"
-    own = Path(SCENE).read_text(encoding="utf-8").partition("[map]")[0]
-    scene.write_text(f'{own}[map]\nrestitution = "0:0.5"\n', encoding="utf-8")
-    assert run("explore", scene, "--no-open").exit_code == 0
-    (state,) = served
-    assert "restitution" in (state.texts["x"], state.texts["y"])
-
-
 def test_notes_go_to_stderr(run: Run, served: list[Any]) -> None:
     notes = "only this machine reaches it, and one browser; Ctrl-C ends it\n"
     tunnel = "from elsewhere: ssh -L 8765:127.0.0.1:8765 host\n"

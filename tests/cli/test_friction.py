@@ -34,8 +34,3 @@ def test_a_pair_may_be_typed_with_or_without_quotes(run: Run, words: list[str]) 
     assert result.exit_code == 0
     assert sum(line.startswith("steel on steel  ") for line in result.stdout.splitlines()) == 6
     assert "brass" not in result.stdout
-
-
-def test_it_has_no_options_of_scenes(run: Run) -> None:
-    text = run("friction", "--help").stdout
-    assert {word for word in text.split() if word.startswith("--")} == {"--json", "--help", "--help-all"}

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
-from helpers.commands import SLIP_STICK, Run, other, rows_of
+from helpers.commands import SLIP_STICK, Run, rows_of
 
 import vibro
 
@@ -64,23 +64,6 @@ def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None
     assert json.loads(run("solve", file, "-A", "1", "-a", "20", "--json").stdout)["amplitude_mm"] == 1
 
 
-def test_higher_harmonics_and_a_first_phase_come_from_lists(run: Run, tmp_path: Path) -> None:
-    lists = "along_amplitudes_mm = [1, 0, 0.2]\nalong_phases_deg = [30, 0, 45]\n"
-    text = FILE.replace(FILE[FILE.index("along_amp") : FILE.index("frequency")], lists)
-    answer = json.loads(run("solve", written(tmp_path, text), "--json").stdout)
-    expected = vibro.solve(
-        vibro.Scene(
-            along_harmonics=[(1e-3, math.radians(30)), (0, 0), (0.2e-3, math.radians(45))],
-            frequency=10,
-            static_friction=0.4,
-            kinetic_friction=0.3,
-        )
-    )
-    assert answer["peak_velocity_mm_s"] == pytest.approx(1e3 * float(expected.peak_velocity), rel=1e-13)
-    # odd harmonics alone convey nothing on a level trough
-    assert abs(answer["mean_velocity_mm_s"]) < 1e-12
-
-
 def test_patterns_that_are_longer_than_codes_are_whole(run: Run, tmp_path: Path) -> None:
     lists = f"along_amplitudes_mm = [{'0, ' * 7}0.0078125]\n"
     file = written(tmp_path, FILE.replace(FILE[FILE.index("along_amp") : FILE.index("frequency")], lists))
@@ -106,20 +89,3 @@ def test_the_second_harmonic_is_an_axis_and_has_columns(run: Run, tmp_path: Path
     assert len(rows) == 12
     assert {"x-regime.png", "x-speed.png"} <= {file.name for file in tmp_path.iterdir()}
     assert "normal_phase_2_deg" not in rows[0]
-
-
-def test_regions_of_a_map_are_those_of_its_cells() -> None:
-    swept = vibro.sweep(
-        along_amplitude_mm=1, along_amplitude_2_mm=0.3, along_phase_2_deg=90, normal_amplitude_mm="0:3:31",
-        frequency_hz="5:20:31", static_friction=0.4, kinetic_friction=0.3,
-    )  # fmt: skip
-    words = {text.get_text().replace("\n", "") for text in swept.draw("regime").axes[0].texts}
-    assert {"no-slip", "back-slip", "hopping"} <= words
-
-
-def test_a_traverse_time_and_the_arrival_of_a_body(run: Run) -> None:
-    result = run("traverse-time", *other(SLIP_STICK, "along_phase_2=-90"), "-L", "600", "--json")
-    assert result.exit_code == 0, result.stderr
-    answer = json.loads(result.stdout)
-    cycles = (answer["arrival_time_s"] - answer["traverse_time_s"]) * answer["frequency_hz"]
-    assert 0.0 < abs(cycles) < 1.0

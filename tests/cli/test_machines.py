@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import subprocess
 import sys
@@ -11,10 +9,8 @@ from pathlib import Path
 
 import pytest
 from helpers.cases import each
-from helpers.commands import FRICTION, NUT, Run, rows_of
+from helpers.commands import FRICTION, Run, rows_of
 from helpers.machine_files import FEEDER, KINDS, feeder
-
-import vibro
 
 pytestmark = pytest.mark.usefixtures("unsaved")
 
@@ -25,16 +21,6 @@ def lines_of(text: str) -> dict[str, str]:
     """Read the facts of a report."""
     rows = (line.split("  ", 1) for line in text.split("\n\n")[0].splitlines())
     return {name: told.strip() for name, told in rows}
-
-
-def test_json_has_the_columns_of_a_machine(run: Run, tmp_path: Path) -> None:
-    answer = json.loads(run("solve", feeder(tmp_path), "filling=2", "--json").stdout)
-    assert (answer["setting_percent"], answer["filling_kg"], answer["natural_hz"]) == (100.0, 2.0, 55.6)
-    assert answer["amplitude_empty_mm"] == pytest.approx(0.35)
-    assert answer["amplitude_mm"] == pytest.approx(0.3763, rel=1e-4)
-    assert answer["frequency_ratio"] == 50 / 55.6
-    assert answer["second_harmonic_percent"] > 0.1
-    assert "added_mass_share" not in json.loads(run("solve", *NUT, "--json").stdout)
 
 
 @pytest.mark.usefixtures("unsaved")
@@ -56,16 +42,6 @@ def test_a_map_over_bands_is_written_and_described(run: Run, tmp_path: Path) -> 
     (row,) = (r for r in rows if (r["voltage_percent"], r["filling_kg"]) == ("95", "1.5"))
     assert float(row["mean_velocity_mm_s"]) == single["mean_velocity_mm_s"]
     assert float(row["amplitude_mm"]) == single["amplitude_mm"]
-
-
-def test_axes_of_a_machine_stand_in_the_table_of_a_map(run: Run, tmp_path: Path) -> None:
-    path = feeder(tmp_path, '[map]\nfilling_kg = [0, 1]\nsetting_percent = "50:100:3"\nnatural_hz = 57\n')
-    result = run("map", path, "-o", "-")
-    rows = [*csv.DictReader(io.StringIO(result.stdout))]
-    assert [(r["setting_percent"], r["filling_kg"]) for r in rows] == [
-        (s, m) for s in ("50", "75", "100") for m in ("0", "1")
-    ]
-    assert {r["natural_hz"] for r in rows} == {"57"}
 
 
 @pytest.mark.usefixtures("unsaved")
@@ -103,12 +79,6 @@ def test_a_body_is_followed_in_a_full_trough(run: Run, tmp_path: Path) -> None:
     assert json.loads(same.stdout)["phases"] == content["phases"]
 
 
-def test_python_reads_the_operating_point(tmp_path: Path) -> None:
-    scene = vibro.read_scene(feeder(tmp_path, "filling_kg = 2\n"))
-    assert scene.shape == ()
-    assert float(vibro.solve(scene).mean_velocity) == pytest.approx(27.5443e-3, rel=1e-5)
-
-
 def test_plain_scenes_load_no_machine() -> None:
     program = (
         "import sys; from vibro.cli.app import app\n"
@@ -125,13 +95,6 @@ def test_plain_scenes_load_no_machine() -> None:
 
 
 OF_CELLS = ("-f", "49, 50", "filling=1, 2", "--columns", "amplitude_mm,natural_hz")
-
-
-@each(("kind", "table"), [*((kind, "csv") for kind in KINDS), ("magnet", "xlsx"), ("magnet", "parquet")])
-@pytest.mark.usefixtures("no_pictures")
-def test_maps_of_every_kind_are_written(run: Run, tmp_path: Path, kind: str, table: str) -> None:
-    result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, "-o", f"{kind}-{table}.{table}")
-    assert result.exit_code == 0, result.stderr
 
 
 @each("kind", KINDS)

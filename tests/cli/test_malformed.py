@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from helpers.wild import AXIS, KEY, KEYS, PIECE, QUANTITY, SECTION, TOML_VALUE, end, exactly
+from helpers.wild import AXIS, KEY, KEYS, QUANTITY, SECTION, TOML_VALUE, exactly
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,8 +19,6 @@ from vibro.files.scene_files import read_scene_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from helpers.commands import Run
 
 
 def attempt(parse: Callable[[], Any]) -> tuple[Any, InputError | None]:
@@ -78,30 +76,3 @@ def test_every_wrong_entry_of_a_table_is_named(tmp_path: Path, table: str, entri
     if "not valid TOML" not in refusal.problems[0]:
         assert all(any(repr(key) in problem for problem in refusal.problems) for key in unknown)
         assert len(refusal.problems) <= len(entries)
-
-
-def refuse(run: Run, *args: str) -> None:
-    """Run a command whose input may be wrong, and check how it ends."""
-    assert end(run, *args) in (0, 2), args
-
-
-WRONG_AXIS = st.lists(PIECE, min_size=2, max_size=4).map(":".join)
-
-
-@exactly("commands")
-@given(
-    WRONG_AXIS,
-    st.sampled_from(["-A", "-f", "-a", "--mu-s", "--mu-ratio", "--trough-angle", "gravity=-L"]),
-)
-def test_commands_refuse_wrong_axes(run: Run, text: str, option: str) -> None:
-    given_ = {"-A": "1", "-f": "15", "-a": "20", "--mu-s": "0.7", "--mu-ratio": "0.7"}
-    arguments = [part for pair in {**given_, option: text}.items() for part in pair]
-    refuse(run, "solve", *arguments)
-
-
-@exactly("commands")
-@given(st.lists(SECTION, min_size=1, max_size=2).map("\n".join))
-def test_commands_refuse_wrong_scene_files(run: Run, content: str) -> None:
-    path = Path("scene.toml")
-    path.write_text(content, encoding="utf-8")
-    refuse(run, "solve", str(path))

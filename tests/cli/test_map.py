@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
@@ -159,12 +158,6 @@ def test_regimes_alone(run: Run) -> None:
     assert {row["regime"] for row in regimes} >= {"no-slip", "back-slip", "hopping"}
 
 
-@pytest.mark.usefixtures("unsaved")
-def test_one_axis_makes_one_picture(run: Run) -> None:
-    assert run("map", *NUT[2:], "-A", "0.5:2:5", "-o", "nut").exit_code == 0
-    assert names() == ["nut-speed.png", "nut.csv", "nut.json"]
-
-
 def test_infeasible_combinations_are_rows_without_numbers(run: Run) -> None:
     result = run("map", *NUT[:6], "--mu-s", "0.2:1:5", "--mu-d", "0.2:1:5", "-o", "-")
     assert result.exit_code == 0
@@ -204,17 +197,6 @@ def test_a_ratio_is_an_axis_and_a_stroke_is_its_amplitude(run: Run) -> None:
     assert pairs == [("0.4", "0.2"), ("0.4", "0.4"), ("0.8", "0.4"), ("0.8", "0.8")]
 
 
-def test_numbers_are_written_back_as_given(run: Run) -> None:
-    result = run(
-        "map", "-A", "3.97,4.01", "-f", "14.9", "-a", "20.1", "--mu-s", "0.7400", "--mu-d", "0.57", "-o", "-"
-    )
-    rows = [list(row.values())[:6] for row in rows_of(result.stdout)]
-    assert rows == [
-        ["3.97", "14.9", "20.1", "0.74", "0.57", "0"],
-        ["4.01", "14.9", "20.1", "0.74", "0.57", "0"],
-    ]
-
-
 def test_scene_file_and_options_merge_by_name(run: Run) -> None:
     Path("nut.toml").write_text(
         SCENE + '\n[map]\namplitude_mm = "0.5:1.5:3"\nstatic_friction = [0.7, 0.8]\n', encoding="utf-8"
@@ -227,22 +209,3 @@ def test_scene_file_and_options_merge_by_name(run: Run) -> None:
     result = run("map", "nut.toml", "--stroke", "2", "--mu-ratio", "0.5", "-o", "-")
     assert {row["amplitude_mm"] for row in rows_of(result.stdout)} == {"1"}
     assert {row["kinetic_friction"] for row in rows_of(result.stdout)} == {"0.35", "0.4"}
-
-
-def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    import vibro.sweeps.grid
-    from vibro.core.codes import Status
-    from vibro.results import SteadyCycle
-    from vibro.scene import Scene
-    from vibro.steady import solve
-
-    def doubtful(scene: Scene, **how: Any) -> SteadyCycle:
-        cycle = solve(scene, **how)
-        cycle.status.flat[0] = Status.UNRESOLVED
-        return cycle
-
-    monkeypatch.setattr(vibro.sweeps.grid, "solve", doubtful)
-    result = run("map", *NUT, "-A", "0.5:2:3", "--regimes-only", "-o", "nut")
-    assert result.exit_code == 3
-    assert "1 of 3 cells: unresolved" in result.stderr
-    assert "nut.csv" in names()

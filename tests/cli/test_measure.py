@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.commands import NUT, Run, rows_of
-from helpers.made_records import EXAMPLES, FREQUENCY, STUDY, STUDY_FILE, Walked, bowl, nut, trough_record
+from helpers.made_records import EXAMPLES, FREQUENCY, STUDY, STUDY_FILE, Walked, bowl, trough_record
 from matplotlib.figure import Figure
 
 from vibro.plots.comparison import comparison_figure
@@ -45,32 +44,6 @@ def headings(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
 
     monkeypatch.setattr("vibro.plots.comparison.comparison_figure", drawn)
     return said
-
-
-def test_an_exact_record_gives_narrow_intervals(run: Run, tmp_path: Path) -> None:
-    clock = np.arange(161) / 600.0
-    path = tmp_path / "exact.csv"
-    rows = zip(clock.tolist(), (1e3 * Walked(nut()).velocity(clock + 0.0137)).tolist(), strict=True)
-    path.write_text(
-        "t [s],v [mm/s]\n" + "\n".join(f"{t!r},{v:.4f}" for t, v in rows) + "\n", encoding="utf-8"
-    )
-    fit = json.loads(run("measure", SCENE, path, "--fit", "mu_s,mu_d", "--json").stdout)["fit"]
-    for parameter, true in zip(fit.values(), (0.74, 0.57), strict=True):
-        pieces = parameter["intervals"]
-        assert [parameter["low"], parameter["high"]] == [pieces[0][0], pieces[-1][1]]
-        assert all(low < high for low, high in pieces)
-        assert parameter["low"] < parameter["estimate"] < parameter["high"] < parameter["low"] + 1e-3
-        assert parameter["low"] <= true <= parameter["high"]
-
-
-def test_what_cannot_be_identified_is_said(run: Run, tmp_path: Path) -> None:
-    path = short_study(tmp_path)
-    result = run("measure", SCENE, path, "-A", "0.3", "--fit", "mu_s", "--mu-d", "0.72", "--json")
-    assert result.exit_code == 0, result.stderr
-    content = json.loads(result.stdout)
-    assert content["fit"]["static_friction"]["low"] is None
-    assert content["fit"]["static_friction"]["intervals"] == []
-    assert content["notes"]
 
 
 def test_every_file_is_written(run: Run, headings: list[tuple[str, str]]) -> None:
@@ -118,12 +91,6 @@ def test_every_file_is_written(run: Run, headings: list[tuple[str, str]]) -> Non
     assert "<svg" in page
 
 
-def test_a_name_of_a_file_is_no_markup(run: Run, tmp_path: Path) -> None:
-    data = short_study(tmp_path).rename(tmp_path / "<b>&.csv")
-    assert run("measure", SCENE, data, "--velocity", "V [mm/s]", "-o", "page.html").exit_code == 0
-    assert "<b>" not in Path("page.html").read_text(encoding="utf-8")
-
-
 def test_force_replaces_and_names_no_column(run: Run, tmp_path: Path) -> None:
     path = short_study(tmp_path)
     friction = ("--friction", "F [N]", "--mass", "0.02kg", "-o", "out.csv")
@@ -146,94 +113,12 @@ def test_the_scene_may_come_from_options_alone(
     assert re.sub(r"[${}\\]", "", below).splitlines()[1].startswith("A = 1 mm, f = 15 Hz, alpha = 20°")
 
 
-def test_the_signals_go_to_stdout(run: Run, tmp_path: Path) -> None:
-    path = short_study(tmp_path)
-    result = run("measure", SCENE, path, "-o", "-", "-q", "--decimal-comma")
-    assert result.exit_code == 0
-    assert result.stdout.startswith("time_s;trough_time_s;displacement_measured_mm;")
-    assert len(result.stdout.splitlines()) == 162
-
-
-def test_the_data_are_never_replaced(run: Run, tmp_path: Path) -> None:
-    data = short_study(tmp_path)
-    before = data.read_bytes()
-    assert run("measure", SCENE, data, "-o", "short", "--force").exit_code == 1
-    assert data.read_bytes() == before
-
-
 def written(folder: Path, header: str, values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Path:
     """Write a record of four cycles, 40 samples a cycle."""
     path = folder / "made.csv"
     rows = "\n".join(f"{i / 600.0!r},{x!r}" for i, x in enumerate(values.tolist()))
     path.write_text(f"t [s],{header}\n{rows}\n", encoding="utf-8")
     return path
-
-
-TURNS = np.arange(161) / 40.0
-SHAPES = {
-    "zeros": np.zeros(161),
-    "ramp": TURNS,
-    "sine": np.sin(2.0 * np.pi * TURNS),
-    "alternating": (-1.0) ** np.arange(161),
-}
-
-
-@pytest.mark.parametrize(
-    ("header", "shape"),
-    [
-        ("x [mm]", "zeros"),
-        ("v [mm/s]", "ramp"),
-        ("a [m/s^2]", "alternating"),
-        *((header, "sine") for header in ("x [mm]", "F [N]")),
-    ],
-)
-def test_records_of_any_size_are_compared(run: Run, tmp_path: Path, shape: str, header: str) -> None:
-    for size in (1e-320, 2e19):
-        path = written(tmp_path, header, SHAPES[shape] * size)
-        result = run("measure", SCENE, path, "--mass", "1kg", "--all")
-        assert (result.exit_code, "Warning" in result.stderr) == (0, False), result.stderr
-
-
-@pytest.mark.parametrize(("header", "size"), [("v [mm/s]", 9e19), ("F [N]", 1e-320)])
-def test_records_of_any_size_are_fitted(run: Run, tmp_path: Path, header: str, size: float) -> None:
-    path = written(tmp_path, header, SHAPES["sine"] * size)
-    result = run("measure", SCENE, path, "--fit", "mu_d", "--mass", "20g", "-q")
-    assert (result.exit_code, result.stderr) == (0, "")
-
-
-@each("cell", ["1e308", "-1e200", "1e24", "9" * 400])
-def test_values_whose_squares_overflow_are_refused(run: Run, tmp_path: Path, cell: str) -> None:
-    path = written(tmp_path, "x [mm]", SHAPES["sine"])
-    lines = path.read_text(encoding="utf-8").splitlines()
-    lines[7] = f"0.01,{cell}"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    result = run("measure", SCENE, path, "--fit", "mu_s")
-    assert result.exit_code == 2
-    assert f"row 8, column 'x [mm]': {cell[:20]}" in result.stderr
-
-
-@pytest.mark.parametrize(("option", "said"), [("--mass", "mass = '99999"), ("--fit", "fit 99999")])
-def test_values_of_thousands_of_digits_are_cut(run: Run, option: str, said: str) -> None:
-    result = run("measure", SCENE, STUDY_FILE, option, "9" * 5000, "-q")
-    assert result.exit_code == 2, result.stderr
-    assert said in result.stderr
-    assert len(result.stderr) < 600
-
-
-def test_a_track_of_a_camera_on_a_tripod(run: Run) -> None:
-    """With --absolute it gives the figures of a relative one."""
-    walked = Walked(nut())
-    seen, relative = (walked.observe("displacement", cycles=8, over_ground=on) for on in (True, False))
-    table = np.stack([seen.time, *(1e3 * x.signals["displacement"] for x in (seen, relative))], axis=1)
-    np.savetxt("track.csv", table, "%.8g", ",", header="t [s],camera [mm],sensor [mm]", comments="")
-    given = ("measure", SCENE, "track.csv", "--displacement")
-    right, plain = (run(*given, *one, "--json") for one in (("camera", "--absolute"), ("sensor",)))
-    assert "warning" not in right.stderr + plain.stderr
-    content, other = json.loads(right.stdout), json.loads(plain.stdout)
-    assert (content["absolute"], other["absolute"]) == (True, False)
-    for key in ("mean_speed", "peak_speed"):
-        figure = content["figures"][key]
-        assert figure["measured"] == pytest.approx(other["figures"][key]["measured"], rel=0.02)
 
 
 # --- ellipses -------------------------------------------------------------------------------------------
@@ -304,13 +189,3 @@ def test_the_measured_ellipse_replaces_that_of_the_scene(run: Run, data: Path) -
         off = abs(content["scene"][column] - found["measured"])
         assert off <= 0.01 * found["standard_error"]
     assert abs(content["trough_time_at_zero_s"] - TRIGGER) < 4.0 * content["trough_time_error_s"]
-
-
-def test_the_unknowns_of_an_ellipse_are_fitted(run: Run, data: Path) -> None:
-    result = run("measure", "bowl.toml", data, *BODY, *GIVEN[:2], "--fit", "mu_d,phi", "--json", "-q")
-    assert result.exit_code == 0, result.stderr
-    fit = json.loads(result.stdout)["fit"]
-    for name, true in (("kinetic_friction", 0.3), ("normal_phase", -60.0)):
-        assert fit[name]["low"] - 0.01 * abs(true) < true < fit[name]["high"] + 0.01 * abs(true)
-        assert fit[name]["estimate"] == pytest.approx(true, rel=0.02)
-    assert fit["normal_phase"]["unit"] == "deg"

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import re
 import runpy
 import shlex
 import shutil
 import tomllib
-from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from engines.harmonic_flight import Body, Settled
 from helpers.commands import Run, rows_of
 from helpers.feeders import Feeder, feeder
 from helpers.made_records import EXAMPLES, trough_record
-from helpers.measured_drives import Drawn, write_record
 
 import vibro
 from vibro.records.measured_speeds import Speeds, speeds_of
@@ -189,17 +185,6 @@ def test_a_column_of_a_part_with_holes_is_left_out(run: Run, parted: Path) -> No
     assert run("measure", "holes.csv", *BOTH, "--displacement", "way").exit_code == 2
 
 
-def test_one_sensor_needs_the_drive_angle(run: Run) -> None:
-    one = (*ALONG, *SENSORS[4:])
-    for angle in (("-a", "20.5"), (SCENE, "-a", "20.5")):
-        content = told(run("measure", NUT, *one, *angle, *FRICTION, "-o", "drive.toml", "--json", "--force"))
-        written = scene("drive.toml")
-        assert written["drive_angle_deg"] == 20.5  # as given
-        assert written["amplitude_mm"] == pytest.approx(1.02, abs=5e-3)
-        assert "drive_angle_deg" not in content["trough"]
-        assert content["trough"]["phase_normal_to_along_deg"] is None
-
-
 def test_the_scene_file_may_go_anywhere_but_onto_others(run: Run, made: tuple[Path, Feeder]) -> None:
     Path("drive.toml").write_text("mine", encoding="utf-8")
     result = run("measure", made[0], *BOTH, "-o", "drive.toml")
@@ -281,22 +266,6 @@ def test_reverse_leaves_a_sensor_normal_to_the_trough_as_it_is(run: Run) -> None
     assert advances[0] == pytest.approx(-advances[1])
 
 
-def test_a_bar_says_what_a_fit_searches(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[tuple[Any, ...]] = []
-
-    @contextlib.contextmanager
-    def progress(self: Any, label: str, total: int | None) -> Iterator[Callable[..., None]]:
-        yield lambda *done: seen.append((label, *done))
-
-    monkeypatch.setattr("vibro.cli.console.Console.progress", progress)
-    assert run("measure", SCENE, NUT, *SENSORS, "--fit", "mu_d").exit_code == 0
-    labels, done, whats, totals = zip(*seen, strict=True)
-    assert set(labels) == {"fitting"}
-    assert {"patterns", "estimates", "intervals"} <= set(whats)
-    assert list(done) == list(range(len(seen)))
-    assert totals[-1] == len(seen)
-
-
 def feeder_file(harmonic: float, *, cycles: float = 12.0, ellipse: float = 0.0) -> Path:
     """Write accelerations of a trough, and the displacement of a body that rests: the drive alone counts."""
     made = trough_record(cycles=cycles, noise=0.05, harmonic=harmonic, ellipse=ellipse)
@@ -339,23 +308,6 @@ def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
         result = run("measure", data, *sensor, *own, "--fit", "mu_d")
         assert result.exit_code == 2
         assert "harmonics: one sensor measures one direction alone" in result.stderr
-
-
-def test_intervals_hold_friction_on_troughs_with_harmonics(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The search begins with a body that would rest, where harmonics make no difference of speed."""
-    few = {"static_friction": (0.3,), "kinetic_friction": (-0.7,)}
-    monkeypatch.setattr("vibro.records.problem._GRID", few)
-    true = {"static_friction": 0.35, "kinetic_friction": 0.25}
-    waves = 1.5 * np.array([1.0, 0.4 * np.exp(0.7j)])
-    along, normal = (part * waves for part in (np.cos(0.35), np.sin(0.35)))
-    settled = Settled(Body(along, normal, *true.values()), cycles=11)
-    drawn = Drawn(25.0, 0.35, 0.0, along, normal, settled, true, "slides", "displacement", "white", 8, False)
-    arguments = write_record(Path("record.csv"), np.random.default_rng(1), drawn)
-    for option, start in (("--mu-s", "2"), ("--mu-d", "1.5")):
-        arguments[arguments.index(option) + 1] = start
-    ((low, high),) = told(run("measure", *arguments, "--json"))["fit"]["kinetic_friction"]["intervals"]
-    assert high - low < 0.1
-    assert low < 0.25 < high
 
 
 # --- the guide ------------------------------------------------------------------------------------------

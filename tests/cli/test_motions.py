@@ -124,15 +124,6 @@ def test_stored_sweeps_keep_their_motion(run: Run, tmp_path: Path) -> None:
     assert "along_steps: [[0.8, 2.4], [0.2, -9.6]] there, [[0.8, 2.4], [0.2, -9.61]] here" in refused.stderr
 
 
-def test_histories_and_arrivals(run: Run, tmp_path: Path) -> None:
-    file = written(tmp_path, POINT + STEPS)
-    answer = json.loads(run("traverse-time", file, "--json").stdout)
-    assert answer["arrival_time_s"] == pytest.approx(float(vibro.arrival_time(scene(), 3.0)), rel=1e-13)
-    result = run("simulate", file, "--cycles", 2)
-    assert result.exit_code == 0, result.stderr
-    assert "forward slide" in result.stdout
-
-
 def test_a_clamped_part_on_a_vertical_trough(run: Run, tmp_path: Path) -> None:
     text = f"{POINT}trough_angle_deg = 90\nnormal_force_n = 80\nmass_kg = 2\n{STEPS}"
     answer = json.loads(run("solve", written(tmp_path, text), "--json").stdout)

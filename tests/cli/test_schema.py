@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from helpers.commands import TELLS_LOADED
 
 from vibro.files.descriptions import FILES
 from vibro.files.json_schema import schema_of
@@ -42,11 +40,3 @@ def test_another_kind_is_exit_code_2(run: Run) -> None:
     assert (result.exit_code, result.stdout) == (2, "")
     assert "'goal' is not one of 'scene', 'design'" in result.stderr
     assert result.stderr.endswith("hint: see vibro schema --help\n")
-
-
-def test_its_help_loads_no_numerical_library_and_has_no_options_of_scenes(run: Run) -> None:
-    text = run("schema", "--help").stdout
-    assert "--mu-s" not in text
-    assert "scene|design" in text
-    done = subprocess.run([*TELLS_LOADED, "schema", "--help"], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "LOADED []"

@@ -6,10 +6,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 import pytest
-from helpers.commands import NUT, Run, rows_of
+from helpers.commands import Run, rows_of
 from helpers.made_records import EXAMPLES
 
 import vibro
@@ -56,25 +55,6 @@ def test_the_files(run: Run) -> None:
     assert content["scene"]["kinetic_friction"] == 0.57
 
 
-@pytest.mark.usefixtures("unsaved")
-def test_files_are_written_where_that_is_asked_for(run: Run) -> None:
-    for more in ((), ("--json",)):
-        assert run("simulate", SCENE, *PLAIN, "--cycles", "1", *more).exit_code == 0
-    assert list(Path().iterdir()) == []
-    run("simulate", SCENE, *PLAIN, "--cycles", "1", "-o", "out/")
-    assert Path("out/safety_nut-history.csv").exists()
-    run("simulate", *NUT, *PLAIN, "--cycles", "1", "-o", "out/")
-    assert Path("out/vibro-history.csv").exists()
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_json_holds_every_phase(run: Run) -> None:
-    result = run("simulate", SCENE, *PLAIN, "--cycles", "30", "--json", "-o", "nut")
-    answer = json.loads(result.stdout)
-    assert len(answer["phases"]) == 61
-    assert answer["phases"][1]["end_position_mm"] == pytest.approx(1.0842304, rel=1e-7)
-
-
 def test_a_duration_and_another_start(run: Run) -> None:
     result = run(
         "simulate",
@@ -118,14 +98,6 @@ def test_the_picture_shows_the_end_or_what_is_asked_for(
     assert said == ([f"the picture shows {part.removeprefix('time [ms], ')}"] if "," in part else [])
 
 
-def test_the_motion_goes_to_stdout(run: Run) -> None:
-    result = run("simulate", SCENE, "--cycles", "1", "-o", "-", "-q")
-    assert result.exit_code == 0
-    rows = rows_of(result.stdout)
-    assert len(rows) == 203
-    assert list(Path.cwd().iterdir()) == []
-
-
 @pytest.mark.usefixtures("unsaved")
 def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
     assert run("simulate", SCENE, *PLAIN, "--cycles", "8", "-o", "own", "-q").exit_code == 0
@@ -151,23 +123,6 @@ def test_a_history_has_a_cap_that_says_what_to_do(run: Run, monkeypatch: pytest.
     assert result.exit_code == 2
     known = result.stderr.split("hint: ask for at most ")[1].split()[0]
     assert run(*irregular, "--cycles", known).exit_code == 0
-
-
-def test_numbers_read_back_as_the_same_doubles(run: Run) -> None:
-    run("simulate", SCENE, *PLAIN, "--cycles", "1", "-o", "a", "--decimal-comma")
-    text = Path("a.csv").read_text(encoding="utf-8")
-    assert text.startswith("time_s;trough_phase_deg;phase;")
-    import vibro
-
-    scene = vibro.Scene(
-        amplitude=1e-3,
-        frequency=15,
-        drive_angle=np.radians(20),
-        static_friction=0.74,
-        kinetic_friction=0.57,
-    )
-    end = vibro.simulate(scene, cycles=1).phases[1].end
-    assert str(end).replace(".", ",") in text
 
 
 def test_a_body_is_dropped_or_thrown(run: Run) -> None:

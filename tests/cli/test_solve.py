@@ -42,11 +42,6 @@ def test_an_unresolved_scene_is_exit_code_3(run: Run, monkeypatch: pytest.Monkey
     assert run("solve", *NUT, "--json").exit_code == 3
 
 
-def test_the_length_gives_a_traverse_time(run: Run) -> None:
-    answer = json.loads(run("solve", *NUT, "-L", "600", "--json").stdout)
-    assert answer["traverse_time_s"] == pytest.approx(600 / answer["mean_velocity_mm_s"], rel=1e-15)
-
-
 @each(
     ("one", "other"),
     [
@@ -109,54 +104,6 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
         ["two", "hopping"],
     ]
     assert "vibro map" in run("solve", *NUT, "-A", "1:3:500").stderr
-
-
-def test_numbers_that_were_not_asked_for_are_not_there(run: Run) -> None:
-    assert json.loads(run("solve", *NUT, "--regimes-only", "--json").stdout)["mean_velocity_mm_s"] is None
-
-
-TWO_CYCLES = ("-A", "1.647208", "-f", "15", "-a", "0.7034rad", "--mu-s", "0.457783", "--mu-d", "0.0429106")
-"""The scene of docs/theory that conveys a pushed body otherwise."""
-STEEP = (*NUT, "-a", "55", "--trough-angle", "31")
-"""Gravity along the trough exceeds kinetic friction."""
-
-
-@each(
-    ("args", "coexists"),
-    [
-        (NUT, 0),
-        (TWO_CYCLES, 1),
-        ((*NUT, "-A", "0.1", "--trough-angle", "31"), 1),
-        ((*NUT, "-A", "4"), None),
-        ((*NUT, "-A", "4", "--coexist"), 0),
-        ((*NUT, "-A", "4.4", "--restitution", "0.4", "--coexist"), 1),
-        ((*STEEP, "-A", "6"), 1),
-        ((*STEEP, "-A", "6", "--coexist"), 1),
-    ],
-)
-def test_other_motions_are_told_where_they_were_looked_for(
-    run: Run, args: tuple[str, ...], coexists: int | None
-) -> None:
-    assert json.loads(run("solve", *args, "--json").stdout)["coexists"] == coexists
-
-
-def test_minus_o_writes_the_row_beside_the_report(run: Run) -> None:
-    result = run("solve", *NUT, "-o", "out/nut", "--json")
-    assert result.exit_code == 0
-    (row,) = rows_of(Path("out/nut.csv").read_text(encoding="utf-8"))
-    answer = json.loads(result.stdout)
-    assert float(row["mean_velocity_mm_s"]) == answer["mean_velocity_mm_s"]
-    assert json.loads(Path("out/nut.json").read_text(encoding="utf-8"))["cells"] == 1
-    assert run("solve", *NUT, "-o", "out/nut").exit_code == 1
-    assert run("solve", *NUT, "-o", "out/nut", "--force").exit_code == 0
-
-
-def test_minus_o_minus_puts_the_row_on_stdout(run: Run) -> None:
-    result = run("solve", *NUT, "-o", "-")
-    assert result.exit_code == 0
-    header, row = result.stdout.splitlines()
-    assert header == ",".join(column.name for column in columns_of(made_with=["restitution"]))
-    assert row.startswith("1,15,20,0.74,0.57,0,forward-slip,F_,16.263456166287")
 
 
 @each(

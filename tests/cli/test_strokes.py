@@ -6,18 +6,12 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import openpyxl
 import pytest
 from helpers.commands import rows_of
-from helpers.drawn import only_map
 
 import vibro
-from vibro.axes import parse_axis
-from vibro.plots import map_figures
-from vibro.quantities import QUANTITIES, as_given
-from vibro.sweeps.grid import Grid
-from vibro.sweeps.run import sweep_picture
+from vibro.quantities import as_given
 
 if TYPE_CHECKING:
     from helpers.commands import Run
@@ -94,34 +88,6 @@ def test_a_stored_sweep_remembers_in_what_it_was_asked(run: Run, scene: Path) ->
     # The cells are the same ones in amplitudes: such a run has nothing left to solve.
     amplitudes = ("-A", "0.5:1.5:5", "-f", "10:30:5", "-o", "cells.parquet")
     assert run("map", scene, *amplitudes).exit_code == 0
-
-
-def picture(*, in_stroke: bool) -> Any:
-    axes = {
-        name: parse_axis(text, QUANTITIES[name]).axis(20)
-        for name, text in (("amplitude", "0.1:3"), ("frequency", "5:60"))
-    }
-    fixed = {"drive_angle": 20.0, "static_friction": 0.74, "kinetic_friction": 0.57, "gravity": 9.81}
-    grid = Grid(axes, {**fixed, "restitution": 0.0, "trough_angle": 0.0}, None, in_stroke=in_stroke)
-    own = {"amplitude": 0.85, "frequency": 16.0, **fixed}
-    result = sweep_picture(grid, {}, own, "")
-    y = "stroke" if in_stroke else "amplitude"
-    return result, only_map(map_figures(result, ["speed"], x="frequency", y=y)["speed"])
-
-
-def test_a_map_of_strokes_is_that_of_amplitudes_at_twice_the_height() -> None:
-    (_, amplitudes), (result, strokes) = (picture(in_stroke=told) for told in (False, True))
-    assert strokes.get_ylabel() == "stroke $2A$ [mm]"
-    assert strokes.get_ylim() == (0.2, 6)
-    assert result.operating_point == {"stroke": 1.7, "frequency": 16}
-    for gid in ("operating point", "fastest"):
-        one, other = (
-            next(line for line in a.lines if line.get_gid() == gid).get_ydata() for a in (amplitudes, strokes)
-        )
-        assert np.allclose(2 * np.asarray(one), other)
-    here, there = (next(p for p in a.patches if p.get_gid() == "no-slip") for a in (amplitudes, strokes))
-    expected = here.get_path().vertices * [1, 2]
-    assert np.allclose(there.get_path().vertices, expected, rtol=1e-9)
 
 
 def test_a_curve_s_caption_and_a_held_stroke() -> None:

@@ -31,13 +31,6 @@ amplitude_mm = [0.5, 1, 1.5]
 """
 
 
-def test_json_has_the_strokes_before_the_model(run: Run) -> None:
-    answer = json.loads(run("traverse-time", *NUT, "-L", "600", "--json").stdout)
-    keys = list(answer)
-    assert keys[keys.index("model") - 1] == "strokes"
-    assert answer["strokes"] == pytest.approx(15 * answer["traverse_time_s"], rel=1e-15)
-
-
 def test_a_body_that_is_conveyed_backwards_never_arrives(run: Run) -> None:
     args = ("-A", "0.9", "-f", "15", "-a", "20", "--mu-s", "0.3", "--mu-d", "0.29", "--trough-angle", "15")
     answer = json.loads(run("traverse-time", *args, "-L", "600", "--json").stdout)
@@ -74,22 +67,6 @@ def test_a_sweep_is_printed_where_no_file_is_asked_for(run: Run) -> None:
         for name, value in cell.items():
             assert row[name] == ("" if value is None else str(value).removesuffix(".0"))
     assert list(Path().iterdir()) == []
-
-
-def test_an_axis_among_the_options_sweeps(run: Run) -> None:
-    result = run("traverse-time", *NUT, "-A", "0.5:2:4", "-L", "600", "-o", "-")
-    assert result.exit_code == 0
-    assert [row["regime"] for row in rows_of(result.stdout)] == [
-        "no-slip",
-        "forward-slip",
-        "back-slip",
-        "back-slip",
-    ]
-
-
-def test_one_scene_has_the_exact_arrival(run: Run) -> None:
-    answer = json.loads(run("traverse-time", *NUT, "-L", "600", "--json").stdout)
-    assert answer["traverse_time_s"] - answer["arrival_time_s"] == pytest.approx(0.0314255 / 15, rel=1e-4)
 
 
 def test_an_arrival_on_the_way_into_a_cycle_may_be_unknown_too(

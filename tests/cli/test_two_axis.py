@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.commands import ELLIPSE, FRICTION, NUT, Run, other, rows_of
+from helpers.commands import ELLIPSE, FRICTION, Run, rows_of
 
 import vibro
 
@@ -66,28 +66,6 @@ def test_a_quantity_has_several_names(run: Run, phase: str) -> None:
     assert answer["mean_velocity_mm_s"] == pytest.approx(expected, rel=1e-13)
 
 
-def test_the_json_of_one_scene_has_the_ellipse_in_place_of_the_line(run: Run) -> None:
-    answer = json.loads(run("solve", *ELLIPSE, "--json").stdout)
-    assert tuple(answer)[: len(COLUMNS)] == COLUMNS
-    assert [answer[name] for name in COLUMNS[:4]] == [1.0, 0.3, 25.0, -60.0]
-    scene = vibro.Scene(**VALUES)
-    assert answer["stroke_mm"] == pytest.approx(2e3 * scene.arrays().reach, rel=1e-15)
-    assert answer["acceleration_g"] == scene.load
-    line = json.loads(run("solve", *NUT, "--json").stdout)
-    assert not {"along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg"} & line.keys()
-
-
-def test_traverse_time_and_simulate(run: Run, tmp_path: Path) -> None:
-    file = written(tmp_path, ELLIPSE_FILE)
-    scene = vibro.Scene(**VALUES)
-    answer = json.loads(run("traverse-time", file, "--json").stdout)
-    assert answer["traverse_time_s"] == pytest.approx(0.6 / vibro.solve(scene).mean_velocity, rel=1e-15)
-    assert answer["arrival_time_s"] == pytest.approx(vibro.arrival_time(scene, 0.6), rel=1e-12)
-    told = run("simulate", file, "--json")
-    assert told.exit_code == 0, told.stderr
-    assert json.loads(told.stdout)["scene"]["normal_phase_deg"] == -60
-
-
 # --- what is missing, mixed or refused --------------------------------------------------------------
 
 
@@ -135,49 +113,3 @@ def test_all_three_are_axes_and_have_columns(run: Run) -> None:
     )  # fmt: skip
     got = [float(row["mean_velocity_mm_s"]) for row in rows]
     np.testing.assert_allclose(got, 1e3 * vibro.solve(scene).mean_velocity.ravel(), rtol=1e-12, atol=1e-12)
-
-
-def test_a_line_s_table_keeps_its_columns(run: Run) -> None:
-    header = run("map", "-A", ".5:1:2", *NUT[2:], "-o", "-").stdout.splitlines()[0]
-    assert header.startswith("amplitude_mm,frequency_hz,drive_angle_deg,static_friction")
-    assert not any(name in header for name in ("along", "normal", "phase"))
-
-
-def test_columns_are_chosen_by_name(run: Run) -> None:
-    names = "normal_phase_deg,stroke_mm,acceleration_g"
-    rows = rows_of(run("map", *other(ELLIPSE, "phase=-90:90:3"), "-o", "-", "--columns", names).stdout)
-    assert [float(row["normal_phase_deg"]) for row in rows] == [-90, 0, 90]
-    assert float(rows[0]["stroke_mm"]) == pytest.approx(2.0, rel=1e-15)  # the axes of the ellipse are X and Y
-    assert float(rows[1]["stroke_mm"]) == pytest.approx(2.0 * math.hypot(1.0, 0.3), rel=1e-15)
-
-
-def test_the_sidecar_gives_what_was_solved(run: Run, tmp_path: Path) -> None:
-    run("map", *other(ELLIPSE, "phase=-180:180:9"), "-o", "x")
-    content = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
-    assert content["axes"]["normal_phase_deg"] == {
-        "count": 9,
-        "first": -180,
-        "last": 180,
-        "spacing": "linear",
-    }
-    assert content["scene"]["along_amplitude_mm"] == 1
-    assert "drive_angle_deg" not in content["scene"]
-
-
-def test_an_axis_is_held_by_its_letter(run: Run, tmp_path: Path) -> None:
-    sweep = ("along=.5:1:3", "normal=.1:.3:3", "phase=-90:90:3", "-f", "25", *FRICTION, "-o", "x")
-    assert run("map", *sweep, "--at", "phi=-90", "--x", "Y").exit_code == 0
-
-
-def test_python_sweeps_the_same(run: Run) -> None:
-    swept = vibro.sweep(
-        along_amplitude_mm=1, normal_amplitude_mm=0.3, normal_phase_deg="-180:180:5", frequency_hz=25,
-        static_friction=0.4, kinetic_friction=0.3,
-    )  # fmt: skip
-    frame = swept.to_frame()
-    assert tuple(frame.columns)[: len(COLUMNS)] == COLUMNS
-    rows = rows_of(run("map", *other(ELLIPSE, "phase=-180:180:5"), "-o", "-").stdout)
-    assert [float(row["mean_velocity_mm_s"]) for row in rows] == frame["mean_velocity_mm_s"].tolist()
-    assert list(swept.axes) == ["normal_phase_deg"]
-    with pytest.raises(vibro.VibroError, match=r"the call gives amplitude, along amplitude: a drive moves"):
-        vibro.sweep(amplitude_mm=1, along_amplitude_mm=1)

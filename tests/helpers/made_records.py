@@ -30,7 +30,6 @@ STUDY_FILE = EXAMPLES / "data" / "nut_smoothed_600hz.csv"
 
 FREQUENCY = 15.0
 PERIOD = 1.0 / FREQUENCY
-RATE = 2.0 * math.pi * FREQUENCY
 NOISE = {"displacement": 2e-6, "velocity": 4e-4, "acceleration": 5e-2, "friction": 5e-2}
 
 
