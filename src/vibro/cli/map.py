@@ -23,7 +23,7 @@ from vibro.cli.table_options import (
     table_of,
     throughput_of,
 )
-from vibro.cli.views import SHOWN, names_of, shown_pictures, tell_choices, view_of
+from vibro.cli.views import SHOWN, held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Output
 from vibro.errors import InputError
 
@@ -104,6 +104,7 @@ def map_command(
     from vibro.results.sweep import where_motion_begins
     from vibro.sweeps.request import RANGES
     from vibro.sweeps.run import DrawnCells, limits_of, solved_picture, sweep_picture
+    from vibro.sweeps.solved import pictures_of, view_of
     from vibro.tables.plan import Plan
 
     console = Console(quiet=options.quiet)
@@ -121,8 +122,8 @@ def map_command(
     grid = request.grid(output, flight=output is Output.EXACT, coexistence=coexist)
     console.echo_all(map(str, grid.told_axes.values()))
     table = table_of(grid, columns, throughput_of(part), needed=NEEDS_PART, part=part)
-    view, held = view_of(grid, x, y, at or [])
-    names = names_of(view, grid, shown)
+    view, held = view_of(grid, x, y, held_axes(at or []), "--at")
+    names = pictures_of(grid, view, on_request=False) + shown
     name = request.name or "vibro-map"
     outputs = Outputs(
         options, name, context.obj, console, forms=MAPS,

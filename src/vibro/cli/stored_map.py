@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from vibro.cli.console import Console
-from vibro.cli.views import names_of, shown_pictures, tell_choices, view_of
+from vibro.cli.views import held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Output
 from vibro.errors import InputError
 from vibro.quantities import QUANTITIES
@@ -61,30 +61,23 @@ def map_stored(
     from vibro.cli.outputs import PICTURES, Outputs
     from vibro.cli.sweeps import Pictures, drawn, tell_peaks
     from vibro.quantities import LEAST_SPEED, checked_number
+    from vibro.sweeps.solved import pictures_of, view_of
     from vibro.tables.plan import MANIFEST
     from vibro.tables.record import json_text, sweep_record
     from vibro.tables.shard_files import open_shards
     from vibro.tables.stored import stored_picture
 
-    folder = options.scene
-    assert folder is not None
+    (folder,) = options.files
     _refuse_others(context, folder, options.given)
-    for path in options.output or ():
-        if path.casefold().endswith((".csv", ".xlsx", ".parquet")):
-            raise InputError(
-                f"-o {path}: the cells of {folder} are in tables already",
-                hint="pandas.read_parquet, or vibro.open_sweep(...).to_frame, reads them in Python",
-            )
     console = Console(quiet=options.quiet)
     shown = shown_pictures(show)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
     shards = open_shards(folder)
     plan, grid, tally = shards.plan, shards.plan.grid, shards.summary.tally
     _refuse_unsolved(grid, folder, shown, speed)
-    for axis in grid.told_axes.values():
-        console.echo(str(axis))
-    view, held = view_of(grid, x, y, at)
-    names = names_of(view, grid, shown)
+    console.echo_all(map(str, grid.told_axes.values()))
+    view, held = view_of(grid, x, y, held_axes(at), "--at")
+    names = pictures_of(grid, view, on_request=False) + shown
     if not names:
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
     tell_choices(view, grid.told_axes, held, console)

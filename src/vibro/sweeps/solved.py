@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING, Any, Literal
 from vibro.axes import axis_of
 from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
-from vibro.quantities import BY_COLUMN, QUANTITIES, as_given, find_quantity
+from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.reals import shielded
 from vibro.sweeps.run import solved_picture
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     import numpy as np
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from vibro.plots.view import View
     from vibro.quantities import Quantity
     from vibro.sweeps.grid import Grid
 
@@ -106,17 +107,13 @@ class SolvedGrid(ABC):
         InputError
             If this sweep has no such picture, axis or value.
         """
-        from vibro.plots import map_figures, picture_names
-        from vibro.plots.view import choose_view
+        from vibro.plots import map_figures
 
         grid = self._grid
         if not self.shape:
             raise _no_picture(name, "there are none")
-        held = _held({} if at is None else at)
-        view = choose_view(grid.told_axes, _axis_name(x), _axis_name(y), held, grid.told(grid.fixed))
-        known = picture_names(view, has_length=grid.length is not None)
-        if grid.output is Output.REGIMES:
-            known = [picture for picture in known if picture == "regime"]
+        view, _ = view_of(grid, x, y, (at or {}).items())
+        known = pictures_of(grid, view)
         if name not in known:
             hint = f"there are {', '.join(known) or 'none'}"
             raise _no_picture(
@@ -140,20 +137,29 @@ def _no_picture(name: str, hint: str) -> InputError:
     return InputError(f"draw({shown(name)}): no such picture of this sweep", hint=hint)
 
 
-def _axis_name(called: str | None) -> str | None:
-    quantity = find_quantity(called) if called is not None else None
-    return quantity.name if quantity is not None else called
+def view_of(
+    grid: Grid, x: str | None, y: str | None, at: Iterable[tuple[str, Any]], argument: str = "at"
+) -> tuple[View, dict[str, float]]:
+    """Choose what the pictures of a sweep show; return the values that axes are held at on request, too."""
+    from vibro.plots.view import choose_view
 
-
-def _held(at: Mapping[str, Any]) -> dict[str, float]:
     held: dict[str, float] = {}
-    for called, value in at.items():
-        quantity = axis_called(called, "at", strokes=True)
-        given = as_given({quantity.name: one_value(value, quantity, "at")}, in_stroke=False)
+    for called, value in at:
+        quantity = axis_called(called, argument, strokes=True)
+        given = grid.told({quantity.name: one_value(value, quantity, argument)})
         if held.keys() & given.keys():
-            raise InputError(f"at: {quantity.label} is given twice", hint="give it once")
+            raise InputError(f"{argument}: {quantity.label} is given twice", hint="give it once")
         held |= given
-    return held
+    x, y = (found.name if (found := find_quantity(axis or "")) else axis for axis in (x, y))
+    return choose_view(grid.told_axes, x, y, held, grid.told(grid.fixed)), held
+
+
+def pictures_of(grid: Grid, view: View, *, on_request: bool = True) -> list[str]:
+    """Name the pictures of a sweep, with those on request."""
+    from vibro.plots import picture_names
+
+    names = picture_names(view, has_length=grid.length is not None, on_request=on_request)
+    return names if grid.output is Output.EXACT else [name for name in names if name == "regime"]
 
 
 def axis_called(called: object, argument: str, *, strokes: bool = False) -> Quantity:
