@@ -100,39 +100,13 @@ def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
         read_scene_file(tmp_path / "no folder" / "nut.toml")
 
 
-@each(
-    "value",
-    [
-        "9" * 400,
-        "9" * 5000,
-        "-" + "9" * 5000,
-        "0x" + "f" * 5000,
-        "1_" * 5000 + "1",
-        "[1, " + "9" * 5000 + "]",
-        '"' + "9" * 5000 + '"',
-        '"1:' + "9" * 5000 + '"',
-        "9" * 5000 + ".5",
-        "1e" + "9" * 5000,
-        "[[" + "9" * 5000 + "]]",
-        "{a = " + "9" * 5000 + "}",
-    ],
-)
-@each("table", ["scene", "map"])
-def test_thousands_of_digits_are_refused_by_name(tmp_path: Path, table: str, value: str) -> None:
-    path = written(tmp_path, f"[{table}]\ngravity_m_s2 = 9.81\nfrequency_hz = {value}\n")
+@each("value", ["9" * 400, "9" * 5000, "[1, -" + "9" * 5000 + "]", '"' + "9" * 5000 + '"', "1e" + "9" * 5000])
+def test_thousands_of_digits_are_refused_in_few_words(tmp_path: Path, value: str) -> None:
+    path = written(tmp_path, f"[map]\nfrequency_hz = {value}\n")
     with pytest.raises(InputError) as caught:
         read_scene_file(path)
-    (problem,) = caught.value.problems
-    assert problem.startswith(f"{path}: [{table}] frequency")
-    assert len(problem) < len(str(path)) + 200
+    assert len(str(caught.value)) < len(str(path)) + 200
     assert len(caught.value.hint) < 100
-
-
-def test_a_number_too_long_for_python_hides_nothing_else(tmp_path: Path) -> None:
-    text = f"[scene]\namplitude_mm = {'9' * 5000}\ngravity = 1\nfrequency_hz = true\n"
-    with pytest.raises(InputError) as caught:
-        read_scene_file(written(tmp_path, text))
-    assert len(caught.value.problems) == 3
 
 
 def test_many_unknown_keys_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

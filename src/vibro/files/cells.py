@@ -6,8 +6,8 @@ import csv
 import io
 from typing import TYPE_CHECKING
 
-from vibro.errors import FileError, InputError
-from vibro.files.nearby import suggestion
+from vibro.errors import InputError
+from vibro.files.reading import content_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -23,11 +23,7 @@ def read_text(path: Path) -> tuple[str, list[str]]:
     InputError
         If it is no text.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as exc:
-        near = suggestion(path, (".csv", ".txt"))
-        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=near) from exc
+    data = content_of(path, (".csv", ".txt"))
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
             return data.decode("utf-16"), [f"{path.name}: UTF-16"]

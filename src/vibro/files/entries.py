@@ -52,8 +52,8 @@ class Form(NamedTuple):
         ``list`` of these, a list of a ``single`` one, or ``rows``.
     example : str
         How such a value is written, for hints.
-    words : tuple of str
-        Allowed words, if it is one of a few.
+    words : mapping of str
+        Allowed words, if there are any, and what they mean.
     table : TableKind, optional
         Of a table within a table.
     rows : tuple of int
@@ -66,7 +66,7 @@ class Form(NamedTuple):
     read: Callable[[Quantity, Any], Any]
     spellings: tuple[str, ...] = ()
     example: str = "1.5"
-    words: tuple[str, ...] = ()
+    words: Mapping[str, Any] = ABSENT
     table: TableKind | None = None
     rows: tuple[int, int] = (0, 0)
     columns: tuple[Kind, ...] = ()
@@ -109,13 +109,15 @@ class Entry(NamedTuple):
     def read(self, value: Any) -> Any:
         """Read a value of the key; raise InputError, which names the key, if it is not allowed."""
         try:
+            if self.form.words and isinstance(value, str) and not value.strip()[:1].isdigit():
+                return self.form.words[value]
             return self.form.read(self.quantity, value)
         except InputError as exc:
             label = f"{self.quantity.label} = "
             told = (f"{self.key} = {p[len(label) :]}" if p.startswith(label) else p for p in exc.problems)
             hint = exc.hint if self.key in exc.hint or not exc.hint else f"{self.key}: {exc.hint}"
             raise InputError(*told, hint=hint) from None
-        except ValueError:
+        except (KeyError, ValueError):
             says = f"a {self.form.says}" if self.form.spellings else self.form.says
             hint = did_you_mean(value, self.form.words) or f"write {self.key} = {self.form.example}"
             rule = f"must be {says.replace('`', '')}"
@@ -300,13 +302,6 @@ def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
     return tuple((end, end) for end in _checked(quantity, value, numbers))
 
 
-def _mass_or_floor(quantity: Quantity, value: Any) -> float:
-    """Read a mass; that of the floor is infinite."""
-    if isinstance(value, str) and not value.strip()[:1].isdigit() and value != "floor":
-        raise ValueError
-    return math.inf if value == "floor" else _number(quantity, value)
-
-
 def _count(quantity: Quantity, value: Any) -> int:
     """Read a whole number, 1 or more."""
     number = _number(quantity, value)
@@ -344,16 +339,13 @@ def _is_row(row: Any, size: int) -> bool:
     return isinstance(row, list) and len(row) == size and {int, float, str}.issuperset(map(type, row))
 
 
-def one_of(values: Mapping[str, Any]) -> Form:
+def one_of(words: Mapping[str, Any]) -> Form:
     """Make the form of an entry whose value is one of several words."""
+    return Form(" or ".join(f"`{word}`" for word in words), _word, (), json.dumps(next(iter(words))), words)
 
-    def read(quantity: Quantity, value: Any) -> Any:
-        if not isinstance(value, str) or value not in values:
-            raise ValueError
-        return values[value]
 
-    example = json.dumps(next(iter(values)))
-    return Form(" or ".join(f"`{word}`" for word in values), read, (), example, (*values,))
+def _word(quantity: Quantity, value: Any) -> Any:
+    raise ValueError  # what is no word
 
 
 def table_of(says: str, kind: TableKind, *, several: bool = False) -> Form:
@@ -405,9 +397,8 @@ CHOICES: Final = Form(
 )
 TEXT: Final = Form("text on one line", _text, ("line",), '"feeder"')
 # Forms of machines.
-MASS_OR_FLOOR: Final = Form(
-    "number or `floor`", _mass_or_floor, NUMBER.spellings, '12 or "floor"', ("floor",)
-)
+_FLOOR: Final = {"floor": math.inf}  # its mass
+MASS_OR_FLOOR: Final = Form("number or `floor`", _number, NUMBER.spellings, '12 or "floor"', _FLOOR)
 COUNT: Final = Form("whole number", _count, NUMBER.spellings, "2")
 _MEASURED: Final = _rows(_PAIRS, MOST_PIECES, "[[45, 0.2], [50, 0.5]]", FREQUENCY, LENGTH)
 POINTS: Final = _MEASURED._replace(
