@@ -22,5 +22,5 @@ def test_the_closest_name_with_one_of_the_endings_is_suggested(tmp_path: Path) -
     assert hint(tmp_path / "nutt.csv", ".csv", ".txt") == f"did you mean '{tmp_path / 'nut.csv'}'?"
     assert hint(tmp_path / "NUT.TXT", ".csv", ".txt") == f"did you mean '{tmp_path / 'NUTS.TXT'}'?"
     assert hint(tmp_path / "nut.tml", ".toml") == f"did you mean '{tmp_path / 'nut.toml'}'?"
-    assert hint(tmp_path / "thermometer.csv", ".csv") == ""
+    assert hint(tmp_path / "thermometer", ".csv") == ""
     assert hint(tmp_path / "no folder" / "nut.csv", ".csv") == ""
