@@ -176,7 +176,7 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     where = f"up to throw number {MOST_DESIGN_THROW:g}" if math.isfinite(limit) else "without hopping"
     name, share = next(iter(shares.items()))
     label, unit = QUANTITIES[name].label, QUANTITIES[name].unit
-    if not hopping:
+    if not hopping and not found:
         notes.append("with --hopping parts may hop too")
     if request.length is not None and found:
         time = shown(request.length / speed)
