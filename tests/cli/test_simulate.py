@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCENE = EXAMPLES / "safety_nut.toml"
-# The cheapest picture, for tests that do not look at it.
-PLAIN = ("--panels", "velocity")
 
 
 @pytest.fixture
@@ -39,7 +37,7 @@ def table_of(name: str) -> list[dict[str, str]]:
 
 
 def test_the_files(run: Run) -> None:
-    assert run("simulate", SCENE, *PLAIN, "-o", "nut.csv", "-o", "nut.svg", "-q").exit_code == 0
+    assert run("simulate", SCENE, "-o", "nut.csv", "-o", "nut.svg", "-q").exit_code == 0
     rows = table_of("nut.csv")
     assert len(rows) == 3 * 200 + 1 + 6
     phases = table_of("nut-phases.csv")
@@ -55,20 +53,11 @@ def test_the_files(run: Run) -> None:
     assert content["scene"]["kinetic_friction"] == 0.57
 
 
-def test_a_duration_and_another_start(run: Run) -> None:
-    result = run(
-        "simulate",
-        SCENE,
-        "--duration",
-        "50ms",
-        "start_phase=180",
-        "start_velocity=0.02m/s",
-        "--json",
-        *PLAIN,
-    )
+def test_another_start(run: Run) -> None:
+    start = ("start_phase=180", "start_velocity=0.02m/s")
+    result = run("simulate", SCENE, "--cycles", "0.75", *start, "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
-    assert answer["cycles"] == pytest.approx(0.75)
     first = answer["phases"][0]
     assert first["phase"] == "forward slide"
     assert first["start_velocity_mm_s"] == pytest.approx(20.0)
@@ -87,10 +76,10 @@ def test_a_duration_and_another_start(run: Run) -> None:
 def test_the_picture_shows_the_end_or_what_is_asked_for(
     run: Run, drawn: list[Figure], args: tuple[str, ...], part: str, limits: tuple[float, float]
 ) -> None:
-    result = run("simulate", SCENE, *PLAIN, *args, "-o", "nut")
+    result = run("simulate", SCENE, *args, "-o", "nut")
     assert result.exit_code == 0, result.stderr
     (figure,) = drawn
-    _, axes = figure.axes
+    axes = next(axes for axes in figure.axes if axes.get_xlabel().startswith("time"))
     assert axes.get_xlim() == pytest.approx(limits)
     assert axes.get_xlabel() == part
     assert figure.get_label() == "safety_nut"
@@ -100,7 +89,7 @@ def test_the_picture_shows_the_end_or_what_is_asked_for(
 
 @pytest.mark.usefixtures("unsaved")
 def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
-    assert run("simulate", SCENE, *PLAIN, "--cycles", "8", "-o", "own", "-q").exit_code == 0
+    assert run("simulate", SCENE, "--cycles", "8", "-o", "own", "-q").exit_code == 0
     result = run("measure", SCENE, "own.csv", "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)

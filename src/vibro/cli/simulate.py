@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 _CYCLES: Final = 3.0
 _SAMPLES: Final = 200  # a cycle
 _MOST_ROWS: Final = 5_000_000
-_ROWS_OF_A_SHEET: Final = 1_048_576
 _DRAWN: Final = 6.0  # cycles at the end of a history, drawn by default
 _MOST_DRAWN: Final = 100.0  # cycles of a picture: of more nobody sees one
 _ROUNDING: Final = 1e-12  # share of a history by which its end, as typed, may lie behind it
@@ -40,25 +39,12 @@ def simulate_command(
             "--cycles", metavar="N", help="Number of drive cycles [default: 3].", show_default=False
         ),
     ] = None,
-    duration: Annotated[
-        str | None,
-        typer.Option("--duration", metavar="TIME", help="Duration, instead of cycles [s].", hidden=True),
-    ] = None,
     samples: Annotated[
         str,
         typer.Option(
             "--samples-per-cycle", metavar="N", help="Rows a cycle; each event has one more.", hidden=True
         ),
     ] = str(_SAMPLES),
-    panels: Annotated[
-        str | None,
-        typer.Option(
-            "--panels",
-            metavar="NAMES",
-            help="Panels of the picture, from trough,forces,acceleration,velocity,position,gap.",
-            hidden=True,
-        ),
-    ] = None,
     begin: Annotated[
         str | None,
         typer.Option(
@@ -84,25 +70,18 @@ def simulate_command(
     from vibro.cli.outputs import HISTORIES, Outputs, scene_record
     from vibro.cli.request import question, request_of, warn_of_machine, whole_number
     from vibro.motion.histories import simulate
-    from vibro.plots.history import choose_panels
-    from vibro.quantities import CYCLES, DURATION, checked_number
+    from vibro.quantities import CYCLES, checked_number
 
     console = Console(quiet=options.quiet)
-    choose_panels(panels, flies=True)
     request = request_of(options, context.obj)
     question(request, options)
     scene = request.scene()
     if request.machine is not None:
         warn_of_machine(request, console)
-    frequency = float(scene.frequency)
-    if cycles is not None and duration is not None:
-        raise InputError("--cycles and --duration are both given", hint="give one of them")
     lasting = _CYCLES if cycles is None else checked_number(cycles, CYCLES)
-    if duration is not None:
-        lasting = checked_number(duration, DURATION) * frequency
     rows = whole_number("--samples-per-cycle", samples)
-    _check_rows(lasting, rows, console)
-    window = _window(begin, end, lasting, frequency)
+    _check_rows(lasting, rows)
+    window = _window(begin, end, lasting, float(scene.frequency))
     start = [checked_number(options.own.get(q.name, "0"), q) for q in STARTS]
     content = {
         "scene": scene_record(request),
@@ -119,7 +98,7 @@ def simulate_command(
         history = follow(cycles=lasting)
         output.write(
             lambda: _tables(history, rows),
-            lambda: {"": _figure(history, window, rows, panels, request, console)},
+            lambda: {"": _figure(history, window, rows, request, console)},
             content,
         )
     if output.takes_stdout:
@@ -163,7 +142,6 @@ def _figure(
     history: History,
     window: tuple[float, float],
     samples: int,
-    panels: str | None,
     request: Request,
     console: Console,
 ) -> Figure:
@@ -176,7 +154,7 @@ def _figure(
     if part:
         console.echo(f"the picture shows {part}")
     phases = [p for p in history.phases if p.end > since and p.start < until]
-    seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
+    seen = choose_panels(None, flies=any(p.kind == "H" for p in phases))
     rows = trace(history, since=since, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
     period = 1.0 / float(history.scene.frequency)
     return history_figure(phases, rows, seen, request.name or "Motion", request.told, part, period=period)
@@ -191,7 +169,7 @@ def _part(since: float, until: float, history: History) -> str:
     return f"the last {(until - since) * frequency:.4g} of {whole} drive cycles" if since else ""
 
 
-def _check_rows(cycles: float, samples: int, console: Console) -> None:
+def _check_rows(cycles: float, samples: int) -> None:
     if not 0 <= samples <= _MOST_ROWS:
         raise InputError(
             f"--samples-per-cycle {shown(samples)}: must be in [0, {_MOST_ROWS}]",
@@ -203,5 +181,3 @@ def _check_rows(cycles: float, samples: int, console: Console) -> None:
             f"{cycles:g} cycles of {samples} rows are more than {_MOST_ROWS:.0e} rows",
             hint="ask for fewer cycles, or fewer --samples-per-cycle",
         )
-    if rows > _ROWS_OF_A_SHEET:
-        console.warn(f"{rows:.3g} rows are more than the {_ROWS_OF_A_SHEET} of a spreadsheet")
