@@ -11,10 +11,9 @@ import pytest
 from helpers.drawn import GRAVITY, NUT, OWN, curve, legend, lightness, said, sweep, unarranged, words
 from matplotlib.colors import to_hex, to_rgb
 
-import vibro
 from vibro import Regime, Scene, solve
 from vibro.plots import map_figures
-from vibro.plots.style import BACKWARDS_LABEL, COEXISTS_LABEL, ERROR_LABEL, REGIME_COLOURS, WANTED
+from vibro.plots.style import BACKWARDS_LABEL, COEXISTS_LABEL, ERROR_LABEL, REGIME_COLOURS
 from vibro.quantities import scene_fields
 
 if TYPE_CHECKING:
@@ -99,16 +98,6 @@ def test_bands_meet_at_the_critical_loads(line_pictures: dict[str, Figure], one_
     assert words(strip) == list(edges)
 
 
-def test_bands_between_two_points_have_their_own_regime() -> None:
-    """Of three points none lies in forward slip: its band is there all the same."""
-    swept = vibro.sweep(
-        amplitude_mm="0.1:4:3", frequency_hz=15, drive_angle_deg=20, static_friction=0.74,
-        kinetic_friction=0.57,
-    )  # fmt: skip
-    strip = swept.draw("speed").axes[0]
-    assert [p.get_gid() for p in strip.patches] == ["no-slip", "forward-slip", "back-slip", "hopping"]
-
-
 def test_critical_values_are_in_the_legend_and_the_operating_point_on_the_line(
     line_pictures: dict[str, Figure],
 ) -> None:
@@ -146,16 +135,6 @@ def test_what_is_special_of_a_range_is_hatched() -> None:
     two = sweep(drive_angle="5:60", static_friction=0.4, kinetic_friction=0.02, amplitude=1.5)
     hatched = [p for p in map_figures(two, ["speed"])["speed"].axes[1].patches if p.get_hatch()]
     assert {p.get_gid() for p in hatched} == {COEXISTS_LABEL} or not (two.cycle.coexists == 1).any()
-
-
-@pytest.mark.parametrize("level", [20.0, 1000.0])
-def test_a_speed_that_is_asked_for_is_a_line_across(one_axis: SweepResult, level: float) -> None:
-    axes = map_figures(one_axis, ["speed"], target_speed=level)["speed"].axes[1]
-    (line,) = [line for line in axes.lines if line.get_gid() == "level"]
-    assert set(np.asarray(line.get_ydata(), float)) == {level}
-    assert line.get_color() == WANTED.colour
-    assert axes.get_ylim()[1] > level
-    assert f"{level:g} mm/s" in words(axes)
 
 
 def test_one_curve_a_value_with_the_numbers_of_the_solver(curve_pictures: dict[str, Figure]) -> None:
@@ -239,24 +218,6 @@ def test_a_list_alone_is_points_in_the_colours_of_their_regimes(restitution: flo
         assert np.asarray(coloured.get_xdata()).tolist() == values[expected.regime == code].tolist()
         assert to_hex(coloured.get_markerfacecolor()) == REGIME_COLOURS[regime].lower()
         assert regime.label in legend(figures["speed"])
-
-
-def test_two_lists_are_series_of_points_over_the_longer() -> None:
-    figures = map_figures(sweep(own=OWN, frequency="15, 20", amplitude="0.5,1,1.5"))
-    assert list(figures) == ["speed"]
-    (axes,) = figures["speed"].axes
-    lines = numbers(axes)
-    assert [line.get_label() for line in lines] == ["$f$ = 15 Hz", "$f$ = 20 Hz"]
-    assert len({line.get_marker() for line in lines}) == 2
-    for line, frequency in zip(lines, (15, 20), strict=True):
-        x, y = points(line)
-        assert line.get_linestyle() == "None"
-        assert x.tolist() == [0.5, 1, 1.5]
-        speed = solved(amplitude=x, frequency=float(frequency)).mean_velocity
-        np.testing.assert_allclose(y, 1e3 * speed, rtol=1e-13)
-    assert len(curve(axes, "operating point")) == 1
-    between = map_figures(sweep(own=OWN, amplitude="0.5,1.5", static_friction="0.6,0.74"), ["speed"])
-    assert "operating point" not in said(between["speed"])
 
 
 def test_a_second_list_makes_facets_of_curves() -> None:

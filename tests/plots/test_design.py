@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import corners, curve, legend, only_map, path_of, said, unarranged
+from helpers.drawn import curve, legend, only_map, path_of, said, unarranged
 from helpers.questions import answered
 from matplotlib.path import Path as Outline
 
@@ -19,7 +19,7 @@ from vibro.inverse.designs import chosen_of
 from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.reading import read_spec
 from vibro.plots import design as settings_module
-from vibro.plots.design import DESIGN_PICTURES, LIVELIER, Settings, design_figures
+from vibro.plots.design import DESIGN_PICTURES, Settings, design_figures
 from vibro.results.designs import Design
 
 if TYPE_CHECKING:
@@ -228,22 +228,6 @@ def test_what_meets_the_goal_is_what_every_part_does(which: str, request: pytest
         assert np.array_equal(inside[~edge & possible], meets[~edge & possible])
 
 
-def test_the_guaranteed_speed_is_that_of_the_slowest_part(nut: tuple[Spec, Chosen]) -> None:
-    frequency, amplitude = settings_over(*nut, 300)
-    slowest = 1e3 * cycles(*nut, frequency, amplitude).mean_velocity.min(axis=1)
-    drawn = Settings(*nut, setting_fields(*nut)).speed(amplitude, frequency)
-    contact = np.isfinite(slowest)
-    np.testing.assert_allclose(drawn[contact], slowest[contact], rtol=2e-3, atol=2e-2)
-
-
-def test_the_goals_contour_and_the_colours_are_drawn(pictures: dict[str, Figure]) -> None:
-    figure = pictures["speed"]
-    line = curve(only_map(figure), "goal 30 mm/s")
-    assert len(line) > 20
-    assert "goal 30 mm/s" in said(figure)
-    assert figure.axes[-1].get_ylabel() == "guaranteed speed [mm/s]"
-
-
 def test_the_chosen_setting_is_marked(pictures: dict[str, Figure]) -> None:
     assert tuple(pictures) == DESIGN_PICTURES
     for name, place in {"regime": (10.2, 2.45), "speed": (10.2, 2.45), "band": (2.45, 36.0)}.items():
@@ -289,14 +273,6 @@ def test_the_band_holds_the_speeds_of_all_parts(
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude $A$ [mm]", "mean conveying speed [mm/s]")
 
 
-def test_words_do_not_overlap(pictures: dict[str, Figure], magnets_pictures: dict[str, Figure]) -> None:
-    for figure in (*pictures.values(), *magnets_pictures.values()):
-        for axes in figure.axes:
-            boxes = [Outline(corners(text)) for text in axes.texts]
-            for i, box in enumerate(boxes):
-                assert not any(box.intersects_path(other) for other in boxes[:i])
-
-
 def test_a_goal_that_allows_hopping_forbids_nothing(nut: tuple[Spec, Chosen]) -> None:
     spec, chosen = nut
     free = replace(spec, goal=replace(spec.goal, highest_regime=Regime.HOPPING))
@@ -327,46 +303,3 @@ def _assert_ends_at(settings: Settings, load: float) -> None:
         amplitude = factor * load * 9.81e3 / (2.0 * math.pi * 20.0) ** 2
         excess = settings.meets(np.array([amplitude]), np.array([20.0]))
         assert (excess[0] > 0.0) == (factor < 1.0)
-
-
-def test_regimes_that_are_skipped_are_not_told(nut: tuple[Spec, Chosen]) -> None:
-    spec, chosen = nut
-    data = setting_fields(spec, chosen)
-    begins = dict(zip(LIVELIER, ((0.5, 0.6), (1.2, 1.3), (1.2, 1.4)), strict=True))
-    settings = Settings(spec, chosen, replace(data, begins=begins))
-    assert settings.forbidden is Regime.HOPPING
-    names = [stretch.name for stretch in settings.stretches]
-    assert names == [
-        "no-slip",
-        "no-slip or forward-slip, by part",
-        "forward-slip",
-        "forward-slip to hopping, by part",
-        "back-slip or hopping, by part",
-        "hopping",
-    ]
-
-
-def test_a_drive_given_by_its_stroke_is_drawn_over_the_stroke(
-    nut: tuple[Spec, Chosen], pictures: dict[str, Figure]
-) -> None:
-    """The same pictures with twice the numbers, and the same settings that meet the goal."""
-    stroke = {"stroke_mm": 6, **{key: x for key, x in NUT["drive"][0].items() if key != "amplitude_mm"}}
-    numbers: dict[str, Any] = {"speed_min_mm_s": 36.0, "stroke_low_mm": 4.6474, "stroke_high_mm": 6.0}
-    spec = read_spec({**NUT, "drive": [stroke]})
-    numbers |= dict.fromkeys(("amplitude_mm", "amplitude_low_mm", "amplitude_high_mm"))
-    chosen = chosen_of(spec, answered(True, replace(nut[1].design, stroke_mm=4.9, **numbers)))
-    assert chosen is not None
-    drawn = pictures_of(spec, chosen)
-    for name in DESIGN_PICTURES:
-        axes, other = (figures[name].axes[1 if name == "band" else 0] for figures in (drawn, pictures))
-        label = axes.get_xlabel() if name == "band" else axes.get_ylabel()
-        assert label == "stroke $2A$ [mm]"
-        twice = np.array([2.0, 1.0]) if name == "band" else np.array([1.0, 2.0])
-        np.testing.assert_allclose(curve(axes, "safest design"), curve(other, "safest design") * twice)
-        if name != "band":
-            np.testing.assert_allclose(curve(axes, "drive"), curve(other, "drive") * twice, rtol=1e-3)
-    meets = (curve(only_map(figures["speed"]), "meets") for figures in (drawn, pictures))
-    np.testing.assert_allclose(next(meets), next(meets) * [1.0, 2.0], rtol=1e-3)
-    (window,) = (patch for patch in drawn["band"].axes[1].patches if patch.get_gid() == "window")
-    extent = window.get_extents().transformed(drawn["band"].axes[1].transData.inverted())
-    assert extent.intervalx == pytest.approx((4.6474, 6.0))

@@ -12,14 +12,9 @@ from helpers.drawn import OWN, curve, legend, maps_of, only_map, said, sweep
 from matplotlib.figure import Figure
 
 from vibro.plots import map_figures
-from vibro.plots.frame import make_logarithmic, renderer_of, set_heading
-from vibro.plots.style import broken_lines, house_style, values_text
-from vibro.quantities import ELLIPTICAL, HARMONIC, QUANTITIES
+from vibro.plots.frame import make_logarithmic, renderer_of
+from vibro.plots.style import house_style, values_text
 from vibro.results.sweep import SweepResult
-
-
-def test_which_pictures_there_are(pictures: dict[str, Figure]) -> None:
-    assert list(pictures) == ["regime", "speed", "traverse"]
 
 
 @pytest.mark.parametrize("name", ["regime", "speed", "traverse"])
@@ -115,24 +110,6 @@ def test_a_heading_counts_harmonics_beyond_the_second() -> None:
     three = {**two, "along_amplitude_3": 0.1, "along_phase_3": 5.0}
     assert values_text(three) == f"{values_text(two)}, 3 harmonics"
     assert "X_3" in values_text(three, all_of_them=True)
-
-
-def test_long_lists_of_formulas_are_broken_after_commas_to_fit() -> None:
-    text = values_text({"along_amplitude": 1.0, "normal_amplitude": 0.25, "along_phase_2": 90.0})
-    assert broken_lines(text, 10.0, 500.0) == text
-    lines = broken_lines(text, 10.0, 100.0).split("\n")
-    assert lines == ["$X$ = 1 mm,", "$Y$ = 0.25 mm,", "$\\xi_2$ = 90°"]
-    assert broken_lines("", 10.0, 100.0) == ""
-
-
-def test_the_heading_of_a_drive_with_harmonics_fits_its_picture() -> None:
-    figure = Figure(figsize=(7.4, 5.6))
-    names = [n for n in QUANTITIES if n in (*ELLIPTICAL, *HARMONIC, "frequency", "static_friction")]
-    set_heading(figure, "Speed", values_text(dict.fromkeys(names, 123.456)))
-    (words,) = figure.texts
-    box = words.get_window_extent(renderer_of(figure))
-    assert box.x0 > 0.0
-    assert box.x1 < figure.bbox.width
 
 
 def test_a_long_legend_takes_nothing_from_the_map() -> None:

@@ -16,7 +16,6 @@ from vibro import Status
 from vibro.plots import map_figures
 from vibro.plots.style import (
     AVERAGED_LABEL,
-    BACKWARDS_LABEL,
     COEXISTS_LABEL,
     ERROR_LABEL,
     NO_ANSWER_HATCH,
@@ -43,13 +42,6 @@ def test_infeasible_half_is_cut_along_its_exact_boundary(friction_pictures: dict
         assert "infeasible" in words(axes)
 
 
-def test_beyond_drive_and_trough_angle_of_90_degrees_is_nothing_special() -> None:
-    figure = map_figures(
-        sweep(points=61, amplitude=0.7, drive_angle="0:89", trough_angle="-25:25"), ["speed"]
-    )["speed"]
-    assert patch(only_map(figure), "infeasible") is None
-
-
 def test_unmodelled_flight_is_hatched_but_for_the_regimes() -> None:
     result = sweep(points=121, length=600, amplitude="0.1:3", frequency="5:60", flight=False)
     pictures = map_figures(result)
@@ -74,13 +66,6 @@ def test_cells_of_every_status(nut: SweepResult, status: Status) -> None:
     inside = found.get_path().contains_points([(30, 1.3), (20, 1.3), (30, 0.8), (30, 1.8), (45, 1.3)])
     assert inside.tolist() == [True, False, False, False, False]
     assert label in said(figure)
-
-
-def test_every_status_without_an_answer_has_a_hatch() -> None:
-    assert set(NO_ANSWER_HATCH) == {
-        s for s in Status if s not in (Status.OK, Status.BOUNDARY, Status.AVERAGED)
-    }
-    assert len(set(NO_ANSWER_HATCH.values())) == len(NO_ANSWER_HATCH)
 
 
 def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
@@ -162,9 +147,3 @@ def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:
     ends = np.array([segment[:, 1] for segment in bars.get_segments()])
     np.testing.assert_allclose(ends, speed[50:60, np.newaxis] + [-3.0, 3.0])
     assert ERROR_LABEL in legend(figure)
-
-
-def test_no_hatch_without_a_reason(climb_pictures: dict[str, Figure], climb: SweepResult) -> None:
-    assert not (climb.cycle.coexists == 1).any()
-    axes = only_map(climb_pictures["regime"])
-    assert [p.get_gid() for p in axes.patches if p.get_hatch()] == [BACKWARDS_LABEL]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -131,12 +130,6 @@ def test_friction_is_legible_beside_the_load_of_a_hopping_body() -> None:
             assert (np.isnan(np.asarray(line.get_ydata())[inside]) == (phase.kind == "H")).all()
 
 
-def test_far_from_the_start_the_position_has_a_scale_of_its_own() -> None:
-    _, figure = draw(1.0, cycles=20.0, since=14 / 15)
-    bottom, top = figure.axes[1 + list(PANELS).index("position")].get_ylim()
-    assert (bottom, top) == pytest.approx((14 * 1.0842, 20 * 1.0842), rel=0.1)
-
-
 @pytest.mark.parametrize(("amplitude", "panels"), [(1.5, "forces"), (4.0, None)])
 def test_no_words_overlap(amplitude: float, panels: str | None) -> None:
     _, figure = draw(amplitude, cycles=4, panels=panels)
@@ -164,19 +157,6 @@ def test_panels_are_chosen() -> None:
     assert choose_panels(None, flies=True) == list(PANELS)
     with pytest.raises(InputError, match="'speed' is no panel"):
         choose_panels("speed", flies=False)
-
-
-def test_the_line_at_zero_stretches_no_axis() -> None:
-    clean = Walked(nut()).observe("displacement", "velocity", cycles=5)
-    far = {**clean.signals, "displacement": clean.signals["displacement"] + 0.2}
-    figure = comparison_figure(compare(nut(), replace(clean, signals=far)), "title", {})
-    over_time, on_one, speed, _ = figure.axes
-    low, high = over_time.get_ylim()
-    assert low > 195.0
-    assert high < 210.0
-    for axes, zeros in ((over_time, 0), (on_one, 1), (speed, 1)):
-        lines = [line for line in axes.lines if not np.any(np.asarray(line.get_ydata()))]
-        assert len(lines) == zeros
 
 
 def test_a_comparison_has_a_row_a_signal() -> None:

@@ -30,15 +30,6 @@ def test_windows_are_squares_of_ones(width: int) -> None:
         np.testing.assert_array_equal(opened, ndimage.binary_opening(mask, square))
 
 
-def test_unknown_points_take_the_nearest_known_value_in_line() -> None:
-    values = np.array([[1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 3.0]])
-    filled = fill_unknown(values, values > 0.0)
-    # ties go to the row, and within it to the left; the middle has nothing in line with it at first
-    np.testing.assert_array_equal(filled[:, [0, 3]], [[1.0, 2.0], [1.0, 2.0], [1.0, 3.0]])
-    np.testing.assert_array_equal(filled[0], [1.0, 1.0, 2.0, 2.0])
-    np.testing.assert_array_equal(filled[1], [1.0, 1.0, 2.0, 2.0])
-
-
 def test_known_points_stay_and_every_other_takes_one_of_theirs() -> None:
     for mask in MASKS:
         values = np.random.default_rng(0).uniform(1.0, 2.0, mask.shape)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -182,13 +182,6 @@ def test_where_bodies_move_backwards_is_hatched_up_to_the_line_of_zero_speed(
     np.testing.assert_array_equal(hatched.reshape(speed.shape)[sure], (speed < 0.0)[sure])
 
 
-def test_negative_contours_have_a_minus() -> None:
-    figure = map_figures(
-        sweep(points=121, amplitude=0.7, drive_angle="0:60", trough_angle="-20:20"), ["speed"]
-    )["speed"]
-    assert any(text.startswith("\N{MINUS SIGN}") for text in words(only_map(figure)))
-
-
 def test_traverse_times(pictures: dict[str, Figure], nut: SweepResult) -> None:
     image = image_of(only_map(pictures["traverse"]))
     assert type(image.norm) is LogNorm
@@ -199,17 +192,6 @@ def test_traverse_times(pictures: dict[str, Figure], nut: SweepResult) -> None:
     shortest, longest = image.get_clim()
     assert shortest == pytest.approx(times.min(), rel=0.02)
     assert 0.97 < np.mean(times < longest) < 0.99
-
-
-def test_bodies_that_move_backwards_never_arrive(
-    climb_pictures: dict[str, Figure], climb: SweepResult
-) -> None:
-    figure = climb_pictures["traverse"]
-    assert "moves backwards" in said(figure)
-    hatched = path_of(only_map(figure), "moves backwards")
-    columns, rows = np.nonzero(climb.cycle.mean_velocity < -1e-4)
-    amplitude, angle = (axis.values for axis in climb.axes.values())
-    assert hatched.contains_points(np.column_stack([amplitude[columns], angle[rows]])).mean() > 0.98
 
 
 @pytest.mark.parametrize(
@@ -275,14 +257,6 @@ def test_contours_end_where_the_period_is_longer_than_the_drives(
         assert throw_number(curve(axes, contour)).max() < 3.75
 
 
-def test_every_long_piece_of_a_contour_has_its_number() -> None:
-    frictions: dict[str, Any] = {"friction_ratio": 0.8, "static_friction": "0.1:1", "drive_angle": "5:60"}
-    axes = only_map(map_figures(sweep(frequency=30, **frictions), ["speed"])["speed"])
-    twice = curve(axes, "contour 120")  # on the way up and down, as the drive angle rises
-    assert np.ptp(twice[:, 0]) > 20.0
-    assert words(axes).count("120") == 2
-
-
 def test_flight_is_shown_where_there_is_one(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
     result, figures = flights
     hopping = result.cycle.regime == Regime.HOPPING
@@ -337,20 +311,3 @@ def test_cells_of_irregular_motion_that_reach_a_speed_are_outlined(nut: SweepRes
     np.testing.assert_allclose(
         ends, [(x[199:201].mean(), x[249:251].mean()), (y[239:241].mean(), y[279:281].mean())], rtol=2e-3
     )
-
-
-def test_no_line_of_zero_speed_where_no_speed_is_known() -> None:
-    drive: dict[str, Any] = {
-        "frequency": 50,
-        "drive_angle": 30,
-        "static_friction": 0.5,
-        "kinetic_friction": 0.4,
-    }
-    result = sweep(points=121, flight=False, amplitude="0.02:0.6", trough_angle="-5:20", **drive)
-    axes = only_map(map_figures(result, ["regime"])["regime"])
-    amplitude, angle = curve(axes, "zero speed").T
-    assert result.limits is not None
-    hop = np.interp(angle, result.axes["trough_angle"].values, result.limits.hop.ravel())
-    load = 1e-3 * amplitude * (2.0 * math.pi * 50.0) ** 2 / GRAVITY
-    assert load.size > 10
-    assert np.all(load < 1.05 * hop)

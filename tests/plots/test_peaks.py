@@ -44,12 +44,6 @@ def test_a_map_marks_its_fastest_cell(nut: SweepResult, pictures: dict[str, Figu
         assert told(pictures[name]) == []
 
 
-def test_words_keep_clear_of_marks(pictures: dict[str, Figure]) -> None:
-    axes = only_map(pictures["speed"])
-    point = axes.transData.transform(curve(axes, "fastest"))[0]
-    assert not any(text.get_window_extent().contains(*point) for text in axes.texts)
-
-
 def test_where_transport_reverses_the_fastest_backwards_is_marked_too(
     climb: SweepResult, climb_pictures: dict[str, Figure]
 ) -> None:
@@ -66,13 +60,6 @@ def test_of_facets_only_the_fastest_is_marked_and_its_value_told(facets: dict[st
     ((panel, _),) = marked(figure)
     (text,) = told(figure)
     assert text.endswith(f", {maps_of(figure)[panel].get_title()}")
-
-
-def test_of_facets_the_fastest_backwards_is_marked() -> None:
-    result = sweep(points=61, amplitude="0.2:3", frequency="10:20", trough_angle="12, 18")
-    speed = 1e3 * float(np.nanmin(result.cycle.mean_velocity))
-    (text,) = (t for t in told(map_figures(result, ["speed"])["speed"]) if "backwards" in t)
-    assert text.startswith(f"fastest backwards: \N{MINUS SIGN}{-speed:.5g} mm/s at ")
 
 
 def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[str, Figure]) -> None:
@@ -100,11 +87,6 @@ def test_of_several_curves_the_fastest_is_marked_once(axes: dict[str, Any], plac
     (text,) = told(figure)
     assert text.endswith(f" mm/s at {place}")
     assert len(marked(figure)) == 1
-
-
-def test_where_nothing_moves_nothing_is_marked() -> None:
-    figure = map_figures(sweep(points=31, amplitude="0.01:0.02", frequency="5:10"), ["speed"])["speed"]
-    assert (told(figure), marked(figure)) == ([], [])
 
 
 def test_the_fastest_cell_of_a_table_is_marked_where_it_lies(nut: SweepResult) -> None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from helpers.made_records import nut
 from matplotlib.colors import to_rgb
 from matplotlib.text import Annotation
 
@@ -104,15 +103,6 @@ def test_phases_and_events_lie_where_the_trough_is_then(normal: float, degrees: 
         assert min(np.linalg.norm(band - point, axis=1).min() for band in bands) < 0.05
 
 
-def test_a_drive_along_a_line_has_no_path() -> None:
-    history = vibro.simulate(nut(), cycles=2)
-    rows = trace(history, until=history.end, samples_per_cycle=50, both_sides=True)
-    figure = history_figure(history.phases, rows, ["trough"], "title", {})
-    assert [axes.get_ylabel() for axes in figure.axes[1:]] == ["trough along\nthe drive [mm]"]
-    assert "trough_displacement_mm" in motion_table(history, rows)
-    assert "trough_along_mm" not in motion_table(history, rows)
-
-
 def test_the_table_and_the_topmost_panel_have_both_motions_of_the_trough() -> None:
     history, rows, figure = draw()
     table = motion_table(history, rows)
@@ -124,11 +114,3 @@ def test_the_table_and_the_topmost_panel_have_both_motions_of_the_trough() -> No
     curves = {line.get_label(): np.asarray(line.get_ydata()) for line in figure.axes[1].lines}
     assert curves["trough, along itself"] == pytest.approx(along, abs=1e-12)
     assert curves["trough, normal to itself"] == pytest.approx(normal, abs=1e-12)
-
-
-def test_no_words_overlap() -> None:
-    _, _, figure = draw(0.8, -170.0)
-    boxes = [found.get_tightbbox() for found in (*figure.axes, *figure.legends)]
-    for i, box in enumerate(boxes):
-        assert box is not None
-        assert not any(other is not None and box.overlaps(other) for other in boxes[i + 1 :])

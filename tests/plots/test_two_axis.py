@@ -83,11 +83,6 @@ def test_which_axis_is_across(ranges: tuple[str, str], x: str, y: str) -> None:
     assert (view.x.name, view.y.name) == (x, y)
 
 
-def test_what_stands_above_names_the_ellipse(phases: Sweep) -> None:
-    heading = phases.draw("regime")._suptitle.get_text()  # type: ignore[attr-defined]
-    assert "$Y$ = 0.3 mm, $f$ = 15 Hz" in heading
-
-
 def test_a_trough_that_stands_still_along_or_altogether_is_drawn() -> None:
     swept = vibro.sweep(
         along_amplitude_mm="0:1:41", normal_amplitude_mm="0:0.5:41", frequency_hz=25, normal_phase_deg=-60,

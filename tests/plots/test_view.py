@@ -25,36 +25,12 @@ def test_frequency_across_amplitude_up() -> None:
     assert (view.x.name, view.y.name, view.facet.name) == ("frequency", "amplitude", "drive_angle")
 
 
-@pytest.mark.parametrize(
-    ("names", "x", "y"),
-    [
-        (("amplitude", "drive_angle"), "amplitude", "drive_angle"),
-        (("static_friction", "kinetic_friction"), "static_friction", "kinetic_friction"),
-        (("frequency", "friction_ratio", "trough_angle"), "frequency", "friction_ratio"),
-    ],
-)
-def test_else_the_first_two_axes(names: tuple[str, ...], x: str, y: str) -> None:
-    view = choose_view(grid_axes(*names))
-    assert view.y is not None
-    assert (view.x.name, view.y.name) == (x, y)
-
-
-def test_one_axis_has_no_y() -> None:
-    view = choose_view(grid_axes("drive_angle"))
-    assert (view.x.name, view.y, view.facet, view.facet_indices) == ("drive_angle", None, None, (-1,))
-
-
 def test_axes_that_are_asked_for() -> None:
     axes = grid_axes("amplitude", "frequency", "drive_angle")
     view = choose_view(axes, x="drive_angle", at={"frequency": axes["frequency"].values[7]})
     assert view.y is not None
     assert (view.x.name, view.y.name, view.facet) == ("drive_angle", "amplitude", None)
     assert view.held == {"frequency": 7}
-
-
-def test_only_y_is_asked_for() -> None:
-    view = choose_view(grid_axes("amplitude", "frequency"), y="frequency")
-    assert view.x.name == "amplitude"
 
 
 def test_more_than_three_axes_show_their_middle_slice() -> None:
@@ -108,15 +84,6 @@ def test_axes_are_held_in_the_middle_of_what_can_be(
     assert {name: axes[name].values[i] for name, i in view.held.items()} == middle | at
 
 
-def test_what_is_drawn_decides_what_can_be_held() -> None:
-    """A facet of static friction reaches up to 0.4, so that of the kinetic ones 0.1 ... 0.4 are left."""
-    axes = axes_of(
-        amplitude="1:2", frequency="5:60", static_friction="0.2,0.3,0.4", kinetic_friction="0.1,0.2,0.4,0.5"
-    )
-    view = choose_view(axes)
-    assert (shown(view), view.held) == ("frequency amplitude - static_friction", {"kinetic_friction": 1})
-
-
 def shown(view: View) -> str:
     """Name x, y, curves and facets."""
     return " ".join(axis.name if axis else "-" for axis in (view.x, view.y, view.curves, view.facet))
@@ -162,12 +129,6 @@ def test_lists_are_curves_and_facets_but_no_axes_of_maps(texts: dict[str, str], 
         if axis is not None and axis.spacing == "list" and len(axis) <= 12:
             assert view.drawn[axis.name] == tuple(range(len(axis)))
     assert "static_friction" in view.drawn or texts.get("static_friction") != LIST
-
-
-def test_points_over_a_list_beside_what_is_held() -> None:
-    axes = axes_of(amplitude="1:2:3", static_friction=LIST)
-    view = choose_view(axes, x="static_friction", at={"amplitude": 1.5})
-    assert (shown(view), view.held) == ("static_friction - - -", {"amplitude": 1})
 
 
 @pytest.mark.parametrize("text", ["10,20,30,40", "10:40:4", "10:40:20", "10:40:7:log", "-10:20:7"])
