@@ -21,7 +21,7 @@ from vibro.quantities import DRIVES, QUANTITIES, SWEPT
 from vibro.results.operating import FIELDS, OPERATING
 from vibro.results.sweep import Block, Column
 from vibro.sweeps import derived
-from vibro.sweeps.columns import arrow_table, chosen, column_names, columns_of, to_frame
+from vibro.sweeps.columns import arrow_table, chosen, columns_of, to_frame
 from vibro.sweeps.derived import WITH_STROKES
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
@@ -195,7 +195,7 @@ def test_every_column_pickles() -> None:
     solved = replace(solved, values={**solved.values, OPERATING: np.ones((1, 1), FIELDS)})
     columns = columns_of(QUANTITIES, *extra, drive=DRIVES, machine=True)
     names = {column.name for column in columns}
-    assert names >= {*column_names(), *inputs, "arrival_time_s", "mass_flow_kg_h", "upright", "pattern"}
+    assert names >= {*inputs, "arrival_time_s", "mass_flow_kg_h", "upright", "pattern"}
     for column in columns:
         again = pickle.loads(pickle.dumps(column))
         assert replace(again, values=column.values) == column

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
+    from vibro.sweeps.grid import Grid
+
 
 @dataclass(frozen=True)
 class Table:
@@ -126,12 +128,12 @@ def _of_machine(axes: Collection[str]) -> list[Column]:
     return [*given, *(column_of(result, partial(_operating, result)) for result in MACHINE_RESULTS)]
 
 
-def column_names() -> list[str]:
-    """Return the names of all columns that tables can have, with any drive."""
-    drive = [name for name in DRIVES if name in SWEPT]
-    return [column.name for column in (
-        *columns_of(drive=drive, machine=True), *_ON_REQUEST, WITH_BENT_SPEED,
-    )]  # fmt: skip
+def table_columns(grid: Grid, names: Sequence[str] | None = None) -> tuple[Column, ...]:
+    """Return the columns of a grid's table: those named, or the usual ones."""
+    usual = columns_of(
+        grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+    )
+    return usual if names is None else chosen(names, usual)
 
 
 def named(names: object, known: Collection[str], hint: str) -> list[str]:

@@ -197,31 +197,24 @@ def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, 
     InputError
         If an axis is unknown, or a size is no whole number.
     """
-    is_size = _is_size(chunks)
-    if chunks != "auto" and not is_size and not isinstance(chunks, Mapping):
-        raise InputError(
-            f"chunks = {shown(chunks)}: must be 'auto', a whole number > 0, or sizes by axis",
-            hint='write it like "auto", 10 or {"amplitude_mm": 10}',
-        )
-    given: dict[str, Any] = dict.fromkeys(grid.axes, chunks) if is_size else {}
-    for called, size in chunks.items() if isinstance(chunks, Mapping) else ():
-        name = axis_called(called, "chunks").name
+    given: dict[str, Any] = {}
+    if isinstance(chunks, Mapping):
+        given = {axis_called(called, "chunks").name: size for called, size in chunks.items()}
+    elif chunks != "auto":
+        given = dict.fromkeys(grid.axes, chunks)
+    for name, size in given.items():
         if name not in grid.axes:
             known = ", ".join(axis.label for axis in grid.axes.values()) or "none"
             raise InputError(
                 f"chunks: {QUANTITIES[name].label} does not vary in this sweep", hint=f"its axes are {known}"
             )
-        if not _is_size(size):
+        if not isinstance(size, int) or isinstance(size, bool) or size < 1:
             raise InputError(
-                f"chunks: {called} = {shown(size)}: must be a whole number > 0", hint="1 is the least"
+                f"chunks = {shown(size)}: must be 'auto', a whole number > 0, or sizes by axis",
+                hint='write it like "auto", 10 or {"amplitude_mm": 10}',
             )
-        given[name] = size
     sizes, room = [], _BLOCK
     for name, count in zip(reversed(list(grid.axes)), reversed(shape), strict=True):
         sizes.append(min(count, given.get(name, max(room, 1))))
         room //= sizes[-1]
     return tuple(reversed(sizes))
-
-
-def _is_size(size: object) -> bool:
-    return isinstance(size, int) and not isinstance(size, bool) and size > 0

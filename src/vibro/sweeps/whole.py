@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from functools import cached_property
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
@@ -20,7 +19,7 @@ from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
 from vibro.steady import check_switch, output_of
-from vibro.sweeps.columns import arrow_table, chosen, columns_of, to_frame
+from vibro.sweeps.columns import arrow_table, table_columns, to_frame
 from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of
 from vibro.sweeps.request import RANGES, gather
 from vibro.sweeps.solved import SolvedGrid, check_memory
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 
     from vibro.quantities import Quantity
     from vibro.results.steady import SteadyCycle
-    from vibro.results.sweep import Column
+    from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
 _BYTES_PER_CELL: Final = 110  # [B] of all results
@@ -80,7 +79,12 @@ class Sweep(SolvedGrid):
         Values of all other quantities, by their keys.
     """
 
-    cycle: SteadyCycle
+    _block: Block
+
+    @property
+    def cycle(self) -> SteadyCycle:
+        """Results: arrays with one dimension per axis, in the order of ``axes``."""
+        return self._block.cycle
 
     @shielded
     def to_frame(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
@@ -104,7 +108,7 @@ class Sweep(SolvedGrid):
         InputError
             If a column does not exist or is named twice.
         """
-        return to_frame(self._columns(columns), self._block)
+        return to_frame(table_columns(self._grid, columns), self._block)
 
     @shielded
     def to_xarray(self, columns: Sequence[str] | None = None) -> xr.Dataset:
@@ -146,19 +150,8 @@ class Sweep(SolvedGrid):
         'none no_slip forward_slip back_slip hopping'
         """
         check_xarray()
-        found = results_among(self._columns(columns), self._grid)
+        found = results_among(table_columns(self._grid, columns), self._grid)
         return dataset(self._grid, self._title, found, values_of(arrow_table(found, self._block), self.shape))
-
-    @cached_property
-    def _block(self) -> Block:
-        return Block(self._grid.values(), self.cycle, self._grid.length)
-
-    def _columns(self, names: Sequence[str] | None) -> tuple[Column, ...]:
-        grid = self._grid
-        usual = columns_of(
-            grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
-        )
-        return usual if names is None else chosen(names, usual)
 
     def _summary(self) -> list[tuple[str, str]]:
         return summary(self.cycle)
@@ -226,18 +219,21 @@ def sweep(
     ['_' 'F_' 'FB_'] [0.       0.016263 0.040591]
     """
     request = request_of_call(scene_file, quantities)
-    kept = output_of(output)
-    check_switch("flight", flight)
-    check_switch("coexistence", coexistence)
-    grid = request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
+    grid = grid_of_call(request, output, flight=flight, coexistence=coexistence)
     check_memory(
         grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
     )
     values = grid.values()
-    solved = Sweep(grid, request.own, request.name or "", grid.solve(values, progress=progress))
-    if grid.machine is not None:  # its operating points are found once
-        vars(solved)["_block"] = Block(values, solved.cycle, grid.length)
-    return solved
+    block = Block(values, grid.solve(values, progress=progress), grid.length)
+    return Sweep(grid, request.own, request.name or "", block)
+
+
+def grid_of_call(request: Request, output: str, *, flight: bool, coexistence: bool) -> Grid:
+    """Make the grid of a request with the switches of a call, which are checked."""
+    kept = output_of(output)
+    check_switch("flight", flight)
+    check_switch("coexistence", coexistence)
+    return request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
 
 
 def request_of_call(

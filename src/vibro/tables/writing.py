@@ -8,12 +8,11 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, shown
 from vibro.reals import shielded
-from vibro.steady import check_switch, output_of
-from vibro.sweeps.columns import Table, chosen, columns_of
-from vibro.sweeps.whole import request_of_call
+from vibro.steady import check_switch
+from vibro.sweeps.columns import Table, table_columns
+from vibro.sweeps.whole import grid_of_call, request_of_call
 from vibro.tables.files import cannot_write, is_regular, whole_file
 from vibro.tables.plan import MANIFEST, SUCCESS, Plan, read_plan, shard_name
 from vibro.tables.shard_files import read_success
@@ -202,13 +201,7 @@ def write_sweep(
     workers, path = checked_workers(workers), Path(folder)
     check_switch("force", force)
     request = request_of_call(scene_file, quantities, write_sweep, repr(os.fspath(folder)))
-    kept = output_of(output)
-    check_switch("flight", flight)
-    check_switch("coexistence", coexistence)
-    grid = request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
-    usual = columns_of(
-        grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
-    )
-    table = Table(usual if columns is None else chosen(columns, usual))
+    grid = grid_of_call(request, output, flight=flight, coexistence=coexistence)
+    table = Table(table_columns(grid, columns))
     write_folder(path, Plan.of(grid, table, request.name or "", request.own), workers, sys.argv, force=force)
     return open_sweep(path)
