@@ -163,7 +163,7 @@ def map_command(
         tally = write_sweep(grid, table, outputs, options, console, pictures, look)
     code = conclude(tally, grid, console)
     if target:
-        console.echo(target.text())
+        console.echo(target.text(tally.peaks.get("fastest")))
     if bends:
         console.warn(
             f"{bends} of {grid.size} cells: the filling adds a second harmonic above"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -12,7 +11,6 @@ from vibro.answers.answer import number
 from vibro.cli.sweeps import count, peak_text
 from vibro.core.codes import Status
 from vibro.quantities import LENGTH, QUANTITIES
-from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,12 +18,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.results.sweep import Block
+    from vibro.results.sweep import Block, Peak
 
 _FRICTIONS: Final = ({"static_friction", "friction_ratio"}, {"static_friction", "kinetic_friction"})
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class TargetSpeed:
     """Cells of a sweep that are at least so fast.
 
@@ -39,42 +37,31 @@ class TargetSpeed:
 
     axes: Mapping[str, Axis]
     speed: float
-    _tally: Tally = field(default_factory=Tally)
-    _counts: Counter[str] = field(default_factory=Counter)
+    _irregular: int = 0
     _fast: list[NDArray[np.bool_]] = field(default_factory=list)
     _possible: list[NDArray[np.bool_]] = field(default_factory=list)
-
-    @property
-    def is_of_frictions(self) -> bool:
-        """Whether both frictions are the axes, so that the text names those that keep the speed."""
-        return self.axes.keys() in _FRICTIONS
 
     def add(self, block: Block) -> None:
         """Look at the next cells."""
         cycle = block.cycle
         fast = np.nan_to_num(LENGTH.from_si(cycle.mean_velocity).ravel(), nan=-np.inf) >= self.speed
         status = cycle.status.ravel()
-        self._tally.add(block)
-        self._counts["fast"] += int(fast.sum())
-        self._counts["irregular"] += int((fast & (status == Status.AVERAGED)).sum())
-        if self.is_of_frictions:
-            self._fast.append(fast)
-            self._possible.append(status != Status.INFEASIBLE)
+        self._irregular += int((fast & (status == Status.AVERAGED)).sum())
+        self._fast.append(fast)
+        self._possible.append(status != Status.INFEASIBLE)
 
-    def text(self) -> str:
+    def text(self, fastest: Peak | None) -> str:
         """Say how many cells are fast enough, or how fast the fastest is; of frictions, within which."""
-        fast, irregular = self._counts["fast"], self._counts["irregular"]
-        possible = self._tally.status.total() - self._tally.status[Status.INFEASIBLE]
+        fast, possible = (sum(int(x.sum()) for x in cells) for cells in (self._fast, self._possible))
         said = f"at least {number(self.speed, 'mm/s')}: {count(fast)} of {count(possible)} possible cells"
         if not fast:
-            fastest = self._tally.peaks.get("fastest")
             return f"{said}; " + (
                 f"the fastest: {peak_text(fastest, self.axes)}" if fastest else "none moves forwards"
             )
         said += f" ({100.0 * fast / possible:.1f} %)"
-        if irregular:
-            said += f", {count(irregular)} of them by the mean of irregular motion"
-        return said + (f"; {self._frictions()}" if self.is_of_frictions else "")
+        if self._irregular:
+            said += f", {count(self._irregular)} of them by the mean of irregular motion"
+        return said + (f"; {self._frictions()}" if self.axes.keys() in _FRICTIONS else "")
 
     def _frictions(self) -> str:
         shape = [len(axis) for axis in self.axes.values()]
