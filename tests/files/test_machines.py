@@ -128,7 +128,7 @@ def test_packs_alone_make_a_machine_whose_force_is_known(tmp_path: Path) -> None
 
 def test_every_key_belongs_to_a_kind(tmp_path: Path) -> None:
     """None is described that every kind refuses."""
-    for entry in MACHINE_KEYS:
+    for entry in MACHINE_KEYS.values():
         if entry.key == "kind":
             continue
         refused = 0

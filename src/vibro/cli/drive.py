@@ -202,7 +202,7 @@ def _bands(
     typed: dict[str, str], given: GivenMachine, own: Mapping[str, float]
 ) -> dict[str, tuple[float, float]]:
     """Return the bands in users' units, and leave nominal values in what was typed."""
-    from vibro.files.entries import BAND, ends_of
+    from vibro.files.entries import FORMS, ends_of
 
     bands = {name: band for name, band in given.bands.items() if name in _BANDS}
     if filling := given.own.get("filling"):
@@ -215,7 +215,7 @@ def _bands(
             bands.pop(name, None)
             continue
         try:
-            BAND.read(quantity, text)  # which checks it
+            FORMS["band"].read(quantity, text)  # which checks it
         except ValueError:
             raise InputError(f"{quantity.typed(cut(text))}: must be a value or lo:hi") from None
         low, high = ends_of(quantity, text)[0], ends_of(quantity, text)[-1]

@@ -348,8 +348,9 @@ def _word(quantity: Quantity, value: Any) -> Any:
     raise ValueError  # what is no word
 
 
-def table_of(says: str, kind: TableKind, *, several: bool = False) -> Form:
+def table_of(kind: TableKind) -> Form:
     """Make the form of a table within a table, or of a list of such tables."""
+    several = kind.heading.startswith("[[")
 
     def read(quantity: Quantity, value: Any) -> Any:
         problems = Problems()
@@ -358,6 +359,7 @@ def table_of(says: str, kind: TableKind, *, several: bool = False) -> Form:
         problems.settle()
         return found if several else found[0]
 
+    says = "table, or list of tables" if several else "table"
     return Form(says, read, ("tables" if several else "table",), table=kind)
 
 
@@ -373,36 +375,40 @@ def _refusal(quantity: Quantity, value: Any, rule: str, hint: str = "") -> Input
     return InputError(f"{quantity.column} = {shown(value)}: {rule}", hint=hint)
 
 
-# Forms of scene files.
-VALUE: Final = Form("number", _one, ("number", "text", "single"))
-AXIS: Final = Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list"))
-LIST: Final = _rows(f"list of up to {MOST_HARMONICS} numbers", MOST_HARMONICS, "[1, 0.2]")
 _PAIRS: Final = "list of pairs of numbers"
 _HARMONICS: Final = f"list of up to {MOST_HARMONICS} pairs of numbers"
 _SAMPLES: Final = f"list of {LEAST_SAMPLES} to {MOST_PIECES} numbers"
 _PERIOD: Final = "[0, 1.4, 2, 1.4, 0, -1.4, -2, -1.4]: one period, equally spaced"
-HARMONICS: Final = _rows(_HARMONICS, MOST_HARMONICS, "[[20, 0], [5, -110]]", LENGTH, ANGLE)
-STEPS: Final = _rows(_PAIRS, MOST_PIECES, "[[0.8, 6.9], [0.2, -27.6]]", PURE, ACCELERATION)
-ACCELERATIONS: Final = _rows(_SAMPLES, MOST_PIECES, _PERIOD, ACCELERATION, least=LEAST_SAMPLES)
-DISPLACEMENTS: Final = _rows(_SAMPLES, MOST_PIECES, _PERIOD, LENGTH, least=LEAST_SAMPLES)
-# Forms of design questions.
 _LOHI: Final = '0.5 or "0.3:0.7", which is all between two ends'
-NUMBER: Final = Form("number", _number, ("number", "text"))
-BAND: Final = Form("number or band", _band, ("number", "text", "ends"), _LOHI)
-FRICTION: Final = Form("number, band or row of the catalogue", _friction, (*BAND.spellings, "name"), _LOHI)
-LIMITS: Final = Form("number, the largest, or range", _limits, BAND.spellings, _LOHI)
-SPAN: Final = Form("number, fixed, or range", _band, BAND.spellings, _LOHI)
-CHOICES: Final = Form(
-    "number, list or range", _choices, (*BAND.spellings, "listed", "list"), f"[0.3, 0.7], {_LOHI}"
-)
-TEXT: Final = Form("text on one line", _text, ("line",), '"feeder"')
-# Forms of machines.
+_NUMBER: Final = ("number", "text")
+_ENDS: Final = (*_NUMBER, "ends")
 _FLOOR: Final = {"floor": math.inf}  # its mass
-MASS_OR_FLOOR: Final = Form("number or `floor`", _number, NUMBER.spellings, '12 or "floor"', _FLOOR)
-COUNT: Final = Form("whole number", _count, NUMBER.spellings, "2")
 _MEASURED: Final = _rows(_PAIRS, MOST_PIECES, "[[45, 0.2], [50, 0.5]]", FREQUENCY, LENGTH)
-POINTS: Final = _MEASURED._replace(
-    says=f"name of a file, or {_PAIRS}",
-    read=lambda quantity, value: (_text if isinstance(value, str) else _MEASURED.read)(quantity, value),
-    spellings=("line", "rows"),
-)
+
+
+def _points(quantity: Quantity, value: Any) -> Any:
+    return (_text if isinstance(value, str) else _MEASURED.read)(quantity, value)
+
+
+#: Forms by name, as keys.txt has them.
+FORMS: Final = {
+    "value": Form("number", _one, ("number", "text", "single")),
+    "axis": Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list")),
+    "list": _rows(f"list of up to {MOST_HARMONICS} numbers", MOST_HARMONICS, "[1, 0.2]"),
+    "harmonics": _rows(_HARMONICS, MOST_HARMONICS, "[[20, 0], [5, -110]]", LENGTH, ANGLE),
+    "steps": _rows(_PAIRS, MOST_PIECES, "[[0.8, 6.9], [0.2, -27.6]]", PURE, ACCELERATION),
+    "accelerations": _rows(_SAMPLES, MOST_PIECES, _PERIOD, ACCELERATION, least=LEAST_SAMPLES),
+    "displacements": _rows(_SAMPLES, MOST_PIECES, _PERIOD, LENGTH, least=LEAST_SAMPLES),
+    "number": Form("number", _number, _NUMBER),
+    "band": Form("number or band", _band, _ENDS, _LOHI),
+    "friction": Form("number, band or row of the catalogue", _friction, (*_ENDS, "name"), _LOHI),
+    "limits": Form("number, the largest, or range", _limits, _ENDS, _LOHI),
+    "span": Form("number, fixed, or range", _band, _ENDS, _LOHI),
+    "choices": Form("number, list or range", _choices, (*_ENDS, "listed", "list"), f"[0.3, 0.7], {_LOHI}"),
+    "text": Form("text on one line", _text, ("line",), '"feeder"'),
+    "mass or floor": Form("number or `floor`", _number, _NUMBER, '12 or "floor"', _FLOOR),
+    "count": Form("whole number", _count, _NUMBER, "2"),
+    "points": _MEASURED._replace(
+        says=f"name of a file, or {_PAIRS}", read=_points, spellings=("line", "rows")
+    ),
+}

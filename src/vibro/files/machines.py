@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from vibro.files.entries import Entry
     from vibro.machines.machine import Machine
 
-_ENTRIES: Final = {entry.key: entry for entry in MACHINE_KEYS}
 _ARGUMENTS: Final = (
     "trough_mass", "counter_mass", "vibrating_mass", "natural", "damping_ratio", "mount", "voltage_exponent",
     "base_stiffness", "gap", "crank_radius", "rod_stiffness", "law", "force",
@@ -79,11 +78,11 @@ class GivenMachine:
     @property
     def has_springs(self) -> bool:
         """Whether it has springs that may be exchanged."""
-        return _belongs(_ENTRIES["natural_hz"], self.kind)
+        return _belongs(MACHINE_KEYS["natural_hz"], self.kind)
 
     def takes(self, name: str) -> bool:
         """Whether a quantity of ``MACHINE`` has a meaning for this kind of machine."""
-        return _belongs(_ENTRIES[QUANTITIES[name].column], self.kind)
+        return _belongs(MACHINE_KEYS[QUANTITIES[name].column], self.kind)
 
     @property
     def share(self) -> tuple[float, float] | None:
@@ -135,10 +134,10 @@ def machine_of(table: Mapping[str, Any]) -> GivenMachine:
     InputError
         If it is no machine; the message names the keys.
     """
-    unknown = [key for key in table if key not in _ENTRIES]
+    unknown = [key for key in table if key not in MACHINE_KEYS]
     if unknown:
-        raise InputError(f"unknown key {shown(unknown[0])}", hint=did_you_mean(unknown[0], _ENTRIES))
-    values = {_ENTRIES[key].quantity.name: _ENTRIES[key].read(value) for key, value in table.items()}
+        raise InputError(f"unknown key {shown(unknown[0])}", hint=did_you_mean(unknown[0], MACHINE_KEYS))
+    values = {MACHINE_KEYS[key].quantity.name: MACHINE_KEYS[key].read(value) for key, value in table.items()}
     return given_machine(table, values, None)
 
 
@@ -172,7 +171,7 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
         if pack["name"] in packs:
             raise InputError(f"pack {shown(pack['name'])} is given twice", hint="name each pack differently")
         packs[pack["name"]] = pack["natural"]
-    if _belongs(_ENTRIES["motors"], kind):
+    if _belongs(MACHINE_KEYS["motors"], kind):
         arguments["static_moment"] = _static_moment(table, values)
     if kind == "magnet":
         given = [key for key in ("force_n", "calibration") if key in table]
@@ -184,7 +183,7 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
     if kind == "measured":
         table["points"] = _points_of(values["points"], folder)
         arguments["points"] = [(f, mm / _MILLIMETRES) for f, mm in table["points"]]
-    if _belongs(_ENTRIES["natural_hz"], kind) and "natural" not in values:
+    if _belongs(MACHINE_KEYS["natural_hz"], kind) and "natural" not in values:
         why = "the calibration was measured with one of the packs" if "calibration" in values else ""
         if not packs:
             why = f"the amplitude of a machine of kind {kind} depends on it most"
@@ -208,13 +207,13 @@ def _check_keys(table: Mapping[str, Any], kind: str) -> None:
     """Refuse keys that a kind of machine does not have, and missing ones."""
     problems = Problems()
     for key in table:
-        if not _belongs(_ENTRIES[key], kind):
-            own = ", ".join(entry.key for entry in MACHINE_KEYS if kind in entry.kinds)
+        if not _belongs(MACHINE_KEYS[key], kind):
+            own = ", ".join(entry.key for entry in MACHINE_KEYS.values() if kind in entry.kinds)
             problems.add(
                 f"{key} = {shown(table[key])}: does not belong to a machine of kind {kind}",
-                f"it belongs to {', '.join(_ENTRIES[key].kinds)}; those of {kind} are {own}",
+                f"it belongs to {', '.join(MACHINE_KEYS[key].kinds)}; those of {kind} are {own}",
             )
-    for entry in MACHINE_KEYS:
+    for entry in MACHINE_KEYS.values():
         if kind in entry.needed and entry.key not in table:
             what = f"{entry.key} is missing: a machine of kind {kind} needs it"
             problems.add(what, f"for example: {entry.shown}")

@@ -159,7 +159,7 @@ def _drives(
     table: Table, usual_name: str, problems: Problems, folder: Path | None, drift: float
 ) -> list[Drive]:
     """Read a drive; a machine is one for each spring pack and frequency."""
-    keys = {entry.key: entry.quantity.name for entry in MACHINE_KEYS if entry.key in table.given}
+    keys = {key: entry.quantity.name for key, entry in MACHINE_KEYS.items() if key in table.given}
     if not keys:
         return [_drive(table, usual_name, problems)]
     others = [*_keys(("amplitude", "stroke", *ELLIPTICAL)), *(key for way in MOTIONS for key in way), SCALE]
