@@ -139,26 +139,6 @@ def test_numbers_of_a_list_are_not_read_as_texts(monkeypatch: pytest.MonkeyPatch
     assert axis_of(["800um", "0.9"], QUANTITIES["amplitude"]).values == (0.8, 0.9)
 
 
-DIGITS = {
-    "400 digits": "9" * 400,
-    "5000 digits": "9" * 5000,
-    "a long fraction": "0." + "3" * 5000,
-    "a long exponent": "1e" + "9" * 5000,
-}
-
-
-@each("digits", DIGITS.values())
-@each("form", ["{}", "{}mm", "1,{}", "{0}:{0}", "1:{}", "{}:1", "1:2:{}", "1:2:step={}"])
-@each("end", ["", ":log", "x"])
-def test_thousands_of_digits_are_refused_in_a_line(digits: str, form: str, end: str) -> None:
-    with pytest.raises(InputError) as caught:
-        parse_axis(form.format(digits) + end, QUANTITIES["amplitude"]).axis(3)
-    (problem,) = caught.value.problems
-    assert problem.startswith(("amplitude = ", "step of a logarithmic range = "))
-    assert len(problem) < 250
-    assert len(caught.value.hint) < 200
-
-
 def test_a_decimal_of_hundreds_of_digits_is_a_number() -> None:
     third = "0." + "3" * 400
     assert parse_axis(third, QUANTITIES["amplitude"]).value == 1 / 3

@@ -120,26 +120,6 @@ def test_results_are_shown_in_the_units_of_tables() -> None:
     assert rows["mean velocity"][0].endswith("mm/s (1 of 5 without)")
 
 
-def test_nothing_is_too_odd_to_be_shown() -> None:
-    empty = vibro.Scene(amplitude=[], **LINE)
-    assert shown(empty)[1]["amplitude"] == ["none"]
-    assert shown(vibro.solve(empty))[0] == "0 steady cycles"
-    cycle = vibro.solve(vibro.Scene(amplitude=[1e-3, 2e-3], **LINE))
-    odd = replace(
-        cycle,
-        regime=np.array([9, -1], np.int8),
-        pattern_code=np.array([-99, 2]),
-        mean_velocity=np.full(2, np.nan),
-    )
-    _, rows = shown(odd)
-    assert (rows["regime"], rows["pattern"], rows["mean velocity"]) == (
-        ["no regime: 1, 9: 1"],
-        ["?: 1, F_: 1"],
-        ["none"],
-    )
-    assert shown(vibro.DesignResult(False, (), ())) == ("designs: the goal is not met", {})
-
-
 def test_sweeps_are_shown_with_their_cells(tmp_path: Path) -> None:
     held = swept(amplitude_mm=[0.1, 1, 1.5], frequency_hz=[10, 15], trough_length_mm=600)
     caption, rows = shown(held)

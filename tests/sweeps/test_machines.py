@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.machine_files import KINDS, SCENE, feeder, written
+from helpers.machine_files import SCENE, feeder, written
 
 import vibro
 from vibro.core.codes import Regime, Status
 from vibro.errors import InputError
 from vibro.plots.fields import Fields
 from vibro.plots.view import choose_view, panels
-from vibro.quantities import MACHINE, QUANTITIES
 from vibro.results.operating import FIELDS, MACHINE_RESULTS, OPERATING
 from vibro.sweeps.grid import Grid, scene_of
 from vibro.sweeps.run import sweep_picture
@@ -94,14 +93,6 @@ def test_every_axis_of_a_machine_has_its_column_and_its_effect(tmp_path: Path) -
     np.testing.assert_array_equal(full[:, :, 0], empty[:, :, 0])
     assert (full[:, :, 1, 1] > empty[:, :, 1, 1]).all()  # below resonance
     assert (full[:, :, 1, 0] < empty[:, :, 1, 0]).all()  # above it
-
-
-def test_a_table_without_axes_of_the_machine_tells_its_quantities(tmp_path: Path) -> None:
-    frame = vibro.sweep(feeder(tmp_path), static_friction=[0.3, 0.35]).to_frame()
-    told = [QUANTITIES[name].column for name in MACHINE]
-    assert frame[told].drop_duplicates().to_numpy().tolist() == [[100.0, 100.0, 0.0, 55.6]]
-    assert "setting_percent" not in vibro.sweep(amplitude_mm=1, frequency_hz=15, drive_angle_deg=20,
-        static_friction=0.74, kinetic_friction=0.57).to_frame()  # fmt: skip
 
 
 def test_cells_are_those_of_one_scene_each(tmp_path: Path) -> None:
@@ -205,17 +196,6 @@ def test_pictures_have_the_critical_loads_of_the_amplitudes_found(
     np.testing.assert_allclose(np.exp(fields.log_ratio["hop"]), panel.cycle["throw_number"], rtol=1e-12)
 
 
-def test_pictures_name_the_axes_of_machines(tmp_path: Path) -> None:
-    path = feeder(tmp_path, "gap_mm = 0.4\n")
-    t = vibro.sweep(path, setting_percent="10:100:12", natural_hz="52:60:12")
-    for name in ("regime", "speed"):
-        figure = t.draw(name)
-        axes = figure.axes[0]
-        assert (axes.get_xlabel(), axes.get_ylabel()) == ("setting $s$ [%]", "natural frequency $f_0$ [Hz]")
-        assert any("infeasible" in text.get_text() for text in axes.texts)  # where the masses strike
-    assert vibro.sweep(path, filling_kg="0:2:9").draw("speed").axes[-1].get_xlabel() == "filling $m$ [kg]"
-
-
 def test_shares_that_are_given_replace_the_computed_ones(tmp_path: Path) -> None:
     path = feeder(tmp_path, 'filling_kg = 2\nadded_mass_share = "0.1:0.3"\nadded_damping_share = 0.05\n')
     frame = vibro.sweep(path, setting_percent=[50, 100]).to_frame()
@@ -228,28 +208,12 @@ def test_shares_that_are_given_replace_the_computed_ones(tmp_path: Path) -> None
     np.testing.assert_allclose(ratio, float(expected), rtol=1e-14)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_is_swept(tmp_path: Path, kind: str) -> None:
-    path = feeder(tmp_path, table=KINDS[kind])
-    frame = vibro.sweep(path, frequency_hz=[45, 50], filling_kg=[0, 1]).to_frame()
-    assert (frame["status"] == "ok").all()
-    assert (frame["amplitude_mm"] > 0.0).all()
-    same = frame["amplitude_mm"] == frame["amplitude_empty_mm"]
-    assert same.tolist() == ([True, True, kind == "crank", kind == "crank"])
-
-
 def test_bands_are_the_axes_of_a_map_where_nothing_else_varies(tmp_path: Path) -> None:
     path = feeder(tmp_path, 'voltage_percent = "90:110"\nfilling_kg = "0:2"\n')
     grid = grid_of(path)
     assert [*grid.axes] == ["voltage", "filling"]
     assert [axis.values[[0, -1]].tolist() for axis in grid.axes.values()] == [[90.0, 110.0], [0.0, 2.0]]
     assert grid_of(path, setting_percent="50:100").fixed["filling"] == 0.0
-
-
-def test_the_operating_point_is_that_of_the_file(tmp_path: Path) -> None:
-    request = request_of_call(feeder(tmp_path, "setting_percent = 80\n"), {"filling_kg": "0:2"})
-    grid = request.grid(vibro.core.codes.Output.EXACT)
-    assert grid.operating_point(request.own) == {"filling": 0.0}
 
 
 def test_irregular_motion_says_so(tmp_path: Path) -> None:

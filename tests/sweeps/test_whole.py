@@ -101,34 +101,6 @@ def test_more_cells_than_memory_holds_are_refused_with_their_size() -> None:
         vibro.sweep(**{**NUT, **dict.fromkeys(axes, "1:2:3000")})
 
 
-def test_regimes_alone_and_contact_alone() -> None:
-    t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, output="regimes", **NUT)
-    assert list(t.to_frame()["regime"]) == ["no-slip", "back-slip", "hopping"]
-    assert np.isnan(t.cycle.mean_velocity[1:]).all()
-    t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, flight=False, **NUT)
-    assert list(t.to_frame()["status"]) == ["ok", "ok", "flight-not-modelled"]
-    assert t.cycle.coexists.tolist() == [0, 0, -1]
-    assert t.to_frame()["coexists"].isna().tolist() == [False, False, True]
-
-
-def test_other_motions_are_looked_for_on_request() -> None:
-    slopes = {**NUT, "drive_angle_deg": 55, "trough_angle_deg": [0.0, 31.0], "amplitude_mm": [0.1, 6]}
-    assert vibro.sweep(frequency_hz=15, **slopes).cycle.coexists.tolist() == [[0, 1], [-1, 1]]
-    t = vibro.sweep(frequency_hz=15, coexistence=True, **slopes)
-    assert t.cycle.coexists.tolist() == [[0, 1], [0, 1]]
-    assert t.to_frame()["coexists"].tolist() == [0, 1, 0, 1]
-
-
-def test_restitution_is_an_axis() -> None:
-    t = vibro.sweep(amplitude_mm="1:5:9", frequency_hz=15, restitution="0:0.2:5", **NUT)
-    np.testing.assert_array_equal(t.axes["restitution"], [0, 0.05, 0.1, 0.15, 0.2])
-    assert t.to_frame()["restitution"].tolist() == t.axes["restitution"].tolist() * 9
-    axes = t.draw("regime").axes[0]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude $A$ [mm]", "restitution $e$")
-    (hop,) = [line for line in axes.lines if line.get_gid() == "hop"]
-    np.testing.assert_allclose(np.asarray(hop.get_xdata(), float)[:-1], 3.22905, rtol=1e-5)
-
-
 def test_pictures_of_the_cells_held() -> None:
     t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:10", frequency_hz="5:60:10", drive_angle_deg="10, 20")
     figure = t.draw("speed", at={"alpha": 20}, x="A", y="frequency_hz")
@@ -139,17 +111,6 @@ def test_pictures_of_the_cells_held() -> None:
     assert (
         t.draw("traverse", at={"drive_angle_deg": 10}).get_suptitle().startswith("Traverse time over 600 mm")
     )
-
-
-def test_a_list_is_drawn_value_by_value() -> None:
-    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:30", frequency_hz=[15, 20])
-    lines = [line for line in t.draw("speed").axes[0].lines if line.get_gid() == "numbers"]
-    for line, speeds in zip(lines, t.cycle.mean_velocity.T, strict=True):
-        y = np.asarray(line.get_ydata(), float)
-        np.testing.assert_array_equal(y[~np.isnan(y)], 1e3 * speeds)
-    with pytest.raises(InputError, match="no such picture"):
-        t.draw("regime")
-    assert len([a for a in t.draw("speed", at={"f": 20}).axes[1].lines if a.get_gid() == "numbers"]) == 1
 
 
 def test_names_stand_in_their_regimes_on_uneven_cells() -> None:
