@@ -147,6 +147,11 @@ class TableKind(NamedTuple):
     required: bool = False
     needs: tuple[tuple[str, ...], ...] = ()
 
+    @property
+    def is_repeated(self) -> bool:
+        """Whether there may be several tables of this kind."""
+        return self.heading.startswith("[[")
+
     def example(self, *keys: str) -> str:
         """Return an example line for the first of some keys that has one."""
         return next(self.entries[key].shown for key in keys if self.entries[key].example is not None)
@@ -350,17 +355,15 @@ def _word(quantity: Quantity, value: Any) -> Any:
 
 def table_of(kind: TableKind) -> Form:
     """Make the form of a table within a table, or of a list of such tables."""
-    several = kind.heading.startswith("[[")
 
     def read(quantity: Quantity, value: Any) -> Any:
         problems = Problems()
-        tables = value if several and isinstance(value, list) and value else [value]
+        tables = value if kind.is_repeated and isinstance(value, list) and value else [value]
         found = tuple(Table(kind, table, problems, quantity.column).values for table in tables)
         problems.settle()
-        return found if several else found[0]
+        return found if kind.is_repeated else found[0]
 
-    says = "table, or list of tables" if several else "table"
-    return Form(says, read, ("tables" if several else "table",), table=kind)
+    return Form("table, or list of tables" if kind.is_repeated else "table", read, ("table",), table=kind)
 
 
 def _checked(quantity: Quantity, value: Any, numbers: list[float]) -> list[float]:

@@ -34,18 +34,20 @@ def schema_of(file: FileKind) -> Schema:
         "title": f"vibro {file.name} file",
         "description": f"{_sentence(file.meaning)}, read by vibro.",
         "type": "object",
-        "properties": {name: _one_or_several(name, table) for name, table in tables},
+        "properties": {name: _any(_tables(table, {"$ref": f"#/$defs/{name}"})) for name, table in tables},
         "required": [name for name, table in tables if table.required],
         "additionalProperties": False,
         "$defs": {name: _table(table) for name, table in tables},
     }
 
 
-def _one_or_several(name: str, table: TableKind) -> Schema:
-    one = {"$ref": f"#/$defs/{name}"}
-    if not table.heading.startswith("[["):
-        return one
-    return {"anyOf": [{"type": "array", "items": one, "minItems": 1}, one]}
+def _any(ways: list[Schema]) -> Schema:
+    return ways[0] if len(ways) == 1 else {"anyOf": ways}
+
+
+def _tables(table: TableKind, one: Schema) -> list[Schema]:
+    """Return the schemas of a table, which may be a list of tables if it is repeated."""
+    return [{"type": "array", "items": one, "minItems": 1}, one] if table.is_repeated else [one]
 
 
 def _table(table: TableKind) -> Schema:
@@ -65,15 +67,16 @@ def _entry(entry: Entry) -> Schema:
     usual = entry.usual if entry.usual.startswith("needed") else f"{entry.usual} where it is left out"
     said = [f"{quantity.meaning}{unit}: {form.says}", *([usual] if entry.usual else [])]
     schema: Schema = {"description": f"{_sentence('; '.join(said))}.".replace("`", "")}
-    ways = _ways(entry)
-    schema |= ways[0] if len(ways) == 1 else {"anyOf": ways}
+    schema |= _any(_ways(entry))
     return schema if entry.example is None else {**schema, "examples": [entry.example]}
 
 
 def _ways(entry: Entry) -> list[Schema]:
     """Return the schemas of an entry's values, one for each TOML type."""
     form, quantity = entry.form, entry.quantity
-    number, text = _bounded(quantity), _number_text(quantity)
+    if form.table:
+        return _tables(form.table, _table(form.table))
+    text = _number_text(quantity)
     texts = {
         "text": text,
         "ends": rf"{text}\s*:\s*{text}",
@@ -84,15 +87,11 @@ def _ways(entry: Entry) -> list[Schema]:
         "line": r"\S[\s\S]*",
     }
     items = {"anyOf": [_bounded(quantity.swept), _matching([text])]}
-    ways: dict[str, Schema] = {
-        "number": number,
-        "list": {"type": "array", "items": items, "minItems": 1},
-        "single": {"type": "array", "items": items, "minItems": 1, "maxItems": 1},
+    several = {"type": "array", "items": items, "minItems": 1}
+    ways = {
+        "number": _bounded(quantity), "list": several, "single": {**several, "maxItems": 1},
         "rows": _rows(entry),
-    }
-    if form.table:
-        one = _table(form.table)
-        return [{"type": "array", "items": one, "minItems": 1}, one] if "tables" in form.spellings else [one]
+    }  # fmt: skip
     found = [ways[spelling] for spelling in form.spellings if spelling in ways]
     if spelled := [texts[spelling] for spelling in form.spellings if spelling in texts]:
         found.append(_matching(spelled))
@@ -107,12 +106,8 @@ def _rows(entry: Entry) -> Schema:
         for quantity in (replace(entry.quantity, kind=kind) for kind in kinds)
     ]
     row = {"type": "array", "prefixItems": columns, "items": False, "minItems": len(columns)}
-    return {
-        "type": "array",
-        "items": row if len(columns) > 1 else columns[0],
-        "minItems": least,
-        "maxItems": most,
-    }
+    items = row if len(columns) > 1 else columns[0]
+    return {"type": "array", "items": items, "minItems": least, "maxItems": most}
 
 
 def _matching(texts: list[str]) -> Schema:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import InputError, Problems, did_you_mean, shown
-from vibro.files.descriptions import KINDS, MACHINE_KEYS
+from vibro.files.descriptions import KINDS, MACHINE_KEYS, SCENE_FILE
 from vibro.files.entries import ends_of
 from vibro.files.points import read_points
 from vibro.quantities import MACHINE, QUANTITIES
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _ARGUMENTS: Final = (
     "trough_mass", "counter_mass", "vibrating_mass", "natural", "damping_ratio", "mount", "voltage_exponent",
-    "base_stiffness", "gap", "crank_radius", "rod_stiffness", "law", "force",
+    "base_stiffness", "gap", "crank_radius", "rod_stiffness", "law", "force", "calibration",
 )  # fmt: skip
 _NAMES: Final = {  # of arguments of Machine, where they are called otherwise
     "natural": "natural_frequency", "mount": "mount_frequency", "crank_radius": "radius",
@@ -134,10 +134,9 @@ def machine_of(table: Mapping[str, Any]) -> GivenMachine:
     InputError
         If it is no machine; the message names the keys.
     """
-    unknown = [key for key in table if key not in MACHINE_KEYS]
-    if unknown:
-        raise InputError(f"unknown key {shown(unknown[0])}", hint=did_you_mean(unknown[0], MACHINE_KEYS))
-    values = {MACHINE_KEYS[key].quantity.name: MACHINE_KEYS[key].read(value) for key, value in table.items()}
+    problems = Problems()
+    values = SCENE_FILE.table("machine", table, problems).values
+    problems.settle()
     return given_machine(table, values, None)
 
 
@@ -165,21 +164,19 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
         raise InputError("kind is missing", hint=f"it is {', '.join(KINDS)}")
     _check_keys(table, kind)
     arguments = {_NAMES.get(name, name): values[name] for name in _ARGUMENTS if name in values}
-    table = dict(table)
-    packs: dict[str, float] = {}
-    for pack in values.get("pack", ()):
-        if pack["name"] in packs:
-            raise InputError(f"pack {shown(pack['name'])} is given twice", hint="name each pack differently")
-        packs[pack["name"]] = pack["natural"]
+    table, fitted = dict(table), values.get("pack", ())
+    packs = {pack["name"]: pack["natural"] for pack in fitted}
+    if len(packs) < len(fitted):
+        names = [pack["name"] for pack in fitted]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"pack {shown(twice)} is given twice", hint="name each pack differently")
     if _belongs(MACHINE_KEYS["motors"], kind):
         arguments["static_moment"] = _static_moment(table, values)
-    if kind == "magnet":
-        given = [key for key in ("force_n", "calibration") if key in table]
-        if len(given) != 1:
-            said = "force_n and calibration are both given" if given else "force_n or calibration is missing"
-            example = "calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }"
-            raise InputError(said, hint=f"give one of them; for example: {example}")
-        arguments |= {"calibration": values["calibration"]} if "calibration" in values else {}
+    if kind == "magnet" and ("force" in values) is ("calibration" in values):
+        both = "force_n and calibration are both given"
+        example = "calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }"
+        said = both if "force" in values else "force_n or calibration is missing"
+        raise InputError(said, hint=f"give one of them; for example: {example}")
     if kind == "measured":
         table["points"] = _points_of(values["points"], folder)
         arguments["points"] = [(f, mm / _MILLIMETRES) for f, mm in table["points"]]

@@ -116,20 +116,12 @@ class Plan:
     ) -> Self:
         """Make the plan of a sweep, in shards of the usual size unless that is given."""
         cells = shard_cells or _usual_shard_cells(grid)
-        if grid.size > _MOST_SHARDS * cells:
-            raise InputError(
-                f"{grid.size} cells are more than a folder holds, {_MOST_SHARDS * cells}",
-                hint="ask for fewer values",
-            )
-        content = {
-            "format": _FORMAT,
-            "made_by": dict(made_by()),
-            "name": name,
-            "own": dict(own),
-            **sweep_record(grid, table, every_value=True),
-            "shard_cells": cells,
-            "row_group_cells": BLOCK,
-        }
+        if grid.size > (most := _MOST_SHARDS * cells):
+            problem = f"{grid.size} cells are more than a folder holds, {most}"
+            raise InputError(problem, hint="ask for fewer values")
+        begun = {"format": _FORMAT, "made_by": dict(made_by()), "name": name, "own": dict(own)}
+        content = {**begun, **sweep_record(grid, table, every_value=True)}
+        content |= {"shard_cells": cells, "row_group_cells": BLOCK}
         content["fingerprint"] = _digest(_counted(content))
         return cls(grid, table, cells, name, own, content)
 
@@ -191,12 +183,12 @@ def read_plan(path: Path) -> Plan:
 
 
 def _plan_of(content: Mapping[str, Any]) -> Plan:
-    known = {quantity.column: quantity for quantity in QUANTITIES.values()}
-    axes = {}
-    for column, entry in content["axes"].items():
-        name = known[column].name
-        axes[name] = Axis(name, np.array(entry["values"], np.float64), entry["spacing"])
-    scene = {known[column].name: float(value) for column, value in content["scene"].items()}
+    names = {quantity.column: quantity.name for quantity in QUANTITIES.values()}
+    axes = {
+        names[key]: Axis(names[key], np.array(axis["values"], np.float64), axis["spacing"])
+        for key, axis in content["axes"].items()
+    }
+    scene = {names[key]: float(value) for key, value in content["scene"].items()}
     length = scene.pop("trough_length", None)
     motion = motion_of(content["motion"]) if "motion" in content else None
     machine = machine_of(content["machine"]) if "machine" in content else None
@@ -205,12 +197,9 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     grid = Grid(axes, scene, length, *solved, motion=motion, in_stroke=in_stroke, machine=machine)
     part = content.get("part", {})
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
-    columns = chosen(
-        list(content["columns"]), columns_of(axes, *extra, drive=grid.drive, machine=machine is not None)
-    )
-    own = {str(name): float(value) for name, value in content["own"].items()}
-    table = Table(columns, part)
-    return Plan(grid, table, int(content["shard_cells"]), str(content["name"]), own, content)
+    usual = columns_of(axes, *extra, drive=grid.drive, machine=machine is not None)
+    table = Table(chosen(list(content["columns"]), usual), part)
+    return Plan(grid, table, content["shard_cells"], content["name"], content["own"], content)
 
 
 def _usual_shard_cells(grid: Grid) -> int:
@@ -243,8 +232,7 @@ def _differences(there: Mapping[str, Any], here: Mapping[str, Any], within: str 
         if isinstance(old, Mapping) and isinstance(new, Mapping):
             said += _differences(old, new, f"{within}{key} ")
         elif old != new:
-            texts = [
-                cut(value if isinstance(value, str) else json.dumps(value), _LONGEST) for value in (old, new)
-            ]
-            said.append(f"{within}{key}: {texts[0]} there, {texts[1]} here")
+            texts = (x if isinstance(x, str) else json.dumps(x) for x in (old, new))
+            before, now = (cut(text, _LONGEST) for text in texts)
+            said.append(f"{within}{key}: {before} there, {now} here")
     return said
