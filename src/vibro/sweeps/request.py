@@ -285,14 +285,11 @@ def gather(
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
     machine = file.machine
-    if machine is None:
-        _refuse_of_machine({**swept, **typed}, pack, problems)
-    else:
+    if machine is not None:
         own |= {name: axis_of(value, QUANTITIES[name]) for name, value in machine.own.items()}
-        _check_machine(machine, pack, (typed, swept, own), problems)
         bands = {name: str(machine.table[QUANTITIES[name].column]) for name in machine.bands}
-        ranges = {name: text for name, text in ranges.items() if name != "amplitude"}
-        ranges = {**bands} if ranges and bands else ranges
+        ranges = ranges and (bands or {name: text for name, text in ranges.items() if name != "amplitude"})
+    _check_machine(machine, pack, swept | typed, own, problems)
 
     dropped = [own.pop(name) for name in asked_for if name in own]
     for name in asked_for:
@@ -321,13 +318,12 @@ def gather(
     for slot in problems.slots:
         merged.pop(slot, None)
 
-    for slot, spec in merged.items():
-        _check_varies(slot, spec, caller, takes_axes, problems)
-        _check_range(slot, spec, problems, is_clamped="normal_acceleration" in merged)
+    for slot in merged:
+        _check_values(slot, merged, caller, takes_axes, problems)
     _check_combinations(merged, problems)
     _check_clamped(drive, merged, caller, problems)
-    given_up = {*ranges, *asked_for, *other, *_harmonics_left_out(merged)}
-    given_up |= set() if machine is None else {"amplitude"}
+    given_up = {*ranges, *asked_for, *other, *(["amplitude"] if machine else [])}
+    given_up |= {n for n in HARMONIC if n.replace("amplitude", "phase") not in merged}
     required = [*_REQUIRED, "trough_length"] if needs_length else _REQUIRED
     _check_missing([slot for slot in required if slot not in given_up], merged, caller, problems)
     problems.settle()
@@ -338,36 +334,29 @@ def gather(
     return Request(file.name or None, specs, values, motion, is_stroke and drive is LINEAR, machine)
 
 
-def _refuse_of_machine(given: Mapping[str, AxisSpec], pack: str | None, problems: _Problems) -> None:
-    """Refuse quantities of a machine if the scene has no machine."""
-    hint = "describe one in the table [machine] of a scene file"
-    for slot in MACHINE:
-        if slot in given:
-            told = f"{_text(given[slot], given[slot].values[0])}: there is no machine"
-            problems.add(told, f"leave it out, or {hint}", slot)
-    if pack is not None:
-        problems.add(f"spring pack {shown(pack)}: there is no machine", hint, "natural")
-
-
 def _check_machine(
-    machine: GivenMachine, pack: str | None, layers: Sequence[Specs], problems: _Problems
+    machine: GivenMachine | None, pack: str | None, given: Specs, own: Specs, problems: _Problems
 ) -> None:
     """Check the values given for a machine, and add the natural frequency of its springs as a default."""
-    *higher, own = layers
+    natural, describe = QUANTITIES["natural"], "describe one in the table [machine] of a scene file"
+    for slot in (slot for slot in MACHINE if slot in given):
+        told = _text(given[slot], given[slot].values[0])
+        if machine is None:
+            problems.add(f"{told}: there is no machine", f"leave it out, or {describe}", slot)
+        elif not machine.takes(slot):
+            problems.add(f"{told}: does not apply to a machine of kind {machine.kind}", "leave it out", slot)
+    if machine is None:
+        if pack is not None:
+            problems.add(f"spring pack {shown(pack)}: there is no machine", describe, natural.name)
+        return
     with problems.taken("[machine] "):
         _ = machine.machine
-    for slot in MACHINE:
-        if not machine.takes(slot) and (specs := [specs[slot] for specs in higher if slot in specs]):
-            told = _text(specs[0], specs[0].values[0])
-            problems.add(f"{told}: does not apply to a machine of kind {machine.kind}", "leave it out", slot)
-    springs = [specs for specs in higher if "natural" in specs]
-    natural = QUANTITIES["natural"]
     if pack is not None:
-        if springs:
+        if natural.name in given:
             problems.add("a spring pack and a natural frequency are given", "give one of them", natural.name)
         with problems.taken(field=natural.name):
             own[natural.name] = axis_of(machine.pack(pack), natural)
-    elif machine.has_springs and not springs and natural.name not in own:
+    elif machine.has_springs and natural.name not in given | own:
         if len(machine.packs) == 1:
             own[natural.name] = axis_of(next(iter(machine.packs.values())), natural)
         else:
@@ -430,33 +419,20 @@ def _left_out(drive: tuple[str, ...], given: Collection[str]) -> dict[str, float
     return dict.fromkeys({"normal_phase", *phases, *motions} if drive is TWO_AXIS else (), 0.0)
 
 
-def _harmonics_left_out(given: Collection[str]) -> list[str]:
-    """Name the amplitudes of harmonics that may be left out, as their phases are not given."""
-    sizes = [name for name in HARMONIC if "amplitude" in name]
-    return [name for name in sizes if name.replace("amplitude", "phase") not in given]
-
-
 def _text(spec: AxisSpec, value: Fraction | float) -> str:
     return f"{spec.quantity.label} = {spec.quantity.text(value)}"
 
 
-def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, problems: _Problems) -> None:
-    if not spec.varies or (takes_axes and slot in SWEPT):
-        return
-    values = "...".join(spec.quantity.text(v) for v in (spec.values[0], spec.values[-1]))
-    if slot in SWEPT:
-        wanted, hint = caller.takes_one_value
-        problems.add(f"{spec.quantity.label} = {values}: {wanted}", hint, slot)
-    else:
-        problems.add(f"{spec.quantity.label} = {values}: it cannot be an axis", "give it one value", slot)
-
-
-def _check_range(slot: str, spec: AxisSpec, problems: _Problems, *, is_clamped: bool) -> None:
-    """Check every value, and report the first wrong one in the user's units."""
-    quantity = of_part(QUANTITIES[spec.quantity.name], is_clamped=is_clamped)
+def _check_values(slot: str, specs: Specs, caller: Caller, takes_axes: bool, problems: _Problems) -> None:
+    """Check whether a quantity may vary, and every value; the first wrong one is told."""
+    spec, is_swept = specs[slot], slot in SWEPT
+    if spec.varies and not (takes_axes and is_swept):
+        ends = "...".join(spec.quantity.text(v) for v in (spec.values[0], spec.values[-1]))
+        why = caller.takes_one_value if is_swept else ("it cannot be an axis", "give it one value")
+        problems.add(f"{spec.quantity.label} = {ends}: {why[0]}", why[1], slot)
+    quantity = of_part(QUANTITIES[spec.quantity.name], is_clamped="normal_acceleration" in specs)
     values = np.array(spec.values, np.float64)
-    allowed = quantity.swept if spec.varies else quantity
-    good = allowed.allows(quantity.to_si(values))
+    good = (quantity.swept if spec.varies else quantity).allows(quantity.to_si(values))
     for value in values[~good][:1]:
         problems.add(f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}", field=slot)
 
