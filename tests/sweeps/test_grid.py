@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.scenes import FIELDS
 from hypothesis import given
 from hypothesis import strategies as st
@@ -65,19 +63,6 @@ def shaped(shape: tuple[int, ...]) -> Grid:
         for name, length in zip(NAMES, shape, strict=False)
     }
     return with_ratio(grid_of(**axes))
-
-
-@each(
-    "shape",
-    [
-        *[(), (1,), (7,), (1, 1), (3, 1, 4), (2, 3, 2)],
-        *[(1, 5, 1, 3), (1, 2, 3, 1), (3, 2, 1, 2, 1)],
-    ],
-)
-def test_every_range_of_cells_is_that_of_the_box(shape: tuple[int, ...]) -> None:
-    grid = shaped(shape)
-    for start, stop in itertools.combinations(range(grid.size + 1), 2):
-        check_cells(grid, start, stop)
 
 
 @given(st.lists(st.integers(1, 12), max_size=5), st.data())

@@ -25,6 +25,7 @@ from vibro.sweeps.derived import (
     WITH_STROKE,
     WITH_STROKES,
     column_of,
+    given_column,
 )
 
 if TYPE_CHECKING:
@@ -54,8 +55,7 @@ class Table:
 
 
 def _given(name: str) -> Column:
-    quantity = QUANTITIES[name]
-    return Column(quantity.column, quantity.unit, partial(_quantity, name), meaning=quantity.meaning)
+    return given_column(QUANTITIES[name], partial(_quantity, name))
 
 
 def _quantity(name: str, block: Block) -> NDArray[Any]:

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.quantities import Quantity
+
     Floats = NDArray[np.float64]
 
 
@@ -49,22 +51,28 @@ def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column
     )
 
 
-def _unknown(block: Block) -> Floats:
-    return np.full((1,) * len(block.shape), np.nan)
+def given_column(quantity: Quantity, values: Callable[[Block], NDArray[Any]]) -> Column:
+    """Return the column of a quantity that is given; ``values`` must pickle."""
+    return Column(quantity.column, quantity.unit, values, meaning=quantity.meaning)
+
+
+def constant(value: float | None, block: Block) -> Floats:
+    """Return a value of all cells; NaN if there is none."""
+    return np.full((1,) * len(block.shape), np.nan if value is None else value)
 
 
 def _length(block: Block) -> Floats:
-    return _unknown(block) if block.length is None else np.full((1,) * len(block.shape), block.length)
+    return constant(block.length, block)
 
 
 def _traverse_time(block: Block) -> Floats:
     if block.length is None:
-        return _unknown(block)
+        return constant(None, block)
     return np.asarray(block.cycle.traverse_time(LENGTH.to_si(block.length)))
 
 
 def _arrival(block: Block) -> Floats:
-    return _unknown(block) if block.arrival is None else block.arrival
+    return constant(None, block) if block.arrival is None else block.arrival
 
 
 def _strokes(block: Block) -> Floats:
@@ -116,13 +124,9 @@ WITH_ACCELERATION: Final = column_of(ACCELERATION, _acceleration)
 WITH_ARRIVAL: Final = column_of(ARRIVAL_TIME, _arrival)
 WITH_BENT_SPEED: Final = column_of(BENT_SPEED, _bent_speed)
 WITH_EXPONENT: Final = column_of(SPEED_EXPONENT, _speed_exponent)
-WITH_LENGTH: Final = Column(
-    QUANTITIES["trough_length"].column, LENGTH.unit, _length, meaning=QUANTITIES["trough_length"].meaning
-)
+WITH_LENGTH: Final = given_column(QUANTITIES["trough_length"], _length)
 WITH_MULTIPLIER: Final = column_of(LARGEST_MULTIPLIER, _multiplier)
-WITH_STROKE: Final = Column(
-    QUANTITIES["stroke"].column, LENGTH.unit, _stroke, meaning=QUANTITIES["stroke"].meaning
-)
+WITH_STROKE: Final = given_column(QUANTITIES["stroke"], _stroke)
 WITH_STROKES: Final = column_of(STROKES, _strokes)
 
 

@@ -286,10 +286,9 @@ def _resolution(ranges: int, kept: int, *, is_costly: bool) -> int:
 
 def _resolved(axis: Axis, count: int) -> Axis:
     """Spread values evenly between the ends of an axis."""
-    ends = float(axis.values[0]), float(axis.values[-1])
-    if axis.spacing == "log":
-        return Axis(axis.name, np.geomspace(*ends, count), "log")
-    return Axis(axis.name, np.linspace(*ends, count), "linear")
+    is_log = axis.spacing == "log"
+    values = (np.geomspace if is_log else np.linspace)(axis.values[0], axis.values[-1], count)
+    return Axis(axis.name, values, "log" if is_log else "linear")
 
 
 def _arrival(grid: Grid, values: Mapping[str, Floats], cycle: SteadyCycle) -> Floats | None:

@@ -12,7 +12,7 @@ from vibro.fillings import TYPICAL_MACHINES, filling_of, most_mass_ratio, path_a
 from vibro.quantities import MASS, PERCENT, TROUGH_MASS
 from vibro.results.filling import WEIGHED
 from vibro.results.sweep import Column
-from vibro.sweeps.derived import column_of
+from vibro.sweeps.derived import column_of, constant
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -42,10 +42,10 @@ def weighed(part: Mapping[str, float]) -> tuple[Column, ...]:
     if _FILLING not in part:
         return ()
     mass, trough = part[_FILLING], part.get(TROUGH_MASS.column)
-    columns = [Column(_FILLING, MASS.unit, partial(_constant, mass), meaning="mass of the filling")]
+    columns = [Column(_FILLING, MASS.unit, partial(constant, mass), meaning="mass of the filling")]
     if trough is not None:
         meaning = "mass of the empty trough and of what moves with it"
-        columns.append(Column(TROUGH_MASS.column, MASS.unit, partial(_constant, trough), meaning=meaning))
+        columns.append(Column(TROUGH_MASS.column, MASS.unit, partial(constant, trough), meaning=meaning))
     columns += [column_of(result, partial(_weight, result.name, mass)) for result in WEIGHED]
     for name, (machine, compliance) in zip(_LIMITS, TYPICAL_MACHINES.items(), strict=True):
         columns.append(
@@ -57,10 +57,6 @@ def weighed(part: Mapping[str, float]) -> tuple[Column, ...]:
             )
         )
     return tuple(columns)
-
-
-def _constant(value: float, block: Block) -> Floats:
-    return np.full((1,) * len(block.shape), value)
 
 
 @lru_cache(maxsize=1)  # every column asks for the same block
