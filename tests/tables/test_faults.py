@@ -38,14 +38,14 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 from vibro.tables import plan, writing
 plan._SHARD_CELLS = 20
 make, said = writing.make_shards, []
-def make_and_pause(plan, folder, workers, report, known):
+def make_and_pause(plan, folder, workers, report):
     def pause(progress):
         report(progress)
         if progress.shards >= 3 and not said:
             said.append("paused")
             print("paused", flush=True)
             sys.stdin.readline()
-    return make(plan, folder, workers, pause, known)
+    return make(plan, folder, workers, pause)
 if __name__ == "__main__":
     writing.make_shards = make_and_pause
     from vibro.__main__ import main

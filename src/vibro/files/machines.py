@@ -40,7 +40,6 @@ _BESIDE: Final = (
     ),
 )
 _SAME: Final = 0.01  # relative difference of two moments that differ only by the maker's rounding
-_SLIPS: Final = (2.0, 4.0, 0.5, 0.25)  # ratios of moments of makers' conventions
 _MILLIMETRES: Final = 1000.0  # [mm] of a metre
 
 
@@ -206,10 +205,8 @@ def _check_keys(table: Mapping[str, Any], kind: str) -> None:
     for key in table:
         if not _belongs(MACHINE_KEYS[key], kind):
             own = ", ".join(entry.key for entry in MACHINE_KEYS.values() if kind in entry.kinds)
-            problems.add(
-                f"{key} = {shown(table[key])}: does not belong to a machine of kind {kind}",
-                f"it belongs to {', '.join(MACHINE_KEYS[key].kinds)}; those of {kind} are {own}",
-            )
+            hint = f"it belongs to {', '.join(MACHINE_KEYS[key].kinds)}; those of {kind} are {own}"
+            problems.add(f"{key} = {shown(table[key])}: does not belong to a machine of kind {kind}", hint)
     for entry in MACHINE_KEYS.values():
         if kind in entry.needed and entry.key not in table:
             what = f"{entry.key} is missing: a machine of kind {kind} needs it"
@@ -235,29 +232,18 @@ def _static_moment(table: Mapping[str, Any], values: Mapping[str, Any]) -> float
     if "working_moment" in values:
         found["working_moment_kg_cm"] = values["working_moment"] * values["working_moment_is"]
     if not found:
-        raise InputError(
-            "the moment is missing",
-            hint="give static_moment_kg_mm and motors, or working_moment_kg_cm and working_moment_is, or"
-            " centrifugal_force_n, at_rpm and motors",
-        )
+        ways = "static_moment_kg_mm and motors, or working_moment_kg_cm and working_moment_is, or"
+        hint = f"give {ways} centrifugal_force_n, at_rpm and motors"
+        raise InputError("the moment is missing", hint=hint)
     (first, moment), *others = found.items()
     for other, value in others:
-        ratio = value / moment
-        if abs(ratio - 1.0) <= _SAME:
-            continue
-        slip = any(abs(ratio / slip - 1.0) <= 5.0 * _SAME for slip in _SLIPS)
-        which = "makers give moments of one motor or of all, of amplitude or of stroke: check which"
-        why = which if slip else "give the one that you are sure of"
-        raise InputError(
-            f"{first} and {other} are moments of {_kg_mm(moment)} and {_kg_mm(value)}"
-            f" of all motors: {ratio:.4g} times as much",
-            hint=f"{why}; then leave the other out",
-        )
+        if abs(value / moment - 1.0) > _SAME:
+            one, two = (f"{m * _MILLIMETRES:.5g} kg mm" for m in (moment, value))
+            problem = f"{first} and {other} are moments of {one} and {two} of all motors"
+            which = "makers give moments of one motor or of all, of amplitude or of stroke"
+            times = f"{problem}: {value / moment:.4g} times as much"
+            raise InputError(times, hint=f"{which}: check which; then leave the other out")
     return moment
-
-
-def _kg_mm(moment: float) -> str:
-    return f"{moment * _MILLIMETRES:.5g} kg mm"
 
 
 def _settings(table: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:

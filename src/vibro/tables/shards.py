@@ -16,7 +16,6 @@ import time
 import zlib
 from concurrent import futures
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, Self
 
 import numpy as np
@@ -32,7 +31,7 @@ from vibro.tables.files import hidden_folder
 from vibro.tables.plan import made_by, sealed, shard_name, unsealed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     import pyarrow as pa
@@ -43,8 +42,6 @@ if TYPE_CHECKING:
 _NOTICED: Final = 0.1  # [s] between looks for an interrupt, which an endless wait would ignore
 _WAITING: Final = 2  # tasks for each worker: one at work, one that waits
 _CONNECTING: Final = 12  # [s] to wait for a scheduler: one that is starting answers within that
-_LOOK: Final = 5.0  # [s] between looks at the workers of a cluster
-_ALONE: Final = 20.0  # [s] without any worker of a cluster after which a run ends
 # Dask's own words about connections that are lost: ours tell of them.
 _LOGS: Final = ("distributed.client", "distributed.comm", "distributed.core", "distributed.utils")
 _MAIN: Final = 'a script that asks for workers needs the line if __name__ == "__main__": before that'
@@ -309,7 +306,6 @@ def make_shards(
     folder: Path,
     workers: int | str | None,
     report: Callable[[Progress], None] = lambda progress: None,
-    known: Mapping[int, Made] = MappingProxyType({}),
 ) -> Summary:
     """Make the shards that are missing.
 
@@ -323,8 +319,6 @@ def make_shards(
         Number of processes, or the address of a Dask scheduler; without, threads of this process.
     report : callable
         Called with the progress several times a second.
-    known : mapping of int to Made
-        Shards that were whole once, by their numbers.
 
     Raises
     ------
@@ -336,7 +330,7 @@ def make_shards(
     with (
         OnEnd(lambda: GO_ON),
         hidden_folder(folder) as running,  # without it nobody can begin a file, or go on for long
-        _executor(workers, plan.shards) as (pool, number, threads, check),
+        _executor(workers, plan.shards) as (pool, number, threads),
     ):
         left: Iterator[int] = iter(range(plan.shards))
         tasks: dict[futures.Future[Made], int] = {}
@@ -352,13 +346,10 @@ def make_shards(
                     return summary
                 for future in futures.wait(tasks, _NOTICED, futures.FIRST_COMPLETED).done:
                     shard, made = tasks.pop(future), future.result()
-                    if not made.is_new and made.digest != known.get(shard, made).digest:
-                        raise damaged(folder / shard_name(shard), "it is not what was written")
                     summary.made[shard] = made
                     summary.tally.include([made.tally])
                     if made.is_new and not tell:
                         solved.append(made.tally.status.total())
-                check()
                 old = sum(made.tally.status.total() for made in summary.made.values() if not made.is_new)
                 new, seconds = sum(solved), time.monotonic() - began
                 report(Progress(old + new, len(summary.made), new, summary.size, seconds))
@@ -372,27 +363,25 @@ def make_shards(
 
 
 @contextlib.contextmanager
-def _executor(
-    workers: int | str | None, shards: int
-) -> Iterator[tuple[futures.Executor, int, int, Callable[[], None]]]:
-    """Have an executor, the number of its workers, that of threads for each, and what checks for workers."""
+def _executor(workers: int | str | None, shards: int) -> Iterator[tuple[futures.Executor, int, int]]:
+    """Have an executor, the number of its workers, and that of threads for each."""
     if isinstance(workers, str):
-        with _cluster(workers) as (pool, number, check):
-            yield pool, number, 1, check
+        with _cluster(workers) as (pool, number):
+            yield pool, number, 1
     elif workers is None:
         number = max(1, min(cores(), shards))
         with futures.ThreadPoolExecutor(number) as threads:
-            yield threads, number, max(1, cores() // number), lambda: None
+            yield threads, number, max(1, cores() // number)
     else:
         context = multiprocessing.get_context("spawn")  # a fork would inherit locks that other threads hold
         with _starting():  # the process that tracks the pool's locks
             pool = _Processes(workers, context, _begin_worker)
         with pool as processes:
-            yield processes, workers, max(1, cores() // workers), lambda: None
+            yield processes, workers, max(1, cores() // workers)
 
 
 @contextlib.contextmanager
-def _cluster(address: str) -> Iterator[tuple[futures.Executor, int, Callable[[], None]]]:
+def _cluster(address: str) -> Iterator[tuple[futures.Executor, int]]:
     """Have the workers of a Dask cluster."""
     try:
         import distributed
@@ -411,25 +400,10 @@ def _cluster(address: str) -> Iterator[tuple[futures.Executor, int, Callable[[],
         hint = "start one with dask scheduler, and give the address that it prints, such as tcp://host:8786"
         reason = cut(str(exc)) or "it says nothing"
         raise FileError(f"no Dask scheduler answers at {address}: {reason}", hint=hint) from exc
-    seen = looked = time.monotonic()
-
-    def check() -> None:
-        """Look now and then whether there is any worker."""
-        nonlocal seen, looked
-        now = time.monotonic()
-        if now - looked < _LOOK:
-            return
-        looked = now
-        if client.nthreads():
-            seen = now
-        elif now - seen > _ALONE:
-            hint = f"start workers with dask worker {address}; {GO_ON}"
-            raise FileError(f"the scheduler at {address} has no workers", hint=hint)
-
     with client:
         try:
             with client.get_executor() as pool:
-                yield pool, max(1, sum(client.nthreads().values())), check
+                yield pool, max(1, sum(client.nthreads().values()))
         except (ImportError, AttributeError) as exc:  # it could not read the task
             raise FileError(f"a worker of {address} has another vibro, or none: {cut(str(exc))}") from exc
         except futures.CancelledError as exc:

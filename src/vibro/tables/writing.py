@@ -90,7 +90,7 @@ def write_folder(
         if known and all(is_regular(folder / shard_name(shard)) for shard in known.made):
             return known
         (folder / SUCCESS).unlink(missing_ok=True)  # until it is true again
-        summary = make_shards(plan, folder.absolute(), workers, report, known.made if known else {})
+        summary = make_shards(plan, folder.absolute(), workers, report)
         with whole_file(folder / SUCCESS) as path:
             path.write_text(summary.success(plan), encoding="utf-8")
     except OSError as exc:
