@@ -122,11 +122,10 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
         def draw() -> dict[str, Figure]:
             from vibro.plots.responses import drive_figure
 
-            drawn = {name: sheet.picture for name, sheet in sheets.items()}
             return {
-                pictures[name]: drive_figure(picture, *picture_texts(sheets[name], name))
-                for name, picture in drawn.items()
-                if picture is not None
+                pictures[name]: drive_figure(sheet.picture, *picture_texts(sheet, name))
+                for name, sheet in sheets.items()
+                if sheet.picture is not None
             }
 
         shows = {key: _SHOWS if one else f"{_SHOWS}: {name}" for name, key in pictures.items()}
@@ -158,12 +157,11 @@ def _request(path: Path, options: Options, argv: Sequence[str]) -> SheetRequest:
     assert file.machine is not None
     typed = dict(options.given)
     own = {name: spec.value for name, spec in file.scene.items() if not spec.varies}
-    bands = _bands(typed, file.machine, own)
-    settings = _settings(typed, file.machine)
+    bands, settings = _bands(typed, file.machine, own), _settings(typed, file.machine)
     options = options.of(path, given=typed)
     request = request_of(options, argv)
     question(request, options)
-    values = {**request.fixed}
+    values = request.fixed
     if "friction_ratio" in values:
         ratio = values.pop("friction_ratio")
         if "static_friction" in bands:
@@ -218,8 +216,7 @@ def _bands(
             FORMS["band"].read(quantity, text)  # which checks it
         except ValueError:
             raise InputError(f"{quantity.typed(cut(text))}: must be a value or lo:hi") from None
-        low, high = ends_of(quantity, text)[0], ends_of(quantity, text)[-1]
-        bands[name] = low, high
+        low, high = bands[name] = ends_of(quantity, text)[0], ends_of(quantity, text)[-1]
         nominal = own.get(name, quantity.default)
         if nominal is None or not low <= nominal <= high:
             nominal = 0.5 * (low + high)

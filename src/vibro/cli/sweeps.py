@@ -13,8 +13,8 @@ from vibro.answers.answer import number, uncertain
 from vibro.cli.exit_codes import ExitCode
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError
-from vibro.quantities import LOAD, QUANTITIES, as_given, scene_fields
-from vibro.results.steady import NO_REGIME, RESULTS
+from vibro.quantities import LOAD, as_given, scene_fields
+from vibro.results.steady import NO_REGIME
 from vibro.sweeps.tally import Tally
 from vibro.tables.record import json_text, sweep_record
 from vibro.tables.sinks import csv_sink, write_table
@@ -37,9 +37,7 @@ if TYPE_CHECKING:
     from vibro.tables.xlsx import Xlsx
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
-# [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
-# vary, and those that do where bodies hop alone.
-_LONG, _SHORT = 19, 8
+_CELL: Final = 12  # [B] on average with its separator: numbers that vary have up to 19
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,7 @@ def write_sweep(
         books: dict[Path, Xlsx] = {}
         for path, (_, ending) in outputs.tables.items():
             if ending == "csv":
-                _check_size(grid, _row_bytes(grid, table), path.parent, console)
+                _check_size(grid, _CELL * len(table.columns), path.parent, console)
                 sinks.append(csv_sink(stack.enter_context(outputs.waiting[path].open("wb")), table, form))
             else:
                 from vibro.tables.xlsx import Xlsx
@@ -181,13 +179,6 @@ def _png(figure: Figure, record: Mapping[str, Any]) -> bytes:
     stream = io.BytesIO()
     save(figure, stream, "png", picture_metadata(record))
     return stream.getvalue()
-
-
-def _row_bytes(grid: Grid, table: Table) -> int:
-    """Estimate what a row of a table comes to [B]."""
-    short = {QUANTITIES[name].column for name in (*grid.fixed, "trough_length")}
-    short |= {result.column for result in RESULTS if result.in_contact is not None or not result.is_number}
-    return sum(_SHORT if column.name in short else _LONG for column in table.columns)
 
 
 def _check_size(grid: Grid, row_bytes: int, folder: Path, console: Console) -> None:
