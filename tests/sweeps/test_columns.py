@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -72,34 +71,6 @@ def test_the_columns_are_the_documented_ones() -> None:
     assert CsvFormat().header(column.name for column in COLUMNS).decode() == HEADER + "\n"
     names = [column.name for column in columns_of((), WITH_STROKES)]
     assert names[-3:] == ["strokes", "model", "status"]
-
-
-def test_texts_that_a_spreadsheet_would_run_are_quoted() -> None:
-    """A header may be text from somewhere else too."""
-    for sign in "=+-@":
-        written = CsvFormat().table({f"{sign}cmd": [f"{sign}cmd|calc!A0"]}).decode()
-        assert written == f"'{sign}cmd\n'{sign}cmd|calc!A0\n"
-
-
-@pytest.mark.parametrize("form", [CsvFormat(), CsvFormat(decimal_comma=True)])
-def test_reading_back_gives_the_same_doubles(form: CsvFormat) -> None:
-    block = one_block()
-    text = csv_of(block, form)
-    table = read(text, form)
-    cycle, frame = block.cycle, to_frame(COLUMNS, block)
-    for name, values in {
-        "mean_velocity_mm_s": 1000 * cycle.mean_velocity,
-        "displacement_per_cycle_mm": 1000 * cycle.displacement_per_cycle,
-        "peak_velocity_mm_s": 1000 * cycle.peak_velocity,
-        "throw_number": cycle.throw_number,
-        "traverse_time_s": np.where(np.isfinite(times := cycle.traverse_time(0.6)), times, np.nan),
-    }.items():
-        np.testing.assert_array_equal(floats(table[name]), np.ravel(values), err_msg=name)
-        np.testing.assert_array_equal(frame[name], np.ravel(values), err_msg=name)
-    assert table["pattern"] == list(cycle.pattern.ravel())
-    assert table["model"] == list(cycle.model.ravel())
-    assert table["regime"] == [vibro.Regime(int(code)).label for code in cycle.regime.ravel()]
-    assert table["status"] == [vibro.Status(int(code)).label for code in cycle.status.ravel()]
 
 
 def test_numbers_are_short_plain_ascii_without_negative_zero() -> None:

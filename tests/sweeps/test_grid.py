@@ -66,15 +66,10 @@ def shaped(shape: tuple[int, ...]) -> Grid:
 
 
 @given(st.lists(st.integers(1, 12), max_size=5), st.data())
-def test_ranges_of_larger_grids_are_those_of_the_box(shape: list[int], data: st.DataObject) -> None:
+def test_every_range_of_cells_is_that_of_the_box(shape: list[int], data: st.DataObject) -> None:
     grid = shaped(tuple(shape))
     start = data.draw(st.integers(0, grid.size - 1))
     check_cells(grid, start, data.draw(st.integers(start + 1, grid.size)))
-
-
-def test_a_grid_without_a_ratio_has_none() -> None:
-    assert "friction_ratio" not in grid_of(frequency=[10.0, 15.0]).cells(0, 2)
-    check_cells(grid_of(kinetic_friction=[0.3, 0.5, 0.6], amplitude=[1.0, 2.0]), 1, 5)
 
 
 def test_cells_of_a_grid_that_nobody_could_hold() -> None:
