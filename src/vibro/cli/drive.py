@@ -10,7 +10,7 @@ import typer
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import AllOption, Options
+from vibro.cli.options import AllOption, Options, option
 from vibro.cli.outputs import Outputs
 from vibro.core.codes import Status
 from vibro.errors import InputError, cut, shown
@@ -37,34 +37,31 @@ def drive_command(
     options: Options,
     fit: Annotated[
         Path | None,
-        typer.Option(
-            "--fit",
-            metavar="POINTS.csv",
-            help="Fit natural frequency and damping to measured amplitudes: columns frequency_hz and"
-            " amplitude_mm or stroke_mm.",
-            show_default=False,
+        option(
+            "fit",
+            "Fit natural frequency and damping to measured amplitudes: columns frequency_hz and amplitude_mm"
+            " or stroke_mm.",
+            "POINTS.csv",
         ),
     ] = None,
     every: AllOption = False,
     law: Annotated[
         str | None,
-        typer.Option(
-            "--law",
-            metavar="constant|square",
-            help="With --fit and without a file: the force is constant for magnets, and grows with the square"
-            " of the frequency with unbalance on the trough.",
-            show_default=False,
+        option(
+            "law",
+            "With --fit and without a file: the force is constant for magnets, and grows with the square of"
+            " the frequency with unbalance on the trough.",
+            "constant|square",
             hidden=True,
         ),
     ] = None,
     amplitude_error: Annotated[
         str | None,
-        typer.Option(
-            "--amplitude-error",
-            metavar="X",
-            help="With --fit: relative standard error of an amplitude [%]; else the residuals of 5 or more"
-            " points give it.",
-            show_default=False,
+        option(
+            "amplitude-error",
+            "With --fit: relative standard error of an amplitude [%]; else the residuals of 5 or more points"
+            " give it.",
+            "X",
             hidden=True,
         ),
     ] = None,
@@ -77,9 +74,9 @@ def drive_command(
     console = Console(quiet=options.quiet)
     if fit is not None:
         return _fit(fit, options, context.obj, console, law, amplitude_error)
-    for option, value in (("--law", law), ("--amplitude-error", amplitude_error)):
+    for typed, value in (("--law", law), ("--amplitude-error", amplitude_error)):
         if value is not None:
-            raise InputError(f"{option} belongs to --fit", hint="add --fit POINTS.csv, or leave it out")
+            raise InputError(f"{typed} belongs to --fit", hint="add --fit POINTS.csv, or leave it out")
     return _sheets(options, context.obj, console, every=every)
 
 

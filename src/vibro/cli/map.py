@@ -11,6 +11,7 @@ from vibro.cli.options import (
     CoexistOption,
     Options,
     RegimesOnlyOption,
+    option,
     refuse_without_flight,
 )
 from vibro.cli.outputs import MAPS, Outputs
@@ -36,39 +37,22 @@ if TYPE_CHECKING:
 def map_command(
     context: typer.Context,
     options: Options,
-    x: Annotated[
-        str | None,
-        typer.Option("--x", metavar="AXIS", help="Horizontal axis of pictures.", show_default=False),
-    ] = None,
-    y: Annotated[
-        str | None, typer.Option("--y", metavar="AXIS", help="Vertical axis of pictures.", show_default=False)
-    ] = None,
+    x: Annotated[str | None, option("x", "Horizontal axis of pictures.", "AXIS")] = None,
+    y: Annotated[str | None, option("y", "Vertical axis of pictures.", "AXIS")] = None,
     at: Annotated[
         list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="AXIS=X",
-            help="Value at which pictures hold an axis; repeatable.",
-            show_default=False,
-            hidden=True,
-        ),
+        option("at", "Value at which pictures hold an axis; repeatable.", "AXIS=X", hidden=True),
     ] = None,
     show: Annotated[
         list[str] | None,
-        typer.Option(
-            "--show",
-            metavar="|".join(SHOWN),
-            help="Draw the impact speed, or the share of time in flight, too; repeatable.",
-            show_default=False,
+        option(
+            "show",
+            "Draw the impact speed, or the share of time in flight, too; repeatable.",
+            "|".join(SHOWN),
             hidden=True,
         ),
     ] = None,
-    speed: Annotated[
-        str | None,
-        typer.Option(
-            "--speed", metavar="X", help="Speed to mark, and to count cells [mm/s].", show_default=False
-        ),
-    ] = None,
+    speed: Annotated[str | None, option("speed", "Speed to mark, and to count cells [mm/s].", "X")] = None,
     regimes_only: RegimesOnlyOption = False,
     coexist: CoexistOption = False,
     columns: ColumnsOption = None,
@@ -76,11 +60,10 @@ def map_command(
     mass: MassOption = None,
     workers: Annotated[
         str | None,
-        typer.Option(
-            "--workers",
-            metavar="N|ADDRESS",
-            help="With -o NAME.parquet: number of processes, or the address of a Dask cluster.",
-            show_default=False,
+        option(
+            "workers",
+            "With -o NAME.parquet: number of processes, or the address of a Dask cluster.",
+            "N|ADDRESS",
             hidden=True,
         ),
     ] = None,
@@ -110,9 +93,9 @@ def map_command(
     console = Console(quiet=options.quiet)
     shown = shown_pictures(show or [])
     output = Output.REGIMES if regimes_only else Output.EXACT
-    for option, given in ((f"--show {','.join(shown)}", shown), ("--coexist", coexist)):
+    for typed, given in ((f"--show {','.join(shown)}", shown), ("--coexist", coexist)):
         if given:
-            refuse_without_flight(option, output)
+            refuse_without_flight(typed, output)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
     if target_speed is not None and output is not Output.EXACT:
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")

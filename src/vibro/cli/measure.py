@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import AllOption, Options
+from vibro.cli.options import AllOption, Options, option
 from vibro.cli.outputs import PICTURES
 from vibro.core.codes import Status
 from vibro.errors import InputError, cut, shown
@@ -39,43 +39,39 @@ _ANY_DRIVE: Final = {"amplitude": "1", "drive_angle": "0", "frequency": "1"}
 _ANY_FRICTION: Final = {"static_friction": "1", "kinetic_friction": "1"}
 
 
-def _option(name: str, text: str, metavar: str = "HEADER", *, hidden: bool = False) -> Any:
-    return typer.Option(f"--{name}", metavar=metavar, help=text, show_default=False, hidden=hidden)
-
-
 def measure_command(
     context: typer.Context,
     options: Options,
-    time: Annotated[str | None, _option("time", "Column of the time.", hidden=True)] = None,
+    time: Annotated[str | None, option("time", "Column of the time.", "HEADER", hidden=True)] = None,
     displacement: Annotated[
-        str | None, _option("displacement", "Column of a part's displacement on the trough.")
+        str | None, option("displacement", "Column of a part's displacement on the trough.", "HEADER")
     ] = None,
-    velocity: Annotated[str | None, _option("velocity", "Column of its velocity.")] = None,
+    velocity: Annotated[str | None, option("velocity", "Column of its velocity.", "HEADER")] = None,
     acceleration: Annotated[
-        str | None, _option("acceleration", "Column of its acceleration.", hidden=True)
+        str | None, option("acceleration", "Column of its acceleration.", "HEADER", hidden=True)
     ] = None,
     friction: Annotated[
-        str | None, _option("friction", "Column of the friction force on it; needs --mass.", hidden=True)
+        str | None,
+        option("friction", "Column of the friction force on it; needs --mass.", "HEADER", hidden=True),
     ] = None,
     trough_along: Annotated[
-        str | None, _option("trough-along", "Column of the trough's motion along itself, forwards.")
+        str | None, option("trough-along", "Column of the trough's motion along itself, forwards.", "HEADER")
     ] = None,
     trough_normal: Annotated[
-        str | None, _option("trough-normal", "Column of that normal to it, upwards.")
+        str | None, option("trough-normal", "Column of that normal to it, upwards.", "HEADER")
     ] = None,
     sensitivity: Annotated[
         list[str] | None,
-        _option("sensitivity", "Of sensors in volts; of one velocity=125mm/s/V.", "100mV/g"),
+        option("sensitivity", "Of sensors in volts; of one velocity=125mm/s/V.", "100mV/g"),
     ] = None,
-    mass: Annotated[str | None, _option("mass", "Mass of the part [kg].", "X", hidden=True)] = None,
+    mass: Annotated[str | None, option("mass", "Mass of the part [kg].", "X", hidden=True)] = None,
     reverse: Annotated[
-        bool,
-        typer.Option("--reverse", help="The data's axis points against the conveying direction."),
+        bool, option("reverse", "The data's axis points against the conveying direction.")
     ] = False,
     absolute: Annotated[
-        bool, typer.Option("--absolute", help="The part's data are over the ground, as on video.")
+        bool, option("absolute", "The part's data are over the ground, as on video.")
     ] = False,
-    fit: Annotated[str | None, _option("fit", "Estimate these from the part's data.", "mu_s,mu_d")] = None,
+    fit: Annotated[str | None, option("fit", "Estimate these from the part's data.", "mu_s,mu_d")] = None,
     every: AllOption = False,
 ) -> int:
     """Find what a trough does, and a part on it, from a record.

@@ -22,6 +22,12 @@ if TYPE_CHECKING:
 
     from vibro.quantities import Quantity
 
+
+def option(name: str, text: str, metavar: str | None = None, *, hidden: bool = False) -> Any:
+    """Declare an option without a default; hidden ones are shown by ``--help-all``."""
+    return typer.Option(f"--{name}", metavar=metavar, help=text, show_default=False, hidden=hidden)
+
+
 RegimesOnlyOption = Annotated[
     bool,
     typer.Option("--regimes-only", help="Regimes, ratios and statuses alone, no speeds.", hidden=True),

@@ -9,7 +9,7 @@ import typer
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Options
+from vibro.cli.options import Options, option
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import START_HEIGHT, START_NORMAL_VELOCITY, START_PHASE, START_VELOCITY
 
@@ -33,32 +33,24 @@ STARTS: Final = (START_PHASE, START_VELOCITY, START_HEIGHT, START_NORMAL_VELOCIT
 def simulate_command(
     context: typer.Context,
     options: Options,
-    cycles: Annotated[
-        str | None,
-        typer.Option(
-            "--cycles", metavar="N", help="Number of drive cycles [default: 3].", show_default=False
-        ),
-    ] = None,
+    cycles: Annotated[str | None, option("cycles", "Number of drive cycles [default: 3].", "N")] = None,
     samples: Annotated[
         str,
-        typer.Option(
-            "--samples-per-cycle", metavar="N", help="Rows a cycle; each event has one more.", hidden=True
-        ),
+        option("samples-per-cycle", "Rows a cycle [default: 200]; an event has one more.", "N", hidden=True),
     ] = str(_SAMPLES),
     begin: Annotated[
         str | None,
-        typer.Option(
-            "--from",
-            metavar="TIME",
-            help="Time at which the picture begins [s]; by default it shows the last 6 cycles.",
+        option(
+            "from",
+            "Time at which the picture begins [s]; by default it shows the last 6 cycles.",
+            "TIME",
             hidden=True,
         ),
     ] = None,
     end: Annotated[
-        str | None,
-        typer.Option("--to", metavar="TIME", help="Time at which the picture ends [s].", hidden=True),
+        str | None, option("to", "Time at which the picture ends [s].", "TIME", hidden=True)
     ] = None,
-    every: Annotated[bool, typer.Option("--all", help="Print all phases and every bounce.")] = False,
+    every: Annotated[bool, option("all", "Print all phases and every bounce.")] = False,
 ) -> int:
     """Simulate the motion of one body: phases, motion and forces, exact at any time.
 
