@@ -31,7 +31,10 @@ _REPEATED: Final = 40  # characters of a number that a hint repeats
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
 # Two whole numbers without a blank between them: 1,5 may be a decimal.
-_DECIMAL_COMMA = re.compile(r"\s*([+\u2212-]?[0-9]{1,20}),([0-9]{1,20}[^,:0-9.]*)")
+_DECIMAL_COMMA = re.compile(
+    r"\s*([+\u2212-]?(?:[0-9]{1,20}|[0-9]{1,3}(?:\.[0-9]{3})+)),"
+    r"([0-9]{1,20}(?:[eE][+-]?[0-9]+)?\s*(?:[^\W\d_][^,:]*|[\u00b0%]|1?/[^,:]*)?)\s*"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,7 +310,7 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
         two = ", ".join(sorted(match.groups(), key=_size))
         raise InputError(
             f"{quantity.label} = {shown(text)}: a decimal comma, or two values",
-            hint=f"write {match[1]}.{match[2]}, or '{two}' for two values",
+            hint=f"write {match[1].replace('.', '')}.{match[2]}, or '{two}' for two values",
         )
     items = text.split(",")
     if not all(map(str.strip, items)):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
-from vibro.quantities import DEFAULTS, LENGTH, MASS, QUANTITIES
+from vibro.quantities import DEFAULTS, LENGTH, MASS, QUANTITIES, TROUGH_MASS, nearest_double
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.sweeps.machines import points_of
 
@@ -74,8 +74,9 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
 
 
 def _machine(given: GivenMachine, natural: float | None) -> str:
-    masses = [given.table[key] for key in _MASSES if key in given.table]
-    parts = [given.kind, " against ".join(f"{m} kg" if m != "floor" else m for m in masses)]
+    masses = [str(given.table[key]) for key in _MASSES if key in given.table]
+    told = [m if m == "floor" else f"{nearest_double(m, TROUGH_MASS):g} kg" for m in masses]
+    parts = [given.kind, " against ".join(told)]
     if given.has_springs and natural is not None:
         pack = next((f" ({name})" for name, f0 in given.packs.items() if f0 == natural), "")
         parts.append(f"f0 = {natural:.5g} Hz{pack}")

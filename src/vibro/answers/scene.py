@@ -26,6 +26,7 @@ from vibro.quantities import (
 )
 from vibro.results.operating import OPERATING
 from vibro.scene import Scene
+from vibro.slopes import LEAST_DIFFERENCE
 from vibro.sweeps.derived import (
     WITH_ACCELERATION,
     WITH_EXPONENT,
@@ -39,6 +40,7 @@ from vibro.waveforms import PiecewiseMotion
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from vibro.answers.answer import Value
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
 
@@ -48,6 +50,7 @@ _NEXT: Final = ("forward slip", "back slip", "hopping")  # what people ask for; 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 _STANDS: Final = {1: "yes", 0: "no", -1: "unknown"}
+_UPRIGHT: Final[dict[Any, str]] = {**_STANDS}  # of records, where None is unknown
 _WAYS: Final = {True: "backwards, down the track", False: "forwards, down the trough"}
 _NO_BOUNCE: Final = "restitution 0: parts land without a bounce"
 # What tables of several scenes have where it was asked for.
@@ -135,6 +138,17 @@ class OneScene:
         return math.nan if self.block.arrival is None else float(self.block.arrival.item())
 
     @property
+    def is_still(self) -> bool:
+        """Whether a part that slides both ways advances by rounding alone."""
+        small = abs(self.cycle.displacement_per_cycle) <= LEAST_DIFFERENCE * self.scene.scale
+        return bool(small) and {*"FB"} <= {*str(self.cycle.pattern)}
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether the error of a mean leaves no doubt which way parts go."""
+        return self.relative_error <= _LEAST_CERTAIN
+
+    @property
     def runs(self) -> str:
         """Direction of a body that gains speed every cycle; empty for other bodies."""
         slope = float(self.scene.trough_angle)
@@ -192,7 +206,7 @@ def scene_answer(
 def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
     """Make the answer about the time over a trough: at the mean speed, and from rest."""
     facts, time = _traverse(one), one.traverse_time
-    if math.isfinite(time):
+    if math.isfinite(time) and one.is_certain and not one.is_still:
         strokes = time * one.given["frequency"]
         facts.append(Fact("strokes", strokes, error=strokes * one.relative_error))
     never = [_next(one)] if one.regime is Regime.NO_SLIP else []
@@ -225,13 +239,21 @@ def cells_answer(
         if any(cell.get(key) is not None for cell in cells):
             columns.append((label, unit))
             keys.append(key)
+    marked = any(cell["status"] != Status.OK.label for cell in cells)
+    columns += [("status", "")] if marked else []
     rows = []
     for names, cell in zip(heads, cells, strict=True):
-        speed = cell["mean_velocity_mm_s"]
-        rate = None if speed is None else _RATE * speed
-        rows.append([*names, cell["regime"] or "none", speed, rate, *(cell.get(key) for key in keys)])
+        results = {**cell, "upright": _UPRIGHT.get(cell.get("upright"))}
+        speed, error = cell["mean_velocity_mm_s"], cell.get("mean_velocity_error_mm_s") or 0.0
+        means: list[Value] = [None if speed is None else x * speed for x in (1.0, _RATE)]
+        if speed is not None and error > _LEAST_CERTAIN * abs(speed):
+            results |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
+        if error > 0.0:
+            means = [uncertain(x * speed, x * error) for x in (1.0, _RATE)]
+        asked = [results.get(key) for key in keys]
+        rows.append([*names, cell["regime"] or "none", *means, *asked, *([cell["status"]] if marked else [])])
     told = {cell["status"] for cell in cells}
-    notes = [code.message for code in Status if code is not Status.OK and code.label in told]
+    notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in told]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
         notes.append(_NO_BOUNCE)
     facts = [Fact(name, _given_text(values), is_rare=True) for name, values in given.items()]
@@ -252,8 +274,9 @@ def _motion(one: OneScene) -> Fact:
     label = one.regime.label or "none"
     if math.isnan(speed):
         return Fact(label, f"gains speed every cycle, {one.runs}" if one.runs else None)
+    speed = 0.0 if one.is_still else speed
     rate = uncertain(_RATE * speed, _RATE * error, _SHORT)
-    cycle = shown(one.result("displacement_per_cycle"))
+    cycle = shown(0.0 if one.is_still else one.result("displacement_per_cycle"))
     return Fact(label, f"{uncertain(speed, error)} mm/s ({rate} m/min), {cycle} mm a cycle")
 
 
@@ -263,7 +286,7 @@ def _traverse(one: OneScene) -> list[Fact]:
         return []
     time, exact = one.traverse_time, one.arrival_time
     from_rest = f"{shown(exact, 6)} s from rest" if math.isfinite(exact) else ""
-    if math.isfinite(time):
+    if math.isfinite(time) and one.is_certain and not one.is_still:
         from_rest = from_rest or "from rest unknown"
         over = f"s over {one.length:.10g} mm"
         return [Fact("traverse time", time, over, time * one.relative_error, from_rest)]
@@ -276,9 +299,9 @@ def _why_never(one: OneScene) -> str:
         return "none: it gains speed every cycle" if one.runs else "unknown"
     if one.regime is Regime.NO_SLIP:
         return "never: the part rests"
-    if one.relative_error > _LEAST_CERTAIN:
+    if not one.is_certain:
         return "unknown: within its error the mean speed has either direction"
-    if speed < 0.0:
+    if speed < 0.0 and not one.is_still:
         return "never: the part is conveyed backwards"
     return "never: the part slides to and fro without being conveyed"
 
@@ -303,7 +326,7 @@ def _asked(one: OneScene, part: Mapping[str, float]) -> list[Fact]:
     if "pitch_mm" in part:
         note = f"at most, one every {part['pitch_mm']:g} mm"
         for column in throughput(part["pitch_mm"], part.get("mass_kg")):
-            rate = one.value(column) if one.relative_error <= _LEAST_CERTAIN else math.nan
+            rate = one.value(column) if one.is_certain else math.nan
             unit = column.unit.replace("1/min", "parts/min")
             facts.append(Fact("throughput", rate, unit, rate * one.relative_error, note))
     if "stand_ratio" in part:
@@ -326,7 +349,9 @@ def _next(one: OneScene) -> Table:
     """List the regimes that begin as the drive grows, with their units in the cells."""
     rows = []
     for t in one.transitions():
-        if t.name in _NEXT and 0.0 < t.ratio < 1.0:
+        # a part that runs away slides one way for good
+        names = ("hopping",) if one.status is Status.RUNAWAY else _NEXT
+        if t.name in names and 0.0 < t.ratio < 1.0:
             size = one.sized / t.ratio
             cells = ["-" if math.isnan(t.frequency) else f"{decimals(t.frequency, _SHORT)} Hz"]
             unit = QUANTITIES[one.size.replace(" ", "_")].unit if not math.isnan(one.sized) else ""

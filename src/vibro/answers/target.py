@@ -159,8 +159,10 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     notes = []
     if math.isfinite(limit):
         count = HOPS_SAMPLED[bool(drive.scene.restitution > 0.0)]
-        notes.append(f"hops are sampled at {count} sizes up to throw number {MOST_DESIGN_THROW:g}: what lies")
-        notes[-1] += " between two of them may be missed; irregular ones count with 3 standard errors less"
+        notes.append(
+            f"hops are sampled at {count} sizes up to throw number {MOST_DESIGN_THROW:g}: between two of them"
+            " a part may be slower, or fast enough; irregular ones count with 3 standard errors less"
+        )
     kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
     if len(kept) < len(found):
         notes.append(f"and {len(found) - len(kept)} narrower ones, where hops are irregular: --json has all")
@@ -185,7 +187,8 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
         most, at = drive.best(limit)
         told = f"none reaches {asked} {where}"
         if most > 0.0:
-            size = shown(float(QUANTITIES[name].from_si(at * share)))
+            # rounded down: the speed may jump above
+            size = bound(float(QUANTITIES[name].from_si(at * share)), upper=False)
             fast = float(SPEED.from_si(most))
             rate = f"{shown(fast)} mm/s ({decimals(0.06 * fast, 3)} m/min)"
             told += f"; the most is {rate} at {size} {unit}".rstrip()

@@ -103,7 +103,7 @@ def answer_one(
     if options.decimal_comma and not options.output:
         raise InputError("--decimal-comma: no CSV is written", hint="add -o NAME.csv, or leave it out")
     if grid.machine is not None:
-        from vibro.sweeps.machines import check_operating, points_of
+        from vibro.sweeps.machines import check_operating, points_of  # late: few scenes have a machine
 
         values = grid.values()
         check_operating(grid.machine, values)
@@ -170,19 +170,27 @@ def answer_cells(runs: Sequence[Run], options: Options, argv: Sequence[str], nam
     heads: list[list[Any]] = []
     cells: list[dict[str, Any]] = []
     unresolved = False
-    for i, run in enumerate(runs, 1):
+    names = [run.request.name or f"scene {i}" for i, run in enumerate(runs, 1)]
+    if len({*names}) < len(names):  # files of several folders
+        names = [str(path) for path in options.files]
+    for name_of, run in zip(names, runs, strict=True):
+        if run.grid.machine is not None:
+            from vibro.sweeps.machines import points_of
+
+            for text in points_of(run.grid.machine, run.grid.values()).remarks():
+                console.warn(text)
         for block in sweep_blocks(run.grid):
             unresolved |= bool((block.cycle.status == Status.UNRESOLVED).any())
             values = as_given(block.values, in_stroke=run.grid.in_stroke)
             axes = [_cells(values.get(name), block) for name in varying]
-            own = {"scene": run.request.name or f"scene {i}"} if len(runs) > 1 else {}
+            own = {"scene": name_of} if len(runs) > 1 else {}
             heads += [[*own.values(), *(axis[k] for axis in axes)] for k in range(block.cycle.status.size)]
             cells += [{**own, **record} for record in run.records(block)]
     whole = not runs[0].is_chosen
     if not (whole or options.json or options.output):
         raise InputError("--columns: the answer is no table", hint="add --json, -o - or -o NAME.csv")
-    names = {run.request.name or f"scene {i}": run.request.told for i, run in enumerate(runs, 1)}
-    answer = cells_answer(head, heads, cells, names) if whole else Answer(())
+    given = dict(zip(names, (run.request.told for run in runs), strict=True))
+    answer = cells_answer(head, heads, cells, given) if whole else Answer(())
 
     def page(figures: Mapping[str, Figure] | None = None) -> str:
         return answer.html(figures, shlex.join(["vibro", *argv]))

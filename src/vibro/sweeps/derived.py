@@ -90,8 +90,13 @@ def _speed_exponent(block: Block) -> Floats:
     return speed_exponent(scene_of(block.values), block.cycle)
 
 
+def _known(block: Block) -> Any:
+    """Whether cells have a drive: where a machine has no operating point, its amplitude is unknown."""
+    return np.isfinite(block.values.get("amplitude", 0.0))
+
+
 def _acceleration(block: Block) -> Floats:
-    return scene_of(block.values).load
+    return np.where(_known(block), scene_of(block.values).load, np.nan)
 
 
 def _bent_speed(block: Block) -> Floats:
@@ -103,13 +108,13 @@ def _multiplier(block: Block) -> Floats:
 
 
 def _upright(ratio: float, block: Block) -> NDArray[np.int8]:
-    return stays_upright(scene_of(block.values), ratio)
+    return np.where(_known(block), stays_upright(scene_of(block.values), ratio), np.int8(-1))
 
 
 def _tipping_load_ratio(ratio: float, block: Block) -> Floats:
     scene = scene_of(block.values)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return scene.load / tipping_load(scene, ratio)
+        return np.where(_known(block), scene.load / tipping_load(scene, ratio), np.nan)
 
 
 def _rate(result: Result, pitch: float, of_one: float, block: Block) -> Floats:
