@@ -39,14 +39,12 @@ def way_of(table: Mapping[str, Any]) -> tuple[str, str]:
     """
     ways = [way for way in MOTIONS if not table.keys().isdisjoint(way)]
     if not ways:
-        raise InputError(
-            "gives no motion", hint="[motion] for example: along_steps = [[0.8, 6.9], [0.2, -27.6]]"
-        )
+        example = "along_steps = [[0.8, 6.9], [0.2, -27.6]]"
+        raise InputError("gives no motion", hint=f"[motion] for example: {example}")
     if len(ways) > 1:
         given = " and ".join(key for way in ways for key in way if key in table)
-        raise InputError(
-            f"gives {given}", hint="give both directions as harmonics, as steps or as samples of one kind"
-        )
+        hint = "give both directions as harmonics, as steps or as samples of one kind"
+        raise InputError(f"gives {given}", hint=hint)
     return ways[0]
 
 
@@ -100,20 +98,18 @@ def harmonic_lists(values: Mapping[str, float]) -> tuple[dict[str, list[float]],
             continue
         for first in (f"{way}_amplitude", f"{way}_phase"):
             names = [first, *(f"{first}_{n}" for n in range(2, MOST_HARMONICS + 1))]
-            count = max(n for n, name in enumerate(names, 1) if name in values or name in names[:1])
-            lists[f"{first}s{QUANTITIES[first].kind.suffix}"] = [
-                others.pop(name, 0.0) for name in names[:count]
-            ]
+            while len(names) > 1 and names[-1] not in values:
+                names.pop()
+            key = f"{first}s{QUANTITIES[first].kind.suffix}"
+            lists[key] = [others.pop(name, 0.0) for name in names]
     return lists, others
 
 
 def _harmonics(pairs: list[list[float]] | None, key: str) -> list[tuple[float, float]] | None:
     """Return pairs of amplitude [m] and phase [rad]."""
-    for amplitude, phase in pairs or ():
-        if not (0.0 <= amplitude < math.inf and math.isfinite(phase)):
-            raise InputError(
-                f"{key} has {[amplitude, phase]}", hint=f"{key}: give amplitudes >= 0 mm, finite"
-            )
     if pairs is None:
         return None
+    for pair in pairs:
+        if not (0.0 <= pair[0] < math.inf and math.isfinite(pair[1])):
+            raise InputError(f"{key} has {pair}", hint=f"{key}: give amplitudes >= 0 mm, finite")
     return [(amplitude / _MILLIMETRES, math.radians(phase)) for amplitude, phase in pairs]

@@ -128,13 +128,10 @@ def _found(path: Path, row: int, header: list[str]) -> dict[str, tuple[int, str]
             if match:
                 found[name] = place, match[1].replace("percent", "%")
     if "amplitude" in found and "stroke" in found:
-        raise InputError(
-            f"{path}: amplitude and stroke are both given", hint="leave one column: stroke = 2 A"
-        )
+        problem = f"{path}: amplitude and stroke are both given"
+        raise InputError(problem, hint="leave one column: stroke = 2 A")
     if "frequency" not in found or found.keys().isdisjoint(("amplitude", "stroke")):
         lacks = "amplitude_mm or stroke_mm" if "frequency" in found else "frequency_hz"
-        raise InputError(
-            f"{path}: no column {lacks} among {', '.join(map(shown, header))}",
-            hint=f"name the columns with their units in the first row: {_EXAMPLE}",
-        )
+        hint = f"name the columns with their units in the first row: {_EXAMPLE}"
+        raise InputError(f"{path}: no column {lacks} among {', '.join(map(shown, header))}", hint=hint)
     return found

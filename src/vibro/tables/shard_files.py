@@ -55,10 +55,8 @@ class Selection:
     @property
     def ends(self) -> tuple[int, int]:
         """The first of these cells, and the last one."""
-        first, last = (
-            int(np.ravel_multi_index([0, *(kept[end] for kept in self.indices)], (1, *self.grid)))
-            for end in (0, -1)
-        )
+        places = [[0, *(kept[end] for kept in self.indices)] for end in (0, -1)]
+        first, last = (int(np.ravel_multi_index(place, (1, *self.grid))) for place in places)
         return first, last
 
     def before(self, cell: int) -> int:
@@ -129,9 +127,8 @@ class ShardFiles:
                 found.append(_rows(path, made, names, rows, self.plan.row_group_cells))
         together, schema = pa.concat_tables(found).columns[::-1], found[0].schema
         del found  # so that each column goes once it is copied
-        return pa.Table.from_arrays(
-            [_whole(self.columns[name], together.pop()) for name in names], schema=schema
-        )
+        arrays = [_whole(self.columns[name], together.pop()) for name in names]
+        return pa.Table.from_arrays(arrays, schema=schema)
 
 
 def open_shards(folder: Path) -> ShardFiles:

@@ -166,22 +166,18 @@ class StoredSweep(SolvedGrid):
 
     def _summary(self) -> list[tuple[str, str]]:
         tally = self._shards.summary.tally
+        shards, columns = self._shards.plan.shards, len(self.columns)
         return [
-            (
-                "folder",
-                f"{self._shards.folder}: {self._shards.plan.shards} files, {len(self.columns)} columns",
-            ),
+            ("folder", f"{self._shards.folder}: {shards} files, {columns} columns"),
             ("regime", in_numbers((code.label or NO_REGIME, n) for code, n in tally.regime.most_common())),
             ("status", in_numbers((code.label, n) for code, n in tally.status.most_common())),
             *((name.replace("_", " "), self._told(peak)) for name, peak in tally.peaks.items()),
         ]
 
     def _told(self, peak: Peak) -> str:
-        at = ", ".join(
-            f"{axis.label} {amount(self._grid.told(peak.values)[name], axis.unit)}"
-            for name, axis in self._grid.told_axes.items()
-        )
-        return f"{amount(peak.speed, SPEED.unit)}" + (f" at {at}" if at else "")
+        told, axes = self._grid.told(peak.values), self._grid.told_axes.items()
+        at = ", ".join(f"{axis.label} {amount(told[name], axis.unit)}" for name, axis in axes)
+        return f"{amount(peak.speed, SPEED.unit)}{' at ' if at else ''}{at}"
 
     def _cells(
         self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
@@ -265,10 +261,8 @@ def _cells(
     wanted = [result for result in RESULTS if result.name in results]
     missing = [result.column for result in wanted if result.column not in shards.columns]
     if missing:
-        raise InputError(
-            f"there is no picture without the columns {', '.join(missing)}: {shards.folder} lacks them",
-            hint="write them too: name them in columns, or leave that out",
-        )
+        problem = f"there is no picture without the columns {', '.join(missing)}: {shards.folder} lacks them"
+        raise InputError(problem, hint="write them too: name them in columns, or leave that out")
     cells = Selection(shards.plan.grid.shape, indices)
     values = values_of(shards.read([result.column for result in wanted], cells), cells.shape)
     found = {}
@@ -303,9 +297,8 @@ def _values_in_blocks(shards: ShardFiles, cells: Selection, sizes: Sequence[int]
 def _read_block(shards: ShardFiles, name: str, cells: Selection, block_info: Any = None) -> NDArray[Any]:
     """Read a column of the cells of one block, which ``block_info`` places among ``cells``."""
     places = block_info[None]["array-location"]
-    block = Selection(
-        cells.grid, [kept[slice(*place)] for kept, place in zip(cells.indices, places, strict=True)]
-    )
+    indices = [kept[slice(*place)] for kept, place in zip(cells.indices, places, strict=True)]
+    block = Selection(cells.grid, indices)
     found: NDArray[Any] = values_of(shards.read([name], block), block.shape)(shards.columns[name])
     return found
 
@@ -318,9 +311,8 @@ def _selection(grid: Grid, filters: Mapping[str, Any]) -> Selection:
         name = axis_called(called, "filters").name
         if name not in grid.axes:
             known = ", ".join(axis.label for axis in grid.axes.values())
-            raise InputError(
-                f"filters: {name.replace('_', ' ')} does not vary in this sweep", hint=f"its axes are {known}"
-            )
+            problem = f"filters: {name.replace('_', ' ')} does not vary in this sweep"
+            raise InputError(problem, hint=f"its axes are {known}")
         if name in kept:
             raise InputError(f"filters: {grid.axes[name].label} is given twice", hint="give it once")
         kept[name] = _kept(grid.axes[name], wanted)
@@ -333,18 +325,14 @@ def _kept(axis: Axis, wanted: Any) -> NDArray[np.intp]:
     quantity = QUANTITIES[axis.name]
     spec = None if isinstance(wanted, tuple) else axis_of(wanted, quantity)
     if len(wanted) != 2 if spec is None else spec.is_range:
-        raise InputError(
-            f"filters: {axis.label} = {shown(wanted)}: must be a value, a list, or a pair (low, high)",
-            hint="write it like 1.5, [10, 20] or (10, 20)",
-        )
+        problem = f"filters: {axis.label} = {shown(wanted)}: must be a value, a list, or a pair (low, high)"
+        raise InputError(problem, hint="write it like 1.5, [10, 20] or (10, 20)")
     if spec is not None:
         return np.unique([index_of(axis, float(value)) for value in spec.values])
-    low, high = (
-        end if given is None else one_value(given, quantity, "filters")
-        for given, end in zip(wanted, (-math.inf, math.inf), strict=True)
-    )
+    ends = zip(wanted, (-math.inf, math.inf), strict=True)
+    low, high = (end if given is None else one_value(given, quantity, "filters") for given, end in ends)
     kept = np.flatnonzero((axis.values >= low) & (axis.values <= high))
     if not kept.size:
-        ends = f"{low:.10g} to {high:.10g} {axis.unit}".rstrip()
-        raise InputError(f"filters: no value of {axis.label} lies from {ends}", hint=f"there are {axis}")
+        span = f"{low:.10g} to {high:.10g} {axis.unit}".rstrip()
+        raise InputError(f"filters: no value of {axis.label} lies from {span}", hint=f"there are {axis}")
     return kept

@@ -64,17 +64,15 @@ def write_folder(
         If the folder holds something else, or cannot be written.
     """
     if "\0" in str(folder):
-        raise InputError(
-            f"folder = {shown(str(folder))}: no file has such a name", hint="choose another name"
-        )
+        problem = f"folder = {shown(str(folder))}: no file has such a name"
+        raise InputError(problem, hint="choose another name")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         there = sorted(path.name for path in folder.iterdir() if not path.name.startswith("."))
         foreign = [name for name in there if not _OURS.fullmatch(name)]
         if foreign and (MANIFEST not in there or any(name.endswith(".parquet") for name in foreign)):
-            raise FileError(
-                f"{folder} holds something else: {', '.join(foreign[:3])}", hint="choose another name"
-            )
+            problem = f"{folder} holds something else: {', '.join(foreign[:3])}"
+            raise FileError(problem, hint="choose another name")
         known = None
         try:
             if there:
@@ -127,10 +125,8 @@ def checked_workers(workers: object) -> int | str | None:
     is_address = isinstance(workers, str) and _ADDRESS.fullmatch(workers)
     if workers is None or is_number or is_address:
         return workers  # type: ignore[return-value]
-    raise InputError(
-        f"workers = {shown(workers)}: must be a whole number from 1 to {_MOST_WORKERS}, or an address",
-        hint="write it like 4 or tcp://host:8786",
-    )
+    rule = f"must be a whole number from 1 to {_MOST_WORKERS}, or an address"
+    raise InputError(f"workers = {shown(workers)}: {rule}", hint="write it like 4 or tcp://host:8786")
 
 
 @shielded

@@ -186,16 +186,11 @@ class Xlsx:
         assert view is not None
         assert view.y is not None
         sheet, axes = self._sheet(_OVER_AXES[name]), self._grid.told_axes
-        styles = {
-            regime.label: self._book.add_format(
-                {
-                    "bg_color": colour,
-                    "font_color": "#FFFFFF" if regime is Regime.HOPPING else INK,
-                    "align": "center",
-                }
-            )
-            for regime, colour in REGIME_COLOURS.items()
-        }
+        styles = {}
+        for regime, colour in REGIME_COLOURS.items():
+            ink = "#FFFFFF" if regime is Regime.HOPPING else INK
+            look = {"bg_color": colour, "font_color": ink, "align": "center"}
+            styles[regime.label] = self._book.add_format(look)
         of_axes = self._book.add_format({"bold": True, "num_format": "0.####"})
         sheet.set_column(0, len(view.x), _WIDTH)
         sheet.freeze_panes(2 if view.facet is None else 0, 1)
@@ -212,9 +207,8 @@ class Xlsx:
             known = [cell for cell in matrix.ravel().tolist() if isinstance(cell, float)]
             shown = self._book.add_format({"num_format": _number_format(known)})
             first = row + 2
-            for row, (value, cells) in enumerate(
-                zip(view.y.values.tolist(), matrix.tolist(), strict=True), first
-            ):
+            rows = zip(view.y.values.tolist(), matrix.tolist(), strict=True)
+            for row, (value, cells) in enumerate(rows, first):
                 sheet.write_number(row, 0, value, of_axes)
                 for place, cell in enumerate(cells, 1):
                     if isinstance(cell, str):
@@ -239,7 +233,5 @@ def _number_format(values: Sequence[float]) -> str:
 def check_size(grid: Grid) -> None:
     """Refuse a grid that has more cells than a sheet has rows."""
     if grid.size >= _MOST_ROWS:
-        raise InputError(
-            f"{grid.size} cells: a sheet of a workbook holds {_MOST_ROWS - 1}",
-            hint="ask for fewer values, or write a folder, such as -o wide.parquet",
-        )
+        problem = f"{grid.size} cells: a sheet of a workbook holds {_MOST_ROWS - 1}"
+        raise InputError(problem, hint="ask for fewer values, or write a folder, such as -o wide.parquet")
