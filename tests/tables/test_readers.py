@@ -69,7 +69,7 @@ def test_what_the_docs_say_of_readers_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("vibro.tables.plan._SHARD_CELLS", 10)
-    given: dict[str, Any] = {"amplitude_mm": [0.5, 1, 2], "frequency_hz": "10:40:7", "drive_angle_deg": 20}
+    given: dict[str, Any] = {"amplitude_mm": "0.5:2:3", "frequency_hz": "10:40:7", "drive_angle_deg": 20}
     given |= {"static_friction": [0.3, 0.6], "friction_ratio": 0.8}
     frame = vibro.write_sweep("wide.parquet", **given).to_frame()
     lines = ast.parse(code)
