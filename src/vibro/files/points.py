@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.errors import InputError, Problems, shown
-from vibro.files.cells import read_text, rows_of
+from vibro.files.reading import read_text, rows_of
 from vibro.quantities import PERCENT, QUANTITIES, Quantity, Range, nearest_double
 
 if TYPE_CHECKING:

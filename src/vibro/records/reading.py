@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibro.errors import InputError, cut, shown
-from vibro.files.cells import read_text, rows_of
+from vibro.files.reading import read_text, rows_of
 from vibro.records.folding import Floats
 from vibro.records.headers import Columns, Header, Wanted, columns_of
 from vibro.records.signals import DERIVATIVES, SIGNALS, TROUGH, Sensitivity
