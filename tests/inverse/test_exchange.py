@@ -102,18 +102,6 @@ def test_an_acceleration_at_its_limit_is_allowed(share: float, allowed: bool) ->
     assert Known(question).is_allowed(setting)
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "frequency", "name"),
-    [(0.5e-3, 10.0, "limit"), (0.5e-3 * (1 + 2e-6), 10.0, "onset"), (0.5e-3, 15.0, "onset")],
-)
-def test_a_least_acceleration_that_the_drive_cannot_go_below_is_a_limit(
-    amplitude: float, frequency: float, name: str
-) -> None:
-    question, setting = asked(LINE), line(amplitude, frequency)
-    found = Found(setting, (), guarantee_of(question.box(setting)))
-    assert Known(question).least_set_by(found) == name
-
-
 def test_without_bands_the_safest_setting_is_the_fastest_that_reaches_the_goal() -> None:
     single = asked(LINE, scene={"static_friction": 0.74, "kinetic_friction": 0.57})
     for speed, target, reaches in ((0.02, 0.02, True), (0.02, 0.01, True), (0.02, 0.021, False)):
@@ -122,20 +110,6 @@ def test_without_bands_the_safest_setting_is_the_fastest_that_reaches_the_goal()
         assert optimiser.safest(target) == (Optimum(SETTING, speed) if reaches else None)
         assert optimiser.calls == [(1.0, 10)]
     assert Known(single).safest(0.01) is None
-
-
-@pytest.mark.parametrize(
-    ("speed", "widest"), [(0.04, 4.0), (0.0999, 9.99), (0.1, 10.0), (0.3, 10.0), (0.01, 1.0)]
-)
-def test_the_safest_setting_is_the_fastest_at_the_largest_scale(speed: float, widest: float) -> None:
-    """The speed falls with the scale as 1/scale; the target is 10 mm/s."""
-    optimiser = Known(asked(LINE), lambda scale: speed / scale)
-    found, scale = optimiser._safest(0.01)
-    assert found is not None
-    assert found.speed >= 0.01
-    assert scale == pytest.approx(widest, abs=2e-6)
-    assert {generations for _, generations in optimiser.calls} == {5}
-    assert MOST_MARGIN == 10.0
 
 
 def test_no_setting_is_safe_that_does_not_reach_the_goal() -> None:
@@ -187,31 +161,6 @@ def test_a_setting_holds_at_its_goal_within_the_regime(speed: float, allowed: bo
     assert optimiser.holds(SETTING, 0.01) is holds
 
 
-def test_without_any_margin_no_slower_body_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    for margin in (None, 0.0):
-        optimiser = Known(asked(LINE))
-        monkeypatch.setattr(optimiser, "_margin", lambda *_, margin=margin: margin)
-        monkeypatch.setattr(optimiser, "finds_slower", lambda *_: pytest.fail("a box of no width"))
-        assert optimiser.margin(SETTING, 0.01) == margin
-
-
-@pytest.mark.parametrize(("slower", "calls"), [(0, 1), (1, 2), (2, 3), (3, 4), (9, 4)])
-def test_an_optimum_is_found_again_for_every_slower_body(slower: int, calls: int) -> None:
-    """At most three times."""
-    optimiser, answers = Known(asked(LINE), lambda _: 0.02), iter([True] * slower + [False] * 9)
-    scales = []
-
-    def finds(optimum: Optimum, scale: float = 1.0) -> bool:
-        scales.append(scale)
-        return next(answers)
-
-    optimiser.finds_slower = finds  # type: ignore[method-assign]
-    assert optimiser.fastest(2.0) == Optimum(SETTING, 0.02)
-    assert optimiser.calls == [(2.0, 10)] * calls
-    assert set(scales) == {2.0}
-    assert optimiser.least_acceleration(0.03) == Optimum(SETTING, 0.03)
-
-
 @pytest.mark.parametrize(("surplus", "slower"), [(-1e-6, False), (0.0, False), (5e-10, False), (1e-8, True)])
 def test_a_body_joins_that_is_slower_than_the_scenarios(surplus: float, slower: bool) -> None:
     question = asked(LINE, drift={"amplitude_percent": 2})
@@ -225,25 +174,6 @@ def test_a_body_joins_that_is_slower_than_the_scenarios(surplus: float, slower: 
     if slower:
         assert sorted(optimiser.scenarios.coordinates[0, 1:].tolist()) == [0.0, 0.0, 0.25, 0.5, 0.75, 1.0]
         assert not optimiser.finds_slower(Optimum(setting, guarantee.speed_min * (1.0 + surplus)))
-
-
-def test_bodies_that_land_too_hard_join() -> None:
-    question = asked(
-        LINE, Regime.HOPPING, goal={"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 1},
-        scene={"static_friction": 0.74, "kinetic_friction": 0.57}, drift={"amplitude_percent": 1},
-    )  # fmt: skip
-    optimiser = Known(question)
-    before = optimiser.scenarios.size
-    assert optimiser.finds_slower(Optimum(line(6e-3), -math.inf)) is (optimiser.scenarios.size > before)
-    optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
-    assert optimiser.finds_slower(Optimum(line(6e-3), -math.inf))
-    assert optimiser.scenarios.size == 2
-    # beside the slowest body, if there is one
-    optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
-    assert optimiser.finds_slower(Optimum(line(6e-3), 9.0))
-    hardest = optimiser.scenarios.coordinates[:, 1]
-    assert optimiser.scenarios.size == 2 + 6
-    assert Landings(impact_speed=1e-3).worst(question.box(line(6e-3)))[:, 0].tolist() == hardest.tolist()
 
 
 def test_bodies_beyond_the_checked_regime_are_slowest() -> None:
