@@ -22,7 +22,6 @@ from vibro.accuracy.methods import METHODS, Answers, Method, reference_answers
 from vibro.accuracy.motion import TroughBody, motion_arrays, motions
 from vibro.accuracy.reference import exact
 from vibro.accuracy.sample import draw_scenes
-from vibro.accuracy.smoothed import simulate_smoothed
 from vibro.accuracy.stepping import simulate_by_steps
 from vibro.accuracy.trade import Row, Trade, advice, run_methods, runs
 from vibro.axes import parse_axis
@@ -116,28 +115,6 @@ def test_time_stepping_converges_with_the_step(amplitude: float) -> None:
         errors.append(abs(found.displacement - known))
     assert errors[-1] <= 0.003
     assert errors[-1] <= 0.3 * errors[0]
-
-
-def test_time_stepping_solves_many_scenes_as_each_alone() -> None:
-    amplitudes = np.array([0.6, 1.0, 1.5, 2.0])
-    together = simulate_by_steps(motion_arrays(nut(amplitudes)), 40)
-    alone = [simulate_by_steps(motion_arrays(nut(a)), 40)[0] for a in amplitudes]
-    assert together == alone
-
-
-def test_smoothed_friction_tends_to_stiction() -> None:
-    known, _ = KNOWN[1.0]
-    errors = [abs(simulate_smoothed(motion(1.0), w).displacement - known) for w in (1e-2, 1e-3, 1e-4)]
-    # The closer the load is to the law's peak, the longer the body takes to pass it: errors fall like root w.
-    assert errors[0] > 2.5 * errors[1] > 6.0 * errors[2]
-    assert errors[2] < 0.02
-
-
-@pytest.mark.parametrize("width", [1e-2, 1e-3])
-def test_smoothed_friction_creeps_at_rest(width: float) -> None:
-    found = simulate_smoothed(motion(0.6), width)
-    assert found.slides == ""
-    assert 0.1 * width < found.displacement < 2.0 * width
 
 
 @pytest.mark.parametrize("table", sorted(DATA.glob("contact_*.csv")), ids=lambda path: path.stem)

@@ -14,7 +14,6 @@ from vibro import Regime
 from vibro.inverse import evolved, lines
 from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import MOST_MARGIN, Effort, Exchange, Found, Optimum
-from vibro.inverse.extremes import Landings
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.proofs import corners

@@ -127,15 +127,6 @@ def test_the_nearest_point_of_a_pattern_is_as_near_as_its_edge() -> None:
     assert nearest_inside(valley, "F", np.array([0.3, 0.501, 0.0]), [0]) is None
 
 
-def test_the_covariance_is_the_inverse_of_the_curvature() -> None:
-    valley = problem()
-    found = searched(valley)
-    jacobian = np.array([[-20.0, 10.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 3.0]])
-    np.testing.assert_allclose(jacobian_at(valley, found), jacobian, atol=1e-3)
-    expected = np.linalg.inv(jacobian.T @ jacobian)
-    np.testing.assert_allclose(error_covariance(valley, found), expected, rtol=1e-3, atol=1e-6)
-
-
 def test_an_interval_of_a_body_that_hops_comes_from_the_curvature() -> None:
     """A profile would take too long: the half is the root of threshold times variance."""
     valley = problem(label=HOPS)
@@ -194,11 +185,6 @@ def test_a_coordinate_whose_effect_is_rounding_has_none() -> None:
     covariance = error_covariance(valley, found)
     assert (covariance[2] == 0.0).all()
     assert covariance[0, 0] > 0.0
-
-
-def test_derivatives_at_an_edge_are_one_sided() -> None:
-    jacobian = jacobian_at(problem(edge=0.5), Minimum("F", np.array([0.3, 0.5, 0.0]), 0.0))
-    assert jacobian[:, 1] == pytest.approx([10.0, 0.0, 0.0], rel=1e-6)
 
 
 # --- coordinates of other sizes, and patterns with more edges -----------------------------------------

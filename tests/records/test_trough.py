@@ -186,18 +186,6 @@ def test_what_is_neither_the_wave_nor_its_harmonics_is_told() -> None:
     assert len(trough.warnings) >= 2
 
 
-@each("kind", ["noise", "drift", "zero"])
-def test_a_trough_that_does_not_run_is_refused(kind: str) -> None:
-    record = trough_record(columns=ALONG)
-    values = {
-        "noise": np.random.default_rng(2).standard_normal(record.time.size),
-        "drift": 2.0 + record.time,
-        "zero": 0.0 * record.time,
-    }[kind]
-    with pytest.raises(InputError, match="'trough_along'"):
-        trough_of(Record(record.time, {}, {"trough_along": values}, record.headers))
-
-
 def test_a_sensor_that_shows_nothing_is_told() -> None:
     """A dead one is refused; of one that shows noise alone it is said, as a drive may be level."""
     record = trough_record(noise=0.5)

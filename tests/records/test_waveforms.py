@@ -284,15 +284,6 @@ def test_a_record_of_fewer_than_eight_samples_a_cycle_is_too_coarse(samples: int
         motion_of(record)
 
 
-def test_sensors_and_drive_angle_must_fit() -> None:
-    both = trough_record(noise=0.1)
-    along, normal = (trough_record(noise=0.1, columns=(f"trough_{way}",)) for way in ("along", "normal"))
-    wrong = (-0.1, 0.5 * math.pi, math.nan)
-    for record, angle in ((both, 0.3), *((along, x) for x in (None, *wrong)), (normal, None), (normal, 0.0)):
-        with pytest.raises(InputError):
-            motion_of(record, drive_angle=angle)
-
-
 @pytest.mark.parametrize(("most", "warned"), [(0.9, True), (0.98, True), (1.01, False)])
 def test_clipped_signals_are_warned_of(most: float, warned: bool) -> None:
     record = trough_record(cycles=30.0, samples=50)
