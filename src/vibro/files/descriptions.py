@@ -55,10 +55,7 @@ _RANGES: Final = {
     "finite": Range(), "> 0": POSITIVE, ">= 0": ZERO_OR_MORE, ">= 1": replace(POSITIVE, low=1.0)
 }  # fmt: skip
 _BY_KEY: Final = {quantity.column: quantity for quantity in QUANTITIES.values()}
-_UNITS: Final = sorted(
-    (kind for kind in vars(units).values() if isinstance(kind, units.Kind)),
-    key=lambda kind: -len(kind.suffix),
-)
+_SUFFIXES: Final = {kind.suffix: kind for kind in vars(units).values() if isinstance(kind, units.Kind)}
 
 
 def _value(quantity: Quantity) -> Entry:
@@ -76,11 +73,10 @@ def _entry(of: Form, key: str, meaning: str, usual: str, example: str, allowed: 
     """Make a key of its row."""
     quantity = _BY_KEY.get(key)
     if quantity is None:
-        kind = units.PURE if of.columns else next(kind for kind in _UNITS if key.endswith(kind.suffix))
-        quantity = Quantity(key.removesuffix(kind.suffix), kind, allowed=POSITIVE)
-    quantity = replace(
-        quantity, meaning=meaning or quantity.meaning, allowed=_range(allowed) or quantity.allowed
-    )
+        suffix = "" if of.columns else max(filter(key.endswith, _SUFFIXES), key=len)
+        quantity = Quantity(key.removesuffix(suffix), _SUFFIXES[suffix], allowed=POSITIVE)
+    span = _range(allowed) if allowed else quantity.allowed
+    quantity = replace(quantity, meaning=meaning or quantity.meaning, allowed=span)
     needed = tuple(kind[:-1] for kind in kinds.split() if kind.endswith("!"))
     both = " and ".join(filter(None, [", ".join(needed[:-1]), *needed[-1:]]))
     usual = "; ".join(filter(None, [f"needed of {both}" if needed else "", usual]))
@@ -88,9 +84,9 @@ def _entry(of: Form, key: str, meaning: str, usual: str, example: str, allowed: 
     return Entry(of, quantity, usual, shown, tuple(kinds.replace("!", "").split()), needed)
 
 
-def _range(text: str) -> Range | None:
-    if text[:1] not in ("[", "("):
-        return _RANGES.get(text)
+def _range(text: str) -> Range:
+    if text in _RANGES:
+        return _RANGES[text]
     low, high = map(float, text[1:-1].split(","))
     return Range(low, high, text.startswith("["), text.endswith("]"))
 
@@ -121,10 +117,8 @@ _TABLES: Final = _tables()
 
 
 def _file(name: str, meaning: str, function: str) -> FileKind:
-    tables = {
-        told.removeprefix(f"{name}."): kind for told, kind in _TABLES.items() if told.startswith(f"{name}.")
-    }
-    return FileKind(name, meaning, function, tables)
+    own = {key.removeprefix(f"{name}."): kind for key, kind in _TABLES.items() if key.startswith(f"{name}.")}
+    return FileKind(name, meaning, function, own)
 
 
 #: Input of the commands that take a scene.
