@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Final
@@ -48,36 +47,12 @@ class Selection:
         return tuple(len(kept) for kept in self.indices)
 
     @property
-    def size(self) -> int:
-        """Number of cells."""
-        return math.prod(self.shape)
-
-    @property
-    def ends(self) -> tuple[int, int]:
-        """The first of these cells, and the last one."""
-        places = [[0, *(kept[end] for kept in self.indices)] for end in (0, -1)]
-        first, last = (int(np.ravel_multi_index(place, (1, *self.grid))) for place in places)
-        return first, last
-
-    def before(self, cell: int) -> int:
-        """Count these cells before one of the grid, or before its end."""
-        if cell >= math.prod(self.grid):
-            return self.size
-        count, block = 0, self.size
-        for index, kept in zip(np.unravel_index(cell, self.grid), self.indices, strict=True):
-            place = int(np.searchsorted(kept, index))
-            block //= len(kept)
-            count += place * block
-            if place == len(kept) or kept[place] != index:
-                break
-        return count
-
-    def within(self, start: int, stop: int) -> NDArray[np.intp]:
-        """Return these cells among those of the grid from ``start`` to ``stop``, counted from ``start``."""
-        # A leading axis of one value, so that there is an axis even if nothing varies.
-        places = np.unravel_index(np.arange(self.before(start), self.before(stop)), (1, *self.shape))
-        there = (kept[place] for kept, place in zip(self.indices, places[1:], strict=True))
-        return np.asarray(np.ravel_multi_index((places[0], *there), (1, *self.grid)) - start)
+    def numbers(self) -> NDArray[np.intp]:
+        """Their numbers in the grid, ascending."""
+        numbers = np.zeros(1, np.intp)
+        for kept, count in zip(self.indices, self.grid, strict=True):
+            numbers = (numbers[:, None] * count + kept).ravel()
+        return numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,10 +93,11 @@ class ShardFiles:
         """
         import pyarrow as pa
 
-        first, last = (cell // self.plan.shard_cells for cell in cells.ends)
-        found = []
+        numbers, found = cells.numbers, []
+        first, last = (int(numbers[end]) // self.plan.shard_cells for end in (0, -1))
         for shard in range(first, last + 1):
-            rows = cells.within(*self.plan.range_of(shard))
+            start, stop = self.plan.range_of(shard)
+            rows = numbers[slice(*np.searchsorted(numbers, (start, stop)))] - start
             if rows.size:
                 path, made = self.folder / shard_name(shard), self.summary.made[shard]
                 found.append(_rows(path, made, names, rows, self.plan.row_group_cells))
