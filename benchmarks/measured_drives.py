@@ -216,7 +216,7 @@ def answer_of(
         return {}, next(line for line in result.stderr.splitlines() if line.startswith("error"))
     content = json.loads(result.stdout)
     found = {name: (p["intervals"], p["estimate"] is not None) for name, p in content["fit"].items()}
-    return found, " / ".join(content["fit_statements"])
+    return found, " / ".join(content["notes"])
 
 
 def print_table(answers: list[Answer], group: str) -> None:

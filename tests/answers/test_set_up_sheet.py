@@ -52,18 +52,6 @@ def change(sheet: Sheet) -> float:
 
 
 @pytest.mark.parametrize(
-    ("ratio", "percents"),
-    [(0.9, (7, 14, 28)), (1.05, (-19, -32, -56))],
-)
-def test_the_worked_feeder(tmp_path: Path, ratio: float, percents: tuple[int, ...]) -> None:
-    """Rows of the table of docs/theory, all of which tests/machines has."""
-    for filling, percent in zip((1.0, 2.0, 4.0), percents, strict=True):
-        sheet = sheet_of(tmp_path, feeder(ratio), filling=filling)
-        assert states(sheet)[0][SPEED] == pytest.approx(24.2, abs=0.05)
-        assert change(sheet) == pytest.approx(percent, abs=0.6)
-
-
-@pytest.mark.parametrize(
     ("ratio", "less", "more"), [(0.9, -13, 20), (0.95, -20, 45), (1.05, 46, -20), (1.1, 21, -13)]
 )
 def test_mains_frequency_at_the_ends_of_a_percent(tmp_path: Path, ratio: float, less: int, more: int) -> None:

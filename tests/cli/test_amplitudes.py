@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,6 @@ import numpy as np
 import pytest
 from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES
-
-BOWL = ("along=3", "normal=1", "-f", "25", "--mu-s", ".4", "--mu-d", ".3")
 
 
 def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
@@ -28,27 +25,6 @@ def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
             cycle = json.loads(run("solve", *scene, "-A", repr(interval[end]), "--json").stdout)
             assert cycle["mean_velocity_mm_s"] >= 28.15 * (1.0 - 1e-12)
             assert cycle["regime"] != "hopping"
-
-
-def test_hopping_goes_on_to_a_throw_number_of_10(run: Run) -> None:
-    answer = json.loads(run("solve", *NUT[2:], "--speed", "50m/min", "--hopping", "--json").stdout)
-    assert answer["highest_regime"] == "hopping"
-    last = answer["amplitudes"][-1]
-    cycle = json.loads(run("solve", *NUT[2:], "-A", repr(last["amplitude_high_mm"]), "--json").stdout)
-    assert cycle["throw_number"] == pytest.approx(10.0, rel=1e-12)
-    assert last["high_set_by"] == "limit"
-
-
-def test_both_amplitudes_of_an_ellipse_keep_their_proportion(run: Run) -> None:
-    scene = (*BOWL, "phase=-60")
-    (found,) = json.loads(run("solve", *scene, "--speed", "5m/min", "--json").stdout)["amplitudes"]
-    for end in ("low", "high"):
-        x, y = (found[f"{way}_amplitude_{end}_mm"] for way in ("along", "normal"))
-        assert x == pytest.approx(3.0 * y, rel=1e-15)
-        at = (f"along={x!r}", f"normal={y!r}", *scene[2:])
-        cycle = json.loads(run("solve", *at, "--json").stdout)
-        assert cycle["mean_velocity_mm_s"] >= 250.0 / 3.0 * (1.0 - 1e-12)
-        assert cycle["regime"] != "hopping"
 
 
 STEPS = """[scene]
@@ -118,25 +94,6 @@ def test_the_scales_of_a_motion_that_reach_a_speed(
             given = answer["scene"].get("along_amplitude_mm", interval["along_amplitude_low_mm"] / low)
             assert interval["along_amplitude_low_mm"] == pytest.approx(low * given, rel=1e-15)
     assert ("along_amplitude_low_mm" in answer["amplitudes"][0]) == (text not in (STEPS, SAMPLES))
-
-
-def test_scales_of_a_line_are_its_amplitudes(run: Run, tmp_path: Path) -> None:
-    """A line given as a motion: an independent path to the same answer."""
-    angle = math.radians(20.0)
-    x, y = math.cos(angle), math.sin(angle)
-    file = tmp_path / "line.toml"
-    text = f"[motion]\nalong_harmonics_mm_deg = [[{x!r}, 0]]\nnormal_harmonics_mm_deg = [[{y!r}, 0]]\n"
-    file.write_text(text + "[scene]\nfrequency_hz = 15\n", encoding="utf-8")
-    for speed, hopping in (("50m/min", ("--hopping",)),):
-        line = json.loads(run("solve", *NUT[2:], "--speed", speed, *hopping, "--json").stdout)
-        given = ("--mu-s", 0.74, "--mu-d", 0.57, "along_2=0", "normal_2=0")
-        moved = json.loads(run("solve", file, *given, "--speed", speed, *hopping, "--json").stdout)
-        assert len(line["amplitudes"]) == len(moved["amplitudes"]) > 1
-        for a, b in zip(line["amplitudes"], moved["amplitudes"], strict=True):
-            for end in ("low", "high"):
-                assert b[f"motion_scale_{end}"] == pytest.approx(a[f"amplitude_{end}_mm"], rel=1e-6)
-                assert b[f"along_amplitude_{end}_mm"] == pytest.approx(x * b[f"motion_scale_{end}"])
-                assert b[f"{end}_set_by"] == a[f"{end}_set_by"]
 
 
 def test_a_speed_that_no_amplitude_reaches(run: Run) -> None:

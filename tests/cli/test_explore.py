@@ -21,7 +21,7 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 import pytest
-from helpers.commands import NUT, POSIX, started
+from helpers.commands import POSIX, started
 from helpers.explorers import bearer
 from helpers.made_records import EXAMPLES
 
@@ -163,34 +163,6 @@ def test_an_ignored_ctrl_c_stays_ignored(run: Run, monkeypatch: pytest.MonkeyPat
         assert run("explore", "--no-open").exit_code == 0
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-def test_states_come_from_the_scene_and_options(run: Run, served: list[Any]) -> None:
-    for args in (
-        (),
-        (SCENE,),
-        (SCENE, "-A", "2", "-f", "20"),
-        NUT,
-        (*NUT[4:], "-A", "0.5:2"),
-        (SCENE, "--restitution", "0.3"),
-    ):
-        result = run("explore", *args, "--no-open")
-        assert (result.exit_code, result.stdout) == (0, f"{URL}\n")
-    nut, scene, moved, typed, swept, hopping = (state.texts for state in served)
-    assert nut["amplitude_mm"] == scene["amplitude_mm"] == typed["amplitude_mm"] == "1"
-    assert (moved["amplitude_mm"], moved["frequency_hz"]) == ("2", "20")
-    assert (moved["static_friction"], typed["static_friction"]) == ("0.74", "0.74")
-    assert "0.5:2" in (swept["x_range"], swept["y_range"])
-    assert hopping["restitution"] == "0.3"
-
-
-def test_notes_go_to_stderr(run: Run, served: list[Any]) -> None:
-    notes = "only this machine reaches it, and one browser; Ctrl-C ends it\n"
-    tunnel = "from elsewhere: ssh -L 8765:127.0.0.1:8765 host\n"
-    assert run("explore", "--no-open").stderr == notes + tunnel
-    taken = run("explore", "--no-open", "--port", "8764").stderr
-    assert taken == "port 8764 is taken: 8765 it is\n" + notes + tunnel
-    assert run("explore", "--no-open", "-q").stderr == ""
 
 
 @pytest.fixture

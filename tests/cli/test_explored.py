@@ -108,8 +108,7 @@ def test_a_motion_or_machine_comes_with_its_scene_file(text: str, query: dict[st
 
 
 @pytest.mark.parametrize(
-    "query",
-    [{"restitution": "0.2", "amplitude_mm": "3", "frequency_hz": "30"}, {"drive": "harmonics"}],
+    "query", [{"restitution": "0.2", "amplitude_mm": "3", "frequency_hz": "30"}, {"drive": "harmonics"}]
 )
 def test_the_operating_point_is_told_as_solve_does(query: dict[str, str], answers: Answers, run: Run) -> None:
     state = state_of(**query)

@@ -185,16 +185,6 @@ def test_a_column_of_a_part_with_holes_is_left_out(run: Run, parted: Path) -> No
     assert run("measure", "holes.csv", *BOTH, "--displacement", "way").exit_code == 2
 
 
-def test_the_scene_file_may_go_anywhere_but_onto_others(run: Run, made: tuple[Path, Feeder]) -> None:
-    Path("drive.toml").write_text("mine", encoding="utf-8")
-    result = run("measure", made[0], *BOTH, "-o", "drive.toml")
-    assert (result.exit_code, result.stdout) == (1, "")
-    assert Path("drive.toml").read_text(encoding="utf-8") == "mine"
-    assert run("measure", made[0], *BOTH, "-o", "drive.toml", "-o", "a/", "--force").exit_code == 0
-    assert "along_amplitudes_mm" in scene("drive.toml")
-    assert {path.name for path in Path("a").iterdir()} == {"feeder-measured.csv", "feeder-measured.json"}
-
-
 @pytest.mark.parametrize("unit", ["g", "mV", "mm/s", "um"])
 def test_a_record_in_any_unit_gives_the_same(run: Run, unit: str) -> None:
     true = feeder(2)

@@ -35,11 +35,7 @@ if TYPE_CHECKING:
     ids=["line", "ellipse"],
 )
 def test_each_regime_begins_where_the_report_says(
-    run: Run,
-    drive: tuple[str, ...],
-    sizes: tuple[str, ...],
-    near: float,
-    steps: dict[str, tuple[str, str]],
+    run: Run, drive: tuple[str, ...], sizes: tuple[str, ...], near: float, steps: dict[str, tuple[str, str]]
 ) -> None:
     known = json.loads(run("solve", *drive, "--json").stdout)
     rows = {row["begins"]: row for row in known["beginnings"]}

@@ -51,16 +51,3 @@ def test_a_table_tells_what_it_was_made_with(run: Run, args: tuple[str, ...], to
         for cell in answer if isinstance(answer, list) else [answer]:
             assert [name for name in cell if name in names] == names
             assert cell.items() >= told.items()
-
-
-def test_parts_pass_at_the_rate_of_speed_over_pitch(run: Run) -> None:
-    rows = rows_of(run(*MAP, "--pitch", "25", "--mass", "12g", "-o", "-").stdout)
-    assert list(rows[0])[-4:] == ["parts_per_min", "mass_flow_kg_h", "model", "status"]
-    for row in rows:
-        if row["mean_velocity_mm_s"]:
-            parts = 60.0 * float(row["mean_velocity_mm_s"]) / 25.0
-            assert float(row["parts_per_min"]) == pytest.approx(parts, rel=1e-14)
-            assert float(row["mass_flow_kg_h"]) == pytest.approx(60.0 * 0.012 * parts, rel=1e-14)
-        else:
-            assert row["parts_per_min"] == row["mass_flow_kg_h"] == ""
-    assert {row["parts_per_min"] for row in rows} > {"0"}

@@ -16,17 +16,7 @@ from hypothesis import strategies as st
 if TYPE_CHECKING:
     from helpers.commands import Run
 
-OPTIONS = [
-    "-A",
-    "-f",
-    "-a",
-    "--mu-s",
-    "--mu-d",
-    "--mu-ratio",
-    "--trough-angle",
-    "--restitution",
-    "-L",
-]
+OPTIONS = ["-A", "-f", "-a", "--mu-s", "--mu-d", "--mu-ratio", "--trough-angle", "--restitution", "-L"]
 SCENE = {"-A": "1", "-f": "15", "-a": "20", "--mu-s": "0.74", "--mu-d": "0.57"}
 VALUE = st.one_of(PLAUSIBLE, PLAUSIBLE, PLAUSIBLE, WILD)
 SOME_OPTIONS = st.dictionaries(st.sampled_from(OPTIONS), st.one_of(VALUE, VALUE, AXIS), max_size=2)
@@ -105,10 +95,7 @@ LINE = st.one_of(
 def test_commands_end_well_whatever_their_scene_file_holds(
     run: Run, command: str, lines: list[str], complete: bool
 ) -> None:
-    own = {
-        "map": ["--regimes-only", "-A1,2", "-f15", "-o-"],
-        "traverse-time": ["--sweep", "-L600", "-o-"],
-    }
+    own = {"map": ["--regimes-only", "-A1,2", "-f15", "-o-"], "traverse-time": ["--sweep", "-L600", "-o-"]}
     path = Path("scene.toml")
     text = "\n".join(["[scene]", *lines])
     path.write_text(text, encoding="utf-8", errors="surrogatepass")

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import re
-from dataclasses import replace
 from html import unescape
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.explorers import application, guest
-from helpers.packed import FEEDER, table_of, unpacked
+from helpers.packed import FEEDER, unpacked
 
 import vibro
-from vibro.axes import Axis
 from vibro.errors import InputError
 from vibro.explore.answers import Answers
 from vibro.explore.controls import CONTROLS
@@ -24,7 +20,6 @@ from vibro.explore.form import form_html
 from vibro.explore.levels import MapCells
 from vibro.explore.state import State, initial_state, read_state
 from vibro.quantities import MACHINE, QUANTITIES
-from vibro.sweeps.grid import Grid, scene_of
 from vibro.sweeps.whole import request_of_call
 
 KNOBS = {"setting_percent": "100", "voltage_percent": "100", "filling_kg": "2", "natural_hz": "55.6"}
@@ -41,22 +36,6 @@ def state_from(folder: Path, text: str) -> State:
 @pytest.fixture
 def feeder(tmp_path: Path) -> State:
     return state_from(tmp_path, FEEDER)
-
-
-def small(state: State, shape: tuple[int, int] = (9, 12)) -> Grid:
-    """Make the grid of a state, of fewer cells."""
-    grid = state.grid()
-    axes = [
-        Axis(axis.name, np.linspace(axis.values[0], axis.values[-1], count), "linear")
-        for axis, count in zip(grid.axes.values(), shape, strict=True)
-    ]
-    return replace(grid, axes={axis.name: axis for axis in axes})
-
-
-def text_of(page: str) -> list[str]:
-    """Return the rows of tables as texts."""
-    rows = re.findall("<tr>(.*?)</tr>", page)
-    return [" ".join(unescape(re.sub("<[^>]*>", " ", row)).split()) for row in rows]
 
 
 def test_it_begins_with_what_the_machine_has(feeder: State) -> None:
@@ -186,20 +165,6 @@ def test_a_map_tells_the_amplitude_of_each_cell(feeder: State) -> None:
     assert "amplitude" not in unpacked(answers.map(read_state({"drive": "line"}, feeder)))[1]
 
 
-def test_the_operating_point_is_told_with_its_amplitude(feeder: State) -> None:
-    told = Answers(feeder).point(feeder)
-    json.dumps(told, allow_nan=False)
-    rows = text_of(told["tables"])
-    scene = feeder.point.scene()
-    assert scene.amplitude is not None
-    told_of = {row.split()[0]: row for row in rows}
-    assert f"{1e3 * float(scene.amplitude):.4g} mm (0.35 mm empty)" in told_of["amplitude"]
-    assert "below resonance" in told_of["resonance"]
-    assert "acts as mass" in told_of["filling"]
-    speed = 1e3 * float(vibro.solve(scene).mean_velocity)
-    assert told["speed"] == f"{speed:.6g} mm/s"
-
-
 def test_warnings_are_those_of_solve(feeder: State) -> None:
     near = read_state({"natural_hz": "50.5", "setting_percent": "20"}, feeder)
     page = unescape(Answers(feeder).point(near)["tables"])
@@ -231,16 +196,3 @@ def test_a_history_has_the_amplitude_found(feeder: State) -> None:
     assert np.nanmax(np.abs(trough)) == pytest.approx(1e3 * float(scene.amplitude), rel=1e-3)
     history = vibro.simulate(scene, cycles=feeder.cycles)
     assert np.nanmax(arrays["position"]) == pytest.approx(1e3 * history.phases[-1].end_position, rel=0.05)
-
-
-def test_a_table_has_the_columns_of_the_machine(feeder: State) -> None:
-    state = read_state({**EMPTY}, feeder)
-    head, first, *_ = table_of(Answers(feeder), state).splitlines()
-    names = head.split(",")
-    assert names[:2] == ["setting_percent", "voltage_percent"]
-    row: dict[str, Any] = dict(zip(names, first.split(","), strict=True))
-    grid = state.grid()
-    values = grid.values((slice(0, 1), slice(0, 1)))
-    assert float(row["amplitude_mm"]) == float(values["amplitude"].item())
-    assert float(row["filling_kg"]) == 0.0
-    assert scene_of(values).amplitude is not None

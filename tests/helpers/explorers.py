@@ -92,10 +92,6 @@ def serve_explorer(initial: State | None = None) -> str:
     """Serve the explorer; return its first address."""
     announced: Queue[str] = Queue()
     reported: list[Exception] = []
-    job = {
-        "port": 8800,
-        "announce": lambda url, port, begun: announced.put(url),
-        "report": reported.append,
-    }
+    job = {"port": 8800, "announce": lambda url, port, begun: announced.put(url), "report": reported.append}
     threading.Thread(target=serve, args=(initial or initial_state(),), kwargs=job, daemon=True).start()
     return announced.get(timeout=60)

@@ -64,9 +64,7 @@ def swept(**given: Any) -> Sweep:
 
 def line(**fields: Any) -> vibro.Scene:
     """Make the published example with other fields."""
-    return vibro.Scene(
-        **{"amplitude": 1e-3, "frequency": 15, "drive_angle": 0.35, **_FRICTION, **fields},
-    )
+    return vibro.Scene(**{"amplitude": 1e-3, "frequency": 15, "drive_angle": 0.35, **_FRICTION, **fields})
 
 
 def oval(**fields: Any) -> vibro.Scene:

@@ -286,10 +286,7 @@ def test_further_limits_narrow_what_meets_the_goal(nut: tuple[Spec, Chosen]) -> 
     goal = replace(spec.goal, highest_regime=Regime.HOPPING, impact_speed=0.2, flight_fraction=0.4)
     limited = replace(spec, goal=goal)
     data = setting_fields(limited, chosen)
-    steps = {
-        "impact_speed": 200.0 * 20.0 / 0.9,
-        "flight_fraction": 0.4 / 0.9,
-    }
+    steps = {"impact_speed": 200.0 * 20.0 / 0.9, "flight_fraction": 0.4 / 0.9}
     for name, above in steps.items():
         fields: Mapping[str, Any] = {other: np.zeros(data.load.shape) for other in steps}
         changed = replace(data, **{**fields, name: np.where(data.load > 2.0, above, 0.0)}, tips=math.inf)

@@ -94,9 +94,7 @@ def test_the_operating_point_is_marked(pictures: dict[str, Figure]) -> None:
 
 
 @pytest.mark.parametrize(
-    "own",
-    [None, OWN | {"static_friction": 0.8}, OWN | {"amplitude": 4.0}],
-    ids=["none", "held", "outside"],
+    "own", [None, OWN | {"static_friction": 0.8}, OWN | {"amplitude": 4.0}], ids=["none", "held", "outside"]
 )
 @pytest.mark.usefixtures("unarranged")
 def test_no_operating_point_elsewhere(nut: SweepResult, own: dict[str, float] | None) -> None:

@@ -14,12 +14,7 @@ from matplotlib.colors import to_rgba
 
 from vibro import Status
 from vibro.plots import map_figures
-from vibro.plots.style import (
-    AVERAGED_LABEL,
-    COEXISTS_LABEL,
-    ERROR_LABEL,
-    NO_ANSWER_HATCH,
-)
+from vibro.plots.style import AVERAGED_LABEL, COEXISTS_LABEL, ERROR_LABEL, NO_ANSWER_HATCH
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:

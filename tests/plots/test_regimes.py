@@ -8,16 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import (
-    GRAVITY,
-    curve,
-    drawn_regime,
-    legend,
-    lightness,
-    only_map,
-    sweep,
-    words,
-)
+from helpers.drawn import GRAVITY, curve, drawn_regime, legend, lightness, only_map, sweep, words
 
 from vibro import Scene, Status, critical_loads, solve
 from vibro.core.codes import is_answered

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.cases import each
-from helpers.feeders import feeder
 from helpers.made_records import FREQUENCY, PERIOD, Walked, bowl, moved, nut, trough_record, wave
 
 from vibro.errors import InputError
@@ -52,24 +51,6 @@ def test_exact_accelerations_give_the_exact_motion(cycles: float, start: float, 
     ) * 15.003
     assert abs(math.remainder(turns, 1.0)) < 1e-5
     assert drive.trough.warnings == ()
-
-
-@pytest.mark.parametrize("kind", ["velocity", "displacement"])
-def test_velocities_and_displacements_give_the_drive_of_accelerations(kind: str) -> None:
-    """Clock and shares of harmonics too; noise of a thousandth of the wave."""
-    true = feeder(2)
-    drives = []
-    for one, density in (("acceleration", 1e-3), (kind, 1e-9)):
-        drives.append(trough_of(true.record(2, rate=800.0, density=density, kind=one)))
-    of_accelerations, other = drives
-    assert of_accelerations is not None
-    assert other is not None
-    assert other.frequency.value == pytest.approx(true.frequency, rel=1e-6)
-    for found, same, way in zip(other.waves, of_accelerations.waves, (true.along, true.normal), strict=True):
-        exact = -way[0] * (math.tau * true.frequency) ** 2
-        assert abs(found.value - exact) < 1e-3 * abs(exact)
-        assert 0.0 < found.error < 1e-3 * abs(exact)
-        assert found.harmonics == pytest.approx(same.harmonics, rel=1e-3)
 
 
 @pytest.mark.parametrize("columns", [NORMAL, ALONG + NORMAL])
