@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, SMALL, Run
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run
 from helpers.drawn import curve, legend, only_map
-from PIL import Image
 
 from vibro.plots import map_figures
 
@@ -97,15 +96,3 @@ def test_a_stroke_is_chosen_among_strokes(run: Run) -> None:
     result = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=2.5")
     assert result.exit_code == 0, result.stderr
     assert "pictures:" not in result.stderr
-
-
-def test_pictures_stand_beside_a_folder_and_say_of_which_cells(run: Run) -> None:
-    asked = (*SMALL, "-o", "wide.parquet", "-o", "wide.png")
-    assert run(*asked).exit_code == 0
-    success = json.loads(Path("wide.parquet", "_SUCCESS").read_text(encoding="utf-8"))
-    for name, title in (("regime", "Steady regimes"), ("speed", "Mean conveying speed")):
-        with Image.open(f"wide-{name}.png") as picture:
-            picture.load()
-            assert picture.info["Title"] == title
-            said = json.loads(picture.info["Description"])
-        assert (said["digest"], said["cells"]) == (success["digest"], 9)

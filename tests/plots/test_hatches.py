@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from helpers.drawn import legend, only_map, patch, path_of, said, sweep, words
-from helpers.pixels import pixels
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 
@@ -105,22 +104,6 @@ def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepR
     assert found.contains_points(np.column_stack([frequency[columns], amplitude[rows]])).all()
     assert AVERAGED_LABEL in legend(figures["speed"])
     assert patch(only_map(figures["regime"]), AVERAGED_LABEL) is None
-
-
-def test_colours_of_irregular_motion_are_read_through_its_texture() -> None:
-    result = sweep(points=11, amplitude="2:3", frequency="40:60", restitution=0.7)
-    assert (result.cycle.status == Status.AVERAGED).mean() > 0.9
-    figure = map_figures(result, ["speed"])["speed"]
-    axes = only_map(figure)
-    whole = pixels(figure).astype(float)
-    hatched = patch(axes, AVERAGED_LABEL)
-    assert hatched is not None
-    hatched.set_visible(False)
-    box = axes.bbox
-    rows = slice(int(whole.shape[0] - box.y1) + 3, int(whole.shape[0] - box.y0) - 3)
-    inside = (rows, slice(int(box.x0) + 3, int(box.x1) - 3))
-    changed = (np.abs(whole - pixels(figure)).max(axis=2) > 8)[inside]
-    assert 0.03 < changed.mean() < 0.25
 
 
 def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:

@@ -28,7 +28,7 @@ from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize, to_rg
 from vibro import Regime, Scene, Status, solve
 from vibro.plots import map_figures
 from vibro.plots.scales import scale_of
-from vibro.plots.style import AVERAGED_LABEL, BACKWARDS_LABEL
+from vibro.plots.style import BACKWARDS_LABEL
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -214,47 +214,9 @@ def flights() -> tuple[SweepResult, dict[str, Figure]]:
         return result, map_figures(result, ["speed", "impact", "flight"])
 
 
-def test_no_speed_is_missing_where_bodies_hop(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
-    result, figures = flights
-    axes = only_map(figures["speed"])
-    hopping = result.cycle.regime == Regime.HOPPING
-    assert hopping.mean() > 0.5
-    assert {p.get_gid() for p in axes.patches} - {AVERAGED_LABEL} == {"no-slip"}
-    speed = np.maximum(1e3 * result.cycle.mean_velocity[hopping], image_of(axes).get_clim()[0])
-    np.testing.assert_array_equal(image_of(axes).get_array()[hopping], colours_of(axes, speed))
-    assert curve(axes, "hop").size
-
-
 def contours(axes: Axes) -> list[str]:
     names = [line.get_gid() or "" for line in axes.lines]
     return [name for name in names if name.startswith("contour")]
-
-
-def throw_number(points: Floats) -> Floats:
-    """K at points of a map of frequency [Hz] and amplitude [mm], for a drive angle of 30 deg."""
-    frequency, amplitude = points.T
-    return np.asarray(1e-3 * amplitude * (2 * math.pi * frequency) ** 2 * 0.5 / GRAVITY)
-
-
-def test_speed_contours_go_on_across_the_hop_line(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
-    axes = only_map(flights[1]["speed"])
-    crossed = 0
-    for name in contours(axes):
-        throw = throw_number(curve(axes, name))
-        crossed += throw.min() < 0.98 and throw.max() > 1.02
-    assert crossed >= 1
-
-
-@pytest.mark.parametrize("name", ["speed", "impact", "flight"])
-def test_contours_end_where_the_period_is_longer_than_the_drives(
-    flights: tuple[SweepResult, dict[str, Figure]], name: str
-) -> None:
-    result, figures = flights
-    assert (result.cycle.period_cycles[result.cycle.throw_number > 3.8] > 1).mean() > 0.9
-    axes = only_map(figures[name])
-    assert len(contours(axes)) >= 3
-    for contour in contours(axes):
-        assert throw_number(curve(axes, contour)).max() < 3.75
 
 
 def test_flight_is_shown_where_there_is_one(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
