@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.axes import Axis
-from vibro.core.codes import Status
 from vibro.drives import Ability
 from vibro.limits import critical_loads
 from vibro.motion.arrivals import arrival_time
@@ -66,7 +65,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
     for box in grid_blocks(grid.shape, _WALKED_BLOCK if walked else _SOLVED * cores()):
         values = grid.values(box)
         cycle = grid.solve(values)
-        arrival = _arrival(grid, values, cycle) if grid.arrivals else None
+        arrival = _arrival(grid, values) if grid.arrivals else None
         # Solved together, so that all cores have work; handed on in pieces whose texts stay small.
         for piece in grid_blocks(cycle.status.shape, _BLOCK):
             yield Block(
@@ -291,10 +290,8 @@ def _resolved(axis: Axis, count: int) -> Axis:
     return Axis(axis.name, values, "log" if is_log else "linear")
 
 
-def _arrival(grid: Grid, values: Mapping[str, Floats], cycle: SteadyCycle) -> Floats | None:
-    """Follow bodies from rest; those whose flight is not modelled have no arrival."""
+def _arrival(grid: Grid, values: Mapping[str, Floats]) -> Floats | None:
+    """Follow bodies from rest."""
     if grid.length is None:
         return None
-    length = QUANTITIES["trough_length"].to_si(grid.length)
-    time = np.asarray(arrival_time(scene_of(values), length))
-    return np.where(cycle.status == Status.FLIGHT_NOT_MODELLED, np.nan, time)
+    return np.asarray(arrival_time(scene_of(values), QUANTITIES["trough_length"].to_si(grid.length)))
