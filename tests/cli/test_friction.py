@@ -1,4 +1,4 @@
-"""``vibro friction``: tables, JSON and refusals."""
+"""``vibro friction``: its rows, and how a pair is typed."""
 
 from __future__ import annotations
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 
 import pytest
-from helpers.commands import SLIP_STICK, Run, rows_of
+from helpers.commands import Run, rows_of
 
 import vibro
 
@@ -22,30 +21,12 @@ static_friction = 0.4
 kinetic_friction = 0.3
 trough_length_mm = 600
 """
-SCENE = vibro.Scene(
-    along_harmonics=[(1e-3, 0.0), (0.3e-3, math.radians(90.0))],
-    frequency=10,
-    static_friction=0.4,
-    kinetic_friction=0.3,
-)
 
 
 def written(folder: Path, text: str) -> Path:
     file = folder / "drive.toml"
     file.write_text(text, encoding="utf-8")
     return file
-
-
-def test_options_and_lists_give_the_same_drive(run: Run, tmp_path: Path) -> None:
-    speed = pytest.approx(1e3 * float(vibro.solve(SCENE).mean_velocity), rel=1e-13)
-    for arguments in (SLIP_STICK, (written(tmp_path, FILE),)):
-        answer = json.loads(run("solve", *arguments, "--json").stdout)
-        assert answer["mean_velocity_mm_s"] == speed
-        assert answer["along_amplitude_2_mm"] == 0.3
-        assert answer["along_phase_2_deg"] == 90
-        # sin p + 0.3 cos 2p reaches from -1.3 to s + 0.3 (1 - 2 s^2), s = 1/1.2
-        assert answer["stroke_mm"] == pytest.approx(1.3 + 0.3 + 1.0 / 2.4, rel=1e-13)
-    assert float(vibro.solve(vibro.read_scene(tmp_path / "drive.toml")).mean_velocity) * 1e3 == speed
 
 
 def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None:

@@ -17,12 +17,6 @@ pytestmark = pytest.mark.usefixtures("unsaved")
 BANDS = 'voltage_percent = "90:110"\nsetting_percent = "40:100"\nfilling_kg = "0:2"\n'
 
 
-def lines_of(text: str) -> dict[str, str]:
-    """Read the facts of a report."""
-    rows = (line.split("  ", 1) for line in text.split("\n\n")[0].splitlines())
-    return {name: told.strip() for name, told in rows}
-
-
 @pytest.mark.usefixtures("unsaved")
 def test_a_map_over_bands_is_written_and_described(run: Run, tmp_path: Path) -> None:
     path = feeder(tmp_path, BANDS.replace("setting", "# setting"))
@@ -56,14 +50,6 @@ def test_a_stored_map_is_drawn_again(run: Run, tmp_path: Path) -> None:
     other = run(*args[:1], feeder(tmp_path, table=FEEDER.replace("0.015", "0.02")), *args[2:],
                 "-o", stored)  # fmt: skip
     assert "damping_ratio: 0.015 there, 0.02 here" in other.stderr
-
-
-def test_a_traverse_time_follows_the_filling(run: Run, tmp_path: Path) -> None:
-    path = feeder(tmp_path)
-    told = lines_of(run("traverse-time", path, "filling=2", "-L", "600").stdout)
-    assert told["traverse time"].startswith("21.78 s")
-    table = run("traverse-time", path, "-L", "600", "filling=0:2:3").stdout
-    assert [*rows_of(table)[0]][:2] == ["filling_kg", "amplitude_mm"]
 
 
 def test_a_body_is_followed_in_a_full_trough(run: Run, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Motions on the command line: steps and samples from scene files, their scale as an axis, clamped parts."""
+"""Motions on the command line: steps from scene files, where they begin, stored and replaced."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.commands import Run, rows_of
+from helpers.commands import Run
 from helpers.periodic_tables import harmonics_of, read_rows
 
 import vibro
@@ -16,7 +16,6 @@ import vibro
 pytestmark = pytest.mark.usefixtures("unsaved")
 
 STEPS = "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n"
-SAMPLES = "[motion]\nalong_samples_mm = [0, 6, 10, 11, 9, 4, -3, -9, -12, -9, -4, -2]\n"
 POINT = """
 [scene]
 frequency_hz = 2.5
@@ -75,30 +74,6 @@ def test_intervals_of_classes_are_told(run: Run, tmp_path: Path) -> None:
     assert (rows[-1]["begins"], rows[-1][keys[1]]) == ("hopping", None)
 
 
-@pytest.mark.parametrize("table", [STEPS, SAMPLES])
-def test_the_scale_is_an_axis_and_a_column(run: Run, tmp_path: Path, table: str) -> None:
-    file = written(tmp_path, POINT + table)
-    result = run("map", file, "motion_scale=0.5:1.5:3", "-f", "2, 3", "-o", "-")
-    assert result.exit_code == 0, result.stderr
-    rows = rows_of(result.stdout)
-    assert [*rows[0]][:2] == ["frequency_hz", "motion_scale"]
-    assert [(float(r["frequency_hz"]), float(r["motion_scale"])) for r in rows] == [
-        (f, c) for f in (2.0, 3.0) for c in (0.5, 1.0, 1.5)
-    ]
-    own = vibro.read_scene(file)
-    for row in rows:
-        one = vibro.Scene(
-            motion=own.motion,
-            motion_scale=float(row["motion_scale"]),
-            frequency=float(row["frequency_hz"]),
-            static_friction=0.3,
-            kinetic_friction=0.25,
-        )
-        speed = 1e3 * float(vibro.solve(one).mean_velocity)
-        assert float(row["mean_velocity_mm_s"]) == pytest.approx(speed, rel=1e-13)
-    assert len({row["mean_velocity_mm_s"] for row in rows}) == len(rows)
-
-
 def test_a_map_with_pictures_says_what_was_given(run: Run, tmp_path: Path) -> None:
     file = written(tmp_path, f'{POINT}{STEPS}[map]\nmotion_scale = "0.2:3:12"\nfrequency_hz = "1:5:9"\n')
     assert run("map", file, "-o", tmp_path / "out").exit_code == 0
@@ -122,28 +97,6 @@ def test_stored_sweeps_keep_their_motion(run: Run, tmp_path: Path) -> None:
     refused = run(*arguments)
     assert refused.exit_code != 0
     assert "along_steps: [[0.8, 2.4], [0.2, -9.6]] there, [[0.8, 2.4], [0.2, -9.61]] here" in refused.stderr
-
-
-def test_a_clamped_part_on_a_vertical_trough(run: Run, tmp_path: Path) -> None:
-    text = f"{POINT}trough_angle_deg = 90\nnormal_force_n = 80\nmass_kg = 2\n{STEPS}"
-    answer = json.loads(run("solve", written(tmp_path, text), "--json").stdout)
-    own = scene(normal_acceleration=40.0, trough_angle=math.pi / 2)
-    assert answer["mean_velocity_mm_s"] == pytest.approx(
-        1e3 * float(vibro.solve(own).mean_velocity), rel=1e-13
-    )
-    force = run("map", written(tmp_path, text), "normal_acceleration=30:50:3", "-o", "-")
-    assert [float(row["normal_acceleration_m_s2"]) for row in rows_of(force.stdout)] == [30.0, 40.0, 50.0]
-
-
-def test_an_ellipse_has_a_scale_too(run: Run) -> None:
-    ellipse = ("along=1", "normal=0.3", "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
-    other = ("along=2", "normal=0.6", "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
-    scaled, same = (
-        json.loads(run("solve", *x, "--json").stdout) for x in ((*ellipse, "motion_scale=2"), other)
-    )
-    for name in ("mean_velocity_mm_s", "stroke_mm", "throw_number"):
-        assert scaled[name] == pytest.approx(same[name], rel=1e-14)
-    assert scaled["motion_scale"] == 2.0
 
 
 def test_a_drive_of_the_command_line_replaces_the_motion(run: Run, tmp_path: Path) -> None:

@@ -42,31 +42,6 @@ def test_an_unresolved_scene_is_exit_code_3(run: Run, monkeypatch: pytest.Monkey
     assert run("solve", *NUT, "--json").exit_code == 3
 
 
-@each(
-    ("one", "other"),
-    [
-        (("--stroke", "2"), ("-A", "1")),
-        (("--stroke", "2mm"), ("-A", "1000um")),
-        (("-A", "0.05in"), ("-A", "1.27")),
-        (("-f", "900rpm"), ("-f", "15")),
-        (("-a", "20\u00b0"), ("--drive-angle", "20")),
-        (("--mu-ratio", "0.5"), ("--mu-d", "0.37")),
-    ],
-)
-def test_the_same_scene_in_other_words(run: Run, one: tuple[str, str], other: tuple[str, str]) -> None:
-    base = dict(zip(NUT[::2], NUT[1::2], strict=True))
-    for option in (one[0], other[0]):
-        base.pop({"--stroke": "-A", "--mu-ratio": "--mu-d", "--drive-angle": "-a"}.get(option, option), None)
-    common = [part for pair in base.items() for part in pair]
-    first, second = (run("solve", *common, *given, "--json") for given in (one, other))
-    assert first.exit_code == 0
-    known, same = (json.loads(answer.stdout) for answer in (first, second))
-    rows = [answer.pop("beginnings")[1]["times_the_drive"] for answer in (known, same)]
-    assert rows[0] == rows[1]
-    assert known.pop("sensitivities")[1] == same.pop("sensitivities")[1]
-    assert known == same
-
-
 def test_seven_lines_tell_what_a_part_does(run: Run) -> None:
     text = run("solve", *NUT, "-L", "600").stdout
     assert text.splitlines() == [

@@ -1,4 +1,4 @@
-"""Tables as people ask for them: columns by name, parts in a row."""
+"""Tables as people ask for them: columns by name, and what they were made with."""
 
 from __future__ import annotations
 

@@ -7,9 +7,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from helpers.commands import ELLIPSE, FRICTION, Run, rows_of
+from helpers.commands import ELLIPSE, Run, rows_of
 
 import vibro
 
@@ -41,10 +40,6 @@ frequency_hz = 25
 static_friction = 0.4
 kinetic_friction = 0.3
 """
-COLUMNS = (
-    "along_amplitude_mm", "normal_amplitude_mm", "frequency_hz", "normal_phase_deg", "static_friction",
-    "kinetic_friction", "trough_angle_deg", "regime",
-)  # fmt: skip
 
 
 def written(folder: Path, text: str, name: str = "drive.toml") -> Path:
@@ -96,20 +91,3 @@ def test_a_file_s_map_may_sweep_another_drive_than_its_scene(run: Run, tmp_path:
 
 
 # --- sweeps -----------------------------------------------------------------------------------------
-
-
-def test_all_three_are_axes_and_have_columns(run: Run) -> None:
-    result = run("map", "along=.5:1:2", "normal=.1:.3:3", "phase=-90:90:5", "-f", "25", *FRICTION,
-                 "-o", "-")  # fmt: skip
-    rows = rows_of(result.stdout)
-    assert tuple(rows[0])[: len(COLUMNS)] == COLUMNS
-    assert len(rows) == 30
-    scene = vibro.Scene(
-        **(VALUES | {
-            "along_amplitude": np.array([5e-4, 1e-3])[:, np.newaxis, np.newaxis],
-            "normal_amplitude": np.array([1e-4, 2e-4, 3e-4])[:, np.newaxis],
-            "normal_phase": np.radians([-90.0, -45.0, 0.0, 45.0, 90.0]),
-        })
-    )  # fmt: skip
-    got = [float(row["mean_velocity_mm_s"]) for row in rows]
-    np.testing.assert_allclose(got, 1e3 * vibro.solve(scene).mean_velocity.ravel(), rtol=1e-12, atol=1e-12)

@@ -67,18 +67,6 @@ def test_a_preamble_above_a_header_with_units(tmp_path: Path) -> None:
     assert record.headers == {"time": "Time [s]", "displacement": "X [mm]"}
 
 
-def test_names_of_own_tables_carry_their_units(tmp_path: Path) -> None:
-    header = "time_s,trough_displacement_mm,relative_position_mm,relative_velocity_mm_s,inertial_m_s2"
-    header += ",relative_acceleration_m_s2"
-    record = read(tmp_path, [header, "0,1,2,3,4,5", "1,1,2,3,4,5", "2,1,2,3,4,5"])
-    assert record.headers == {
-        "time": "time_s",
-        "displacement": "relative_position_mm",
-        "velocity": "relative_velocity_mm_s",
-        "acceleration": "relative_acceleration_m_s2",
-    }
-
-
 def test_columns_of_text_beside_the_numbers_do_not_matter(tmp_path: Path) -> None:
     record = read(tmp_path, ["phase,t [s],x [mm]", "rest,0,1", "slide,1,2", ",2,3"])
     np.testing.assert_array_equal(record.time, [0.0, 1.0, 2.0])
@@ -137,13 +125,6 @@ def test_a_word_that_is_no_unit_belongs_to_the_name(tmp_path: Path) -> None:
     np.testing.assert_allclose(
         read(tmp_path, content, displacement="change in place [in]").signals["displacement"], [0.0254, 0.0508]
     )
-
-
-def test_a_column_of_the_trough_is_no_signal_of_the_body(tmp_path: Path) -> None:
-    content = ["t [s],x [mm],a [m/s^2]", "0,1,5", "1,2,6"]
-    record = read(tmp_path, content, trough_along="a")
-    assert set(record.signals) == {"displacement"}
-    np.testing.assert_array_equal(record.trough["trough_along"], [5.0, 6.0])
 
 
 @each(
