@@ -2,8 +2,68 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from typer.testing import Result
+
+Run = Callable[..., Result]
+
+NUT = ("-A", "1", "-f", "15", "-a", "20", "--mu-s", "0.74", "--mu-d", "0.57")
 """The paper's scene."""
-"""Two harmonics along the trough."""
+
+NUT_ANGLE_AND_FRICTION = NUT[4:]
+
+FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
+
+ELLIPSE = ("along=1", "normal=0.3", "phase=-60", "-f", "25", *FRICTION)
+
+SMALL = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
+TABLE = ("traverse-time", *SMALL[1:], "-L", "600")
 """A table and its sidecar, without pictures, which take most of a small run's time."""
+
+LONG = ("map", "-A", "0.1:3:3000", "-f", "5:60:3000", *NUT_ANGLE_AND_FRICTION)
+
+VIBRO = (sys.executable, "-m", "vibro")
 """The program, in a process of its own."""
+
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals, limits and terminals")
+
+TELLS_LOADED = (
+    sys.executable,
+    "-c",
+    """
+import atexit, sys
+
+heavy = "numpy", "numpy.ma", "scipy", "pandas", "matplotlib", "rich", "pydantic", "vibro.core.waves"
+atexit.register(lambda: print("LOADED", [name for name in heavy if sys.modules.get(name)]))
+from vibro.__main__ import main
+
+main()
+""",
+)
 """The same, which prints in the end what it has loaded: libraries, or the source of the solver."""
+
+
+def started(*args: str, cwd: Path, program: tuple[str, ...] = VIBRO) -> subprocess.Popen[str]:
+    """Start the program."""
+    return subprocess.Popen(
+        [*program, *args],
+        cwd=cwd, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+
+
+def other(drive: tuple[str, ...], *given: str) -> tuple[str, ...]:
+    """Return a drive with some quantities, as NAME=VALUE, in place of those of the same names."""
+    names = {text.partition("=")[0] for text in given}
+    return (*(text for text in drive if text.partition("=")[0] not in names), *given)
+
+
+def rows_of(text: str) -> list[dict[str, str]]:
+    """Read a CSV as a user's script would."""
+    return list(csv.DictReader(io.StringIO(text, newline="")))
