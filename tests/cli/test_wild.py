@@ -33,7 +33,7 @@ FEW_VALUES = st.one_of(
 OWN = {
     "solve": (["--coexist", "--flight=off", "--regimes-only", "--json", "-q", "-o-"], ["--stand-ratio"]),
     "traverse-time": (["--exact", "--sweep", "--json", "-q", "-o-"], []),
-    "simulate": (["-q"], ["--cycles", "--samples-per-cycle"]),
+    "simulate": (["-q"], ["--cycles", "--duration", "--samples-per-cycle"]),
     "map": (["-q", "--decimal-comma"], ["--at", "--x", "--y", "--show"]),
 }
 

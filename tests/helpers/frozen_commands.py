@@ -58,7 +58,7 @@ traverse-time {_BOWL}=.3 -L 300 --exact
 traverse-time samples.toml -L 300
 simulate -A 1 {_NUT}
 simulate -A 2 {_NUT} --cycles 2 start_phase=30 start_velocity=50
-simulate -A 5 {_NUT} --cycles 3 start_height=2
+simulate -A 5 {_NUT} --duration .2 start_height=2
 simulate {_BOWL}=.3 --cycles 2
 simulate steps.toml
 drive feeder.toml

@@ -34,6 +34,9 @@ def simulate_command(
     context: typer.Context,
     options: Options,
     cycles: Annotated[str | None, option("cycles", "Number of drive cycles [default: 3].", "N")] = None,
+    duration: Annotated[
+        str | None, option("duration", "Duration, in place of cycles [s].", "TIME", hidden=True)
+    ] = None,
     samples: Annotated[
         str,
         option("samples-per-cycle", "Rows a cycle [default: 200]; an event has one more.", "N", hidden=True),
@@ -50,6 +53,15 @@ def simulate_command(
     end: Annotated[
         str | None, option("to", "Time at which the picture ends [s].", "TIME", hidden=True)
     ] = None,
+    panels: Annotated[
+        str | None,
+        option(
+            "panels",
+            "Panels of the picture, from trough,forces,acceleration,velocity,position,gap.",
+            "NAMES",
+            hidden=True,
+        ),
+    ] = None,
     every: Annotated[bool, option("all", "Print all phases and every bounce.")] = False,
 ) -> int:
     """Simulate the motion of one body: phases, motion and forces, exact at any time.
@@ -62,18 +74,25 @@ def simulate_command(
     from vibro.cli.outputs import HISTORIES, Outputs, scene_record
     from vibro.cli.request import question, request_of, warn_of_machine, whole_number
     from vibro.motion.histories import simulate
-    from vibro.quantities import CYCLES, checked_number
+    from vibro.plots.history import choose_panels
+    from vibro.quantities import CYCLES, DURATION, checked_number
 
     console = Console(quiet=options.quiet)
+    choose_panels(panels, flies=True)
     request = request_of(options, context.obj)
     question(request, options)
     scene = request.scene()
     if request.machine is not None:
         warn_of_machine(request, console)
+    frequency = float(scene.frequency)
+    if cycles is not None and duration is not None:
+        raise InputError("--cycles and --duration are both given", hint="leave one of them out")
     lasting = _CYCLES if cycles is None else checked_number(cycles, CYCLES)
+    if duration is not None:
+        lasting = checked_number(duration, DURATION) * frequency
     rows = whole_number("--samples-per-cycle", samples)
     _check_rows(lasting, rows)
-    window = _window(begin, end, lasting, float(scene.frequency))
+    window = _window(begin, end, lasting, frequency)
     start = [checked_number(options.own.get(q.name, "0"), q) for q in STARTS]
     content = {
         "scene": scene_record(request),
@@ -90,7 +109,7 @@ def simulate_command(
         history = follow(cycles=lasting)
         output.write(
             lambda: _tables(history, rows),
-            lambda: {"": _figure(history, window, rows, request, console)},
+            lambda: {"": _figure(history, window, rows, panels, request, console)},
             content,
         )
     if output.takes_stdout:
@@ -134,6 +153,7 @@ def _figure(
     history: History,
     window: tuple[float, float],
     samples: int,
+    panels: str | None,
     request: Request,
     console: Console,
 ) -> Figure:
@@ -146,7 +166,7 @@ def _figure(
     if part:
         console.echo(f"the picture shows {part}")
     phases = [p for p in history.phases if p.end > since and p.start < until]
-    seen = choose_panels(None, flies=any(p.kind == "H" for p in phases))
+    seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
     rows = trace(history, since=since, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
     period = 1.0 / float(history.scene.frequency)
     return history_figure(phases, rows, seen, request.name or "Motion", request.told, part, period=period)
