@@ -77,7 +77,7 @@ def accuracy_command(
     if limit <= 0.0:
         raise InputError(f"--tolerance {limit:g}: must be > 0")
     request = _request(options, context.obj)
-    question(request, options)
+    question(request, console)
     name = f"{request.name or 'vibro'}-accuracy"
     with Outputs(options, name, context.obj, console, forms=HISTORIES, reads=[options.scene]) as output:
         grid = _grid(request, console)
@@ -143,17 +143,16 @@ def _run(grid: Grid, scenes: int, tolerance: float, console: Console) -> Trade:
 
 def _columns(rows: Sequence[Row]) -> TableColumns:
     """Return the columns of the table, with their units in their names."""
-    import numpy as np
-
     from vibro.accuracy.trade import Row
+    from vibro.files.csv_tables import column_of
 
-    columns: dict[str, Any] = {}
-    for field in fields(Row):
-        values = [getattr(row, field.name) for row in rows]
-        relative = field.name.startswith(("error", "drift"))
-        texts = isinstance(values[0], str)
-        columns[f"{field.name}_af" if relative else field.name] = values if texts else np.array(values, float)
-    return columns
+    names = [field.name for field in fields(Row)]
+    return {
+        f"{name}_af" if name.startswith(("error", "drift")) else name: column_of(
+            [getattr(row, name) for row in rows]
+        )
+        for name in names
+    }
 
 
 def _content(trade: Trade, grid: Grid) -> dict[str, Any]:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import shlex
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from vibro.answers.answer import Answer
 from vibro.answers.scene import OneScene, cells_answer, scene_answer
-from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.outputs import TABLES, Outputs
+from vibro.cli.request import warn_of_machine
 from vibro.core.codes import Status
 from vibro.errors import InputError
 from vibro.quantities import QUANTITIES, as_given
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
@@ -53,6 +54,11 @@ class Run:
     columns: Sequence[Column]
     is_chosen: bool = False
 
+    def refuse_text(self, options: Options) -> None:
+        """Refuse chosen columns where nothing is written that has them."""
+        if self.is_chosen and not options.json and not options.output:
+            raise InputError("--columns: the answer is no table", hint="add --json, -o - or -o NAME.csv")
+
     def records(self, block: Block) -> list[dict[str, Any]]:
         """Return cells as JSON has them."""
         from vibro.sweeps.columns import arrow_table
@@ -65,6 +71,7 @@ def answer_one(
     run: Run,
     options: Options,
     argv: Sequence[str],
+    console: Console,
     name: str,
     make: Callable[[OneScene, dict[str, Any]], Answer] | None = None,
     *,
@@ -80,6 +87,8 @@ def answer_one(
         What to print and where to write.
     argv : sequence of str
         The arguments as typed.
+    console : Console
+        For messages.
     name : str
         The files' name where the options name a folder.
     make : callable, optional
@@ -97,18 +106,17 @@ def answer_one(
     InputError, FileError
         If the files cannot be written.
     """
-    grid, console = run.grid, Console(quiet=options.quiet)
-    if run.is_chosen and not options.json and not options.output:
-        raise InputError("--columns: the answer is no table", hint="add --json, -o - or -o NAME.csv")
-    if options.decimal_comma and not options.output:
-        raise InputError("--decimal-comma: no CSV is written", hint="add -o NAME.csv, or leave it out")
+    grid = run.grid
+    run.refuse_text(options)
+    outputs = Outputs(
+        options, run.request.name or name, argv, console,
+        forms=TABLES if make is None else TABLES[:-1], pictures=(), reads=options.files,
+    )  # fmt: skip
     if grid.machine is not None:
-        from vibro.sweeps.machines import check_operating, points_of  # late: few scenes have a machine
+        from vibro.sweeps.machines import check_operating  # late: few scenes have a machine
 
-        values = grid.values()
-        check_operating(grid.machine, values)
-        for text in points_of(grid.machine, values).remarks():
-            console.warn(text)
+        check_operating(grid.machine, grid.values())
+    warn_of_machine(grid, console)
     blocks: list[Block] = []
     title = run.request.name or "Scene"
 
@@ -124,46 +132,32 @@ def answer_one(
     def page() -> str:
         from vibro.answers.scene_pictures import scene_pictures
 
-        found = answer(whole=True, recorded=False)
-        found = replace(found, notes=[*found.notes, *run.request.doubts()])
         pictures = scene_pictures(run.request, grid, OneScene(blocks[0]))
-        return found.html(pictures, shlex.join(["vibro", *argv]))
+        return outputs.page(answer(whole=True, recorded=False), pictures)
 
     if options.output:
-        outputs = Outputs(
-            options, run.request.name or name, argv, console,
-            forms=TABLES if make is None else TABLES[:-1], pictures=(), reads=options.files,
-        )  # fmt: skip
-        if outputs.tables or outputs.records or outputs.takes_stdout:
-            from vibro.cli.sweeps import conclude, write_sweep
+        from vibro.cli.sweeps import conclude, write_sweep
 
-            tally = write_sweep(
-                grid, run.table, outputs, replace(options, json=False), console, look=blocks.append,
-                more=lambda: answer(whole=True, recorded=True).content(), page=page,
-            )  # fmt: skip
-            code = conclude(tally, grid, console)
-            if outputs.takes_stdout:
-                return code
-        else:
-            blocks += sweep_blocks(grid)
-            with outputs:
-                outputs.write_texts({"html": page})
-                outputs.finish()
+        tally = write_sweep(
+            grid, run.table, outputs, replace(options, json=False), console, look=blocks.append,
+            more=lambda: answer(whole=True, recorded=True).content(), page=page,
+        )  # fmt: skip
+        conclude(tally, grid, console)
     else:
         blocks += sweep_blocks(grid)
-    if options.json:
-        print(answer(whole=True, recorded=True).json())
-    else:
-        print(answer(whole=every, recorded=False).text(every=every))
+    if not outputs.takes_stdout:
+        outputs.tell(answer(whole=every or options.json, recorded=options.json), every=every)
     return ExitCode.UNRESOLVED if blocks[0].cycle.status == Status.UNRESOLVED else ExitCode.DONE
 
 
-def answer_cells(runs: Sequence[Run], options: Options, argv: Sequence[str], name: str) -> int:
+def answer_cells(
+    runs: Sequence[Run], options: Options, argv: Sequence[str], console: Console, name: str
+) -> int:
     """Solve a few scenes and print a line for each; write their table if the options name an output.
 
     Parameters are those of ``answer_one``.
     """
-    console = Console(quiet=options.quiet)
+    runs[0].refuse_text(options)
     varying = [name for name in QUANTITIES if any(name in run.grid.told_axes for run in runs)]
     head = [("scene", "")] * (len(runs) > 1)
     head += [(QUANTITIES[name].label, QUANTITIES[name].unit) for name in varying]
@@ -174,11 +168,7 @@ def answer_cells(runs: Sequence[Run], options: Options, argv: Sequence[str], nam
     if len({*names}) < len(names):  # files of several folders
         names = [str(path) for path in options.files]
     for name_of, run in zip(names, runs, strict=True):
-        if run.grid.machine is not None:
-            from vibro.sweeps.machines import points_of
-
-            for text in points_of(run.grid.machine, run.grid.values()).remarks():
-                console.warn(text)
+        warn_of_machine(run.grid, console)
         for block in sweep_blocks(run.grid):
             unresolved |= bool((block.cycle.status == Status.UNRESOLVED).any())
             values = as_given(block.values, in_stroke=run.grid.in_stroke)
@@ -187,13 +177,11 @@ def answer_cells(runs: Sequence[Run], options: Options, argv: Sequence[str], nam
             heads += [[*own.values(), *(axis[k] for axis in axes)] for k in range(block.cycle.status.size)]
             cells += [{**own, **record} for record in run.records(block)]
     whole = not runs[0].is_chosen
-    if not (whole or options.json or options.output):
-        raise InputError("--columns: the answer is no table", hint="add --json, -o - or -o NAME.csv")
     given = dict(zip(names, (run.request.told for run in runs), strict=True))
     answer = cells_answer(head, heads, cells, given) if whole else Answer(())
 
-    def page(figures: Mapping[str, Figure] | None = None) -> str:
-        return answer.html(figures, shlex.join(["vibro", *argv]))
+    def page(figures: Mapping[str, Figure] = MappingProxyType({})) -> str:
+        return outputs.page(answer, figures)
 
     forms = TABLES if len(runs) == 1 else tuple(form for form in TABLES if form != "xlsx")
     outputs = Outputs(options, name, argv, console, forms=forms, pictures=(), reads=options.files)
@@ -205,8 +193,10 @@ def answer_cells(runs: Sequence[Run], options: Options, argv: Sequence[str], nam
             more=lambda: {"cells": cells}, page=page,
         )  # fmt: skip
     elif options.output:
-        keys = list(dict.fromkeys(key for cell in cells for key in cell))
-        table = {key: _column([cell.get(key) for cell in cells]) for key in keys}
+        from vibro.files.csv_tables import column_of
+
+        keys = dict.fromkeys(key for cell in cells for key in cell)
+        table = {key: column_of([cell.get(key) for cell in cells]) for key in keys}
         with outputs:
             outputs.write(lambda: {"": table}, dict, {"cells": cells}, {"html": page})
     if options.json:
@@ -225,15 +215,6 @@ def _cells(values: Any, block: Block) -> list[float | None]:
         return [None] * size
     found: list[float | None] = np.broadcast_to(values, block.shape).reshape(-1).tolist()
     return found
-
-
-def _column(values: Sequence[Any]) -> Any:
-    """Return a column of a CSV: texts, or numbers that are NaN where there is none."""
-    import numpy as np
-
-    if any(isinstance(value, str) for value in values):
-        return [value or "" for value in values]
-    return np.array(values, np.float64)
 
 
 def answer_sweep(run: Run, options: Options, argv: Sequence[str], console: Console, name: str) -> int:

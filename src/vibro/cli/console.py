@@ -16,17 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
     from typing import TextIO
 
-__all__ = [
-    "Console",
-    "open_closed_streams",
-    "print_error",
-    "print_unexpected",
-    "silence",
-    "tell",
-    "tell_traceback",
-    "tolerate_any_encoding",
-]
-
 
 def open_closed_streams() -> None:
     """Put something in the place of standard streams that are closed.
@@ -94,10 +83,16 @@ class Console:
     ----------
     quiet : bool
         Whether only errors are shown.
+
+    Attributes
+    ----------
+    warnings : list of str
+        What the user was warned of, which pages repeat.
     """
 
     def __init__(self, *, quiet: bool) -> None:
         self.quiet = quiet
+        self.warnings: list[str] = []
 
     @property
     def is_terminal(self) -> bool:
@@ -116,6 +111,7 @@ class Console:
 
     def warn(self, text: str) -> None:
         """Say what the user should know about the answer."""
+        self.warnings.append(text)
         self.echo(f"warning: {text}")
 
     @contextlib.contextmanager

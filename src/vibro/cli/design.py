@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import shlex
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -67,8 +66,10 @@ def design_command(
     spec = read_spec(source)
     for doubt in spec.doubts():
         console.warn(doubt)
-    name, argv = f"{spec.name}-design", context.obj
-    with Outputs(options, name, argv, console, pictures=DESIGN_PICTURES, reads=[source]) as output:
+    output = Outputs(
+        options, f"{spec.name}-design", context.obj, console, pictures=DESIGN_PICTURES, reads=[source]
+    )
+    with output:
         with console.progress("searching", None) as report:
             result = find_designs(
                 spec,
@@ -83,32 +84,19 @@ def design_command(
             with console.progress("drawing", None):
                 return _figures(spec, chosen)
 
-        def page(figures: Any) -> str:
-            shown = {text: figures[name] for name, text in _SHOWN.items() if name in figures}
-            return answer.html(shown, shlex.join(["vibro", *argv]))
-
         units = {column.name: column.unit for column in result.columns}
-        output.write(
-            lambda: {"": _columns(result)},
-            draw,
-            {"spec": read_toml(source), **answer.content(), "columns": units} if options.output else {},
-            {"html": page},
-        )
-    if not output.takes_stdout:
-        print(answer.json() if options.json else answer.text(every=every))
+        more = {"spec": read_toml(source), "columns": units}
+        output.write_answer(answer, lambda: {"": _columns(result)}, draw, _SHOWN, more=more)
+    output.tell(answer, every=every)
     return ExitCode.DONE if result.met else ExitCode.NOT_MET
 
 
 def _columns(result: DesignResult) -> TableColumns:
-    """Return the table: texts as they are, missing numbers as NaN."""
-    import numpy as np
+    """Return the table."""
+    from vibro.files.csv_tables import column_of
 
-    columns: dict[str, Any] = {}
-    for column in result.columns:
-        values = [getattr(design, column.name) for design in result.designs]
-        texts = any(isinstance(value, str) for value in values)
-        columns[column.name] = [v or "" for v in values] if texts else np.array(values, np.float64)
-    return columns
+    names = [column.name for column in result.columns]
+    return {name: column_of([getattr(design, name) for design in result.designs]) for name in names}
 
 
 def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:

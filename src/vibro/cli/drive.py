@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from vibro.answers.answer import Answer
     from vibro.answers.set_up_sheet import SheetRequest
     from vibro.files.machines import GivenMachine
     from vibro.files.scene_files import SceneFile
@@ -99,7 +97,7 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
     if not options.files:
         hint = "vibro drive feeder.toml; or vibro drive --fit POINTS.csv fits a machine to amplitudes"
         raise InputError("a scene file with a machine is missing", hint=hint)
-    requests = {str(path): _request(path, options, argv) for path in options.files}
+    requests = {str(path): _request(path, options, argv, console) for path in options.files}
     names = [Path(path).stem for path in requests]
     one = len(requests) == 1
     if one or len({*names}) == len(names):  # else the paths tell them apart
@@ -126,26 +124,14 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
             }
 
         shows = {key: _SHOWS if one else f"{_SHOWS}: {name}" for name, key in pictures.items()}
-        _write(outputs, answer, lambda: cases(sheets), draw, shows)
-    _print(answer, options, outputs, every=every)
+        outputs.write_answer(answer, lambda: {"": cases(sheets)}, draw, shows)
+    outputs.tell(answer, every=every)
     rows = [pair[state] for sheet in sheets.values() for pair in sheet.record["settings"] for state in pair]
     unresolved = any(row and row["status"] == Status.UNRESOLVED.label for row in rows)
     return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
 
 
-def _write(outputs: Outputs, answer: Answer, columns: Any, draw: Any, shows: Mapping[str, str]) -> None:
-    """Write an answer; ``shows`` says what each picture is."""
-    command = shlex.join(["vibro", *outputs.argv])
-    page = lambda figures: answer.html({shows[name]: x for name, x in figures.items()}, command)  # noqa: E731
-    outputs.write(lambda: {"": columns()}, draw, answer.content(), {"html": page})
-
-
-def _print(answer: Answer, options: Options, outputs: Outputs, *, every: bool) -> None:
-    if not outputs.takes_stdout:
-        print(answer.json() if options.json else answer.text(every=every))
-
-
-def _request(path: Path, options: Options, argv: Sequence[str]) -> SheetRequest:
+def _request(path: Path, options: Options, argv: Sequence[str], console: Console) -> SheetRequest:
     """Read what a sheet is made of."""
     from vibro.answers.set_up_sheet import SheetRequest
     from vibro.cli.request import question, request_of
@@ -157,7 +143,7 @@ def _request(path: Path, options: Options, argv: Sequence[str]) -> SheetRequest:
     bands, settings = _bands(typed, file.machine, own), _settings(typed, file.machine)
     options = options.of(path, given=typed)
     request = request_of(options, argv)
-    question(request, options)
+    question(request, console)
     values = request.fixed
     if "friction_ratio" in values:
         ratio = values.pop("friction_ratio")
@@ -248,8 +234,11 @@ def _fit(
     with outputs:
         fit = fit_points(path, given, law, amplitude_error)
         answer = fit_answer(fit, path, given)
-        shows = {"response": "Measured and fitted amplitude over frequency"}
-        draw = lambda: {"response": draw_fit(fit, path)}  # noqa: E731
-        _write(outputs, answer, lambda: columns(fit), draw, shows)
-    _print(answer, options, outputs, every=True)
+        outputs.write_answer(
+            answer,
+            lambda: {"": columns(fit)},
+            lambda: {"response": draw_fit(fit, path)},
+            {"response": "Measured and fitted amplitude over frequency"},
+        )
+    outputs.tell(answer, every=True)
     return ExitCode.DONE if fit.brackets_peak else ExitCode.UNRESOLVED

@@ -59,7 +59,7 @@ def explore_command(
         raise InputError(f"--port {wanted}: must be in [{PORTS.start}, {PORTS.stop - 1}]")
     request = _request(options, context.obj)
     if request:
-        question(request, options)
+        question(request, console)
 
     def announce(url: str, bound: int, begun: threading.Event) -> None:
         if bound != wanted:

@@ -101,7 +101,7 @@ def map_command(
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
     request = request_of(options, context.obj, varies=True, reads_map=True, takes_axes=True, ranges=RANGES)
-    question(request, options)
+    question(request, console)
     grid = request.grid(output, flight=output is Output.EXACT, coexistence=coexist)
     console.echo_all(map(str, grid.told_axes.values()))
     table = table_of(grid, columns, throughput_of(part), needed=NEEDS_PART, part=part)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -133,7 +132,7 @@ def measure_command(
             console.echo_all(trough.notes)
         else:
             request = request_of(options, argv, without_machine=_NO_MACHINE)
-        question(request, options, found)
+        question(request, console, found)
         with console.progress("fitting" if fit else "comparing", None) as bar:
             m = measure(
                 record, trough, _others(request), request.scene() if compares else None, _fitted_names(fit),
@@ -144,8 +143,7 @@ def measure_command(
             console.warn(warning)
         answer = measurement_answer(m, data, request)
         _write(outputs, answer, m, data, request)
-    if not outputs.takes_stdout:
-        print(answer.json() if options.json else answer.text(every=every))
+    outputs.tell(answer, every=every)
     is_open = m.speeds is not None and m.speeds.status is Status.UNRESOLVED
     return ExitCode.UNRESOLVED if is_open else ExitCode.DONE
 
@@ -162,13 +160,9 @@ def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request
         title = f"{answer.title}, computed pattern {m.comparison.motion.pattern}"
         return {"": comparison_figure(m.comparison, title, request.told, m.fitted)}
 
-    def page(figures: Mapping[str, Figure]) -> str:
-        doubted = replace(answer, notes=[*m.warnings, *answer.notes])
-        drawn = {"the part's signals, measured and computed": figures[""]} if figures else {}
-        return doubted.html(drawn, shlex.join(["vibro", *outputs.argv]))
-
-    texts = {"html": page, "toml": lambda _: scene_file(m, data, request)}
-    outputs.write(lambda: columns_of(m), draw, answer.content(), texts)
+    texts = {"toml": lambda _: scene_file(m, data, request)}
+    shows = {"": "the part's signals, measured and computed"}
+    outputs.write_answer(answer, lambda: columns_of(m), draw, shows, texts=texts)
 
 
 def _scene_and_record(options: Options) -> tuple[Options, Path]:

@@ -6,6 +6,7 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -104,7 +105,7 @@ class Outputs:
         self.argv, self._console, self._force = argv, console, options.force
         self._reads = [path for path in reads if path is not None]
         self._has_record = _has_record(forms)
-        self._decimal_comma = options.decimal_comma
+        self._decimal_comma, self._json = options.decimal_comma, options.json
         given = options.output or ([] if default is None else [default])
         for text in given:
             if text == "-" and "csv" not in forms and _has_record(forms):
@@ -205,10 +206,45 @@ class Outputs:
                 sys.stdout.buffer.write(form.table(next(iter(made.values()))))
         self.finish(content, figures)
 
-    def write_answer(self, answer: Answer) -> None:
-        """Write the page and the record of an answer that has no table of cells."""
-        self.write_texts({"html": lambda: answer.html(command=shlex.join(["vibro", *self.argv]))})
-        self.finish(answer.content())
+    def write_answer(
+        self,
+        answer: Answer,
+        tables: Callable[[], Mapping[str, TableColumns]] = dict,
+        draw: Callable[[], Mapping[str, Figure]] = dict,
+        shows: Mapping[str, str] = _NOTHING,
+        *,
+        more: Mapping[str, Any] = _NOTHING,
+        texts: Mapping[str, Callable[[Mapping[str, Figure]], str]] = _NOTHING,
+    ) -> None:
+        """Write an answer: its tables, pictures and record, and its page.
+
+        Parameters
+        ----------
+        answer : Answer
+            It.
+        tables, draw, texts : callable, callable, mapping
+            As of ``write``.
+        shows : mapping of str to str
+            What each picture of the page shows, by its name.
+        more : mapping
+            What the record says beside the answer.
+        """
+
+        def page(figures: Mapping[str, Figure]) -> str:
+            shown = {text: figures[name] for name, text in shows.items() if name in figures}
+            return self.page(answer, shown)
+
+        self.write(tables, draw, {**answer.content(), **more}, {"html": page, **texts})
+
+    def tell(self, answer: Answer, *, every: bool = False) -> None:
+        """Print an answer, unless stdout has its table."""
+        if not self.takes_stdout:
+            print(answer.json() if self._json else answer.text(every=every))
+
+    def page(self, answer: Answer, pictures: Mapping[str, Figure] = _NOTHING) -> str:
+        """Return the page of an answer, with the warnings about it and the command that was typed."""
+        notes = [*self._console.warnings, *answer.notes]
+        return replace(answer, notes=notes).html(pictures, shlex.join(["vibro", *self.argv]))
 
     def write_texts(self, texts: Mapping[str, Callable[[], str]]) -> None:
         """Write files of one text each, such as pages; ``texts`` makes them, by form."""

@@ -6,8 +6,6 @@ import shlex
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from vibro.cli.console import Console
-from vibro.core.codes import Output
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, STANDS_FOR, Quantity, exact_number
@@ -16,7 +14,9 @@ from vibro.sweeps.request import gather
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
+    from vibro.cli.console import Console
     from vibro.cli.options import Options
+    from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
 
@@ -108,16 +108,16 @@ def request_of(
     return request
 
 
-def warn_of_machine(request: Request, console: Console) -> None:
-    """Print warnings about a machine's operating point on stderr."""
+def warn_of_machine(grid: Grid, console: Console) -> None:
+    """Warn of operating points of a machine, if a grid has one."""
     from vibro.sweeps.machines import points_of
 
-    if request.machine is not None:
-        for text in points_of(request.machine, request.grid(Output.EXACT).values()).remarks():
+    if grid.machine is not None:
+        for text in points_of(grid.machine, grid.values()).remarks():
             console.warn(text)
 
 
-def question(request: Request, options: Options, found: Collection[str] = ()) -> None:
-    """Warn on stderr about unusual values that are probably in wrong units."""
+def question(request: Request, console: Console, found: Collection[str] = ()) -> None:
+    """Warn of unusual values that are probably in wrong units."""
     for doubt in request.doubts(found):
-        Console(quiet=options.quiet).warn(doubt)
+        console.warn(doubt)

@@ -80,10 +80,9 @@ def simulate_command(
     console = Console(quiet=options.quiet)
     choose_panels(panels, flies=True)
     request = request_of(options, context.obj)
-    question(request, options)
+    question(request, console)
     scene = request.scene()
-    if request.machine is not None:
-        warn_of_machine(request, console)
+    warn_of_machine(request.grid(), console)
     frequency = float(scene.frequency)
     if cycles is not None and duration is not None:
         raise InputError("--cycles and --duration are both given", hint="leave one of them out")

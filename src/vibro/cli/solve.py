@@ -24,6 +24,8 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from vibro.cli.console import Console
+
 _MOST_CELLS: Final = 50  # of lists: a screen; more are a map's
 _NO_MACHINE: Final = (
     "--speed asks for an amplitude, which follows from the machine; vibro map FILE setting=10:100 --speed X"
@@ -69,11 +71,13 @@ def solve_command(
     A list, such as -A 1,1.5,2, or several files give a table. With --speed it finds the amplitude.
     """
     from vibro.cli.answer import Run, answer_cells, answer_one
+    from vibro.cli.console import Console
     from vibro.cli.request import question, request_of
     from vibro.quantities import STAND_RATIO, checked_number
     from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER, WITH_STROKE, standing
     from vibro.sweeps.weighed import weighed
 
+    console = Console(quiet=options.quiet)
     output = Output.REGIMES if regimes_only else Output.EXACT
     if coexist:
         refuse_without_flight("--coexist", output)
@@ -86,7 +90,7 @@ def solve_command(
             )
         if refused := [f"--{name.replace('_', '-')}" for name, given in others.items() if given]:
             raise InputError(f"--speed finds amplitudes: {', '.join(refused)} cannot be used with it")
-        return _target(speed, options, context.obj, hopping=hopping)
+        return _target(speed, options, context.obj, console, hopping=hopping)
     if hopping:
         raise InputError("--hopping needs --speed", hint="add --speed 5m/min, or leave it out")
     part = part_of(pitch, mass)
@@ -102,7 +106,7 @@ def solve_command(
     for file in options.files or ((),):
         own = options.of(file) if isinstance(file, Path) else options
         request = request_of(own, context.obj, takes_axes=True)
-        question(request, own)
+        question(request, console)
         follows = output is Output.EXACT
         arrives = follows and request.length is not None
         grid = request.grid(output, flight=follows, coexistence=coexist, arrivals=arrives)
@@ -110,19 +114,18 @@ def solve_command(
         whole = usual_columns(grid, more) if columns is None else table.columns
         runs.append(Run(request, grid, table, whole, columns is not None))
     if len(runs) == 1 and not runs[0].request.varying:
-        return answer_one(runs[0], options, context.obj, "vibro-solve", every=every)
+        return answer_one(runs[0], options, context.obj, console, "vibro-solve", every=every)
     if (size := sum(run.grid.size for run in runs)) > _MOST_CELLS:
         raise InputError(
             f"{size} scenes: at most {_MOST_CELLS} are listed",
             hint="give fewer, such as -A 1:3:10, or use vibro map",
         )
-    return answer_cells(runs, options, context.obj, "vibro-solve")
+    return answer_cells(runs, options, context.obj, console, "vibro-solve")
 
 
-def _target(text: str, options: Options, argv: Sequence[str], *, hopping: bool) -> int:
+def _target(text: str, options: Options, argv: Sequence[str], console: Console, *, hopping: bool) -> int:
     """Find the amplitudes that reach a speed, and print them."""
     from vibro.answers.target import target_answer
-    from vibro.cli.console import Console
     from vibro.cli.exit_codes import ExitCode
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import question, request_of
@@ -130,10 +133,9 @@ def _target(text: str, options: Options, argv: Sequence[str], *, hopping: bool) 
 
     speed = checked_number(text, LEAST_SPEED)
     request = request_of(options, argv, asked_for=("amplitude", SCALE), without_machine=_NO_MACHINE)
-    question(request, options, found=(LOAD.name,))
+    question(request, console, found=(LOAD.name,))
     unit, size = given_unit(text, LEAST_SPEED)
     asked = f"{float(exact_number(text, LEAST_SPEED) / size):.15g} {unit}"
-    console = Console(quiet=options.quiet)
     outputs = Outputs(
         options, request.name or "vibro-solve", argv, console,
         forms=("json", "html"), pictures=(), reads=options.files,
@@ -142,10 +144,7 @@ def _target(text: str, options: Options, argv: Sequence[str], *, hopping: bool) 
         with console.progress("searching", None):
             answer = target_answer(request, speed, asked, hopping=hopping)
         outputs.write_answer(answer)
-    if options.json:
-        print(answer.json())
-    else:
-        print(answer.text())
+    outputs.tell(answer)
     return ExitCode.DONE if answer.record["met"] else ExitCode.NOT_MET
 
 

@@ -32,18 +32,18 @@ def traverse_time_command(
     from vibro.cli.request import question, request_of
     from vibro.sweeps.derived import WITH_ARRIVAL, WITH_STROKES
 
+    console = Console(quiet=options.quiet)
     request = request_of(
         options, context.obj, varies=sweep, reads_map=sweep, takes_axes=True, needs_length=True
     )
-    question(request, options)
+    question(request, console)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
-    console = Console(quiet=options.quiet)
     grid = request.grid(arrivals=follows)
     console.echo_all(map(str, grid.told_axes.values()))
     table = table_of(grid, columns, extra, needed={WITH_ARRIVAL.name: "--exact"})
     run = Run(request, grid, table, table.columns, columns is not None)
     if request.varying:
         return answer_sweep(run, options, context.obj, console, name)
-    return answer_one(run, options, context.obj, name, traverse_answer)
+    return answer_one(run, options, context.obj, console, name, traverse_answer)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -101,6 +101,13 @@ class CsvFormat:
         stream = io.StringIO()
         csv.writer(stream, delimiter=self.separator, lineterminator="\n").writerows(rows)
         return stream.getvalue()
+
+
+def column_of(values: Sequence[Any]) -> NDArray[np.float64] | Sequence[str]:
+    """Return a column of a table: texts, or numbers that are NaN where there is None."""
+    if any(isinstance(value, str) for value in values):
+        return [value or "" for value in values]
+    return np.array(values, np.float64)
 
 
 def _harmless(text: str) -> str:
