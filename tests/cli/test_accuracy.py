@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def test_the_advice_and_the_files(run: Run) -> None:
-    result = run("accuracy", "--scenes", "4", "-o", "trade")
+    result = run("accuracy", "--scenes", "2", "-o", "trade")
     assert result.exit_code == 0, result.stderr
     assert "Use vibro (exact" in result.stdout
     assert all(len(line) <= 80 for line in result.stdout.partition("Time a scene")[2].splitlines())

@@ -270,7 +270,10 @@ def _notes(sheet: Sheet) -> list[str]:
         for proof, settings in proofs.items()
     )
     count = max(one["operating_points_looked_at"] for one in sheet.record["guaranteed"])
-    return [f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {told}"]
+    notes = [f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {told}"]
+    if min(sheet.request.band("static_friction")) < max(sheet.request.band("kinetic_friction")):
+        notes.append("parts with more kinetic than static friction cannot be, and do not count")
+    return notes
 
 
 def _changes(sheet: Sheet) -> Table:

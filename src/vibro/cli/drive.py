@@ -100,6 +100,12 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
     requests = {str(path): _request(path, options, argv, console) for path in options.files}
     names = [Path(path).stem for path in requests]
     one = len(requests) == 1
+    settings = options.given.get("setting", "")
+    if not one and any(mark in settings for mark in ",:"):
+        raise InputError(
+            f"setting={cut(settings)}: several machines are compared at one setting",
+            hint="give one value, such as setting=50",
+        )
     if one or len({*names}) == len(names):  # else the paths tell them apart
         requests = dict(zip(names, requests.values(), strict=True))
     pictures = {name: "response" if one else f"response-{i}" for i, name in enumerate(requests, 1)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -66,7 +67,10 @@ def trade_figure(trade: Trade) -> Figure:
         labeller = Labeller(axes)
         labeller.avoid(np.array([_point(row) for row in rows]).reshape(-1, 2), radius=4.0)
         lines = [np.array([_point(row) for row in of_one]) for of_one in methods.values()]
-        lines += [np.array([_point(row), (row.time_us, max(row.error_median, _LEAST_ERROR))]) for row in rows]
+        ticks = [
+            (row, max(row.error_median, _LEAST_ERROR)) for row in rows if not math.isnan(row.error_median)
+        ]
+        lines += [np.array([_point(row), (row.time_us, tick)]) for row, tick in ticks]
         lines.append(np.array([[x, trade.tolerance] for x in axes.get_xlim()]))
         labeller.avoid_lines(lines)
         colours = dict(zip(methods, (colour for colour, _ in itertools.cycle(_LOOKS)), strict=False))
