@@ -60,7 +60,7 @@ def unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
     def save(_: object, path: str | Path, **__: object) -> None:
         Path(path).touch()
 
-    monkeypatch.setattr("vibro.plots.picture.Picture.savefig", save)
+    monkeypatch.setattr("vibro.plots.frame.Picture.savefig", save)
     monkeypatch.setattr("vibro.answers.page.picture", lambda _, name, shows: Picture("<svg/>", 1, shows))
 
 

@@ -18,8 +18,9 @@ from vibro.answers.design import goal_text
 from vibro.inverse.designs import chosen_of
 from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.reading import read_spec
+from vibro.plots import DESIGN_PICTURES
 from vibro.plots import design as settings_module
-from vibro.plots.design import DESIGN_PICTURES, Settings, design_figures
+from vibro.plots.design import Settings, design_figures
 from vibro.results.designs import Design
 
 if TYPE_CHECKING:

@@ -17,9 +17,8 @@ from vibro.plots.style import house_style, values_text
 from vibro.results.sweep import SweepResult
 
 
-@pytest.mark.parametrize("name", ["regime", "speed", "traverse"])
-def test_axes_have_names_units_and_the_range_of_the_sweep(pictures: dict[str, Figure], name: str) -> None:
-    axes = only_map(pictures[name])
+def test_axes_have_names_units_and_the_range_of_the_sweep(pictures: dict[str, Figure]) -> None:
+    axes = only_map(pictures["regime"])
     assert axes.get_xlabel() == "frequency $f$ [Hz]"
     assert axes.get_ylabel() == "amplitude $A$ [mm]"
     assert axes.get_xlim() == (5, 60)
@@ -63,7 +62,6 @@ def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
     "changes",
     [
         {"amplitude": "1:1.00001:log", "frequency": "15:15.00001:log"},
-        {"amplitude": "1:1.001", "frequency": "15:15.001", "drive_angle": "10, 20"},
         {"frequency": "15:15.00001"},
     ],
     ids=str,

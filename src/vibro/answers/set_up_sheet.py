@@ -14,7 +14,6 @@ from vibro.fillings import filling_of
 from vibro.inverse.guarantees import guarantee
 from vibro.limits import critical_loads
 from vibro.machines.operating import operating_points
-from vibro.plots.responses import DrivePicture
 from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.scene import Scene
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from vibro.files.machines import GivenMachine
     from vibro.machines.machine import Machine
     from vibro.machines.operating import OperatingPoints
+    from vibro.plots.responses import DrivePicture
 
 #: One operating point and its motion, by the names of columns; NaN where there is none.
 Row: TypeAlias = dict[str, Any]
@@ -428,6 +428,8 @@ def _unknown(guaranteed: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _picture(request: SheetRequest) -> DrivePicture:
     """Solve the curves of the picture at the last setting."""
+    from vibro.plots.responses import DrivePicture
+
     given, drive, last = request.machine, request.values["frequency"], {"setting": request.settings[-1]}
     ends, _ = _solved(request, [{**last, "filling": filling} for filling in request.fillings])
     ratios = [row["filled_frequency_ratio" if row["filling_kg"] else "frequency_ratio"] for row in ends]

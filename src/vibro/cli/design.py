@@ -56,7 +56,7 @@ def design_command(
     from vibro.inverse.designs import checked_digits, chosen_of, find_designs
     from vibro.inverse.reading import read_spec
     from vibro.inverse.rounding import DIGITS
-    from vibro.plots.design import DESIGN_PICTURES
+    from vibro.plots import DESIGN_PICTURES
 
     console = Console(quiet=options.quiet)
     count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))

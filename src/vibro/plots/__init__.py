@@ -7,9 +7,6 @@ from __future__ import annotations
 
 from typing import IO, TYPE_CHECKING, Any, Final
 
-from vibro.plots.curves import curve_figure
-from vibro.plots.fields import Fields
-from vibro.plots.maps import map_figure
 from vibro.plots.style import house_style, visible
 from vibro.plots.subjects import SUBJECTS
 from vibro.plots.view import View, choose_view, panels
@@ -27,7 +24,10 @@ _DRAWN: Final = (
     "regime", "mean_velocity", "displacement_per_cycle", "period_cycles", "mean_velocity_error", "coexists",
     "status",
 )  # fmt: skip
+#: Names of the pictures of a design.
+DESIGN_PICTURES: Final = ("regime", "speed", "band")
 _IN_PLACE_OF_LIMITS: Final = ("throw_number", "forward_ratio")
+_KEYS: Final = {"svg": ("Description", "Date"), "pdf": ("Subject", "CreationDate")}  # of metadata
 _COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in half the time
 
 
@@ -93,6 +93,10 @@ def map_figures(
     InputError
         If a picture cannot be drawn.
     """
+    from vibro.plots.curves import curve_figure
+    from vibro.plots.fields import Fields
+    from vibro.plots.maps import map_figure
+
     view = choose_view(result.axes, x, y, at, result.fixed)
     groups = [[Fields(panel) for panel in curves] for curves in panels(result, view)]
     if names is None:
@@ -124,17 +128,11 @@ def save(figure: Figure, path: Path | IO[bytes], picture_format: str, metadata: 
         the figure is added as title, without characters that a format forbids.
     """
     more: dict[str, Any] = {"pil_kwargs": {"compress_level": _COMPRESSION}} if picture_format == "png" else {}
-    described = _metadata(picture_format, {"Title": visible(str(figure.get_label())), **metadata})
+    described: dict[str, str | None] = {"Title": visible(str(figure.get_label())), **metadata}
+    if picture_format != "png":
+        text = "\n".join(f"{key}: {value}" for key, value in metadata.items())
+        place, date = _KEYS[picture_format]
+        # No date: equal pictures give equal files.
+        described = {"Title": described["Title"], place: text, date: None}
     with house_style():
         figure.savefig(path, format=picture_format, metadata=described, **more)
-
-
-def _metadata(picture_format: str, metadata: Mapping[str, str]) -> dict[str, str | None]:
-    if picture_format == "png":
-        return dict(metadata)
-    text = "\n".join(f"{key}: {value}" for key, value in metadata.items() if key != "Title")
-    place = {"svg": "Description", "pdf": "Subject"}[picture_format]
-    # No date: equal pictures give equal files.
-    undated = {"svg": "Date", "pdf": "CreationDate"}[picture_format]
-    title = {"Title": metadata["Title"]} if "Title" in metadata else {}
-    return {**title, place: text, undated: None}

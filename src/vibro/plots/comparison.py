@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.frame import set_heading, settle, shade
+from vibro.plots.frame import Picture, set_heading, settle, shade
 from vibro.plots.history import phase_bands
 from vibro.plots.style import INK, SECOND, house_style, values_text
 
@@ -69,8 +69,6 @@ def comparison_figure(
         comparison = fitted
     signals = comparison.observation.signals
     with house_style():
-        from vibro.plots.picture import Picture
-
         figure = Picture(figsize=(10.0, 1.4 + _ROW * len(signals)))
         grid = figure.subplots(len(signals), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
         for (over_time, on_one), name in zip(grid, signals, strict=True):

@@ -170,9 +170,8 @@ def _begins(fields: Fields, curves: Iterable[str]) -> list[tuple[str, float]]:
 def _critical_lines(axes: Axes, fields: Fields) -> None:
     for name, x in _begins(fields, style.CURVES):
         curve = style.CURVES[name]
-        look = {"color": style.INK, "linestyle": curve.dashes, "linewidth": curve.width}
         label = f"{curve.label}: {style.value_text(fields.panel.x.name, x)}"
-        axes.axvline(x, zorder=2, gid=name, label=label, **look)
+        axes.axvline(x, zorder=2, gid=name, label=label, **curve.look)
 
 
 def _mark_regimes(axes: Axes, fields: Fields, values: Floats, look: Look) -> None:
@@ -227,8 +226,8 @@ def _tell_unanswered(axes: Axes, view: View, fields: Sequence[Fields], shown: Se
             found.setdefault(label, []).append(style.value_text(name, f.panel.values[name]) if name else "")
     lines = [": ".join(filter(None, [label, ", ".join(values)])) for label, values in found.items()]
     if lines:
-        text = axes.text(0.02, 0.97, "\n".join(lines), transform=axes.transAxes, va="top", fontsize=8.0)
-        style.outline(text, "#FFFFFF")
+        look: Look = {"va": "top", "fontsize": 8.0, "path_effects": style.halo("#FFFFFF")}
+        axes.text(0.02, 0.97, "\n".join(lines), transform=axes.transAxes, **look)
 
 
 def _finish_scale(axes: Axes, picture: str, values: Floats, target_speed: float | None) -> None:

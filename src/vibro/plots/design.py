@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Names of the pictures.
-DESIGN_PICTURES: Final = ("regime", "speed", "band")
-
 _BEGINS_TO: Final = dict(zip(BEGINS_AT, ("starts", "slips back", "hops"), strict=True))
 _TIPS: Final = style.CurveStyle("first part lifts an edge", style.TIPPING, 1.6)
 _UNKNOWN: Final = style.no_answer(Status.RUNAWAY)[1]
@@ -47,8 +44,7 @@ _NOTHING: Final = "no speed guaranteed"
 _BAND: Final = "#A9C4E4"
 _WINDOW: Final = "#E4E4E4"
 _SIZE: Final = (7.4, 5.2)  # [in]
-_NAME_SIZE: Final = 8.5  # [pt] of a drive's name
-_NAME_ROOM: Final = 160.0  # [pt]
+_NAME_LETTERS: Final = 25  # of a drive's name
 #: Regimes with motion.
 LIVELIER: Final = tuple(BEGINS_AT)
 #: Prefix of a curve of the last part; other curves are of the first part.
@@ -269,11 +265,7 @@ class _Layers(MapLayers):
         for curve in BEGINS_AT.values():
             for name in (curve, LAST + curve):
                 if pieces := zero_lines(self.fields, self.fields.log_ratio[name]):
-                    look = {
-                        "color": style.INK,
-                        "linestyle": _dashes(name),
-                        "linewidth": style.CURVES[curve].width,
-                    }
+                    look = {**style.CURVES[curve].look, "linestyle": _dashes(name)}
                     self._line(pieces, gid=name, zorder=3, **look)
                     self._clear += pieces
         self._draw_tips()
@@ -301,7 +293,7 @@ class _Layers(MapLayers):
         outside = -settings.over(settings.strong)
         if outside.min() < 0.0:
             self._fill(outside, gid="beyond the drive", zorder=2.5, facecolor=to_rgba(*_VEIL))
-        name = style.figure_text(settings.chosen.drive.name, _NAME_SIZE, _NAME_ROOM)
+        name = style.figure_text(settings.chosen.drive.name, _NAME_LETTERS)
         self._outline("drive", f"limits of {name}", settings.pieces(settings.strong), _DRIVE)
 
     def draw_meets(self) -> None:
@@ -312,11 +304,9 @@ class _Layers(MapLayers):
         self.draw_curve("tips", _TIPS, zero_lines(self.fields, self.fields.log_ratio["tips"]))
 
     def _outline(self, name: str, label: str, pieces: list[Floats], look: Mapping[str, Any]) -> None:
-        from matplotlib.patheffects import withStroke
-
         if pieces:
-            halo = withStroke(linewidth=look["linewidth"] + 2.0, foreground="#FFFFFF")
-            self._line(pieces, label=label, gid=name, zorder=4, path_effects=[halo], **look)
+            halo = style.halo("#FFFFFF", look["linewidth"] + 2.0)
+            self._line(pieces, label=label, gid=name, zorder=4, path_effects=halo, **look)
             self._clear += pieces
 
 

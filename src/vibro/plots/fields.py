@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.neighbours import are_even, dilate, erode, fill_unknown
+from vibro.plots.neighbours import dilate, erode, fill_unknown
 from vibro.quantities import scene_fields
 from vibro.scene import Scene
 
@@ -60,7 +60,7 @@ _ROUNDING: Final = 1e-9  # of the largest speed: less counts as none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
 
-_EVEN_POINTS: Final = 100  # points along an axis, to find places for words
+_EVEN_POINTS: Final = 200  # points along an axis, to find places for words
 # Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
 _LEAST_RATIO: Final = 1e-30
 
@@ -236,16 +236,14 @@ class Fields:
         return np.column_stack([_unstraightened(self.panel.x, points[:, 0]), y])
 
     def evenly(self, field: Floats) -> Floats:
-        """Return a field on points that lie evenly on the paper, for the search for places of words.
-
-        Pictures that solve their own cells have such axes already; a caller's cells may not.
-        """
-        for dimension, (axis, own) in enumerate(((self.panel.y, self.v), (self.panel.x, self.u))):
-            if axis is not None and (len(axis) < _EVEN_POINTS or not are_even(axis.on_paper)):
-                space = np.geomspace if axis.spacing == "log" else np.linspace
-                at = _straightened(axis, space(axis.values[0], axis.values[-1], _EVEN_POINTS))
-                field = np.apply_along_axis(lambda f, to, of: np.interp(to, of, f), dimension, field, at, own)
-        return field
+        """Return a field of a map on points that lie evenly on the paper, to find places for words."""
+        panel = self.panel
+        axes = ((panel.x.on_paper, self.u), ((panel.y or panel.x).on_paper, self.v))
+        grid = [
+            np.interp(np.linspace(places[0], places[-1], _EVEN_POINTS), places, own) for places, own in axes
+        ]
+        points = np.stack(np.meshgrid(*grid), axis=-1)
+        return _sample(self, field, points.reshape(-1, 2)).reshape(points.shape[:2])
 
     def along(self, field: Floats, x: float) -> float:
         """Return the value of a field of one row at a place, in the user's units."""

@@ -7,6 +7,14 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
+from matplotlib import ticker
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.transforms import Bbox
 
 from vibro.plots import style
 from vibro.plots.view import is_discrete
@@ -16,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
@@ -28,22 +35,19 @@ _FACET_SIZE: Final = (3.1, 2.7)  # [in]
 _EXTRA_SIZE: Final = (1.2, 1.3)  # [in] for the colour bar beside facets, and the heading and legend
 _FACET_COLUMNS: Final = {1: 1, 2: 2, 3: 3, 4: 2, 5: 3, 6: 3, 7: 4, 8: 4, 9: 3, 10: 4, 11: 4, 12: 4}
 _HEADING_SIZE: Final = 10.5  # [pt]
-_HEADING_SHARE: Final = 0.94  # largest share of a figure's width for a headline
-_POINTS: Final = 72.0  # [pt/in]
+_LETTERS: Final = 10.0, 12.2  # [1/in] of a headline, and below it
 _DECADES_FOR_TENS: Final = 3.0  # a longer logarithmic scale has ticks at powers of ten alone
 _SHORT: Final = 2.0  # a logarithmic scale that does not end above this multiple of its start has even ticks
-_FEW_TICKS: Final = 4  # a scale with room for these has numbers with enough digits to be distinct
 _MOST_TICKS: Final = 9
 _TICK_STEPS: Final = (1, 2, 2.5, 5, 10)
 _PHASES: Final = tuple(name for name in DRIVES if "phase" in name)
 _PHASE_STEPS: Final = (1, 1.5, 3, 4.5, 9, 10)  # to divide turns
-_DIGIT_WIDTH: Final = 0.115  # [in] of a digit on an axis, with its share of the gap between numbers
+_TICK: Final = 0.55  # [in] from one number on a horizontal axis to the next
 _HANDLE_WIDTH: Final = 0.62  # [in] of a handle in a legend, with the gap between columns
 _LETTER_WIDTH: Final = 0.065  # [in] of a letter in a legend
 _ROW_HEIGHT: Final = 0.18  # [in] of a row of a legend
 _LEAST_AREA: Final = 2.0  # [px] width and height of an area that a legend names
 _LIST_MARGIN: Final = 0.06  # of an axis of single points, beyond the outer ones
-_LIST_TICK: Final = 0.5  # [in] from one number below such an axis to the next
 _MARKER: Final[dict[str, Any]] = {
     "marker": "o",
     "markersize": 8.0,
@@ -55,16 +59,21 @@ _MARKER: Final[dict[str, Any]] = {
 
 
 _PEAKS: Final = {"fastest": "^", "fastest_backwards": "v"}
-_PEAK: Final[dict[str, Any]] = {
-    "linestyle": "none",
-    "markersize": 9.5,
-    "markerfacecolor": "none",
-    "markeredgecolor": style.INK,
-    "markeredgewidth": 1.8,
-}
 _HALO: Final = 4.0  # [pt] width of the white around a marker, over any colours and hatches
 #: Opacity of bands behind curves.
 TINT: Final = 0.35
+
+
+class Picture(Figure):
+    """A figure that several threads may save at once, while others draw: one does so at a time."""
+
+    #: Rows of the legend for which the figure has room.
+    legend_rows = 3
+
+    def savefig(self, *args: Any, **more: Any) -> None:
+        """Write the picture to a file, as matplotlib does, in the style in which it was drawn."""
+        with style.house_style():
+            super().savefig(*args, **more)
 
 
 def renderer_of(figure: Figure) -> Any:
@@ -72,8 +81,6 @@ def renderer_of(figure: Figure) -> Any:
 
     One for all of them: each renderer has to set every formula anew.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
     canvas: Any = figure.canvas
     if not isinstance(canvas, FigureCanvasAgg):
         canvas = FigureCanvasAgg(figure)  # becomes the figure's own
@@ -90,15 +97,11 @@ def facets(panels: Sequence[Panel], label: str = "") -> tuple[Figure, list[Axes]
     label : str, optional
         Of the scale of curves.
     """
-    from vibro.plots.picture import Picture
-
     n = len(panels)
     columns = _FACET_COLUMNS[n]
     rows = math.ceil(n / columns)
-    size = _SINGLE_SIZE
-    if n > 1:
-        size = (columns * _FACET_SIZE[0] + _EXTRA_SIZE[0], rows * _FACET_SIZE[1] + _EXTRA_SIZE[1])
-    figure = Picture(figsize=size)
+    size = (columns * _FACET_SIZE[0] + _EXTRA_SIZE[0], rows * _FACET_SIZE[1] + _EXTRA_SIZE[1])
+    figure = Picture(figsize=size if n > 1 else _SINGLE_SIZE)
     grid = list(figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat)
     for unused in grid[n:]:
         unused.remove()
@@ -118,8 +121,6 @@ def facets(panels: Sequence[Panel], label: str = "") -> tuple[Figure, list[Axes]
 
 def stack(size: tuple[float, float], heights: Sequence[float], *, own: int = 0) -> tuple[Figure, list[Axes]]:
     """Make a figure of panels one above the other, over one scale; so many of the last have their own."""
-    from vibro.plots.picture import Picture
-
     figure = Picture(figsize=size)
     grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
     axes: list[Axes] = []
@@ -153,10 +154,10 @@ def set_heading(figure: Figure, headline: str, below: str = "") -> None:
         Further lines, for matplotlib, which are broken after commas to fit.
     """
     figure.set_label(headline)
-    room = _HEADING_SHARE * _POINTS * float(figure.get_figwidth())
-    told = [style.broken_lines(line, _HEADING_SIZE, room) for line in below.splitlines()]
-    lines = [style.figure_text(headline, _HEADING_SIZE, room), *told]
-    figure.suptitle("\n".join(line for line in lines if line), fontsize=_HEADING_SIZE, linespacing=1.5)
+    above, beneath = (int(letters * figure.get_figwidth()) for letters in _LETTERS)
+    lines = [style.figure_text(headline, above)]
+    lines += [style.broken_lines(line, beneath) for line in below.splitlines()]
+    figure.suptitle("\n".join(lines), fontsize=_HEADING_SIZE, linespacing=1.5)
 
 
 def scale_axis(axis: Any, of: Axis) -> None:
@@ -173,65 +174,57 @@ def scale_axis(axis: Any, of: Axis) -> None:
 
 def _mark_values(axis: Any, values: NDArray[np.float64]) -> None:
     """Mark the values of a list, with their numbers where there is room."""
-    span, width = float(np.ptp(values)), axis.axes.bbox.width / axis.axes.figure.dpi
-    axis.axes.set_xlim(values[0] - _LIST_MARGIN * span, values[-1] + _LIST_MARGIN * span)
+    margin = _LIST_MARGIN * float(np.ptp(values))
+    axis.axes.set_xlim(values[0] - margin, values[-1] + margin)
+    room = _TICK / _inches(axis) * float(np.ptp(values))
     labels, last = [], -np.inf
     for value in values.tolist():
-        has_room = value - last >= _LIST_TICK / width * span
+        has_room = value - last >= room
         labels.append(style.number_text(value) if has_room else "")
         last = value if has_room else last
     axis.axes.set_xticks(values, labels)
 
 
+def _inches(axis: Any) -> float:
+    return float(axis.axes.bbox.width / axis.axes.figure.dpi)
+
+
 def _spread_ticks(axis: Any, steps: Sequence[float] = _TICK_STEPS) -> None:
     """Thin out the ticks of a horizontal axis until their numbers, written in full, do not overlap."""
-    from matplotlib.ticker import MaxNLocator
-
-    if steps is not _TICK_STEPS:
-        axis.set_major_locator(MaxNLocator(nbins=_MOST_TICKS, steps=steps))
-    if axis.axis_name == "x":
-        # By default there is room for four digits each.
-        low, high = axis.get_view_interval()
-        decimals = max(0, math.ceil(math.log10(_FEW_TICKS / (high - low))))
-        longest = _DIGIT_WIDTH * len(f"{max(abs(low), abs(high)):.{decimals}f}")
-        most = int(axis.axes.bbox.width / axis.axes.figure.dpi / longest)
-        axis.set_major_locator(MaxNLocator(nbins=min(max(most, 1), _MOST_TICKS), steps=steps))
+    most = min(int(_inches(axis) / _TICK), _MOST_TICKS) if axis.axis_name == "x" else _MOST_TICKS
+    axis.set_major_locator(ticker.MaxNLocator(nbins=most, steps=steps))
 
 
 def make_logarithmic(axis: Any, low: float, high: float) -> None:
     """Scale an axis logarithmically, with plain numbers at 1, 2, 5, or at powers of ten on a long one."""
-    from matplotlib import ticker
-
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
     if high < _SHORT * low:
-        axis.set_major_locator(ticker.AutoLocator())
         axis.set_major_formatter(ticker.ScalarFormatter())
         axis.set_minor_locator(ticker.NullLocator())
         _spread_ticks(axis)
         return
-    decades = math.log10(high / low)
-    subs = (1.0,) if decades > _DECADES_FOR_TENS else (1.0, 2.0, 5.0)
+    subs = (1.0,) if math.log10(high / low) > _DECADES_FOR_TENS else (1.0, 2.0, 5.0)
     axis.set_major_locator(ticker.LogLocator(subs=subs))
-    axis.set_major_formatter(
-        ticker.FuncFormatter(lambda value, _: np.format_float_positional(float(f"{value:.6g}"), trim="-"))
-    )
+    axis.set_major_formatter(lambda value, _: np.format_float_positional(float(f"{value:.6g}"), trim="-"))
     axis.set_minor_formatter(ticker.NullFormatter())
 
 
 def place_on(panel: Panel, point: Mapping[str, float] | None) -> NDArray[np.float64]:
     """Return where a point, in the user's units, lies on a panel: an array of shape (0 or 1, 2)."""
     drawn = [axis for axis in (panel.x, panel.y) if axis is not None]
-    if (
-        point is None
-        or any(
-            not math.isclose(value, panel.values[name], rel_tol=1e-6, abs_tol=1e-12)
-            for name, value in point.items()
-            if name in panel.values
-        )
-        or any(not axis.values[0] <= point[axis.name] <= axis.values[-1] for axis in drawn)
-        or (is_discrete(panel.x) and not np.isclose(panel.x.values, point[panel.x.name], rtol=1e-9).any())
-    ):
+    on_panel = point is not None and all(
+        math.isclose(value, panel.values[name], rel_tol=1e-6, abs_tol=1e-12)
+        for name, value in point.items()
+        if name in panel.values
+    )
+    if point is None or not on_panel:
         return np.empty((0, 2))
+    for axis in drawn:
+        values, value = axis.values, point[axis.name]
+        if not values[0] <= value <= values[-1] or (
+            is_discrete(axis) and not np.isclose(values, value, rtol=1e-9).any()
+        ):
+            return np.empty((0, 2))
     return np.array([[point[axis.name] for axis in drawn] + [0.0] * (2 - len(drawn))])
 
 
@@ -258,8 +251,6 @@ def draw_peaks(result: SweepResult, axes: Sequence[Axes], panels: Sequence[Panel
     list of (n, 2) array
         The points marked on each panel; of lines, their height is the speed [mm/s].
     """
-    from matplotlib.patheffects import withStroke
-
     marked = [np.empty((0, 2)) for _ in panels]
     for name, marker in _PEAKS.items():
         peak = result.fastest.get(name)
@@ -267,11 +258,7 @@ def draw_peaks(result: SweepResult, axes: Sequence[Axes], panels: Sequence[Panel
             continue
         label = f"{name.replace('_', ' ')}: {style.number_text(peak.speed)} mm/s at "
         label += style.values_text({axis: peak.values[axis] for axis in result.axes}, all_of_them=True)
-        look = {
-            **_MARKER,
-            "marker": marker,
-            "path_effects": [withStroke(linewidth=_HALO, foreground="#FFFFFF")],
-        }
+        look = {**_MARKER, "marker": marker, "path_effects": style.halo("#FFFFFF", _HALO)}
         for i, panel in enumerate(panels):
             point = place_on(panel, {k: v for k, v in peak.values.items() if np.isfinite(v)})
             if len(point):
@@ -283,10 +270,9 @@ def draw_peaks(result: SweepResult, axes: Sequence[Axes], panels: Sequence[Panel
 
 def draw_wanted(axes: Axes, level: float, text: str) -> None:
     """Draw a line at what is asked for, and name it."""
-    look = {"color": style.WANTED.colour, "linestyle": style.WANTED.dashes, "linewidth": style.WANTED.width}
-    axes.axhline(level, zorder=2.5, gid="level", **look)
+    axes.axhline(level, zorder=2.5, gid="level", **style.WANTED.look)
     place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
-    style.outline(axes.annotate(text, *place), "#FFFFFF")
+    axes.annotate(text, *place, path_effects=style.halo("#FFFFFF"))
 
 
 def settle(figure: Figure) -> None:
@@ -294,15 +280,13 @@ def settle(figure: Figure) -> None:
 
     The figure may have a layout from before, with another legend.
     """
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-
     for old in list(figure.legends):
         old.remove()
     renderer = renderer_of(figure)  # so that the layout uses it, and no other
     handles = _handles(figure, renderer)
     if handles:
         width, height = figure.get_size_inches()
-        columns = _columns([handle.get_label() for handle in handles], width)
+        columns = _columns([len(handle.get_label()) for handle in handles], width)
         rows = math.ceil(len(handles) / columns)
         known: Any = figure
         if rows > known.legend_rows:  # leave the panels their size
@@ -315,60 +299,42 @@ def settle(figure: Figure) -> None:
 
 def _handles(figure: Figure, renderer: Any) -> list[Any]:
     """Return what a legend shows: lines, then areas, each label once."""
-    from matplotlib.collections import LineCollection
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    found: dict[str, Any] = {}
     for axes in figure.axes:
         axes.get_xlim()  # the limits of what is drawn are found when they are asked for
-    kinds = [[*axes.lines, *axes.collections] for axes in figure.axes], [axes.patches for axes in figure.axes]
-    drawn: list[Any] = [artist for kind in kinds for artists in kind for artist in artists]
-    for artist in drawn:
+    found: dict[str, Any] = {}
+    lines = [artist for axes in figure.axes for artist in (*axes.lines, *axes.collections)]
+    for artist in (*lines, *(patch for axes in figure.axes for patch in axes.patches)):
         label = str(artist.get_label())
         if not label or label.startswith("_") or label in found or not _is_seen(artist, renderer):
             continue
-        if isinstance(artist, Line2D):
-            found[label] = Line2D([], [])
-            found[label].update_from(artist)
-        elif isinstance(artist, LineCollection):
-            bars: Any = artist
-            (colour, *_), (width, *_) = bars.get_color(), bars.get_linewidth()
-            found[label] = Line2D([], [], color=colour, linewidth=width)
-        else:
-            face, edge = (np.reshape(c, (-1, 4)) for c in (artist.get_facecolor(), artist.get_edgecolor()))
-            seen: Any = edge[0] if edge.any() else style.INK
-            found[label] = Patch(facecolor=face[0], edgecolor=seen, hatch=artist.get_hatch(), linewidth=0.6)
-        found[label].set_label(label)
+        found[label] = artist
+        if not isinstance(artist, (Line2D, LineCollection)):
+            drawn: Any = artist
+            face, edge = (np.reshape(c, (-1, 4)) for c in (drawn.get_facecolor(), drawn.get_edgecolor()))
+            look = {"hatch": drawn.get_hatch(), "edgecolor": edge[0] if edge.any() else style.INK}
+            found[label] = Patch(facecolor=face[0], linewidth=0.6, label=label, **look)
     return list(found.values())
+
+
+def _columns(letters: list[int], room: float) -> int:
+    """Into how many columns of a legend labels of so many letters are divided to fit in a width [in]."""
+    for columns in range(len(letters), 1, -1):
+        parts = np.array_split(letters, columns)  # as matplotlib divides them
+        if sum(_HANDLE_WIDTH + _LETTER_WIDTH * part.max() for part in parts) <= room:
+            return columns
+    return 1
 
 
 def _is_seen(artist: Any, renderer: Any) -> bool:
     """Whether an artist is within its axes, and an area is no mere line."""
-    from matplotlib.collections import LineCollection
-    from matplotlib.patches import Patch
-    from matplotlib.transforms import Bbox
-
-    extent = artist.get_window_extent(renderer)
     if isinstance(artist, LineCollection):  # which finds no extent of its own on the paper
-        to_pixels: Any = artist.axes
-        extent = artist.get_datalim(to_pixels.transData).transformed(to_pixels.transData)
+        return True
+    extent = artist.get_window_extent(renderer)
     if not np.isfinite(extent.get_points()).all():  # of numbers that are all unknown
         return False
     seen = Bbox.intersection(extent, artist.axes.bbox.padded(1.0))
     least = _LEAST_AREA if isinstance(artist, Patch) else 0.0
     return seen is not None and min(seen.width, seen.height) >= least
-
-
-def _columns(texts: list[str], room: float) -> int:
-    """Into how many columns of a legend texts are divided to take the fewest rows in a width [in]."""
-    for rows in range(1, len(texts)):
-        columns = math.ceil(len(texts) / rows)
-        # As matplotlib divides them: column by column, the first ones longer if they cannot be equal.
-        parts = np.array_split([_HANDLE_WIDTH + _LETTER_WIDTH * len(text) for text in texts], columns)
-        if sum(part.max() for part in parts) <= room:
-            return columns
-    return 1
 
 
 class Band(NamedTuple):
@@ -396,24 +362,20 @@ def settle_bands(figure: Figure, strip: Axes, bands: Iterable[Band]) -> None:
     strip.set_yticks([])
     strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
     settle(figure)
-    renderer, to_pixels = renderer_of(figure), strip.transData
-    (first, last), named, others = strip.get_xlim(), set(), []
+    renderer, (first, last), named, others = renderer_of(figure), strip.get_xlim(), set(), []
     for name, group in groupby(bands, key=lambda band: band.name):
         run = list(group)
         low, high, look = max(run[0].low, first), min(run[-1].high, last), run[0].look
         area = strip.axvspan(low, high, gid=name, **{"linewidth": 0.0, **look})
-        (left, y), (right, _) = to_pixels.transform([(end, 0.5) for end in (low, high)])
-        middle = to_pixels.inverted().transform((0.5 * (left + right), y))[0]
-        place: dict[str, Any] = {"ha": "center", "va": "center_baseline", "fontsize": 9.0}
-        text = strip.text(middle, 0.5, name, color=style.ink_on(look["facecolor"]), **place)
-        if "hatch" in look:
-            style.outline(text, look["facecolor"])
-        if text.get_window_extent(renderer).width <= right - left - 4.0:
+        place: Any = {"xy": (0.5, 0.5), "xycoords": area, "ha": "center", "va": "center_baseline"}
+        effects = style.halo(look["facecolor"]) if "hatch" in look else None
+        text = strip.annotate(name, **place, color=style.ink_on(look["facecolor"]), path_effects=effects)
+        if text.get_window_extent(renderer).width <= area.get_window_extent(renderer).width - 4.0:
             named.add(name)
         else:
             text.remove()
             others.append((name, area))
     for name, area in others:
         area.set_label("" if name in named else name)
-    if any(area.get_label() for _, area in others):
+    if {name for name, _ in others} - named:
         settle(figure)

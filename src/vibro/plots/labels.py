@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.plots.frame import renderer_of
-from vibro.plots.style import outline
+from vibro.plots.style import halo
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,7 +78,7 @@ class Labeller:
         """Keep labels off lines in the user's units, all but those that are written on them."""
         self._crowd += self._under(lines)
 
-    def in_region(self, text: str, member: NDArray[np.bool_], halo: Any = None, **style: Any) -> bool:
+    def in_region(self, text: str, member: NDArray[np.bool_], **style: Any) -> bool:
         """Write a region's name in the middle of its roomiest part.
 
         Parameters
@@ -87,8 +87,6 @@ class Labeller:
             In one line; it is broken at its hyphen or first blank if only that makes it fit.
         member : bool array
             Whether each point of a grid, evenly spaced over the whole map, belongs to the region.
-        halo : color, optional
-            Outline of the words, to make them stand out.
         **style
             Properties of the text.
 
@@ -107,22 +105,12 @@ class Labeller:
             artist, width, height = self._text(words, style)
             middle = _roomiest(free, math.ceil(height / _CELL), math.ceil(width / _CELL))
             if middle is not None:
-                outline(artist, halo)
                 self._put(artist, width, height, middle)
                 return True
             artist.remove()
         return False
 
-    def along(
-        self,
-        text: str,
-        lines: Sequence[Floats],
-        *,
-        beside: bool = False,
-        plate: Any = None,
-        halo: Any = None,
-        **style: Any,
-    ) -> bool:
+    def along(self, text: str, lines: Sequence[Floats], *, beside: bool = False, **style: Any) -> bool:
         """Write a line's name along it, where it is straight and clear.
 
         Parameters
@@ -133,10 +121,6 @@ class Labeller:
             Pieces of the line, in the user's units; the longest is preferred.
         beside : bool, optional
             Whether the words lie beside the line, and cover no part of it.
-        plate : color, optional
-            Of the ground under the words, which interrupts the line.
-        halo : color, optional
-            Outline of the words, to make them stand out.
         **style
             Properties of the text.
 
@@ -145,8 +129,6 @@ class Labeller:
         bool
             False if it fits nowhere and is not written.
         """
-        if plate is not None:
-            style["bbox"] = {"boxstyle": "square,pad=0.12", "facecolor": plate, "edgecolor": "none"}
         artist, width, height = self._text(text, style)
         others = self._crowd if beside else self._crowd - self._under(lines)
         for piece in map(self._on_paper, sorted(lines, key=len, reverse=True)):
@@ -154,7 +136,6 @@ class Labeller:
             places = [self._place_on(piece, others, width, height, side) for side in sides]
             room, middle, direction = max(places, key=lambda place: place[0])
             if room:
-                outline(artist, halo)
                 self._put(artist, width, height, middle, direction)
                 return True
         artist.remove()
@@ -162,7 +143,7 @@ class Labeller:
 
     def beside(self, text: str, point: tuple[float, float], **style: Any) -> None:
         """Write the name of a point, in the user's units, where it is nearest and covers least."""
-        artist, width, height = self._text(text, style)
+        artist, width, height = self._text(text, {"path_effects": halo("#FFFFFF"), **style})
         (centre,) = self._on_paper(np.array([point]))
         middles = [
             centre + right * (off + 0.5 * width) + 1j * up * (off + 0.5 * height)
@@ -172,7 +153,6 @@ class Labeller:
         shape = _rectangle(width, height)
         middle = min(middles, key=lambda m: int(self._crowd[self._cells(shape + m)].sum()))
         self._put(artist, width, height, middle)
-        outline(artist, "#FFFFFF")
         if abs(middle - centre) > _LED * self._pixels_per_point + 0.5 * width:  # a line leads to it
             half, off = 0.5 * complex(width, height), centre - middle
             x, y = (np.clip(o, -h, h) for o, h in ((off.real, half.real), (off.imag, half.imag)))

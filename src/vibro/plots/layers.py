@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
+from matplotlib.patches import PathPatch
 
 from vibro.core.codes import Regime, Status
 from vibro.plots import style
@@ -29,7 +29,7 @@ WHITE: Final = {"facecolor": style.REGIME_COLOURS[Regime.NO_SLIP]}
 _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump up and down, contours break up into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
-_HATCHED: Final = 0.01  # of the side of the map: least width of an area in which a hatch is seen
+_HATCHED: Final = 0.005  # of the side of the map: half the least width of an area in which a hatch is seen
 _NUMBERED: Final = 0.25  # of the side of the map: longer pieces of a contour have its number each
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 _HALO: Final = 1.4  # [pt] around lines, on either side together
@@ -157,16 +157,14 @@ class MapLayers:
 
     def draw_curve(self, name: str, curve: style.CurveStyle, pieces: list[Floats]) -> None:
         """Draw the pieces of a curve, if any, to be named by ``write``."""
-        from matplotlib.patheffects import withStroke
-
         if not pieces:
             return
         width = curve.width * self._scale
         # Dark around a white curve, white around others on coloured numbers.
         ground = style.INK if curve.colour == style.ZERO_SPEED.colour else "#FFFFFF"
         has_halo = self._has_numbers or ground == style.INK
-        halo = [withStroke(linewidth=width + _HALO, foreground=ground, alpha=0.8)] if has_halo else None
-        look = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": width, "path_effects": halo}
+        halo = style.halo(ground, width + _HALO, alpha=0.8) if has_halo else None
+        look = {**curve.look, "linewidth": width, "path_effects": halo}
         line = self._line(pieces, gid=name, zorder=3, **look)
         line.set_label("" if self._single else curve.label)
         self._curves.append((curve.label, pieces, line))
@@ -237,9 +235,10 @@ class MapLayers:
         labeller.avoid_lines(self._clear)
         self._write_regions(labeller)
         for text, pieces, line in self._curves:
-            place: dict[str, Any] = {"beside": True, "color": style.INK, "fontsize": 8.5, "halo": "#FFFFFF"}
+            look: dict[str, Any] = {"color": style.INK, "path_effects": style.halo("#FFFFFF")}
             if line.get_label() != text:
-                line.set_label("" if self._single and labeller.along(text, pieces, **place) else text)
+                fits = self._single and labeller.along(text, pieces, beside=True, fontsize=8.5, **look)
+                line.set_label("" if fits else text)
         self._write_numbers(labeller)
         self._words = labeller.words
         return before != [artist.get_label() for _, _, artist in (*self._regions, *self._curves)]
@@ -249,10 +248,10 @@ class MapLayers:
             if self._single and artist.get_label() == text:
                 continue
             face = artist.get_facecolor()
-            halo = face if artist.get_hatch() else None
-            type_style: dict[str, Any] = {"color": style.ink_on(face), "fontsize": 10.0 * self._scale}
-            fits = labeller.in_region(text, member, halo=halo, **type_style)
-            fits = fits or labeller.along(text, self._spines.get(text, []), **type_style)
+            look: dict[str, Any] = {"color": style.ink_on(face), "fontsize": 10.0 * self._scale}
+            look["path_effects"] = style.halo(face) if artist.get_hatch() else None
+            fits = labeller.in_region(text, member, **look)
+            fits = fits or labeller.along(text, self._spines.get(text, []), **look)
             artist.set_label("" if fits and self._single else text)
 
     def _write_numbers(self, labeller: Labeller) -> None:
@@ -261,7 +260,8 @@ class MapLayers:
             labeller.avoid_lines(contour.pieces)
         for text, pieces, ground, line in self._contours:
             # They lie in the order of covers: hatches over the line go over the number too.
-            look: dict[str, Any] = {"plate": ground, "color": style.ink_on(ground), "zorder": _COVERS}
+            plate = {"boxstyle": "square,pad=0.12", "facecolor": ground, "edgecolor": "none"}
+            look: dict[str, Any] = {"bbox": plate, "color": style.ink_on(ground), "zorder": _COVERS}
             look["fontsize"] = 8.0 * self._scale
             written = [labeller.along(text, [piece], **look) for piece in self._long(pieces, _NUMBERED)]
             line.set_visible(any(written) or labeller.along(text, pieces, **look))
@@ -269,7 +269,7 @@ class MapLayers:
     def _shows(self, field: Floats) -> bool:
         """Whether the area in which a field is positive is wide enough to see a hatch there."""
         inside = self.fields.evenly(field) > 0.0
-        return bool(erode(inside, math.ceil(_HATCHED * min(inside.shape)), beyond=False).any())
+        return bool(erode(inside, 2 * round(_HATCHED * len(inside)) + 1, beyond=False).any())
 
     def cover(self, field: Floats, label: str, look: Mapping[str, Any]) -> None:
         """Cover the area in which a field is positive, and have its visible part named."""
@@ -288,8 +288,6 @@ class MapLayers:
 
     def _fill(self, field: Floats, **look: Any) -> Any:
         """Fill the area in which a field is positive, and return what does; None if there is none."""
-        from matplotlib.patches import PathPatch
-
         path = zero_region(self.fields, field)
         if path is None:
             return None

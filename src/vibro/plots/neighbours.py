@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,12 +19,6 @@ if TYPE_CHECKING:
 
 _UNEVEN: Final = 1e-6  # of a step: smaller differences are rounding
 _SPREAD: Final = 1000  # points along an uneven axis: about as many as the picture has
-
-
-def are_even(places: Floats) -> bool:
-    """Whether ascending places are equally far apart."""
-    steps = np.diff(places)
-    return bool(np.ptp(steps) <= _UNEVEN * steps.max())
 
 
 def spread_evenly(values: Floats, x: Floats, y: Floats) -> Floats:
@@ -42,66 +37,35 @@ def spread_evenly(values: Floats, x: Floats, y: Floats) -> Floats:
         The same numbers where the grid is even.
     """
     for axis, places in enumerate((y, x)):
-        if not are_even(places):
+        steps = np.diff(places)
+        if np.ptp(steps) > _UNEVEN * steps.max():
             points = np.linspace(places[0], places[-1], _SPREAD)
             values = values.take(np.searchsorted(0.5 * (places[1:] + places[:-1]), points), axis)
     return values
 
 
-def dilate(mask: Mask, width: int) -> Mask:
+def dilate(mask: Mask, width: int, *, beyond: bool = False) -> Mask:
     """Find the points with at least one true point in the square window around them.
-
-    Parameters
-    ----------
-    mask : (y, x) bool array
-        Taken as false beyond its edges.
-    width : int
-        Of the window [points]; that of the grid where this is smaller.
-
-    Returns
-    -------
-    (y, x) bool array
-        What ``scipy.ndimage.binary_dilation`` returns for a square of ones.
-    """
-    return np.asarray(_counts(mask, width, reflected=True) > 0)
-
-
-def erode(mask: Mask, width: int, *, beyond: bool) -> Mask:
-    """Find the points whose square window contains only true points.
 
     Parameters
     ----------
     mask : (y, x) bool array
         Any.
     width : int
-        Of the window [points]; that of the grid where this is smaller.
+        Of the window [points], odd.
     beyond : bool
         What the mask is taken as beyond its edges.
-
-    Returns
-    -------
-    (y, x) bool array
-        What ``scipy.ndimage.binary_erosion`` returns for a square of ones.
     """
-    if beyond:
-        return np.asarray(_counts(~mask, width) == 0)
-    rows, columns = (min(n, width) for n in mask.shape)
-    return np.asarray(_counts(mask, width) == rows * columns)
+    for axis in (0, 1):
+        edges = [(width // 2 * (axis == i),) * 2 for i in (0, 1)]
+        padded = np.pad(mask, edges, constant_values=beyond)
+        mask = np.asarray(sliding_window_view(padded, width, axis).any(axis=-1))
+    return mask
 
 
-def _counts(mask: Mask, width: int, *, reflected: bool = False) -> Integers:
-    """Count true points in the window around every point.
-
-    Of two middles, a window of even width is placed by the right one, or by the left one if reflected.
-    """
-    counts = mask.astype(np.int32)
-    for axis, n in enumerate(mask.shape):
-        size = min(n, width)
-        first = np.arange(n) - ((size - 1) // 2 if reflected else size // 2)
-        sums = np.zeros([m + (i == axis) for i, m in enumerate(mask.shape)], np.int32)
-        np.cumsum(counts, axis, out=sums[1:] if axis == 0 else sums[:, 1:])
-        counts = sums.take(np.minimum(first + size, n), axis) - sums.take(np.maximum(first, 0), axis)
-    return counts
+def erode(mask: Mask, width: int, *, beyond: bool) -> Mask:
+    """Find the points whose square window, as in ``dilate``, contains only true points."""
+    return ~dilate(~mask, width, beyond=not beyond)
 
 
 def fill_unknown(values: Floats, known: Mask) -> Floats:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
+import textwrap
 import threading
-import unicodedata
-from bisect import bisect_right
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.quantities import QUANTITIES, TOLD_HARMONICS, counted_harmonics
@@ -75,6 +75,11 @@ class CurveStyle(NamedTuple):
     width: float
     colour: str = INK
 
+    @property
+    def look(self) -> dict[str, Any]:
+        """Properties of the line, for matplotlib."""
+        return {"color": self.colour, "linestyle": self.dashes, "linewidth": self.width}
+
 
 # Keys are the fields of CriticalLoads, in the order in which the usual scene passes them as the load rises.
 CURVES: Final[Mapping[str, CurveStyle]] = {
@@ -114,18 +119,13 @@ _RC: Final[Any] = {
     "savefig.dpi": _DPI,
 }
 
-# Categories of characters that are hidden, break lines, turn the direction, or are unassigned. Two of them
-# belong to the spelling of Persian and of Indian languages.
-_HIDING: Final = frozenset({"Cc", "Cf", "Cn", "Cs", "Zl", "Zp"})
-_JOINERS: Final = "\N{ZERO WIDTH JOINER}\N{ZERO WIDTH NON-JOINER}"
+# Not printable to Python, but they belong to the spelling of Persian, of Indian languages, and of numbers.
+_JOINERS: Final = "\N{ZERO WIDTH JOINER}\N{ZERO WIDTH NON-JOINER}\N{NO-BREAK SPACE}"
 _HIDDEN: Final = "\N{REPLACEMENT CHARACTER}"
 _NO_GLYPH: Final = "\N{WHITE SQUARE}"
 
 UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
-_COMMAND: Final = re.compile(r"\\[a-z]+")
-_MARKUP: Final = re.compile(r"[${}_]")
-_LETTER: Final = 0.56  # width of a letter of a formula, over the size of the type
-_EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and white are about as legible
+_LIGHT: Final = 0.48  # luma of a colour on which INK and white are about as legible
 
 
 #: Held by the thread that draws or saves: matplotlib has one set of settings, and one parser of formulas.
@@ -149,44 +149,31 @@ def house_style() -> Iterator[None]:
 
 def visible(text: str) -> str:
     """Replace hidden characters in a user's text, such as controls and halves of undecodable names."""
-    return "".join(c if c in _JOINERS or unicodedata.category(c) not in _HIDING else _HIDDEN for c in text)
+    return "".join(c if c.isprintable() or c in _JOINERS else _HIDDEN for c in text)
 
 
-def figure_text(text: str, size: float, room: float) -> str:
+def figure_text(text: str, most: int) -> str:
     """Turn a user's text, such as the name of a file, into words on one line of a figure.
 
     Parameters
     ----------
     text : str
         Anything; none of it is markup.
-    size : float
-        Of the type [pt].
-    room : float
-        Width that the words may have [pt].
+    most : int
+        Letters for which there is room: the middle of what is longer becomes an ellipsis.
 
     Returns
     -------
     str
         For matplotlib, with dollars escaped. Hiding characters show as a replacement sign, those that the
-        font lacks as a box, and the middle of what is too long as an ellipsis.
+        font lacks as a box.
     """
-    from matplotlib.font_manager import FontProperties, findfont, get_font
+    from matplotlib.font_manager import findfont, get_font
 
-    font = get_font(findfont(FontProperties(family=_FONT)))
-    font.set_size(size, _DPI)
-
+    font = get_font(findfont(_FONT))
     words = "".join(c if font.get_char_index(ord(c)) else _NO_GLYPH for c in visible(text))
-
-    def width(line: str) -> float:
-        font.set_text(line)
-        return float(font.get_width_height()[0] / 64.0 * 72.0 / _DPI)
-
-    def shortened(kept: int) -> str:
-        return f"{words[: (kept + 1) // 2]}…{words[len(words) - kept // 2 :]}"
-
-    if width(words) > room:
-        kept = bisect_right(range(len(words)), room, key=lambda kept: width(shortened(kept))) - 1
-        words = shortened(kept)
+    if len(words) > most:
+        words = f"{words[: most // 2]}…{words[-(most // 2) + 1 :]}"
     return words.replace("$", r"\$")
 
 
@@ -230,18 +217,12 @@ def values_text(values: Mapping[str, float], *, all_of_them: bool = False, hops:
     return ", ".join([*parts, *counted_harmonics(values)])
 
 
-def broken_lines(text: str, size: float, room: float) -> str:
-    """Break a list of formulas after its commas, into lines of about the width that they may have [pt]."""
-    lines = [""]
-    for part in text.split(", "):
-        longer = f"{lines[-1]}, {part}" if lines[-1] else part
-        letters = len(_MARKUP.sub("", _COMMAND.sub("x", longer)))
-        if lines[-1] and letters * _LETTER * size > room:
-            lines[-1] += ","
-            lines.append(part)
-        else:
-            lines[-1] = longer
-    return "\n".join(lines)
+def broken_lines(text: str, most: int) -> str:
+    """Break a list after its commas, into lines of about so many letters."""
+    kept = text.replace(" ", "\xa0").replace(",\xa0", ", ")
+    most += 2 * text.count("$")  # markup, on average
+    lines = textwrap.wrap(kept, most, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines).replace("\xa0", " ")
 
 
 def spans_text(spans: Mapping[str, tuple[float, float]]) -> str:
@@ -261,14 +242,11 @@ def ink_on(colour: Any) -> str:
     """Return INK or white, whichever is more legible on a colour."""
     from matplotlib.colors import to_rgb
 
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
-    luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-    return INK if luminance > _EVEN_LUMINANCE else "#FFFFFF"
+    return INK if np.dot(to_rgb(colour), (0.2126, 0.7152, 0.0722)) > _LIGHT else "#FFFFFF"
 
 
-def outline(artist: Any, halo: Any) -> None:
-    """Outline words in a colour, so that they stand out from the background; None leaves them."""
-    if halo is not None:
-        from matplotlib.patheffects import withStroke
+def halo(colour: Any, width: float = _HALO, **look: Any) -> list[Any]:
+    """Return the effect of an outline [pt] by which words and lines stand out from the background."""
+    from matplotlib.patheffects import withStroke
 
-        artist.set_path_effects([withStroke(linewidth=_HALO, foreground=halo)])
+    return [withStroke(linewidth=width, foreground=colour, **look)]
