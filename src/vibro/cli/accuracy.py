@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import AllOption, Options  # typer reads the annotations
+from vibro.cli.options import AllOption, Options, option  # typer reads the annotations
 from vibro.errors import InputError
 from vibro.quantities import LINEAR
 
@@ -45,13 +45,11 @@ def accuracy_command(
     options: Options,
     scenes: Annotated[
         str,
-        typer.Option(
-            "--scenes", metavar="N", help="Scenes to sample; slow methods run on the first of them."
-        ),
+        option("scenes", "Scenes to sample [default: 5000]; slow methods run on the first of them.", "N"),
     ] = str(_SCENES),
     tolerance: Annotated[
         str,
-        typer.Option("--tolerance", metavar="E", help="Tolerated error in mean speed [A f].", hidden=True),
+        option("tolerance", "Tolerated error in mean speed [A f] [default: 0.001].", "E", hidden=True),
     ] = "0.001",
     every: AllOption = False,
 ) -> int:

@@ -26,7 +26,7 @@ from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.measure import FORMS, measure_command
-from vibro.cli.options import print_version, shares_options
+from vibro.cli.options import SHOW_VERSION, option, shares_options
 from vibro.cli.outputs import HISTORIES, MAPS, TABLES
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import STARTS, simulate_command
@@ -191,10 +191,7 @@ _EXIT_CODES = "\b\nExit codes:\n" + "".join(f"  {code:<3}  {code.meaning}\n" for
 @app.callback(invoke_without_command=True, epilog=_EXIT_CODES)
 def _vibro(
     context: typer.Context,
-    version: Annotated[
-        bool,
-        typer.Option("--version", help="Print the version and exit.", callback=print_version, is_eager=True),
-    ] = False,
+    version: Annotated[bool, option("version", **SHOW_VERSION)] = False,
 ) -> None:
     """Regimes, conveying speed and traverse time of parts on vibratory conveyors."""
     if context.invoked_subcommand is None:

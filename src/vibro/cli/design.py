@@ -8,7 +8,7 @@ import typer
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Options
+from vibro.cli.options import Options, option
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,16 +29,13 @@ _SHOWN: Final = {
 def design_command(
     context: typer.Context,
     options: Options,
-    every: Annotated[
-        bool, typer.Option("--all", help="Search other regimes too, and print all that is known.")
-    ] = False,
+    every: Annotated[bool, option("all", "Search other regimes too, and print all that is known.")] = False,
     digits: Annotated[
         str | None,
-        typer.Option(
-            "--digits",
-            metavar="1...15",
-            help="Significant digits of settings [default: 4]; those that do not hold so have more.",
-            show_default=False,
+        option(
+            "digits",
+            "Significant digits of settings [default: 4]; those that do not hold so have more.",
+            "1...15",
             hidden=True,
         ),
     ] = None,

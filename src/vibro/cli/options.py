@@ -23,20 +23,22 @@ if TYPE_CHECKING:
     from vibro.quantities import Quantity
 
 
-def option(name: str, text: str, metavar: str | None = None, *, hidden: bool = False) -> Any:
-    """Declare an option without a default; hidden ones are shown by ``--help-all``."""
-    return typer.Option(f"--{name}", metavar=metavar, help=text, show_default=False, hidden=hidden)
+def option(
+    name: str, text: str, metavar: str | None = None, *, short: str = "", hidden: bool = False, **more: Any
+) -> Any:
+    """Declare an option, whose default its text tells; hidden ones are shown by ``--help-all``."""
+    names = [short, f"--{name}"] if short else [f"--{name}"]
+    return typer.Option(*names, metavar=metavar, help=text, show_default=False, hidden=hidden, **more)
 
 
 RegimesOnlyOption = Annotated[
-    bool,
-    typer.Option("--regimes-only", help="Regimes, ratios and statuses alone, no speeds.", hidden=True),
+    bool, option("regimes-only", "Regimes, ratios and statuses alone, no speeds.", hidden=True)
 ]
 CoexistOption = Annotated[
     bool,
-    typer.Option(
-        "--coexist",
-        help="Search for other motions in which a hopping body could settle after a push; it takes several ms"
+    option(
+        "coexist",
+        "Search for other motions in which a hopping body could settle after a push; it takes several ms"
         " per hopping cell, of tables and of pictures. In contact they are known without a search.",
         hidden=True,
     ),
@@ -49,7 +51,7 @@ def refuse_without_flight(option: str, output: Output) -> None:
         raise InputError(f"{option}: no flight is computed with --regimes-only", hint="leave one of them out")
 
 
-def print_version(context: typer.Context, wanted: bool) -> None:
+def _print_version(context: typer.Context, wanted: bool) -> None:
     """Print the version and end, if wanted by a run and not by a line that the shell completes."""
     if wanted and not context.resilient_parsing:
         from vibro import __version__
@@ -80,30 +82,18 @@ def output_option(forms: Sequence[str]) -> Any:
     """Make the option that says what is written: files with one of these endings."""
     known = " ".join(f".{form}" for form in forms)
     text = f"File to write, by its ending: {known}; - is {forms[0].upper()} on stdout. Repeatable."
-    option = typer.Option("-o", "--output", metavar="PATH", help=text, show_default=False)
-    return Annotated[list[str] | None, option]
+    return Annotated[list[str] | None, option("output", text, "PATH", short="-o")]
 
 
-ForceOption = Annotated[bool, typer.Option("--force", help="Replace existing files.", hidden=True)]
-QuietOption = Annotated[
-    bool, typer.Option("-q", "--quiet", help="Print no messages except errors.", hidden=True)
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
-AllOption = Annotated[bool, typer.Option("--all", help="Print all that is known.")]
-DebugOption = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.", hidden=True)]
-VersionOption = Annotated[
-    bool,
-    typer.Option(
-        "--version",
-        help="Print the version and exit.",
-        callback=print_version,
-        is_eager=True,
-        hidden=True,
-    ),
-]
+ForceOption = Annotated[bool, option("force", "Replace existing files.", hidden=True)]
+QuietOption = Annotated[bool, option("quiet", "Print no messages except errors.", short="-q", hidden=True)]
+JsonOption = Annotated[bool, option("json", "Print the answer as JSON.")]
+AllOption = Annotated[bool, option("all", "Print all that is known.")]
+DebugOption = Annotated[bool, option("debug", "Show the traceback of an error.", hidden=True)]
+SHOW_VERSION: Final = {"text": "Print the version and exit.", "callback": _print_version, "is_eager": True}
+VersionOption = Annotated[bool, option("version", **SHOW_VERSION, hidden=True)]
 HelpAllOption = Annotated[
-    bool,
-    typer.Option("--help-all", help="Show all options.", callback=_print_all_help, is_eager=True),
+    bool, option("help-all", "Show all options.", callback=_print_all_help, is_eager=True)
 ]
 
 
@@ -126,18 +116,17 @@ class Options:
     own: Mapping[str, str] = field(default_factory=dict)
     pack: Annotated[
         str | None,
-        typer.Option(
-            "--pack",
-            metavar="NAME",
-            help="Spring pack that is fitted: a name from [[machine.pack]] of the scene file.",
-            show_default=False,
+        option(
+            "pack",
+            "Spring pack that is fitted: a name from [[machine.pack]] of the scene file.",
+            "NAME",
             hidden=True,
         ),
     ] = None
     output: list[str] | None = None
     json: JsonOption = False
     decimal_comma: Annotated[
-        bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.", hidden=True)
+        bool, option("decimal-comma", "Write CSV with ; and decimal commas.", hidden=True)
     ] = False
     force: ForceOption = False
     quiet: QuietOption = False
@@ -249,14 +238,10 @@ def _text_of(quantity: Quantity) -> str:
 
 def _quantity_parameter(quantity: Quantity, *, hidden: bool) -> inspect.Parameter:
     """Make the option of a quantity."""
-    option = typer.Option(
-        *quantity.options,
-        metavar="X",
-        help=_text_of(quantity),
-        show_default=False,
-        hidden=hidden,
+    own = typer.Option(
+        *quantity.options, metavar="X", help=_text_of(quantity), show_default=False, hidden=hidden
     )
-    return _parameter(quantity.name, None, Annotated[str | None, option])
+    return _parameter(quantity.name, None, Annotated[str | None, own])
 
 
 def shares_options(

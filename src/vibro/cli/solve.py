@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer  # typer reads the annotations
 
-from vibro.cli.options import AllOption, CoexistOption, Options, RegimesOnlyOption, refuse_without_flight
+from vibro.cli.options import (
+    AllOption,
+    CoexistOption,
+    Options,
+    RegimesOnlyOption,
+    option,
+    refuse_without_flight,
+)
 from vibro.cli.table_options import (
     NEEDS_PART,
     ColumnsOption,
@@ -42,23 +49,18 @@ def solve_command(
     options: Options,
     speed: Annotated[
         str | None,
-        typer.Option(
-            "--speed", metavar="X", help="Find the amplitudes that convey so fast [mm/s].", show_default=False
-        ),
+        option("speed", "Find the amplitudes that convey so fast [mm/s].", "X"),
     ] = None,
     every: AllOption = False,
-    hopping: Annotated[
-        bool, typer.Option("--hopping", help="With --speed: the part may hop.", hidden=True)
-    ] = False,
+    hopping: Annotated[bool, option("hopping", "With --speed: the part may hop.", hidden=True)] = False,
     regimes_only: RegimesOnlyOption = False,
     coexist: CoexistOption = False,
     stand_ratio: Annotated[
         str | None,
-        typer.Option(
-            "--stand-ratio",
-            metavar="X",
-            help="Half base over height of the centre of mass of a part, to tell whether it stays upright.",
-            show_default=False,
+        option(
+            "stand-ratio",
+            "Half base over height of the centre of mass of a part, to tell whether it stays upright.",
+            "X",
             hidden=True,
         ),
     ] = None,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
+from vibro.cli.options import option
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,32 +17,23 @@ if TYPE_CHECKING:
 
 ColumnsOption = Annotated[
     str | None,
-    typer.Option(
-        "--columns",
-        metavar="NAMES",
-        help="Columns of the table, in this order, such as amplitude_mm,regime; further ones are stroke_mm,"
+    option(
+        "columns",
+        "Columns of the table, in this order, such as amplitude_mm,regime; further ones are stroke_mm,"
         " restitution, acceleration_g, speed_amplitude_exponent and strokes.",
-        show_default=False,
+        "NAMES",
         hidden=True,
     ),
 ]
 PitchOption = Annotated[
     str | None,
-    typer.Option(
-        "--pitch",
-        metavar="LENGTH",
-        help="Distance from one part to the next [mm], to tell parts per minute.",
-        show_default=False,
-        hidden=True,
+    option(
+        "pitch", "Distance from one part to the next [mm], to tell parts per minute.", "LENGTH", hidden=True
     ),
 ]
 MassOption = Annotated[
-    str | None,
-    typer.Option(
-        "--mass", metavar="MASS", help="Mass of a part [kg]; with --pitch, to tell kg per hour.",
-        show_default=False, hidden=True,
-    ),
-]  # fmt: skip
+    str | None, option("mass", "Mass of a part [kg]; with --pitch, to tell kg per hour.", "MASS", hidden=True)
+]
 #: Columns that follow from the part's pitch and mass, and what gives these.
 NEEDS_PART: Final = {"parts_per_min": "--pitch 25mm", "mass_flow_kg_h": "--pitch 25mm --mass 12g"}
 #: Columns that are empty without a trough length.

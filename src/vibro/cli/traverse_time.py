@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from vibro.cli.options import Options  # typer reads the annotations
+from vibro.cli.options import Options, option  # typer reads the annotations
 from vibro.cli.table_options import ColumnsOption, table_of
 
 
@@ -14,11 +14,10 @@ def traverse_time_command(
     context: typer.Context,
     options: Options,
     sweep: Annotated[
-        bool, typer.Option("--sweep", help="Take the axes of the scene file's table [map].", hidden=True)
+        bool, option("sweep", "Take the axes of the scene file's table [map].", hidden=True)
     ] = False,
     exact: Annotated[
-        bool,
-        typer.Option("--exact", help="In a sweep, add the exact time from rest: 20 us to 1 ms a cell."),
+        bool, option("exact", "In a sweep, add the exact time from rest: 20 us to 1 ms a cell.")
     ] = False,
     columns: ColumnsOption = None,
 ) -> int:
