@@ -226,10 +226,11 @@ def number(value: float, unit: str = "") -> str:
     return f"{shown(float(value), 6)} {unit}".rstrip()
 
 
-def bound(value: float, unit: str = "", *, upper: bool) -> str:
-    """Write a bound for people with six digits, rounded so that it still holds."""
+def bound(value: float, unit: str = "", *, upper: bool, digits: int = 6) -> str:
+    """Write a bound for people, rounded so that it still holds."""
     rounding = ROUND_CEILING if upper else ROUND_FLOOR
-    return number(float(Context(prec=6, rounding=rounding).create_decimal(repr(float(value)))), unit)
+    rounded = Context(prec=digits, rounding=rounding).create_decimal(repr(float(value)))
+    return f"{shown(float(rounded), digits)} {unit}".rstrip()
 
 
 def _known(value: Any) -> Any:

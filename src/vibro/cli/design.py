@@ -75,14 +75,15 @@ def design_command(
                 goal_only=not every,
             )
             chosen = chosen_of(spec, result)
-        answer = design_answer(spec, result, chosen, spec.name)
+        question = read_toml(source)
+        answer = design_answer(spec, result, chosen, question)
 
         def draw() -> dict[str, Figure]:
             with console.progress("drawing", None):
                 return _figures(spec, chosen)
 
         units = {column.name: column.unit for column in result.columns}
-        more = {"spec": read_toml(source), "columns": units}
+        more = {"spec": question, "columns": units}
         output.write_answer(answer, lambda: {"": _columns(result)}, draw, _SHOWN, more=more)
     output.tell(answer, every=every)
     return ExitCode.DONE if result.met else ExitCode.NOT_MET
