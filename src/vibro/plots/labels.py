@@ -33,8 +33,7 @@ _BESIDE: Final = 6.0  # [px] between the margin of a label and the line that it 
 _ROOMIER: Final = 1.2  # from one size of free rectangles to the next
 _PLACES: Final = 45  # tried along a line
 _REACHES: Final = (3, 6, 10, 15, 21, 28, 36, 46, 58)  # [pt] from a point to its label, tried in turn
-_LED: Final = 12.0  # [pt] from a point: beyond, a label is connected with it
-_LEADER: Final = {"arrowstyle": "-", "color": "#999999", "linewidth": 0.6}
+_LEADER: Final = {"arrowstyle": "-", "color": "#999999", "linewidth": 0.6, "shrinkB": 4.0}
 _DIRECTIONS: Final = (*itertools.product((1, -1), (0.7, -0.7)), (1, 0), (-1, 0), (0, 1), (0, -1))
 # A label hides the stretch of the line under it: that must be nearly straight, and not the whole line.
 _LEAST_LENGTH: Final = 1.3  # of the line, over that of the label
@@ -141,9 +140,9 @@ class Labeller:
         artist.remove()
         return False
 
-    def beside(self, text: str, point: tuple[float, float], **style: Any) -> None:
+    def beside(self, text: str, point: Floats, **style: Any) -> None:
         """Write the name of a point, in the user's units, where it is nearest and covers least."""
-        artist, width, height = self._text(text, {"path_effects": halo("#FFFFFF"), **style})
+        artist, width, height = self._text(text, style)
         (centre,) = self._on_paper(np.array([point]))
         middles = [
             centre + right * (off + 0.5 * width) + 1j * up * (off + 0.5 * height)
@@ -153,11 +152,10 @@ class Labeller:
         shape = _rectangle(width, height)
         middle = min(middles, key=lambda m: int(self._crowd[self._cells(shape + m)].sum()))
         self._put(artist, width, height, middle)
-        if abs(middle - centre) > _LED * self._pixels_per_point + 0.5 * width:  # a line leads to it
-            half, off = 0.5 * complex(width, height), centre - middle
-            x, y = (np.clip(o, -h, h) for o, h in ((off.real, half.real), (off.imag, half.imag)))
-            end: Any = (middle.real + x, middle.imag + y)
-            self._axes.annotate("", point, end, textcoords="axes pixels", arrowprops=_LEADER, zorder=2)
+        artist.remove()
+        look = {"ha": "center", "va": "center", "arrowprops": _LEADER, "path_effects": halo("#FFFFFF")}
+        at: Any = (point, (middle.real, middle.imag))
+        self._axes.annotate(text, *at, textcoords="axes pixels", **look, **style)
 
     def _place_on(
         self, line: Points, others: Integers, width: float, height: float, side: int
