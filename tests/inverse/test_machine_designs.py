@@ -508,6 +508,6 @@ def test_a_picture_of_a_filled_machine_tells_of_its_design_alone() -> None:
     spec = read_spec(asked(FEEDER | {"filling_kg": "0:1"}, 6.0))
     chosen = chosen_of(spec, find_designs(spec, goal_only=True))
     assert chosen is not None
-    figures = design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
+    figures = design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen), "")
     for name, part in (("speed", "meets"), ("band", "window")):
         assert part not in {artist.get_gid() for artist in figures[name].findobj()}

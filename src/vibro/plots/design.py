@@ -21,7 +21,7 @@ from vibro.plots.view import Panel
 from vibro.quantities import LENGTH, QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
-    from vibro.results.designs import Design, SettingFields, SpeedBand
+    from vibro.results.designs import SettingFields, SpeedBand
 
     Floats = NDArray[np.float64]
 
@@ -38,15 +38,12 @@ _TIPS: Final = style.CurveStyle("first part lifts an edge", style.TIPPING, 1.6)
 _UNKNOWN: Final = style.no_answer(Status.RUNAWAY)[1]
 _FORBIDDEN_HATCH: Final = "\\\\"
 _VEIL: Final = "#FFFFFF", 0.55  # over settings beyond the drive's limits: colour, opacity
-_DRIVE: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": style.LIMITS, "linewidth": 1.5}
-_MEETS: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": "-", "linewidth": 3.0}
+_DRIVE: Final = style.CurveStyle("limits of the drive", style.LIMITS, 1.5, "#000000")
+_MEETS: Final = style.CurveStyle("meets the goal", "-", 3.0, "#000000")
 _NOTHING: Final = "no speed guaranteed"
 _BAND: Final = "#A9C4E4"
 _WINDOW: Final = "#E4E4E4"
 _SIZE: Final = (7.4, 5.2)  # [in]
-_NAME_LETTERS: Final = 25  # of a drive's name
-#: Regimes with motion.
-LIVELIER: Final = tuple(BEGINS_AT)
 #: Prefix of a curve of the last part; other curves are of the first part.
 LAST: Final = "last_"
 
@@ -60,21 +57,6 @@ def below(limit: float, values: Any) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         excess = np.log(limit / np.asarray(values, np.float64))
     return np.asarray(np.clip(np.nan_to_num(excess, nan=-_FAR), -_FAR, _FAR))
-
-
-def _stretch(low: float, high: float, least: Regime, most: Regime) -> frame.Band:
-    """Return a range of loads in which the first part keeps one regime and the last one another, or the same.
-
-    It has the first part's colour, hatched in that of the last part.
-    """
-    face = {"facecolor": style.REGIME_COLOURS[most]}
-    if least is most:
-        return frame.Band(low, high, most.label, face)
-    join = "or" if most - least == 1 else "to"
-    name = f"{least.label} {join} {most.label}, by part"
-    return frame.Band(
-        low, high, name, {**face, "hatch": _DEPENDS_HATCH, "edgecolor": style.REGIME_COLOURS[least]}
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +78,7 @@ class Settings:
     spec: Spec
     chosen: Chosen
     data: SettingFields
-    wanted: str = ""
+    wanted: str
 
     @cached_property
     def fields(self) -> Fields:
@@ -118,6 +100,11 @@ class Settings:
         return np.array([[self.chosen.design.frequency_hz, self.chosen.design.nominal]], np.float64)
 
     @property
+    def marked(self) -> str:
+        """Name of the chosen setting."""
+        return f"{self.chosen.design.design} design"
+
+    @property
     def goal(self) -> float:
         """Least speed [mm/s]."""
         return float(LENGTH.from_si(self.spec.goal.speed))
@@ -125,23 +112,29 @@ class Settings:
     @property
     def forbidden(self) -> Regime | None:
         """Event of the first part that the goal forbids; None if all are allowed."""
-        higher = [regime for regime in LIVELIER if regime > self.spec.goal.highest_regime]
-        return next(iter(self.first(higher)), None)
+        return next((regime for regime in self.first if regime > self.spec.goal.highest_regime), None)
 
-    def first(self, regimes: Sequence[Regime]) -> list[Regime]:
-        """Leave out regimes that the first part never reaches, or skips as a higher one begins there too."""
-        load = {regime: self.data.begins[regime][0] for regime in regimes}
-        return [r for r in regimes if load[r] < min((load[h] for h in regimes if h > r), default=math.inf)]
+    @property
+    def first(self) -> list[Regime]:
+        """Regimes that the first part reaches, without those skipped as a higher one begins there."""
+        load = {regime: self.data.begins[regime][0] for regime in BEGINS_AT}
+        return [r for r in load if load[r] < min((load[h] for h in load if h > r), default=math.inf)]
 
     @property
     def stretches(self) -> list[frame.Band]:
-        """Regimes of all parts, from rest on, as the load rises."""
-        begins = [self.data.begins[regime] for regime in LIVELIER]
-        edges = sorted({0.0, math.inf, *(load for pair in begins for load in pair)})
+        """Regimes of all parts, from rest on, as the load rises.
+
+        They have the first part's colour, hatched in that of the last part where that is in another regime.
+        """
+        begins = [self.data.begins[regime] for regime in BEGINS_AT]
         found = []
-        for low, high in pairwise(edges):
+        for low, high in pairwise(sorted({0.0, math.inf, *(load for pair in begins for load in pair)})):
             most, least = (Regime(sum(pair[which] <= low for pair in begins)) for which in (0, 1))
-            found.append(_stretch(low, high, least, most))
+            name, look = most.label, {"facecolor": style.REGIME_COLOURS[most]}
+            if least is not most:
+                name = f"{least.label} {'or' if most - least == 1 else 'to'} {name}, by part"
+                look |= {"hatch": _DEPENDS_HATCH, "edgecolor": style.REGIME_COLOURS[least]}
+            found.append(frame.Band(low, high, name, look))
         return found
 
     def load(self, amplitude: Any, frequency: Any) -> Floats:
@@ -208,7 +201,7 @@ class Settings:
 
 
 def design_figures(
-    spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand, wanted: str = ""
+    spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand, wanted: str
 ) -> dict[str, Figure]:
     """Draw the guarantees around a design.
 
@@ -222,7 +215,7 @@ def design_figures(
         Of its drive and drive angle.
     band : SpeedBand
         At its frequency and drive angle.
-    wanted : str, optional
+    wanted : str
         The goal in words, and whether it is met, for headings.
 
     Returns
@@ -268,7 +261,6 @@ class _Layers(MapLayers):
                     look = {**style.CURVES[curve].look, "linestyle": _dashes(name)}
                     self._line(pieces, gid=name, zorder=3, **look)
                     self._clear += pieces
-        self._draw_tips()
 
     def cover_forbidden(self) -> None:
         """Cover settings that the goal forbids: the first part is in too high a regime."""
@@ -276,7 +268,6 @@ class _Layers(MapLayers):
         if regime is not None:
             field = self.fields.log_ratio[BEGINS_AT[regime]]
             self.cover(field, f"some part {_BEGINS_TO[regime]}", {**_UNKNOWN, "hatch": _FORBIDDEN_HATCH})
-        self._draw_tips()
 
     def cover_nothing(self, speed: Floats) -> None:
         """Cover settings without a guaranteed speed: below the last part's start, and others."""
@@ -286,28 +277,14 @@ class _Layers(MapLayers):
         self.cover(np.minimum(others, -rest), _NOTHING, _UNKNOWN)
 
     def draw_drive(self) -> None:
-        """Draw the drive's limits, and veil settings beyond them."""
+        """Draw where parts tip, and the drive's limits; veil settings beyond these."""
         from matplotlib.colors import to_rgba
 
-        settings = self._settings
-        outside = -settings.over(settings.strong)
+        self.draw_curve("tips", _TIPS, zero_lines(self.fields, self.fields.log_ratio["tips"]))
+        outside = -self._settings.over(self._settings.strong)
         if outside.min() < 0.0:
             self._fill(outside, gid="beyond the drive", zorder=2.5, facecolor=to_rgba(*_VEIL))
-        name = style.figure_text(settings.chosen.drive.name, _NAME_LETTERS)
-        self._outline("drive", f"limits of {name}", settings.pieces(settings.strong), _DRIVE)
-
-    def draw_meets(self) -> None:
-        """Outline the settings that meet the goal."""
-        self._outline("meets", "meets the goal", self._settings.pieces(self._settings.meets), _MEETS)
-
-    def _draw_tips(self) -> None:
-        self.draw_curve("tips", _TIPS, zero_lines(self.fields, self.fields.log_ratio["tips"]))
-
-    def _outline(self, name: str, label: str, pieces: list[Floats], look: Mapping[str, Any]) -> None:
-        if pieces:
-            halo = style.halo("#FFFFFF", look["linewidth"] + 2.0)
-            self._line(pieces, label=label, gid=name, zorder=4, path_effects=halo, **look)
-            self._clear += pieces
+        self.draw_curve("drive", _DRIVE, self._settings.pieces(self._settings.strong))
 
 
 def _dashes(name: str) -> Any:
@@ -315,17 +292,8 @@ def _dashes(name: str) -> Any:
     return style.LAST_PART if name.startswith(LAST) else style.CURVES[name].dashes
 
 
-def _marked(settings: Settings) -> str:
-    """Name the chosen setting."""
-    return f"{settings.chosen.design.design} design"
-
-
-def _headline(settings: Settings, heading: str) -> str:
-    return " – ".join(filter(None, (heading, settings.spec.name, settings.chosen.drive.name)))
-
-
-def _question(settings: Settings, *, frequency: bool = False) -> str:
-    """Describe parts, trough and goal in two lines."""
+def _head(figure: Figure, settings: Settings, heading: str, *, frequency: bool = False) -> None:
+    """Write the heading; below, parts, trough and goal in two lines."""
     design, spans = settings.chosen.design, dict(settings.spec.bands)
     shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"
     angle = math.radians(design.drive_angle_deg or design.normal_phase_deg or 0.0)
@@ -333,14 +301,14 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
         spans[shape] = (angle, angle)
     if frequency:
         spans["frequency"] = (float(settings.point[0, 0]),) * 2
-    return "\n".join(filter(None, [style.spans_text(spans) + _ratio(design), settings.wanted]))
-
-
-def _ratio(design: Design) -> str:
-    """Describe the ratio of an ellipse's amplitudes."""
-    if not design.along_amplitude_mm:
-        return "" if design.along_amplitude_mm is None else ", $X$ = 0"
-    return f", $Y/X$ = {style.number_text((design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm)}"
+    parts = [style.spans_text(spans)]
+    if design.along_amplitude_mm:
+        ratio = (design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm
+        parts.append(f"$Y/X$ = {style.number_text(ratio)}")
+    elif design.along_amplitude_mm is not None:
+        parts.append("$X$ = 0")
+    headline = f"{heading} – {settings.spec.name} – {settings.chosen.drive.name}"
+    frame.set_heading(figure, headline, f"{', '.join(parts)}\n{settings.wanted}")
 
 
 def _regime_map(settings: Settings) -> Figure:
@@ -373,19 +341,19 @@ def _speed_map(settings: Settings) -> Figure:
     layers.draw_drive()
     machine = settings.chosen.drive.machine
     if machine is None or not machine.is_filled:  # other amplitudes are not covered
-        layers.draw_meets()
+        layers.draw_curve("meets", _MEETS, settings.pieces(settings.meets))
     colour_bar(figure, [layers], scale, "guaranteed speed [mm/s]")
     return _finish(figure, layers, settings)
 
 
 def _start(settings: Settings, heading: str) -> tuple[Figure, _Layers]:
     figure, (axes,) = frame.facets([settings.fields.panel])
-    frame.set_heading(figure, _headline(settings, heading), _question(settings))
+    _head(figure, settings, heading)
     return figure, _Layers(axes, settings)
 
 
 def _finish(figure: Figure, layers: _Layers, settings: Settings) -> Figure:
-    frame.mark_point(layers.axes, settings.point, _marked(settings))
+    frame.mark_point(layers.axes, settings.point, settings.marked)
     place_words(figure, [layers], [settings.point])
     return figure
 
@@ -393,28 +361,22 @@ def _finish(figure: Figure, layers: _Layers, settings: Settings) -> Figure:
 def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     """Speeds from the slowest to the fastest part over the amplitude, with the goal and what keeps it."""
     figure, (strip, axes) = frame.stack(_SIZE, (0.09, 1.0))
-    frame.set_heading(figure, _headline(settings, "Speed of all parts"), _question(settings, frequency=True))
-    low, high = float(band.amplitude[0]), float(band.amplitude[-1])
-    axes.set_xlim(low, high)
+    _head(figure, settings, "Speed of all parts", frequency=True)
+    axes.set_xlim(float(band.amplitude[0]), float(band.amplitude[-1]))
     _draw_band(axes, band)
     frame.draw_wanted(axes, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, max(top, 1.05 * settings.goal))
     if band.window is not None:
         look: dict[str, Any] = {"zorder": 0.5, "linewidth": 0.6, "facecolor": _WINDOW, "edgecolor": style.INK}
         axes.axvspan(*band.window, gid="window", label="keeps the guarantee", **look)
     _draw_beginnings(axes, settings)
     design = settings.chosen.design
-    point = np.array([[design.nominal, design.speed_min_mm_s]], np.float64)
-    frame.mark_point(axes, point, _marked(settings))
+    frame.mark_point(axes, np.array([[design.nominal, design.speed_min_mm_s]], np.float64), settings.marked)
     assert settings.fields.panel.y is not None
     axes.set(xlabel=style.axis_label(settings.fields.panel.y), ylabel="mean conveying speed [mm/s]")
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.1)
     shown = [
-        stretch._replace(low=max(low, begin), high=min(high, end))
+        stretch._replace(low=settings.amplitude(stretch.low), high=settings.amplitude(stretch.high))
         for stretch in settings.stretches
-        for begin, end in [(settings.amplitude(stretch.low), settings.amplitude(stretch.high))]
-        if begin < high and end > low
     ]
     frame.settle_bands(figure, strip, shown)
     return figure
@@ -427,25 +389,17 @@ def _draw_band(axes: Axes, band: SpeedBand) -> None:
     axes.fill_between(band.amplitude, least, most, gid="band", label="slowest to fastest part", **look)
     for name, values, width in (("guaranteed speed", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
         axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=style.INK, linewidth=width)
-    known = np.concatenate([least, band.speed_nominal, most])
-    top = float(np.nanmax(known, initial=0.0))
-    bottom = float(np.nanmin(known, initial=0.0))
-    axes.set_ylim(bottom - 0.03 * (top - bottom), top + 0.05 * (top - bottom) or 1.0)
 
 
 def _draw_beginnings(axes: Axes, settings: Settings) -> None:
     """Draw the amplitudes at which the first part reaches a regime, and the last one starts."""
-    loads: dict[str, tuple[Regime, float]] = {}
-    for regime in settings.first(LIVELIER):
-        first, last = settings.data.begins[regime]
-        loads[BEGINS_AT[regime]] = regime, first
-        if regime is Regime.FORWARD_SLIP and first < last:
-            loads[LAST + BEGINS_AT[regime]] = regime, last
-    for name, (regime, load) in loads.items():
-        amplitude = settings.amplitude(load)
-        if math.isfinite(amplitude):
-            unit = QUANTITIES[settings.data.amplitude].unit
-            part = "last" if name.startswith(LAST) else "first"
-            text = f"{part} part {_BEGINS_TO[regime]}: {style.number_text(amplitude)} {unit}".rstrip()
-            look = {"color": style.INK, "linestyle": _dashes(name), "linewidth": 1.0}
-            axes.axvline(amplitude, zorder=2, gid=name, label=text, **look)
+    unit = QUANTITIES[settings.data.amplitude].unit
+    for regime in settings.first:
+        for prefix, load in zip(("", LAST), settings.data.begins[regime], strict=True):
+            amplitude = settings.amplitude(load)
+            if math.isfinite(amplitude) and (not prefix or regime is Regime.FORWARD_SLIP):
+                name = prefix + BEGINS_AT[regime]
+                text = f"{'last' if prefix else 'first'} part {_BEGINS_TO[regime]}: "
+                text += f"{style.number_text(amplitude)} {unit}".rstrip()
+                look = {**style.CURVES[BEGINS_AT[regime]].look, "linestyle": _dashes(name), "linewidth": 1.0}
+                axes.axvline(amplitude, zorder=2, gid=name, label=text, **look)

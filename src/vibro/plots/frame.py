@@ -366,6 +366,8 @@ def settle_bands(figure: Figure, strip: Axes, bands: Iterable[Band]) -> None:
     for name, group in groupby(bands, key=lambda band: band.name):
         run = list(group)
         low, high, look = max(run[0].low, first), min(run[-1].high, last), run[0].look
+        if low >= high:
+            continue
         area = strip.axvspan(low, high, gid=name, **{"linewidth": 0.0, **look})
         place: Any = {"xy": (0.5, 0.5), "xycoords": area, "ha": "center", "va": "center_baseline"}
         effects = style.halo(look["facecolor"]) if "hatch" in look else None

@@ -153,9 +153,9 @@ class Labeller:
         middle = min(middles, key=lambda m: int(self._crowd[self._cells(shape + m)].sum()))
         self._put(artist, width, height, middle)
         artist.remove()
-        look = {"ha": "center", "va": "center", "arrowprops": _LEADER, "path_effects": halo("#FFFFFF")}
-        at: Any = (point, (middle.real, middle.imag))
-        self._axes.annotate(text, *at, textcoords="axes pixels", **look, **style)
+        style |= {"ha": "center", "va": "center", "arrowprops": _LEADER, "path_effects": halo("#FFFFFF")}
+        style |= {"xytext": (middle.real, middle.imag), "textcoords": "axes pixels"}
+        self._axes.annotate(text, (point[0], point[1]), **style)
 
     def _place_on(
         self, line: Points, others: Integers, width: float, height: float, side: int

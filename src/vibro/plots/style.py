@@ -227,15 +227,11 @@ def broken_lines(text: str, most: int) -> str:
 
 def spans_text(spans: Mapping[str, tuple[float, float]]) -> str:
     """Write bands of quantities, given in SI units, in the user's units: ``f = 15 Hz, μ_s = 0.3 ... 0.5``."""
-    parts = []
-    for name, quantity in QUANTITIES.items():
-        if name in spans:
-            low, high = (quantity.from_si(end) for end in spans[name])
-            text = value_text(name, high)
-            parts.append(
-                f"${quantity.symbol}$ = " + (f"{number_text(low)} ... {text}" if low < high else text)
-            )
-    return ", ".join(parts)
+    ends = {name: [q.from_si(end) for end in spans[name]] for name, q in QUANTITIES.items() if name in spans}
+    return ", ".join(
+        f"${QUANTITIES[name].symbol}$ = " + f"{number_text(low)} ... " * (low < high) + value_text(name, high)
+        for name, (low, high) in ends.items()
+    )
 
 
 def ink_on(colour: Any) -> str:
