@@ -119,17 +119,11 @@ def facets(panels: Sequence[Panel], label: str = "") -> tuple[Figure, list[Axes]
     return figure, grid[:n]
 
 
-def stack(size: tuple[float, float], heights: Sequence[float], *, own: int = 0) -> tuple[Figure, list[Axes]]:
-    """Make a figure of panels one above the other, over one scale; so many of the last have their own."""
+def stack(size: tuple[float, float], heights: Sequence[float]) -> tuple[Figure, list[Axes]]:
+    """Make a figure of panels one above the other, over one scale."""
     figure = Picture(figsize=size)
-    grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
-    axes: list[Axes] = []
-    for i in range(len(heights)):
-        shared = axes[0] if axes and i < len(heights) - own else None
-        axes.append(figure.add_subplot(grid[i], sharex=shared))
-    for a in axes[: -1 - own]:
-        a.tick_params(labelbottom=False)
-    return figure, axes
+    grid = figure.subplots(len(heights), 1, squeeze=False, sharex=True, height_ratios=heights)
+    return figure, list(grid[:, 0])
 
 
 def head_sweep(figure: Figure, heading: str, result: SweepResult, panels: Sequence[Panel]) -> None:

@@ -30,10 +30,10 @@ _IMPACT_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "v", "color":
 
 # Keys are the letters of a pattern. Each phase has the colour of the regime in which it is typical.
 PHASE_COLOURS: Final[Mapping[str, str]] = {
-    kind: REGIME_COLOURS[regime]
-    for kind, regime in zip(
-        "FBH_", (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING, Regime.NO_SLIP), strict=True
-    )
+    "F": REGIME_COLOURS[Regime.FORWARD_SLIP],
+    "B": REGIME_COLOURS[Regime.BACK_SLIP],
+    "H": REGIME_COLOURS[Regime.HOPPING],
+    "_": REGIME_COLOURS[Regime.NO_SLIP],
 }
 
 
@@ -58,8 +58,11 @@ def events_of(phases: Sequence[Phase]) -> list[Event]:
 
 def phase_bands(phases: Iterable[Phase], *, later: float = 0.0) -> list[Band]:
     """Return the bands of phases over time [ms], so much later [s]."""
-    looks = {kind: (PHASE_NAMES[kind], {"facecolor": colour}) for kind, colour in PHASE_COLOURS.items()}
-    return [Band(1e3 * (p.start + later), 1e3 * (p.end + later), *looks[p.kind]) for p in phases]
+    return [
+        Band(1e3 * (p.start + later), 1e3 * (p.end + later), PHASE_NAMES[p.kind], {"facecolor": colour})
+        for p in phases
+        for colour in [PHASE_COLOURS[p.kind]]
+    ]
 
 
 class Curve(NamedTuple):
@@ -90,33 +93,29 @@ PANELS: Final[Mapping[str, Panel]] = {
         "trough along\nthe drive", "mm", 1e-3, (Curve("trough_displacement", "trough", INK),), height=0.8
     ),
     "forces": Panel(
-        "force\nper unit mass",
-        "m/s²",
-        1.0,
+        "force\nper unit mass", "m/s²", 1.0,
         (
             Curve("static_limit", "limits of static friction", _GREEN, LIMITS, 1.0, True),
             Curve("inertial", "inertial and gravity, along the trough", _RED, "-", 1.2, True),
             Curve("friction", "friction on the body", _BLUE, width=2.0),
         ),
-        height=1.8,
+        1.8,
     ),
     "acceleration": Panel("relative\nacceleration", "m/s²", 1.0, (Curve("acceleration", "", _PURPLE),)),
     "velocity": Panel("relative\nvelocity", "mm/s", 1e-3, (Curve("velocity", "", _ORANGE),)),
     "position": Panel("relative\nposition", "mm", 1e-3, (Curve("position", "", _BLUE),)),
     "gap": Panel("height above\nthe trough", "mm", 1e-3, (Curve("gap", "", _RED),)),
-}
+}  # fmt: skip
 
 # Replaces the trough's panel for elliptical drives.
 _ELLIPSE: Final = Panel(
-    "motion of\nthe trough",
-    "mm",
-    1e-3,
+    "motion of\nthe trough", "mm", 1e-3,
     (
         Curve("trough_normal", "trough, normal to itself", _GREEN, SECOND, 1.2),
         Curve("trough_along", "trough, along itself", INK),
     ),
-    height=0.8,
-)
+    0.8,
+)  # fmt: skip
 
 _ROW: Final = 1.35  # [in] of a panel of height 1
 _STRIP: Final = 0.18  # height of the names of phases
@@ -212,9 +211,12 @@ def history_figure(
     phases = [phase for phase in phases if phase.end > first + edge and phase.start < last - edge]
     heights = [_STRIP, *(panel.height for panel in shown.values()), *[_PATH] * elliptical]
     with house_style():
-        figure, (strip, *grid) = stack((9.0, 1.5 + _ROW * sum(heights)), heights, own=int(elliptical))
-        if elliptical:
-            _draw_path(grid.pop(), phases, trace, period)
+        figure, (strip, *grid) = stack((9.0, 1.5 + _ROW * sum(heights)), heights)
+        if elliptical:  # on a scale of its own
+            place: Any = grid.pop()
+            place.remove()
+            grid[-1].tick_params(labelbottom=True)
+            _draw_path(figure.add_subplot(place.get_subplotspec()), phases, trace, period)
         bands = phase_bands(phases)
         for axes, panel in zip(grid, shown.values(), strict=True):
             _draw(axes, panel, trace)
@@ -267,10 +269,8 @@ def _mark_events(
     panel = shown[name]
     values = getattr(trace, panel.curves[-1].field) / panel.size
     for label, mark, instants, before in events_of(phases):
-        seen = [t for t in instants if trace.time[0] < t < trace.time[-1]]
-        if seen:
-            places = np.searchsorted(trace.time, seen, side="left" if before else "right")
-            places = places if before else places - 1
+        if seen := [t for t in instants if trace.time[0] < t < trace.time[-1]]:
+            places = np.searchsorted(trace.time, seen, side="left" if before else "right") - (not before)
             panels[name].plot(1e3 * np.array(seen), values[places], label=label, zorder=5, **mark)
 
 
@@ -300,8 +300,7 @@ def _draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float
     axes.plot(x, y, color=INK, linewidth=1.2)
     for event in events_of(phases):
         inside = [t for t in event.instants if first < t < last]
-        at = np.interp(inside, time, x), np.interp(inside, time, y)
-        axes.plot(*at, zorder=5, **event.mark)
+        axes.plot(np.interp(inside, time, x), np.interp(inside, time, y), zorder=5, **event.mark)
     if np.ptp(x):  # the way round, where the path is straight
         tail, ahead = x.size // 4, max(1, x.size // 100)
         arrow = {"arrowstyle": "-|>", "color": INK, "mutation_scale": 14}
@@ -309,6 +308,5 @@ def _draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float
     axes.margins(_MARGIN)
     axes.set_aspect("equal")
     axes.locator_params(nbins=4)
-    axes.set_xlabel("trough along itself [mm]")
-    axes.set_ylabel("normal to itself [mm]")
-    axes.set_title("path of the trough, last cycle", fontsize=9)
+    axes.set(xlabel="trough along itself [mm]", ylabel="normal to itself [mm]")
+    axes.set_title("path of the trough, last cycle")

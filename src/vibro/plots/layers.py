@@ -66,7 +66,6 @@ class MapLayers:
         self._covers: list[Floats] = []
         self._regions: list[tuple[str, NDArray[np.bool_], Any]] = []
         self._words: list[Any] = []
-        self._filled: dict[Regime, Any] = {}
         self._spines: dict[str, list[Floats]] = {}
         self._curves: list[tuple[str, list[Floats], Any]] = []
         self._clear: list[Floats] = []  # lines that words keep clear of
@@ -81,24 +80,15 @@ class MapLayers:
         return seen
 
     def fill_regimes(self) -> None:
-        """Fill every regime with its colour, bounded by the critical curves."""
-        rest = {Regime.NO_SLIP: self.fields.rest}
-        for regime, field in (
-            rest | {r: self.fields.log_ratio[name] for r, name in BEGINS_AT.items()}
-        ).items():
-            filled = self._fill(field, gid=regime.label, facecolor=style.REGIME_COLOURS[regime], zorder=1)
-            if filled is not None:
-                self._filled[regime] = filled
-
-    def name_regimes(self) -> None:
-        """Have the visible regimes named by ``write``."""
-        begun = [self.fields.log_ratio[curve] for curve in BEGINS_AT.values()]
-        for regime, filled in self._filled.items():
-            # Where it has begun and no later one has, as the areas are filled.
-            place = list(BEGINS_AT).index(regime) + 1 if regime in BEGINS_AT else 0
-            own, later = begun[max(place - 1, 0) : place], begun[place:]
-            self._name_region(regime.label, np.minimum.reduce([*own, *(-field for field in later)]), filled)
-            self._spines[regime.label] = self._spine(regime)
+        """Fill every regime with its colour, bounded by the critical curves, and have its seen part named."""
+        begun = [self.fields.rest, *(self.fields.log_ratio[curve] for curve in BEGINS_AT.values())]
+        for place, regime in enumerate((Regime.NO_SLIP, *BEGINS_AT)):
+            look = {"facecolor": style.REGIME_COLOURS[regime], "zorder": 1}
+            if filled := self._fill(begun[place], gid=regime.label, **look):
+                # Where it has begun and no later one has, as the areas are filled.
+                later = (-field for field in begun[place + 1 :])
+                self._name_region(regime.label, np.minimum.reduce([begun[place], *later]), filled)
+                self._spines[regime.label] = self._spine(regime)
 
     def _spine(self, regime: Regime) -> list[Floats]:
         """Return the line midway between the curves that bound a regime; none for the first and the last."""
@@ -118,14 +108,6 @@ class MapLayers:
             known = regimes_show and status is Status.FLIGHT_NOT_MODELLED
             if status in self.fields.statuses and not known:
                 self.cover(self.fields.unanswered(status), *style.no_answer(status))
-
-    def cover_rest(self) -> None:
-        """Cover the area where nothing moves with the colour of that regime, beneath earlier covers."""
-        self.cover(self.fields.rest, Regime.NO_SLIP.label, WHITE)
-
-    def cover_contact(self) -> None:
-        """Cover the area where nothing flies, beneath earlier covers."""
-        self.cover(-self.fields.log_ratio["hop"], "no flight", WHITE)
 
     def hatch_doubtful(self) -> None:
         """Hatch, over the colours, where another motion exists and where a number is a mean."""

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
 
 from vibro.core.codes import Regime
-from vibro.plots.frame import (
-    draw_peaks,
-    facets,
-    head_sweep,
-    mark_point,
-    place_on,
-    settle,
-)
-from vibro.plots.layers import MapLayers
+from vibro.plots.frame import draw_peaks, facets, head_sweep, mark_point, place_on, settle
+from vibro.plots.layers import WHITE, MapLayers
 from vibro.plots.scales import Scale, colours_of, scale_of, time_scale
 from vibro.plots.style import BACKWARDS_FACE, BACKWARDS_LABEL, CURVES, OVER, number_text
 from vibro.plots.subjects import SUBJECTS, heading_of
@@ -28,7 +22,6 @@ if TYPE_CHECKING:
     from vibro.results.sweep import SweepResult
 
     Floats = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
 
 
 def map_figure(
@@ -50,18 +43,16 @@ def map_figure(
     figure, axes = facets([f.panel for f in fields])
     head_sweep(figure, heading_of(picture, result.length), result, [f.panel for f in fields])
     maps = [MapLayers(a, f, single=len(fields) == 1) for a, f in zip(axes, fields, strict=True)]
-    for layers in maps:
-        if picture == "regime":
-            layers.fill_regimes()
+    for layers, f in zip(maps, fields, strict=True):
         layers.hatch_unanswered(regimes_show=picture == "regime")
         if picture == "regime":
-            layers.name_regimes()
+            layers.fill_regimes()
         elif SUBJECTS[picture].in_flight:
-            layers.cover_contact()
+            layers.cover(-f.log_ratio["hop"], "no flight", WHITE)
         else:
-            layers.cover_rest()
+            layers.cover(f.rest, Regime.NO_SLIP.label, WHITE)
         if picture == "traverse":
-            backwards = np.nan_to_num(-layers.fields.velocity, nan=-1.0)
+            backwards = np.nan_to_num(-f.velocity, nan=-1.0)
             layers.cover(backwards, BACKWARDS_LABEL, {**OVER[BACKWARDS_LABEL], "facecolor": BACKWARDS_FACE})
     if picture != "regime":
         _draw_numbers(figure, maps, picture, result.length, target_speed)
@@ -83,45 +74,34 @@ def _draw_numbers(
     figure: Figure, maps: list[MapLayers], picture: str, length: float | None, target_speed: float | None
 ) -> None:
     """Draw numbers and their contours, in a scale that resolves the numbers of most bodies."""
-    subject = SUBJECTS[picture]
-    values = []
-    for f in (layers.fields for layers in maps):
-        wanted = f.panel.cycle["regime"] == Regime.HOPPING if subject.in_flight else None
-        values.append(
-            subject.told(f.velocity if wanted is None else f.reaching(subject.result, wanted), length)
-        )
-    seen = _seen(maps, values)
-    if picture == "traverse":
-        scale = time_scale(seen)
-    else:
-        regular = _seen(maps, values, [layers.fields.regular > 0.0 for layers in maps])
-        calm = _seen(maps, values, [layers.fields.log_ratio["hop"] <= 0.0 for layers in maps])
-        scale = scale_of(seen, regular, calm, reverses=any(layers.fields.reverses for layers in maps))
+    subject, values = SUBJECTS[picture], []
+    # Of the numbers that are seen: all, those of regular motion, and those of bodies in contact.
+    seen: tuple[list[Floats], ...] = ([], [], [])
+    for layers in maps:
+        f = layers.fields
+        hops = f.panel.cycle["regime"] == Regime.HOPPING
+        numbers = f.reaching(subject.result, hops) if subject.in_flight else f.velocity
+        values.append(subject.told(numbers, length))
+        known = layers.open & np.isfinite(values[-1])
+        kinds = known, known & (f.regular > 0.0), known & (f.log_ratio["hop"] <= 0.0)
+        for numbers_of, among in zip(seen, kinds, strict=True):
+            numbers_of.append(values[-1][among])
+    every, regular, calm = map(np.concatenate, seen)
+    reverses = any(layers.fields.reverses for layers in maps)
+    scale = time_scale(every) if picture == "traverse" else scale_of(every, regular, calm, reverses=reverses)
     for layers, numbers in zip(maps, values, strict=True):
         layers.draw_numbers(numbers, scale)
         if picture == "speed" and target_speed is not None:
             layers.draw_level(numbers, target_speed, f"{number_text(target_speed)} mm/s")
-    if seen.any():
+    if every.any():
         colour_bar(figure, maps, scale, subject.label)
-
-
-def _seen(maps: list[MapLayers], values: list[Floats], among: list[Mask] | None = None) -> Floats:
-    """Return the finite values that are visible, of those among certain points."""
-    return np.concatenate(
-        [
-            v[m.open & np.isfinite(v) & (True if among is None else among[i])]
-            for i, (m, v) in enumerate(zip(maps, values, strict=True))
-        ]
-    )
 
 
 def colour_bar(figure: Figure, maps: list[MapLayers], scale: Scale, label: str) -> None:
     """Draw the scale of the numbers beside the maps, its numbers in full."""
-    from matplotlib.cm import ScalarMappable
-
-    axes = [layers.axes for layers in maps]
+    place: Any = {"ax": [layers.axes for layers in maps], "pad": 0.02, "aspect": 28}
     numbers = ScalarMappable(scale.norm, colours_of(scale))
-    bar = figure.colorbar(numbers, ax=axes, label=label, extend=scale.extend, pad=0.02, aspect=28)
+    bar = figure.colorbar(numbers, label=label, extend=scale.extend, **place)
     if scale.ticks is not None:
         bar.set_ticks(list(scale.ticks), labels=[number_text(tick) for tick in scale.ticks])
         bar.minorticks_off()

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Scale", "colours_of", "even_levels", "log_levels", "scale_of", "time_scale"]
-
 _NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
 _BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would trace its rounding errors
 # If all numbers are nearly equal, a scale from zero would hide their differences.
@@ -40,8 +38,8 @@ class Scale(NamedTuple):
     norm: Normalize
     colours: str
     levels: Floats
-    ticks: Floats | None  # None leaves them to matplotlib
-    extend: str  # ends of the bar that also represent numbers beyond it
+    ticks: Floats | None = None  # None leaves them to matplotlib
+    extend: str = "neither"  # ends of the bar that also represent numbers beyond it
 
 
 def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> Scale:
@@ -66,36 +64,37 @@ def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> 
     """
     from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
 
-    if not seen.size or not seen.any():
-        return Scale(Normalize(0.0, 1.0), "cividis", np.empty(0), None, "neither")
+    if not seen.any():
+        return Scale(Normalize(0.0, 1.0), "cividis", np.empty(0))
     low, high = float(seen.min()), float(seen.max())
-    least, most = (float(end) for end in (np.abs(seen).min(), np.abs(seen).max()))
-    ends = (float(regular.min()), float(regular.max())) if regular.size else (0.0, 0.0)
+    sizes = np.abs(seen)
+    least, middle, most = (float(size) for size in np.quantile(sizes, (0.0, 0.5, 1.0)))
     if low * high > 0.0 and least > _ALIKE * most:
-        return Scale(Normalize(low, high), "cividis", even_levels(low, high), None, "neither")
-    usual = float(np.abs(calm).max()) if calm.size else 0.0
+        return Scale(Normalize(low, high), "cividis", even_levels(low, high))
+    usual = float(np.abs(calm).max(initial=0.0))
+    slowest, fastest = float(regular.min(initial=0.0)), float(regular.max(initial=0.0))
     uneven = (
         0.0 < _OVER_CONTACT * usual < most
-        or 0.0 < _OVER_REGULAR * max(-ends[0], ends[1]) < most
-        or _OVER_MIDDLE * float(np.median(np.abs(seen))) < most
+        or 0.0 < _OVER_REGULAR * max(-slowest, fastest) < most
+        or _OVER_MIDDLE * middle < most
     )
-    if reverses:
-        if not uneven:
-            levels = even_levels(*ends)
-            return Scale(CenteredNorm(0.0, most), _DIVERGING, levels[levels != 0.0], None, "neither")
-        width = _LINEAR_SHARE * (usual or float(np.median(np.abs(seen))))
-        sizes = log_levels(width, most)
-        ticks = np.concatenate([-sizes[::-1], [0.0], sizes])
-        within = ticks[(ticks > ends[0]) & (ticks < _BELOW_TOP * ends[1]) & (ticks != 0.0)]
-        return Scale(AsinhNorm(width, -most, most), _DIVERGING, within, ticks, "neither")
-    below = "min" if low < 0.0 else "neither"  # a few bounces of irregular motion, or an uncertain mean
     if not uneven:
-        levels = even_levels(max(ends[0], 0.0), ends[1])
-        return Scale(Normalize(0.0, high), "cividis", levels[levels > 0.0], None, below)
+        levels = even_levels(slowest if reverses else 0.0, fastest)
+        levels = levels[levels != 0.0]
+        if reverses:
+            return Scale(CenteredNorm(0.0, most), _DIVERGING, levels)
+        # A few bounces of irregular motion, or an uncertain mean, may lie below.
+        return Scale(Normalize(0.0, high), "cividis", levels, extend="min" if low < 0.0 else "neither")
+    if reverses:
+        width = _LINEAR_SHARE * (usual or middle)
+        ticks = log_levels(width, most)
+        ticks = np.concatenate([-ticks[::-1], [0.0], ticks])
+        levels = ticks[(ticks > slowest) & (ticks < _BELOW_TOP * fastest) & (ticks != 0.0)]
+        return Scale(AsinhNorm(width, -most, most), _DIVERGING, levels, ticks)
     foot = max(float(np.quantile(seen[seen > 0.0], _BEYOND)), high * 10.0**-_MOST_DECADES)
     foot = min(foot, high / _OVER_REGULAR)
     ticks = log_levels(foot, high)
-    levels = ticks[ticks < _BELOW_TOP * ends[1]]
+    levels = ticks[ticks < _BELOW_TOP * fastest]
     return Scale(LogNorm(foot, high), "cividis", levels, ticks, "min" if low < foot else "neither")
 
 
@@ -107,10 +106,8 @@ def colours_of(scale: Scale) -> Colormap:
     colours = colormaps[scale.colours]
     if scale.colours != _DIVERGING:
         return colours
-    backwards, forwards = np.linspace(0.0, 0.5 - _PALE, 128), np.linspace(0.5 + _PALE, 1.0, 128)
-    return LinearSegmentedColormap.from_list(
-        scale.colours, colours(np.concatenate([backwards, forwards])), N=256
-    )
+    shown = np.concatenate([np.linspace(0.0, 0.5 - _PALE, 128), np.linspace(0.5 + _PALE, 1.0, 128)])
+    return LinearSegmentedColormap.from_list(scale.colours, colours(shown), N=256)
 
 
 def time_scale(seen: Floats) -> Scale:
@@ -118,7 +115,7 @@ def time_scale(seen: Floats) -> Scale:
     from matplotlib.colors import LogNorm
 
     if not seen.size:
-        return Scale(LogNorm(1.0, 2.0), "cividis_r", np.empty(0), None, "neither")
+        return Scale(LogNorm(1.0, 2.0), "cividis_r", np.empty(0))
     bottom, longest = float(seen.min()), float(seen.max())
     top = min(float(np.quantile(seen, 1.0 - _BEYOND)), bottom * 10.0**_MOST_DECADES)
     top = max(1.01 * bottom, top)
@@ -130,8 +127,8 @@ def even_levels(least: float, most: float) -> Floats:
     """Return the round numbers within a range, evenly spaced."""
     from matplotlib.ticker import MaxNLocator
 
-    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(least, most))
-    return np.asarray(levels[(levels > least) & (levels < _top(most))])
+    levels = MaxNLocator(nbins=8, steps=_NICE).tick_values(least, most)
+    return _between(least, levels, most)
 
 
 def log_levels(least: float, most: float) -> Floats:
@@ -140,9 +137,9 @@ def log_levels(least: float, most: float) -> Floats:
 
     subs = (1.0, 2.0, 5.0) if math.log10(most / least) <= _DENSE_DECADES else (1.0,)
     locator: Any = LogLocator(subs=subs, numticks=99)
-    levels = np.asarray(locator.tick_values(least, most))
-    return np.asarray(levels[(levels > least) & (levels < _top(most))])
+    return _between(least, locator.tick_values(least, most), most)
 
 
-def _top(most: float) -> float:
-    return _BELOW_TOP * most if most > 0.0 else most
+def _between(least: float, levels: Any, most: float) -> Floats:
+    found = np.asarray(levels)
+    return np.asarray(found[(found > least) & (found < (_BELOW_TOP * most if most > 0.0 else most))])
