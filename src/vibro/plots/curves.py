@@ -134,20 +134,17 @@ def _looks(view: View) -> list[dict[str, Any]]:
 def bands_of(fields: Fields) -> list[frame.Band]:
     """Cut a range at each change of regime or status."""
     unanswered = {s: fields.unanswered(s) for s in style.NO_ANSWER_HATCH if s in fields.statuses}
+    begun = {regime: fields.log_ratio[curve] for regime, curve in BEGINS_AT.items()}
+    marks = {style.COEXISTS_LABEL: fields.coexists, style.BACKWARDS_LABEL: fields.backwards}
     cuts = [x for _, x in _begins(fields, BEGINS_AT.values())]
-    others = (*unanswered.values(), fields.coexists, fields.backwards)
-    cuts += [x for field in others for x in zero_points(fields, field)]
+    cuts += [x for field in (*unanswered.values(), *marks.values()) for x in zero_points(fields, field)]
     found = []
     for low, high in pairwise(np.unique([*fields.x[[0, -1]], *cuts]).tolist()):
         middle = 0.5 * (low + high)
         status = next((s for s, field in unanswered.items() if fields.along(field, middle) > 0.0), None)
-        begun = [r for r, c in BEGINS_AT.items() if fields.along(fields.log_ratio[c], middle) > 0.0]
-        regime = begun[-1] if begun else Regime.NO_SLIP
-        name, face = regime.label, {"facecolor": style.REGIME_COLOURS[regime]}
-        marks = {style.COEXISTS_LABEL: fields.coexists, style.BACKWARDS_LABEL: fields.backwards}
-        over = {
-            label: style.OVER[label] for label, field in marks.items() if fields.along(field, middle) > 0.0
-        }
+        regimes = [Regime.NO_SLIP, *(r for r, field in begun.items() if fields.along(field, middle) > 0.0)]
+        name, face = regimes[-1].label, {"facecolor": style.REGIME_COLOURS[regimes[-1]]}
+        over = {label: style.OVER[label] for label, f in marks.items() if fields.along(f, middle) > 0.0}
         if status is Status.FLIGHT_NOT_MODELLED:  # but the regime is known
             label, look = style.no_answer(status)
             over[label] = {**look, "facecolor": "none"}

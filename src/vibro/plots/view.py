@@ -22,7 +22,6 @@ MAX_FACETS: Final = 12
 # A value that is typed with another unit, or copied from a picture, differs in its last digits.
 _SAME: Final = 5e-5  # relative difference
 _CURVES: Final = ("hop", "forward_onset", "back_slip", "continuous_sliding")
-_Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -167,7 +166,8 @@ def choose_view(
     facet = axes[others.pop(0)] if others else None
     held = {name: index_of(axes[name], value) for name, value in at.items()}
     held |= _middles(axes, [name for name in axes if name in others], held, fixed or {})
-    return View(axes[x], axes[y] if y else None, curves, facet, _facet_indices(facet), held)
+    shown = np.round(np.linspace(0, len(facet) - 1, min(len(facet), MAX_FACETS))) if facet else [-1]
+    return View(axes[x], axes[y] if y else None, curves, facet, tuple(map(int, shown)), held)
 
 
 def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Mapping[str, float]) -> None:
@@ -223,39 +223,22 @@ def _middles(
     axes: Mapping[str, Axis], names: list[str], held: Mapping[str, int], fixed: Mapping[str, float]
 ) -> dict[str, int]:
     """Hold axes in the middle of those of their values that leave a feasible combination."""
-    spans: dict[str, _Span] = {name: (value, value) for name, value in fixed.items()}
-    spans |= {name: (float(axis.values[0]), float(axis.values[-1])) for name, axis in axes.items()}
-    spans |= {name: (float(axes[name].values[i]),) * 2 for name, i in held.items()}
+    # The most feasible of all: the most static friction, and the least of everything else.
+    best: dict[str, Any] = dict(fixed)
+    best |= {name: axis.values[-1 if name == "static_friction" else 0] for name, axis in axes.items()}
+    best |= {name: axes[name].values[i] for name, i in held.items()}
     middles = {}
     for name in names:
         values = axes[name].values
-        feasible = np.flatnonzero(_leaves_some(name, values, spans))
+        best[name] = values
+        static, kinetic = best.get("static_friction", np.inf), best.get("kinetic_friction", 0.0)
+        if "friction_ratio" in best:
+            kinetic = kinetic_friction(best["friction_ratio"], static)
+        feasible = np.flatnonzero(np.broadcast_to(kinetic <= static, values.shape))
         # If all requested combinations are infeasible, the picture shows that.
-        i = int(feasible[len(feasible) // 2]) if feasible.size else len(values) // 2
-        middles[name], spans[name] = i, (float(values[i]),) * 2
+        middles[name] = int(feasible[len(feasible) // 2]) if feasible.size else len(values) // 2
+        best[name] = values[middles[name]]
     return middles
-
-
-def _leaves_some(name: str, values: NDArray[np.float64], spans: Mapping[str, _Span]) -> NDArray[np.bool_]:
-    """Return which values of a quantity leave feasible combinations within the ranges of the others."""
-    # The most feasible of all: the most static friction, and the least of everything else.
-    best: dict[str, Any] = {
-        other: high if other == "static_friction" else low for other, (low, high) in spans.items()
-    }
-    best[name] = values
-    feasible = np.ones(values.shape, np.bool_)
-    if "friction_ratio" in best and "static_friction" in best:
-        best["kinetic_friction"] = kinetic_friction(best["friction_ratio"], best["static_friction"])
-    if {"static_friction", "kinetic_friction"} <= best.keys():
-        feasible &= best["kinetic_friction"] <= best["static_friction"]
-    return feasible
-
-
-def _facet_indices(facet: Axis | None) -> tuple[int, ...]:
-    if facet is None:
-        return (-1,)
-    n = min(len(facet), MAX_FACETS)
-    return tuple(int(i) for i in np.round(np.linspace(0, len(facet) - 1, n)))
 
 
 def panels(result: SweepResult, view: View) -> list[list[Panel]]:
