@@ -6,6 +6,8 @@ from itertools import cycle, pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
 
 from vibro.core.codes import Regime, Status
 from vibro.plots import frame, style
@@ -79,7 +81,9 @@ def curve_figure(
         frame.scale_axis(strip.xaxis, view.x)
         axes[0].set(xlabel=style.axis_label(view.x), ylabel=subject.label)
         frame.shade(axes[0], bands)
-        _critical_lines(axes[0], groups[0][0])
+        for name, x in _begins(groups[0][0], style.CURVES):
+            label = f"{style.CURVES[name].label}: {style.value_text(view.x.name, x)}"
+            axes[0].axvline(x, zorder=2, gid=name, label=label, **style.CURVES[name].look)
     else:
         figure, axes = frame.facets(panels, subject.label)
     frame.head_sweep(figure, heading_of(picture, result.length), result, [f.panel for g in groups for f in g])
@@ -112,23 +116,22 @@ def curve_figure(
 
 def _looks(view: View) -> list[dict[str, Any]]:
     """Return the style of each curve, and its value as label."""
-    from matplotlib import colormaps
-    from matplotlib.colors import to_hex
-
     points = is_discrete(view.x)
     if view.curves is None:
         marked = points or len(view.x) <= _MARKED  # a single value in its regime makes no line
         mark = {"marker": "o", "markersize": 4.0} if marked else {}
         return [{"color": style.INK, "linewidth": 1.8, **mark, **(_POINT if points else {})}]
-    name, values = view.curves.name, view.curves.values.tolist()
-    colours = [to_hex(c) for c in colormaps[_COLOURS](np.linspace(0.0, _LIGHTEST, len(values)))]
-    looks = []
-    for value, colour, dashes, marker in zip(
-        values, colours, cycle(style.IN_TURN), cycle(_MARKERS), strict=False
-    ):
-        look: Look = {**_POINT, "marker": marker} if points else {"linestyle": dashes, "linewidth": 1.8}
-        looks.append({**look, "color": colour, "label": style.values_text({name: value}, all_of_them=True)})
-    return looks
+    values = view.curves.values.tolist()
+    colours = map(to_hex, colormaps[_COLOURS](np.linspace(0.0, _LIGHTEST, len(values))))
+    kinds = cycle(zip(style.IN_TURN * len(_MARKERS), _MARKERS * len(style.IN_TURN), strict=True))
+    return [
+        {
+            **({**_POINT, "marker": marker} if points else {"linestyle": dashes, "linewidth": 1.8}),
+            "color": colour,
+            "label": style.values_text({view.curves.name: value}, all_of_them=True),
+        }
+        for value, colour, (dashes, marker) in zip(values, colours, kinds, strict=False)
+    ]
 
 
 def bands_of(fields: Fields) -> list[frame.Band]:
@@ -164,28 +167,21 @@ def _begins(fields: Fields, curves: Iterable[str]) -> list[tuple[str, float]]:
     ]
 
 
-def _critical_lines(axes: Axes, fields: Fields) -> None:
-    for name, x in _begins(fields, style.CURVES):
-        curve = style.CURVES[name]
-        label = f"{curve.label}: {style.value_text(fields.panel.x.name, x)}"
-        axes.axvline(x, zorder=2, gid=name, label=label, **curve.look)
-
-
 def _mark_regimes(axes: Axes, fields: Fields, values: Floats, look: Look) -> None:
     """Mark where a regime begins on a curve; give single points the colours of theirs."""
-    edge: Look = {"linestyle": "none", "zorder": 4}
+    marks = []
     if is_discrete(fields.panel.x):
-        for code in np.unique(fields.panel.cycle["regime"][0][np.isfinite(values)]):
-            regime = Regime(code)
-            here = fields.panel.cycle["regime"][0] == code
-            face = {**look, **edge, "markerfacecolor": style.REGIME_COLOURS[regime], "label": regime.label}
-            axes.plot(fields.x[here], values[here], gid=regime.label, **face)
-        return
-    for regime, curve in BEGINS_AT.items():
-        x = np.array([x for _, x in _begins(fields, [curve])])
+        codes = fields.panel.cycle["regime"][0]
+        for regime in map(Regime, np.unique(codes[np.isfinite(values)])):
+            marks.append((regime, regime.label, regime.label, fields.x[codes == regime], look))
+    else:
+        for regime, curve in BEGINS_AT.items():
+            begins = np.array([x for _, x in _begins(fields, [curve])])
+            marks.append((regime, curve, f"{regime.label} begins", begins, {**_BEGINS, "color": style.INK}))
+    for regime, gid, label, x, own in marks:
         if x.size:
-            face = {**_BEGINS, **edge, "color": style.INK, "markerfacecolor": style.REGIME_COLOURS[regime]}
-            axes.plot(x, np.interp(x, fields.x, values), gid=curve, label=f"{regime.label} begins", **face)
+            face = {**own, "linestyle": "none", "markerfacecolor": style.REGIME_COLOURS[regime]}
+            axes.plot(x, np.interp(x, fields.x, values), zorder=4, gid=gid, label=label, **face)
 
 
 def _draw_numbers(axes: Axes, fields: Fields, values: Floats, look: Look, *, uncertain: bool) -> None:
