@@ -214,13 +214,6 @@ def uncertain(value: float, error: float, digits: int = _DIGITS) -> str:
     return f"{value:z.{decimals}f} ± {error:.{decimals}f}"
 
 
-def decimals(value: float, digits: int) -> str:
-    """Write a number to some digits, zeros at its end among them: ``0.310``."""
-    if not 1e-4 <= abs(value) < 1e6:
-        return shown(value, digits)
-    return f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(value))))}f}"
-
-
 def number(value: float, unit: str = "") -> str:
     """Write a number for people, with six digits."""
     return f"{shown(float(value), 6)} {unit}".rstrip()

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, decimals, label_of, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, label_of, shown, uncertain
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
 from vibro.inverse.costs import changed_cycles
-from vibro.limits import Transition, transitions
+from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import (
     DEFAULTS,
@@ -29,7 +29,6 @@ from vibro.scene import Scene
 from vibro.slopes import LEAST_DIFFERENCE
 from vibro.sweeps.derived import (
     WITH_ACCELERATION,
-    WITH_EXPONENT,
     WITH_STROKE,
     standing,
     throughput,
@@ -45,12 +44,10 @@ if TYPE_CHECKING:
     from vibro.sweeps.grid import Grid
 
 _RATE: Final = 0.06  # [m/min] of 1 mm/s
-_SHORT: Final = 3  # digits of ratios, and of where a regime begins
 _NEXT: Final = ("forward slip", "back slip", "hopping")  # what people ask for; the others on request
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
-_STANDS: Final = {1: "yes", 0: "no", -1: "unknown"}
-_UPRIGHT: Final[dict[Any, str]] = {**_STANDS}  # of records, where None is unknown
+_STANDS: Final[dict[Any, str]] = {True: "yes", False: "no", -1: "unknown"}  # in records None is unknown
 _WAYS: Final = {True: "backwards, down the track", False: "forwards, down the trough"}
 _NO_BOUNCE: Final = "restitution 0: parts land without a bounce"
 # What tables of several scenes have where it was asked for.
@@ -81,6 +78,9 @@ class OneScene:
         The same.
     length : float
         Length of the trough, NaN without one [mm].
+    speed, error : float
+        Mean speed, 0 of a part that slides both ways and advances by rounding alone, and its standard error;
+        NaN where it is unknown [mm/s].
     regime : Regime
         Class of the motion.
     status : Status
@@ -96,6 +96,10 @@ class OneScene:
         self.regime = Regime(int(block.cycle.regime.item()))
         self.status = Status(int(block.cycle.status.item()))
         self.block, self.cycle = block, block.cycle
+        small = abs(self.cycle.displacement_per_cycle) <= LEAST_DIFFERENCE * self.scene.scale
+        is_still = bool(small) and {*"FB"} <= {*str(self.cycle.pattern)}
+        self.speed = 0.0 if is_still else self.result("mean_velocity")
+        self.error = self.result("mean_velocity_error")
 
     def value(self, column: Column) -> float:
         """Return the number that a table has in a column."""
@@ -108,29 +112,25 @@ class OneScene:
     @property
     def relative_error(self) -> float:
         """Standard error of the mean speed over its size; 0 if the speed is not a mean [1]."""
-        error = float(self.cycle.mean_velocity_error)
-        return error / abs(float(self.cycle.mean_velocity)) if error > 0.0 else 0.0
+        return abs(self.error / self.speed) if self.speed else 0.0
 
     @property
-    def size(self) -> str:
-        """What the drive is scaled by, as it was given: ``stroke``, ``both amplitudes``, ``motion scale``."""
-        sizes = [name for name in self.given if name in SIZES]
+    def is_certain(self) -> bool:
+        """Whether the error of a mean leaves no doubt which way parts go."""
+        return not self.relative_error > _LEAST_CERTAIN
+
+    @property
+    def size(self) -> tuple[str, str, float]:
+        """What the drive is scaled by, as it was given: its name, unit and value, NaN if it has several."""
+        sizes = [name for name in self.given if name in SIZES] or [SCALE]
         if len(sizes) > 1:
-            return "both amplitudes" if len(sizes) == 2 else "all amplitudes"
-        return QUANTITIES[sizes[0] if sizes else SCALE].label
-
-    @property
-    def sized(self) -> float:
-        """The one size of the drive, in the unit outside; NaN where it has several."""
-        found: float = self.given.get(self.size.replace(" ", "_"), math.nan)
-        return found
+            return f"{'both' if len(sizes) == 2 else 'all'} amplitudes", "", math.nan
+        return QUANTITIES[sizes[0]].label, QUANTITIES[sizes[0]].unit, self.given.get(sizes[0], math.nan)
 
     @property
     def traverse_time(self) -> float:
         """Length over mean speed [s]; NaN without a length or a known speed, inf where it never arrives."""
-        if math.isnan(self.length):
-            return math.nan
-        return float(self.cycle.traverse_time(LENGTH.to_si(self.length)))
+        return math.inf if self.speed <= 0.0 else self.length / self.speed
 
     @property
     def arrival_time(self) -> float:
@@ -138,25 +138,10 @@ class OneScene:
         return math.nan if self.block.arrival is None else float(self.block.arrival.item())
 
     @property
-    def is_still(self) -> bool:
-        """Whether a part that slides both ways advances by rounding alone."""
-        small = abs(self.cycle.displacement_per_cycle) <= LEAST_DIFFERENCE * self.scene.scale
-        return bool(small) and {*"FB"} <= {*str(self.cycle.pattern)}
-
-    @property
-    def is_certain(self) -> bool:
-        """Whether the error of a mean leaves no doubt which way parts go."""
-        return self.relative_error <= _LEAST_CERTAIN
-
-    @property
     def runs(self) -> str:
         """Direction of a body that gains speed every cycle; empty for other bodies."""
         slope = float(self.scene.trough_angle)
         return _WAYS[slope > 0.0] if self.status is Status.RUNAWAY and slope else ""
-
-    def transitions(self) -> tuple[Transition, ...]:
-        """Return where each class of motion begins."""
-        return transitions(self.scene)
 
     @property
     def frequency_counts(self) -> bool:
@@ -195,10 +180,9 @@ def scene_answer(
         from vibro.answers.machine import machine_facts  # late: few scenes have a machine
 
         facts += machine_facts(grid.machine, one.block.values)
-    tables = [_next(one)]
+    tables = [_beginnings(one, every=every)]
     if every:
         facts += _rare(one)
-        tables = [_beginnings(one)]
         tables += [_sensitivities(one), _phases(one)] if grid.output is Output.EXACT else []
     return Answer(facts, [table for table in tables if table.rows], _notes(one), record, title)
 
@@ -206,11 +190,12 @@ def scene_answer(
 def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
     """Make the answer about the time over a trough: at the mean speed, and from rest."""
     facts, time = _traverse(one), one.traverse_time
-    if math.isfinite(time) and one.is_certain and not one.is_still:
+    if math.isfinite(time) and one.is_certain:
         strokes = time * one.given["frequency"]
         facts.append(Fact("strokes", strokes, error=strokes * one.relative_error))
-    never = [_next(one)] if one.regime is Regime.NO_SLIP else []
-    return Answer([*facts, _motion(one)], [table for table in never if table.rows], _notes(one), record)
+    next_ = _beginnings(one, every=False)
+    never = [next_] if one.regime is Regime.NO_SLIP and next_.rows else []
+    return Answer([*facts, _motion(one)], never, _notes(one), record)
 
 
 def cells_answer(
@@ -232,35 +217,35 @@ def cells_answer(
     given : mapping of str to mapping
         What does not vary, in the units outside, by the name of each scene file.
     """
-    columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), ("a cycle", "mm")]
     keys = ["displacement_per_cycle_mm", "throw_number"]
-    columns += [("throw number", "")]
+    columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), ("a cycle", "mm")]
+    columns.append(("throw number", ""))
     for key, label, unit in _WHERE_ASKED:
         if any(cell.get(key) is not None for cell in cells):
             columns.append((label, unit))
             keys.append(key)
-    marked = any(cell["status"] != Status.OK.label for cell in cells)
-    columns += [("status", "")] if marked else []
+    if any(cell["status"] != Status.OK.label for cell in cells):
+        columns.append(("status", ""))
+        keys.append("status")
     rows = []
     for names, cell in zip(heads, cells, strict=True):
-        results = {**cell, "upright": _UPRIGHT.get(cell.get("upright"))}
+        results = {**cell, "upright": _STANDS.get(cell.get("upright"))}
         speed, error = cell["mean_velocity_mm_s"], cell.get("mean_velocity_error_mm_s") or 0.0
-        means: list[Value] = [None if speed is None else x * speed for x in (1.0, _RATE)]
-        if speed is not None and error > _LEAST_CERTAIN * abs(speed):
-            results |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
-        if error > 0.0:
-            means = [uncertain(x * speed, x * error) for x in (1.0, _RATE)]
-        asked = [results.get(key) for key in keys]
-        rows.append([*names, cell["regime"] or "none", *means, *asked, *([cell["status"]] if marked else [])])
+        means: list[Value] = [None, None]
+        if speed is not None:
+            means = [uncertain(x * speed, x * error) if error > 0.0 else x * speed for x in (1.0, _RATE)]
+            if error > _LEAST_CERTAIN * abs(speed):
+                results |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
+        rows.append([*names, cell["regime"] or "none", *means, *map(results.get, keys)])
     told = {cell["status"] for cell in cells}
     notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in told]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
         notes.append(_NO_BOUNCE)
-    facts = [Fact(name, _given_text(values), is_rare=True) for name, values in given.items()]
+    facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
     return Answer(facts, [Table("scenes", columns, rows)], notes, title=", ".join(given))
 
 
-def _given_text(given: Mapping[str, float]) -> str:
+def given_text(given: Mapping[str, float]) -> str:
     """Name the quantities of a scene, but for those that are as usual."""
     return ", ".join(
         f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
@@ -270,14 +255,11 @@ def _given_text(given: Mapping[str, float]) -> str:
 
 
 def _motion(one: OneScene) -> Fact:
-    speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
     label = one.regime.label or "none"
-    if math.isnan(speed):
+    if math.isnan(one.speed):
         return Fact(label, f"gains speed every cycle, {one.runs}" if one.runs else None)
-    speed = 0.0 if one.is_still else speed
-    rate = uncertain(_RATE * speed, _RATE * error, _SHORT)
-    cycle = shown(0.0 if one.is_still else one.result("displacement_per_cycle"))
-    return Fact(label, f"{uncertain(speed, error)} mm/s ({rate} m/min), {cycle} mm a cycle")
+    speed, rate = (uncertain(x * one.speed, x * one.error) for x in (1.0, _RATE))
+    return Fact(label, f"{speed} mm/s ({rate} m/min), {shown(one.speed / one.given['frequency'])} mm a cycle")
 
 
 def _traverse(one: OneScene) -> list[Fact]:
@@ -286,7 +268,7 @@ def _traverse(one: OneScene) -> list[Fact]:
         return []
     time, exact = one.traverse_time, one.arrival_time
     from_rest = f"{shown(exact, 6)} s from rest" if math.isfinite(exact) else ""
-    if math.isfinite(time) and one.is_certain and not one.is_still:
+    if math.isfinite(time) and one.is_certain:
         from_rest = from_rest or "from rest unknown"
         over = f"s over {one.length:.10g} mm"
         return [Fact("traverse time", time, over, time * one.relative_error, from_rest)]
@@ -294,21 +276,20 @@ def _traverse(one: OneScene) -> list[Fact]:
 
 
 def _why_never(one: OneScene) -> str:
-    speed = one.result("mean_velocity")
-    if math.isnan(speed):
+    if math.isnan(one.speed):
         return "none: it gains speed every cycle" if one.runs else "unknown"
     if one.regime is Regime.NO_SLIP:
         return "never: the part rests"
     if not one.is_certain:
         return "unknown: within its error the mean speed has either direction"
-    if speed < 0.0 and not one.is_still:
+    if one.speed < 0.0:
         return "never: the part is conveyed backwards"
     return "never: the part slides to and fro without being conveyed"
 
 
 def _speeds(one: OneScene) -> list[Fact]:
     facts = []
-    if not math.isnan(one.result("mean_velocity")):
+    if not math.isnan(one.speed):
         facts.append(Fact("peak speed", one.result("peak_velocity"), "mm/s"))
     if one.cycle.flight_fraction > 0.0:
         impact, period = shown(one.result("impact_velocity")), float(one.cycle.period_cycles)
@@ -316,7 +297,7 @@ def _speeds(one: OneScene) -> list[Fact]:
         again = f"repeats every {period:.0f} cycles" if period > 1.0 else again
         share = 100.0 * float(one.cycle.flight_fraction)
         facts.append(Fact("in flight", share, "% of the time", note=f"lands at {impact} mm/s, {again}"))
-    throw = decimals(float(one.cycle.throw_number), _SHORT)
+    throw = float(one.cycle.throw_number)
     return [*facts, Fact("throw number", throw, note="the part hops above 1")]
 
 
@@ -331,70 +312,46 @@ def _asked(one: OneScene, part: Mapping[str, float]) -> list[Fact]:
             facts.append(Fact("throughput", rate, unit, rate * one.relative_error, note))
     if "stand_ratio" in part:
         upright, load = (one.value(column) for column in standing(part["stand_ratio"]))
-        note = (
-            f"an edge lifts at {decimals(1.0 / load, _SHORT)} times the drive"
-            if 0.0 < load < math.inf
-            else ""
-        )
+        note = f"an edge lifts at {shown(1.0 / load)} times the drive" if 0.0 < load < math.inf else ""
         facts.append(Fact("upright", _STANDS[int(upright)], note=note))
-    for column in weighed(part):
-        is_rare = column.name not in ("filling_kg", "power_w")
-        facts.append(
-            Fact(label_of(column.name, column.unit), one.value(column), column.unit, is_rare=is_rare)
-        )
-    return facts
+    weight = ("filling_kg", "power_w")
+    return [*facts, *(_fact(one, column, is_rare=column.name not in weight) for column in weighed(part))]
 
 
-def _next(one: OneScene) -> Table:
-    """List the regimes that begin as the drive grows, with their units in the cells."""
-    rows = []
-    for t in one.transitions():
-        # a part that runs away slides one way for good
-        names = ("hopping",) if one.status is Status.RUNAWAY else _NEXT
-        if t.name in names and 0.0 < t.ratio < 1.0:
-            size = one.sized / t.ratio
-            cells = ["-" if math.isnan(t.frequency) else f"{decimals(t.frequency, _SHORT)} Hz"]
-            unit = QUANTITIES[one.size.replace(" ", "_")].unit if not math.isnan(one.sized) else ""
-            told = f"{decimals(size, _SHORT)} {unit}".rstrip()
-            told = f"{decimals(1.0 / t.ratio, _SHORT)} x" if math.isnan(size) else told
-            rows.append((t.name, told, *cells[: one.frequency_counts]))
-    heads = [("begins", ""), (one.size, ""), ("frequency", "")]
-    return Table("next", heads[: 2 + one.frequency_counts], rows)
+def _fact(one: OneScene, column: Column, *, is_rare: bool = True) -> Fact:
+    label = label_of(column.name, column.unit)
+    return Fact(label, one.value(column), column.unit, is_rare=is_rare)
 
 
 def _rare(one: OneScene) -> list[Fact]:
     given = dict(one.given)
-    if OPERATING in one.block.values:  # from which the amplitude follows: as many digits as mean something
-        given["amplitude"] = float(shown(given["amplitude"], 6))
-    scene = ", ".join([*([motion_text(one.scene)] if one.scene.motion else []), _given_text(given)])
+    if OPERATING in one.block.values:  # from which the amplitude follows
+        del given["amplitude"]
+    scene = ", ".join([*([motion_text(one.scene)] if one.scene.motion else []), given_text(given)])
     facts = [
-        Fact("scene", scene),
-        Fact("stroke", one.value(WITH_STROKE), "mm", note="peak to peak"),
-        Fact("pattern", str(one.cycle.pattern) or None),
-        Fact("acceleration", one.value(WITH_ACCELERATION), "g", note="the largest of the trough"),
+        Fact("scene", scene, is_rare=True),
+        Fact("pattern", str(one.cycle.pattern) or None, is_rare=True),
     ]
-    if one.cycle.flight_fraction > 0.0:
-        facts.append(Fact("restitution", one.given["restitution"]))
-    exponent = one.value(WITH_EXPONENT)
-    if not math.isnan(exponent):
-        facts.append(Fact(f"speed over {one.size}", exponent, "% a %"))
-    return [fact._replace(is_rare=True) for fact in facts]
+    return facts + [_fact(one, column) for column in (WITH_STROKE, WITH_ACCELERATION)]
 
 
-def _beginnings(one: OneScene) -> Table:
-    """List where each motion begins, and where under a given motion it ends."""
-    columns = [("begins", ""), ("times the drive", "")]
-    columns += [] if math.isnan(one.sized) else [(one.size, QUANTITIES[one.size.replace(" ", "_")].unit)]
-    columns += [("frequency", "Hz")] if one.frequency_counts else []
-    columns += [("until times the drive", "")] if one.scene.motion is not None else []
-    rows = []
-    for t in one.transitions():
-        row: list[float | str | None] = [t.name, 1.0 / t.ratio if t.ratio else math.inf]
-        row += [] if math.isnan(one.sized) else [one.sized / t.ratio if t.ratio else math.inf]
-        row += [t.frequency] if one.frequency_counts else []
-        row += [1.0 / t.end_ratio if t.end_ratio else None] if one.scene.motion is not None else []
-        rows.append(row)
-    return Table("beginnings", columns, rows, "Where each motion begins")
+def _beginnings(one: OneScene, *, every: bool) -> Table:
+    """List where each motion begins, and under a given motion ends; or what people ask for and is to come."""
+    # a part that runs away slides one way for good
+    names = ("hopping",) if one.status is Status.RUNAWAY else _NEXT
+    found = [t for t in transitions(one.scene) if every or (t.name in names and t.ratio < 1.0)]
+    name, unit, size = one.size
+    columns: dict[tuple[str, str], list[Value]] = {("begins", ""): [t.name for t in found]}
+    if every or math.isnan(size):
+        columns["times the drive", ""] = [t.scales[0] for t in found]
+    if not math.isnan(size):
+        columns[name, unit] = [size / t.ratio for t in found]
+    if one.frequency_counts:
+        columns["frequency", "Hz"] = [t.frequency for t in found]
+    if every and one.scene.motion is not None:
+        columns["until times the drive", ""] = [t.scales[1] for t in found]
+    title = "Where each motion begins" if every else ""
+    return Table("beginnings" if every else "next", [*columns], [*zip(*columns.values(), strict=True)], title)
 
 
 def _sensitivities(one: OneScene) -> Table:
@@ -407,15 +364,13 @@ def _sensitivities(one: OneScene) -> Table:
         if name == "frequency" and OPERATING in one.block.values:  # with which a machine's amplitude changes
             continue
         step = "10 %" if name == "drive" else "1 deg" if name.endswith("_deg") else "1 %"
-        own = one.size if name in ("amplitude", "drive") else QUANTITIES[name.removesuffix("_deg")].label
+        own = one.size[0] if name in ("amplitude", "drive") else QUANTITIES[name.removesuffix("_deg")].label
         change = 100.0 * (speeds[cell] / speeds[0] - 1.0) if speeds[0] and errors[0] == 0.0 else math.nan
-        change = 0.0 if abs(change) < _ROUNDING else change
+        change = None if math.isnan(change) else 0.0 if abs(change) < _ROUNDING else float(change)
         regime, status = Regime(int(cycle.regime[cell])), Status(int(cycle.status[cell]))
         then = regime.label if regime != cycle.regime[0] else ""
         then = then if status.answered else status.label
-        rows.append(
-            (f"{own}, {step}", float(speeds[cell]), None if math.isnan(change) else float(change), then)
-        )
+        rows.append((f"{own}, {step}", float(speeds[cell]), change, then))
     return Table("sensitivities", columns, rows, "A little more of each input")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, bound, decimals, shown
+from vibro.answers.answer import Answer, Fact, Table, bound, shown
 from vibro.core.codes import Regime
 from vibro.errors import InputError
 from vibro.inverse.extremes import counted
@@ -190,7 +190,7 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
             # rounded down: the speed may jump above
             size = bound(float(QUANTITIES[name].from_si(at * share)), upper=False)
             fast = float(SPEED.from_si(most))
-            rate = f"{shown(fast)} mm/s ({decimals(0.06 * fast, 3)} m/min)"
+            rate = f"{shown(fast)} mm/s ({shown(0.06 * fast)} m/min)"
             told += f"; the most is {rate} at {size} {unit}".rstrip()
         return Answer([Fact(label, told)], (), notes, record)
     least, _ = _rounded(found[0], name, share)
