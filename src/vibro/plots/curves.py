@@ -37,13 +37,8 @@ _HEADROOM: Final = 0.15  # above a target speed, for its name
 _COLOURS, _LIGHTEST = "plasma", 0.75
 _MARKERS: Final = "os^Dv"
 _DOTS: Final[Look] = {"linestyle": "none", "marker": ".", "markersize": 3.0}
-_POINT: Final[Look] = {
-    "linestyle": "none",
-    "markersize": 7.5,
-    "markeredgewidth": 1.8,
-    "markerfacecolor": "#FFFFFF",
-}
-_BEGINS: Final[Look] = {"marker": "o", "markersize": 6.5}
+_POINT: Final[Look] = {"linestyle": "none", "ms": 7.5, "mew": 1.8, "markerfacecolor": "#FFFFFF"}
+_BEGINS: Final[Look] = {"marker": "o", "ms": 6.5}
 
 
 def curve_figure(
@@ -119,7 +114,7 @@ def _looks(view: View) -> list[dict[str, Any]]:
     points = is_discrete(view.x)
     if view.curves is None:
         marked = points or len(view.x) <= _MARKED  # a single value in its regime makes no line
-        mark = {"marker": "o", "markersize": 4.0} if marked else {}
+        mark = {"marker": "o", "ms": 4.0} if marked else {}
         return [{"color": style.INK, "linewidth": 1.8, **mark, **(_POINT if points else {})}]
     values = view.curves.values.tolist()
     colours = map(to_hex, colormaps[_COLOURS](np.linspace(0.0, _LIGHTEST, len(values))))
@@ -180,8 +175,8 @@ def _mark_regimes(axes: Axes, fields: Fields, values: Floats, look: Look) -> Non
             marks.append((regime, curve, f"{regime.label} begins", begins, {**_BEGINS, "color": style.INK}))
     for regime, gid, label, x, own in marks:
         if x.size:
-            face = {**own, "linestyle": "none", "markerfacecolor": style.REGIME_COLOURS[regime]}
-            axes.plot(x, np.interp(x, fields.x, values), zorder=4, gid=gid, label=label, **face)
+            face = {**own, "label": label, "markerfacecolor": style.REGIME_COLOURS[regime]}
+            axes.plot(x, np.interp(x, fields.x, values), zorder=4, gid=gid, **{**face, "linestyle": "none"})
 
 
 def _draw_numbers(axes: Axes, fields: Fields, values: Floats, look: Look, *, uncertain: bool) -> None:

@@ -49,15 +49,8 @@ _ROW_HEIGHT: Final = 0.18  # [in] of a row of a legend
 _LEAST_AREA: Final = 2.0  # [px] width and height of an area that a legend names
 _LIST_MARGIN: Final = 0.06  # of an axis of single points, beyond the outer ones
 _MARKER: Final[dict[str, Any]] = {
-    "marker": "o",
-    "markersize": 8.0,
-    "markerfacecolor": "#FFFFFF",
-    "markeredgecolor": "#000000",
-    "markeredgewidth": 2.0,
-    "linestyle": "none",
-}
-
-
+    "marker": "o", "ms": 8.0, "mfc": "#FFFFFF", "mec": "#000000", "mew": 2.0, "linestyle": "none"
+}  # fmt: skip
 _PEAKS: Final = {"fastest": "^", "fastest_backwards": "v"}
 _HALO: Final = 4.0  # [pt] width of the white around a marker, over any colours and hatches
 #: Opacity of bands behind curves.
@@ -206,19 +199,16 @@ def make_logarithmic(axis: Any, low: float, high: float) -> None:
 def place_on(panel: Panel, point: Mapping[str, float] | None) -> NDArray[np.float64]:
     """Return where a point, in the user's units, lies on a panel: an array of shape (0 or 1, 2)."""
     drawn = [axis for axis in (panel.x, panel.y) if axis is not None]
-    on_panel = point is not None and all(
-        math.isclose(value, panel.values[name], rel_tol=1e-6, abs_tol=1e-12)
-        for name, value in point.items()
-        if name in panel.values
-    )
-    if point is None or not on_panel:
+    if point is None:
         return np.empty((0, 2))
+    held = ((value, panel.values[name]) for name, value in point.items() if name in panel.values)
+    fits = [math.isclose(value, other, rel_tol=1e-6, abs_tol=1e-12) for value, other in held]
     for axis in drawn:
-        values, value = axis.values, point[axis.name]
-        if not values[0] <= value <= values[-1] or (
-            is_discrete(axis) and not np.isclose(values, value, rtol=1e-9).any()
-        ):
-            return np.empty((0, 2))
+        value, values = point[axis.name], axis.values
+        fits.append(bool(values[0] <= value <= values[-1]))
+        fits.append(not is_discrete(axis) or bool(np.isclose(values, value, rtol=1e-9).any()))
+    if not all(fits):
+        return np.empty((0, 2))
     return np.array([[point[axis.name] for axis in drawn] + [0.0] * (2 - len(drawn))])
 
 

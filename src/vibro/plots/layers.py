@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.patches import PathPatch
@@ -29,19 +29,10 @@ WHITE: Final = {"facecolor": style.REGIME_COLOURS[Regime.NO_SLIP]}
 _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump up and down, contours break up into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
-_HATCHED: Final = 0.005  # of the side of the map: half the least width of an area in which a hatch is seen
+_HATCHED: Final = 3  # of 200 points along a map's sides: least width of an area in which a hatch is seen
 _NUMBERED: Final = 0.25  # of the side of the map: longer pieces of a contour have its number each
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 _HALO: Final = 1.4  # [pt] around lines, on either side together
-
-
-class _Contour(NamedTuple):
-    """A contour, and the number that it gets."""
-
-    text: str
-    pieces: list[Floats]
-    ground: Any  # colour
-    artist: Any
 
 
 class MapLayers:
@@ -69,15 +60,14 @@ class MapLayers:
         self._spines: dict[str, list[Floats]] = {}
         self._curves: list[tuple[str, list[Floats], Any]] = []
         self._clear: list[Floats] = []  # lines that words keep clear of
-        self._contours: list[_Contour] = []
+        # Number, pieces, colour of the ground, and line of each contour.
+        self._contours: list[tuple[str, list[Floats], Any, Any]] = []
 
     @property
     def open(self) -> NDArray[np.bool_]:
         """Grid points that no cover hides, of those drawn so far."""
         seen = np.ones((len(self.fields.y), len(self.fields.x)), np.bool_)
-        for cover in self._covers:
-            seen &= cover <= 0.0
-        return seen
+        return np.asarray(np.logical_and.reduce([seen, *(cover <= 0.0 for cover in self._covers)]))
 
     def fill_regimes(self) -> None:
         """Fill every regime with its colour, bounded by the critical curves, and have its seen part named."""
@@ -118,7 +108,8 @@ class MapLayers:
     def _hatch_over(self, field: Floats, label: str, zorder: float = _COVERS) -> bool:
         """Hatch the area in which a field is positive over its colours; False where it is hardly seen."""
         look = {"gid": label, "label": label, "zorder": zorder, **style.OVER[label]}
-        return self._shows(field) and self._fill(field, **look) is not None
+        inside = self.fields.evenly(field) > 0.0
+        return bool(erode(inside, _HATCHED, beyond=False).any()) and self._fill(field, **look) is not None
 
     def draw_reversal(self) -> None:
         """Hatch where bodies move backwards, and draw the line on which they stand still on average."""
@@ -133,9 +124,8 @@ class MapLayers:
         """Draw the critical curves where they bound a regime."""
         for name in names:
             hidden_by = hiding_fields(self.fields, name)
-            self.draw_curve(
-                name, style.CURVES[name], zero_lines(self.fields, self.fields.log_ratio[name], hidden_by)
-            )
+            pieces = zero_lines(self.fields, self.fields.log_ratio[name], hidden_by)
+            self.draw_curve(name, style.CURVES[name], pieces)
 
     def draw_curve(self, name: str, curve: style.CurveStyle, pieces: list[Floats]) -> None:
         """Draw the pieces of a curve, if any, to be named by ``write``."""
@@ -172,15 +162,9 @@ class MapLayers:
         heights = np.asarray(norm(np.maximum(values, float(norm.vmin or 0.0))))
         even = spread_evenly(heights, fields.panel.x.on_paper, (fields.panel.y or fields.panel.x).on_paper)
         right, up = (0.5 / (n - 1) for n in even.shape[::-1])
-        image = self.axes.imshow(
-            colours(even, bytes=True),
-            origin="lower",
-            extent=(-right, 1.0 + right, -up, 1.0 + up),
-            transform=self.axes.transAxes,
-            aspect="auto",
-            interpolation="nearest",
-            zorder=0,
-        )
+        place: Any = {"extent": (-right, 1.0 + right, -up, 1.0 + up), "transform": self.axes.transAxes}
+        look: Any = {"origin": "lower", "aspect": "auto", "interpolation": "nearest", "zorder": 0}
+        image = self.axes.imshow(colours(even, bytes=True), **place, **look)
         image.set(norm=norm, cmap=colours)  # not applied again: it only records the scale in the image
         hidden = [*self._covers, -fields.regular]
         heights = without_hidden(np.nan_to_num(heights), hidden)
@@ -189,7 +173,7 @@ class MapLayers:
                 ground = colours(norm(level))
                 look = {"color": style.ink_on(ground), "linewidth": 0.6 * self._scale, "zorder": 1.5}
                 line = self._line(pieces, gid=f"contour {level:g}", **look)
-                self._contours.append(_Contour(style.number_text(level), pieces, ground, line))
+                self._contours.append((style.number_text(level), pieces, ground, line))
 
     def _long(self, pieces: list[Floats], least: float = _SPECK) -> list[Floats]:
         """Return the pieces of a contour that are long enough to draw."""
@@ -238,8 +222,8 @@ class MapLayers:
 
     def _write_numbers(self, labeller: Labeller) -> None:
         """Write the numbers of contours; one that has no room for its number is hidden."""
-        for contour in self._contours:
-            labeller.avoid_lines(contour.pieces)
+        for _, pieces, _, _ in self._contours:
+            labeller.avoid_lines(pieces)
         for text, pieces, ground, line in self._contours:
             # They lie in the order of covers: hatches over the line go over the number too.
             plate = {"boxstyle": "square,pad=0.12", "facecolor": ground, "edgecolor": "none"}
@@ -247,11 +231,6 @@ class MapLayers:
             look["fontsize"] = 8.0 * self._scale
             written = [labeller.along(text, [piece], **look) for piece in self._long(pieces, _NUMBERED)]
             line.set_visible(any(written) or labeller.along(text, pieces, **look))
-
-    def _shows(self, field: Floats) -> bool:
-        """Whether the area in which a field is positive is wide enough to see a hatch there."""
-        inside = self.fields.evenly(field) > 0.0
-        return bool(erode(inside, 2 * round(_HATCHED * len(inside)) + 1, beyond=False).any())
 
     def cover(self, field: Floats, label: str, look: Mapping[str, Any]) -> None:
         """Cover the area in which a field is positive, and have its visible part named."""
