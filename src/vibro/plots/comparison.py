@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Look = Mapping[str, Any]
+    Models = list[tuple[Comparison, Look]]
 
 _MEASURED: Final[Look] = {
     "label": "measured", "color": "#004488", "marker": ".", "linestyle": "none", "alpha": 0.75,
@@ -71,11 +71,10 @@ def comparison_figure(
     with house_style():
         figure = Picture(figsize=(10.0, 1.4 + _ROW * len(signals)))
         grid = figure.subplots(len(signals), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
-        for (over_time, on_one), name in zip(grid, signals, strict=True):
-            label, unit, size = _SIGNALS[name]
-            over_time.set_ylabel(f"{label}\n[{unit}]")
-            _draw_over_time(over_time, comparison, models, name, size)
-            _draw_on_one_cycle(on_one, comparison, models, name, size)
+        for row, name in zip(grid, signals, strict=True):
+            row[0].set_ylabel("{}\n[{}]".format(*_SIGNALS[name]))
+            _draw_over_time(row[0], comparison, models, name)
+            _draw_on_one_cycle(row[1], comparison, models, name)
         grid[0][0].set_title(f"first {_SHOWN} cycles of the record")
         grid[0][1].set_title("all cycles on one")
         grid[-1][0].set_xlabel("time of the record [ms]")
@@ -87,28 +86,18 @@ def comparison_figure(
         return figure
 
 
-def _draw_over_time(
-    axes: Axes, comparison: Comparison, models: list[tuple[Comparison, Look]], name: str, size: float
-) -> None:
-    """Draw the first cycles of the record, and shade the computed slides."""
+def _draw_over_time(axes: Axes, comparison: Comparison, models: Models, name: str) -> None:
+    """Draw the first cycles of the record."""
     time, values = comparison.observation.time, comparison.observation.signals[name]
     start, period = float(time[0]), comparison.motion.period
     shown = time <= start + _SHOWN * period
-    axes.plot(1e3 * time[shown], values[shown] / size, **_MEASURED)
     whole = start + period * np.linspace(0.0, _SHOWN, _SHOWN * _POINTS)
-    for model, look in models:
-        computed = _at(model, name, whole + float(model.trough_time[0]) - start)
-        if name == "displacement":
-            computed = computed - computed[0] + values[0]
-        axes.plot(1e3 * whole, computed / size, **look)
-    first = float(comparison.trough_time[0])
-    turn = math.floor(first / period)
-    _finish(axes, comparison, range(turn - 1, turn + _SHOWN + 2), start - first, (start, whole[-1]))
+    later = start - float(comparison.trough_time[0])
+    axes.plot(1e3 * time[shown], values[shown] / _SIGNALS[name][2], **_MEASURED)
+    _draw_computed(axes, comparison, models, name, whole, later=later, start=float(values[0]))
 
 
-def _draw_on_one_cycle(
-    axes: Axes, comparison: Comparison, models: list[tuple[Comparison, Look]], name: str, size: float
-) -> None:
+def _draw_on_one_cycle(axes: Axes, comparison: Comparison, models: Models, name: str) -> None:
     """Draw every sample at its time within its cycle; displacements start from 0 in each."""
     period, values = comparison.motion.period, comparison.observation.signals[name]
     turns = np.floor(comparison.trough_time / period)
@@ -118,14 +107,35 @@ def _draw_on_one_cycle(
         values = values - turns * advance
         early = time < _EARLY * period
         values = values - float((values[early] - _at(comparison, name, time[early])).mean())
-    axes.plot(1e3 * time, values / size, markersize=3, **_MEASURED)
-    whole = np.linspace(0.0, period, _POINTS)
+    axes.plot(1e3 * time, values / _SIGNALS[name][2], **{**_MEASURED, "markersize": 3.0})
+    _draw_computed(axes, comparison, models, name, np.linspace(0.0, period, _POINTS))
+
+
+def _draw_computed(
+    axes: Axes,
+    comparison: Comparison,
+    models: Models,
+    name: str,
+    time: Floats,
+    *,
+    later: float = 0.0,
+    start: float = 0.0,
+) -> None:
+    """Draw computed curves, and shade the computed slides, over times that are later than the trough's."""
+    first, period = comparison.trough_time[0], comparison.motion.period
     for model, look in models:
-        computed = _at(model, name, whole + float(model.trough_time[0] - comparison.trough_time[0]))
+        computed = _at(model, name, time - later + float(model.trough_time[0] - first))
         if name == "displacement":
-            computed = computed - computed[0]
-        axes.plot(1e3 * whole, computed / size, **look)
-    _finish(axes, comparison, range(-1, 2), 0.0, (0.0, period))
+            computed = computed - computed[0] + start
+        axes.plot(1e3 * time, computed / _SIGNALS[name][2], **look)
+    slides = [phase for phase in comparison.motion.phases if phase.kind != "_"]
+    turns = np.floor((time[[0, -1]] - later) / period)
+    for turn in np.arange(turns[0] - 1.0, turns[1] + 2.0).tolist():
+        shade(axes, phase_bands(slides, later=turn * period + later), named=True)
+    low, high = axes.get_ylim()
+    if low < 0.0 < high:  # a record far from zero would be squeezed by it
+        axes.axhline(0.0, color=INK, linewidth=0.5)
+    axes.set(xlim=(1e3 * time[0], 1e3 * time[-1]), ylim=(low, high))
 
 
 def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
@@ -133,16 +143,3 @@ def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
     turns = np.floor(trough_time / model.motion.period)
     values = np.interp(trough_time - turns * model.motion.period, model.curve_time, model.curves[name])
     return values + turns * model.motion.advance if name == "displacement" else values
-
-
-def _finish(
-    axes: Axes, comparison: Comparison, turns: range, later: float, ends: tuple[float, float]
-) -> None:
-    """Shade the computed slides of some turns, so much later; draw zero where curves reach it."""
-    slides = [phase for phase in comparison.motion.phases if phase.kind != "_"]
-    for turn in turns:
-        shade(axes, phase_bands(slides, later=turn * comparison.motion.period + later), named=True)
-    low, high = axes.get_ylim()
-    if low < 0.0 < high:  # a record far from zero would be squeezed by it
-        axes.axhline(0.0, color=INK, linewidth=0.5)
-    axes.set(xlim=(1e3 * ends[0], 1e3 * ends[1]), ylim=(low, high))
