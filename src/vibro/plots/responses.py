@@ -67,7 +67,7 @@ def fit_figure(fit: FitPicture, headline: str, below: str) -> Figure:
         figure, (axes,) = stack(_SIZE, [1.0])
         x = fit.curve_frequency
         axes.set_xlim(float(x[0]), float(x[-1]))
-        low, high = (min(max(end, float(x[0])), float(x[-1])) for end in fit.interval)
+        low, high = np.clip(fit.interval, x[0], x[-1]).tolist()
         if low < high:  # never of NaN
             label = "95 % interval of the natural frequency"
             axes.axvspan(low, high, facecolor=_BAND, edgecolor="none", zorder=0, label=label)
@@ -128,7 +128,7 @@ class DrivePicture(NamedTuple):
 _EMPTY: Final[Mapping[str, Any]] = {"color": "#004488"}
 _FULL: Final[Mapping[str, Any]] = {"color": "#BB5566", "linestyle": SECOND}
 _MARKERS: Final = "os"
-_POINT: Final[Mapping[str, Any]] = {"markersize": 7.0, "markeredgewidth": 2.0, "linestyle": "none"}
+_POINT: Final[Mapping[str, Any]] = {"ms": 7.0, "mew": 2.0, "mfc": "#FFFFFF", "linestyle": "none"}
 _DRIVE: Final[Mapping[str, Any]] = {"color": INK, "linewidth": 0.8, "zorder": 1}
 _BAND_ALPHA: Final = 0.22
 _TALL: Final = (7.4, 7.4)  # [in]
@@ -156,45 +156,35 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
         above.set_xlim(float(x[0]), float(x[-1]))
         states = ("empty", _EMPTY), (f"with {drive.full:g} kg", _FULL)
         for i, ((name, style), curve) in enumerate(zip(states, drive.curves, strict=False)):
+            point: Any = {**_POINT, "marker": _MARKERS[i], "color": style["color"]}
             for axes, values, value in zip((above, beneath), curve, drive.points[i], strict=True):
                 axes.plot(x, values, label=name, linewidth=1.8, **style)
-                if i < len(drive.resonances):
-                    thin = {**style, "linewidth": 0.8}
-                    axes.axvline(drive.resonances[i], label=f"natural frequency {name}", **thin)
-                point = {**_POINT, "color": style["color"], "markerfacecolor": "#FFFFFF"}
-                label = f"operating point {name}"
-                axes.plot(here, value, zorder=6, marker=_MARKERS[i], label=label, **point)
-            if i < len(drive.voltage):
-                face = {"facecolor": style["color"], "alpha": _BAND_ALPHA, "linewidth": 0.0}
-                above.fill_between(x, *drive.voltage[i], label=f"band of voltage, {name}", **face)
-        for axes in (above, beneath):
+                for resonance in drive.resonances[i : i + 1]:
+                    axes.axvline(resonance, label=f"natural frequency {name}", linewidth=0.8, **style)
+                axes.plot(here, value, zorder=6, label=f"operating point {name}", **point)
+            for ends in drive.voltage[i : i + 1]:
+                face: Any = {"facecolor": style["color"], "alpha": _BAND_ALPHA, "linewidth": 0.0}
+                above.fill_between(x, *ends, label=f"band of voltage, {name}", **face)
+        for which, axes in enumerate((above, beneath)):
             axes.axvline(here, label="frequency of the drive", **_DRIVE)
+            # Up to above the operating points, but not far above.
+            highest = max(float(np.nanmax(pair[which], initial=0.0)) for pair in drive.curves)
+            at_drive = max((pair[which] for pair in drive.points if pair[which] > 0.0), default=math.inf)
+            least = min(float(np.nanmin(pair[which], initial=0.0)) for pair in drive.curves)
+            axes.set_ylim(least, 1.05 * min(highest, _MOST_ABOVE * at_drive) or 1.0)
         if drive.others:
             label = f"other operating points {states[len(drive.curves) - 1][0]}"
-            other = {**_POINT, "marker": "x", "color": _FULL["color"]}
+            other: Any = {**_POINT, "marker": "x", "color": _FULL["color"]}
             above.plot([here] * len(drive.others), drive.others, zorder=5, label=label, **other)
         for critical, name, label in (
             (drive.hop, "hop", "bodies hop above"),
             (drive.slip, "forward_onset", "bodies slip above"),
         ):
-            look = {"color": INK, "linestyle": CURVES[name].dashes, "linewidth": CURVES[name].width}
-            above.plot(x, np.where(np.isfinite(critical), critical, np.nan), label=label, **look)
-        above.set_ylim(0.0, _top(drive, 0))
+            above.plot(x, np.where(np.isfinite(critical), critical, np.nan), label=label, **CURVES[name].look)
         beneath.axhline(0.0, color=INK, linewidth=0.5)
-        slowest = min(float(np.min(speed, initial=0.0, where=speed < 0.0)) for _, speed in drive.curves)
-        beneath.set_ylim(slowest, _top(drive, 1))
         above.set_ylabel("amplitude $A$ [mm]")
         beneath.set(xlabel="frequency of the drive $f$ [Hz]", ylabel="mean speed [mm/s]")
         figure.align_ylabels([above, beneath])
         set_heading(figure, headline, below)
         settle(figure)
         return figure
-
-
-def _top(drive: DrivePicture, which: int) -> float:
-    """Return the upper end of amplitudes (0) or speeds (1): above the operating points, not far above."""
-    here = max((float(pair[which]) for pair in drive.points if pair[which] > 0.0), default=math.inf)
-    highest = max(
-        float(np.max(x, initial=0.0, where=x > 0.0)) for x in (pair[which] for pair in drive.curves)
-    )
-    return 1.05 * min(highest, _MOST_ABOVE * here) or 1.0
