@@ -12,6 +12,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 from vibro.errors import printable
+from vibro.quantities import DEFAULTS, MACHINE, QUANTITIES, TOLD_HARMONICS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -224,6 +225,15 @@ def bound(value: float, unit: str = "", *, upper: bool, digits: int = 6) -> str:
     rounding = ROUND_CEILING if upper else ROUND_FLOOR
     rounded = Context(prec=digits, rounding=rounding).create_decimal(repr(float(value)))
     return f"{shown(float(rounded), digits)} {unit}".rstrip()
+
+
+def given_text(given: Mapping[str, float]) -> str:
+    """Name the quantities of a scene, but for those that are as usual."""
+    return ", ".join(
+        f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+        for name, value in given.items()
+        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS and name not in MACHINE
+    )
 
 
 def _known(value: Any) -> Any:

@@ -7,26 +7,33 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
-from vibro.quantities import DEFAULTS, LENGTH, MASS, QUANTITIES, TROUGH_MASS, nearest_double
-from vibro.results.operating import WARNED_HARMONIC
-from vibro.sweeps.machines import points_of
+from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
+from vibro.quantities import MASS, QUANTITIES, TROUGH_MASS, nearest_double
+from vibro.results.operating import MACHINE_RESULTS, OPERATING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from vibro.answers.set_up_sheet import Row, Sheet
     from vibro.files.machines import GivenMachine
 
 _MASSES: Final = ("vibrating_mass_kg", "trough_mass_kg", "counter_mass_kg")
-_TOLD: Final = (
-    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle", "restitution",
-)  # fmt: skip
 _PROOFS: Final = {
     "corners": "proved", "proved": "proved within 1 %", "searched": "searched", "sampled": "sampled",
 }  # fmt: skip
 _INPUTS: Final = {"frequency": "mains frequency", "stiffness": "stiffness of the springs"}
-_ROUNDING: Final = 1e-12  # [1] share of a filling's mass
+_NOT_GUARANTEED: Final = "unknown, as an operating point is, or the masses strike,"
+# Rows of machines side by side: labels, and where the sheet has them, empty or full.
+_SIDE_BY_SIDE: Final = (
+    ("f0 [Hz]", "empty", "natural_hz"),
+    ("f/f0", "empty", "frequency_ratio"),
+    ("setting [%]", "empty", "setting_percent"),
+    ("empty [mm]", "empty", "amplitude_mm"),
+    ("speed [mm/s]", "empty", "mean_velocity_mm_s"),
+    ("filling [kg]", "full", "filling_kg"),
+    ("full [mm]", "full", "amplitude_mm"),
+    ("speed [mm/s]", "full", "mean_velocity_mm_s"),
+)
 _LISTED: Final = ("strikes", "at_jump", "all_amplitudes_mm")  # in JSON alone
 
 
@@ -41,35 +48,17 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
         Quantities of a single cell by name, in the units outside.
     """
     one = {name: float(values[name].item()) for name in QUANTITIES if name in values}
-    points, filling = points_of(given, values), one["filling"]
-
-    def value(name: str) -> float:
-        return float(np.asarray(getattr(points, name)).item())
-
-    def length(name: str) -> float:
-        return float(LENGTH.from_si(value(name)))
-
-    note = f"{shown(length('amplitude_empty'))} mm empty" if filling else "empty"
-    if value("amplitude_low") < value("amplitude_high"):
-        note += f", between {shown(length('amplitude_low'))} and {shown(length('amplitude_high'))} mm"
-    ratios = [value("frequency_ratio"), *([value("filled_frequency_ratio")] if filling else [])]
+    found = {x.name: float(x.kind.from_si(values[OPERATING][x.name].item())) for x in MACHINE_RESULTS}
+    note = f"{shown(found['amplitude_empty'])} mm empty" if one["filling"] else "empty"
     at = [f"{name} {one[name]:g} %" for name in ("setting", "voltage") if given.takes(name)]
     facts = [
-        Fact("amplitude", length("amplitude"), "mm", note=note),
+        Fact("amplitude", one["amplitude"], "mm", note=note),
         Fact("machine", ", ".join([_machine(given, one.get("natural")), *at]), is_rare=True),
-        Fact("resonance", _resonance(ratios), is_rare=True),
     ]
-    if filling:
-        told = _filling(given, filling, value("added_mass_share"), value("added_damping_share"))
-        facts.append(Fact("filling", told, is_rare=True))
-    if given.kind not in ("unbalance", "crank"):  # whose springs bend as the trough moves, or which have none
-        facts.append(Fact("springs bend", length("relative_amplitude"), "mm", is_rare=True))
-    if filling and (second := value("second_harmonic")) > 0.0:
-        note = ""
-        if second > WARNED_HARMONIC:
-            speed = LENGTH.from_si(np.asarray(points.speed_with_second_harmonic()).item())
-            note = f"the speed with it is {shown(speed)} mm/s"
-        facts.append(Fact("second harmonic", 100.0 * second, "% of the amplitude", note=note, is_rare=True))
+    for result in MACHINE_RESULTS:
+        if not math.isnan(found[result.name]) and result.name != "amplitude_empty":
+            label = label_of(result.column, result.kind.unit)
+            facts.append(Fact(label, found[result.name], result.kind.unit, is_rare=True))
     return facts
 
 
@@ -88,30 +77,15 @@ def _machine(given: GivenMachine, natural: float | None) -> str:
     return ", ".join(filter(None, parts))
 
 
-def _resonance(ratios: Sequence[float]) -> str:
+def _resonance(empty: Row, full: Row | None) -> str:
     """Name the side of resonance, from the frequency over the natural frequency, empty and filled."""
-    if not ratios[0]:
-        return "none: the trough follows the crank"
-    if math.isinf(ratios[0]):
-        return "far below the drive: the mounts are infinitely soft"
-    known = [ratio for ratio in ratios if math.isfinite(ratio)]
-    told = f"f/f0 = {shown(known[0])} empty" + "".join(f", {shown(ratio)} full" for ratio in known[1:])
-    sides = [ratio < 1.0 for ratio in known]
-    if known[0] == 1.0:
-        return f"{told}: at resonance"
-    if all(sides):
-        return f"{told}: below resonance"
-    if not any(sides):
-        return f"{told}: above resonance"
-    return f"{told}: the filling takes the machine across resonance"
-
-
-def _filling(given: GivenMachine, filling: float, mass: float, damping: float) -> str:
-    if math.isnan(mass):
-        return f"{MASS.text(filling)}, whose shares are unknown"
-    shares = (f"{100.0 * x:.3g}" if abs(x) > _ROUNDING else "0" for x in (mass, damping))
-    whose = "as given" if given.shares else "computed"
-    return "{}: {} % of it acts as mass, {} % as damping ({})".format(MASS.text(filling), *shares, whose)
+    ratios = {"empty": empty["frequency_ratio"]} | ({"full": full["filled_frequency_ratio"]} if full else {})
+    told = (
+        f"{shown(ratio)} {state}, {'below' if ratio < 1.0 else 'above' if ratio > 1.0 else 'at'} resonance"
+        for state, ratio in ratios.items()
+        if not math.isnan(ratio)
+    )
+    return f"f/f0 = {'; '.join(told)}"
 
 
 def sheet_answer(name: str, sheet: Sheet) -> Answer:
@@ -131,26 +105,21 @@ def sheet_answer(name: str, sheet: Sheet) -> Answer:
 
 def sheets_answer(sheets: Mapping[str, Sheet]) -> Answer:
     """Make the answer about several machines, by name: a column for each, at its last setting."""
-    columns = []
-    for sheet in sheets.values():
-        empty, full = sheet.record["settings"][-1].values()
-        bounds: Mapping[str, Any] = next(reversed(sheet.record["guaranteed"]), {})
-        columns.append(
-            [
-                sheet.request.machine.kind,
-                *(empty[key] or None for key in ("natural_hz", "frequency_ratio")),
-                empty["setting_percent"],
-                *_cells(empty),
-                *([full["filling_kg"], *_cells(full)] if full else [None, None, None]),
-                *(bounds.get("speed_mm_s") or [None, None]),
-                _PROOFS[bounds["proof"][0]] if "proof" in bounds else None,
-            ]
-        )
-    labels = (
-        "kind", "f0 [Hz]", "f/f0", "setting [%]", "empty [mm]", "speed [mm/s]", "filling [kg]", "full [mm]",
-        "speed [mm/s]", "slowest [mm/s]", "fastest [mm/s]", "how sure",
-    )  # fmt: skip
-    rows = [*zip(labels, *columns, strict=True)]
+    last = {name: sheet.record["settings"][-1] for name, sheet in sheets.items()}
+    kinds = [sheet.request.machine.kind for sheet in sheets.values()]
+    rows: list[list[Any]] = [["kind", *kinds]]
+    rows += [
+        [label, *((pair[state] or {}).get(key) for pair in last.values())]
+        for label, state, key in _SIDE_BY_SIDE
+    ]
+    bounds: list[Mapping[str, Any]] = [
+        next(reversed(sheet.record["guaranteed"]), {}) for sheet in sheets.values()
+    ]
+    rows += [
+        [label, *((x.get("speed_mm_s") or [None, None])[end] for x in bounds)]
+        for end, label in enumerate(("slowest [mm/s]", "fastest [mm/s]"))
+    ]
+    rows.append(["how sure", *(_PROOFS[x["proof"][0]] if "proof" in x else None for x in bounds)])
     notes = [f"{name}: {note}" for name, sheet in sheets.items() for note in sheet.doubts]
     record = {"machines": [{"name": name, **sheet.record} for name, sheet in sheets.items()]}
     table = Table("machines", [("machine", ""), *((name, "") for name in sheets)], rows)
@@ -178,10 +147,8 @@ def cases(sheets: Mapping[str, Sheet]) -> dict[str, Any]:
 def picture_texts(sheet: Sheet, name: str) -> tuple[str, str]:
     """Return the headline of the picture and what holds for all of it."""
     given, values = sheet.request.machine, sheet.request.values
-    told = [f"setting {sheet.request.settings[-1]:g} %"]
-    told += [f"damping ratio {given.machine.damping_ratio:.4g}"] if given.kind != "crank" else []
-    told += [f"{QUANTITIES[n].label} {QUANTITIES[n].text(values[n])}" for n in _TOLD[1:4]]
-    return f"{given.kind} \N{EN DASH} {name}", ", ".join(told)
+    told = given_text(values)
+    return f"{given.kind} \N{EN DASH} {name}", f"setting {sheet.request.settings[-1]:g} %, {told}"
 
 
 def _facts(sheet: Sheet) -> list[Fact]:
@@ -193,29 +160,26 @@ def _facts(sheet: Sheet) -> list[Fact]:
         for name, (low, high) in request.bands.items()
         if high
     ]
-    ratios = [empty["frequency_ratio"], *([full["filled_frequency_ratio"]] if full else [])]
     facts = [
         Fact("machine", _machine(given, values.get("natural"))),
         Fact("bands", ", ".join(bands) or "none, such as voltage=90:110 or filling=0:2"),
-        Fact("resonance", _resonance(ratios)),
+        Fact("drive", given_text(values), is_rare=True),
     ]
-    if full and given.kind != "crank":
-        shares = full["added_mass_share"], full["added_damping_share"]
-        facts.append(Fact("filling", _filling(given, request.full, *shares)))
-    drive = [
-        f"{QUANTITIES[name].label} {QUANTITIES[name].text(values[name])}"
-        for name in _TOLD
-        if name in values and values[name] != DEFAULTS.get(name)
+    if given.kind == "crank":  # which the filling does not change
+        return facts
+    facts.insert(2, Fact("resonance", _resonance(empty, full)))
+    if full and not math.isnan(full["added_mass_share"]):
+        mass, damping = (shown(100.0 * full[f"added_{of}_share"], 3) for of in ("mass", "damping"))
+        told = f"{MASS.text(request.full)}: {mass} % of it acts as mass, {damping} % as damping"
+        facts.insert(3, Fact("filling", told))
+    resonant, tolerated = record["resonant_filling_kg"], record["tolerated_filling_kg"]
+    none = "none" if math.isnan(resonant) else f"{shown(resonant)} kg"
+    note = "changes the speed by less than 1 %"
+    return [
+        *facts,
+        Fact("filling to resonance", none, is_rare=True),
+        Fact("light filling", tolerated, "kg", note=note, is_rare=True),
     ]
-    facts.append(Fact("drive", ", ".join(drive), is_rare=True))
-    if given.kind != "crank":
-        resonant, tolerated = record["resonant_filling_kg"], record["tolerated_filling_kg"]
-        none = "none" if math.isnan(resonant) else resonant
-        facts.append(Fact("filling to resonance", none, "kg" * (none != "none"), is_rare=True))
-        light = "any" if tolerated == math.inf else tolerated
-        note = "changes the speed by less than 1 %"
-        facts.append(Fact("light filling", light, "kg" * (light != "any"), note=note, is_rare=True))
-    return facts
 
 
 def _states(sheet: Sheet) -> list[str]:
@@ -259,16 +223,13 @@ def _settings(sheet: Sheet) -> Table:
 
 def _notes(sheet: Sheet) -> list[str]:
     """Say for what the guaranteed speeds hold, and how sure they are."""
-    proofs: dict[str, list[str]] = {}
+    sureness: dict[str, list[str]] = {}
     for one in sheet.record["guaranteed"]:
-        if one["speed_mm_s"]:
-            proofs.setdefault(_PROOFS[one["proof"][0]], []).append(f"{one['setting_percent']:g}")
-    if not proofs:
+        proof = _PROOFS[one["proof"][0]] if one["speed_mm_s"] else _NOT_GUARANTEED
+        sureness.setdefault(proof, []).append(f"{one['setting_percent']:g}")
+    if not sureness:
         return []
-    told = "; ".join(
-        f"{proof} at {', '.join(settings)} %" if len(proofs) > 1 else proof
-        for proof, settings in proofs.items()
-    )
+    told = "; ".join(f"{proof} at {', '.join(settings)} %" for proof, settings in sureness.items())
     count = max(one["operating_points_looked_at"] for one in sheet.record["guaranteed"])
     notes = [f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {told}"]
     if min(sheet.request.band("static_friction")) < max(sheet.request.band("kinetic_friction")):

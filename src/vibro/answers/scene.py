@@ -7,28 +7,26 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, label_of, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
 from vibro.inverse.costs import changed_cycles
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import (
-    DEFAULTS,
     LENGTH,
-    MACHINE,
     QUANTITIES,
     SCALE,
     SIZES,
     SPEED,
-    TOLD_HARMONICS,
     as_given,
     scene_fields,
 )
-from vibro.results.operating import OPERATING
+from vibro.results.operating import OPERATING, bent
 from vibro.scene import Scene
 from vibro.slopes import LEAST_DIFFERENCE
 from vibro.sweeps.derived import (
     WITH_ACCELERATION,
+    WITH_BENT_SPEED,
     WITH_STROKE,
     standing,
     throughput,
@@ -180,6 +178,7 @@ def scene_answer(
         from vibro.answers.machine import machine_facts  # late: few scenes have a machine
 
         facts += machine_facts(grid.machine, one.block.values)
+        facts += [_fact(one, WITH_BENT_SPEED)] * bent(one.block)
     tables = [_beginnings(one, every=every)]
     if every:
         facts += _rare(one)
@@ -243,15 +242,6 @@ def cells_answer(
         notes.append(_NO_BOUNCE)
     facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
     return Answer(facts, [Table("scenes", columns, rows)], notes, title=", ".join(given))
-
-
-def given_text(given: Mapping[str, float]) -> str:
-    """Name the quantities of a scene, but for those that are as usual."""
-    return ", ".join(
-        f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
-        for name, value in given.items()
-        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS and name not in MACHINE
-    )
 
 
 def _motion(one: OneScene) -> Fact:

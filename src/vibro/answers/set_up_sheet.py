@@ -170,8 +170,7 @@ def make_sheet(
         else math.nan,
         "tolerated_filling_kg": _tolerated(empty, lightly),
     }
-    doubts = [*_doubts(rows, points), *_unknown(guaranteed)]
-    return Sheet(request, record, doubts, _picture(request) if picture else None)
+    return Sheet(request, record, _doubts(rows, points), _picture(request) if picture else None)
 
 
 def _solved(
@@ -236,7 +235,7 @@ def _refuse_strikes(request: SheetRequest, row: Row) -> None:
     """Refuse a setting at which the masses strike each other."""
     values = {**request.values, "setting": row["setting_percent"], "filling": row["filling_kg"]}
     cell = {name: np.array([value]) for name, value in values.items()}
-    problems = Problems(f"setting {row['setting_percent']:g} %, {_state(row['filling_kg'])}: ")
+    problems = Problems(f"setting {_case(row)}: ")
     with problems.taken():
         check_operating(request.machine, {**cell, **operated(request.machine, cell)})
     problems.settle()
@@ -350,27 +349,28 @@ def _guaranteed(request: SheetRequest, setting: float) -> dict[str, Any]:
     for share in dict.fromkeys(shares):
         points = points_of(request.machine, values, share=share)
         if np.isnan(points.amplitude).any() or points.strikes.any():
-            return {
-                "setting_percent": setting,
-                "amplitude_mm": [math.nan, math.nan],
-                "operating_points_looked_at": count,
-                "speed_mm_s": None,
-            }
+            low = high = math.nan
+            break
         low = min(low, float(points.amplitude_low.min()))
         high = max(high, float(points.amplitude_high.max()))
         for i in np.flatnonzero(points.number > 1):
             case = {name: float(x[i]) for name, x in values.items()}
             high = max(high, *(LENGTH.to_si(a) for a in _all_amplitudes(request.machine, case)))
         count += len(cases)
+    told = {
+        "setting_percent": setting,
+        "amplitude_mm": [float(LENGTH.from_si(x)) for x in (low, high)],
+        "operating_points_looked_at": count,
+    }
+    if math.isnan(low):
+        return {**told, "speed_mm_s": None}
     bands = {
         name: request.bands[name] for name in ("static_friction", "kinetic_friction") if name in request.bands
     }
     bands |= {"amplitude": (low, high)} if low < high else {}
     found = guarantee(Scene(amplitude=0.5 * (low + high), **_scene_of(request)), **bands)
     return {
-        "setting_percent": setting,
-        "amplitude_mm": [float(LENGTH.from_si(x)) for x in (low, high)],
-        "operating_points_looked_at": count,
+        **told,
         "speed_mm_s": [float(LENGTH.from_si(x)) for x in (found.speed_min, found.speed_max)],
         "proof": [found.proof_min, found.proof_max],
         "regimes": [regime.label for regime in sorted(found.regimes) if regime is not Regime.UNDEFINED],
@@ -396,34 +396,17 @@ def _doubts(rows: Sequence[Row], points: OperatingPoints) -> list[str]:
     for status in Status:
         if not status.answered:
             told.append(([row["status"] == status.label for row in rows], status.message))
-    return [f"{_cases(rows, cells)}{text}" for cells, text in [*points.doubts(), *told] if np.any(cells)]
+    doubts = []
+    for cells, text in [*points.doubts(), *told]:
+        which = ", ".join(_case(row) for row, cell in zip(rows, np.asarray(cells), strict=True) if cell)
+        if which:
+            doubts.append(text if np.all(cells) else f"setting {which}: {text}")
+    return doubts
 
 
-def _cases(rows: Sequence[Row], cells: Any) -> str:
-    """Name some of the rows, unless they are all."""
-    if np.all(cells):
-        return ""
-    names = []
-    for filling in sorted({row["filling_kg"] for row in rows}):
-        own = [
-            row["setting_percent"] if cell else None
-            for row, cell in zip(rows, cells, strict=True)
-            if row["filling_kg"] == filling
-        ]
-        settings = [f"{setting:g}" for setting in own if setting is not None]
-        at = "" if len(settings) == len(own) else f"setting {', '.join(settings)} % "
-        names += [f"{at}{_state(filling)}"] * bool(settings)
-    return f"{'; '.join(names)}: "
-
-
-def _state(filling: float) -> str:
-    return f"with {filling:g} kg" if filling else "empty"
-
-
-def _unknown(guaranteed: Sequence[Mapping[str, Any]]) -> list[str]:
-    settings = ", ".join(f"{one['setting_percent']:g}" for one in guaranteed if one["speed_mm_s"] is None)
-    why = "within the bands an operating point is unknown, or the masses strike"
-    return [f"setting {settings} %: no speed is guaranteed, as {why}"] if settings else []
+def _case(row: Row) -> str:
+    filling = row["filling_kg"]
+    return f"{row['setting_percent']:g} % {f'with {filling:g} kg' if filling else 'empty'}"
 
 
 def _picture(request: SheetRequest) -> DrivePicture:
