@@ -29,7 +29,8 @@ extensions = [
 ]
 exclude_patterns = ["ext", "images", "_made", "_static", "_templates"]
 nitpicky = True
-nitpick_ignore = [("py:obj", "axes"), ("py:obj", "fixed")]  # of sweeps, described where they are listed
+# Of sweeps, described where they are listed.
+nitpick_ignore = [("py:obj", "axes"), ("py:obj", "cycle"), ("py:obj", "fixed")]
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_fence_as_directive = ["math"]
