@@ -23,12 +23,10 @@ def test_a_map_for_every_value(facets: dict[str, Figure]) -> None:
         titles = [axes.get_title() for axes in maps_of(figure)]
         assert titles == [r"$\alpha$ = 10°", r"$\alpha$ = 20°", r"$\alpha$ = 30°"]
         assert r"\alpha" not in figure.get_suptitle()
-
-
-def test_outer_axes_are_named(facets: dict[str, Figure]) -> None:
     maps = maps_of(facets["regime"])
     assert [axes.get_ylabel() for axes in maps] == ["amplitude $A$ [mm]", "", ""]
-    assert [axes.get_xlabel() for axes in maps] == ["frequency $f$ [Hz]"] * 3
+    marked = [any(line.get_gid() == "operating point" for line in axes.lines) for axes in maps]
+    assert marked == [False, True, False]
 
 
 def test_every_map_has_its_own_curves(facets: dict[str, Figure]) -> None:
@@ -43,13 +41,6 @@ def test_one_colour_scale_and_one_legend(facets: dict[str, Figure]) -> None:
     assert len(scales) == 1
     assert {style.label for style in CURVES.values()} <= set(legend(facets["speed"]))
     assert {regime.label for regime in REGIME_COLOURS} <= set(legend(facets["regime"]))
-
-
-def test_the_operating_point_is_on_its_map_alone(facets: dict[str, Figure]) -> None:
-    marked = [
-        any(line.get_gid() == "operating point" for line in axes.lines) for axes in maps_of(facets["regime"])
-    ]
-    assert marked == [False, True, False]
 
 
 def test_held_axes_are_in_the_heading() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import dataclasses
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
@@ -102,14 +101,10 @@ def test_names_in_files(row: SweepResult, tmp_path: Path) -> None:
     headline = f"Mean conveying speed – {told}"
     with coarse_pictures():
         figure = titled(row, name)
-        for form in ("png", "svg", "pdf"):
+        for form in ("png", "svg"):
             save(figure, tmp_path / form, form, {"Software": "vibro"})
     with Image.open(tmp_path / "png") as image:
         image.load()
         assert image.info["Title"] == headline
     titles = [e.text for e in ElementTree.parse(tmp_path / "svg").iter() if e.tag.endswith("}title")]
     assert headline in titles
-    written = codecs.BOM_UTF16_BE + headline.encode("utf-16-be")
-    for sign, escape in ((b"\\", b"\\\\"), (b"(", b"\\("), (b")", b"\\)"), (b"\n", b"\\n"), (b"\r", b"\\r")):
-        written = written.replace(sign, escape)
-    assert b"/Title (" + written + b")" in (tmp_path / "pdf").read_bytes()

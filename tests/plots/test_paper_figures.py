@@ -1,7 +1,8 @@
-"""The paper's figures over time, drawn by an example."""
+"""The paper's figures, drawn by examples."""
 
 from __future__ import annotations
 
+import math
 import runpy
 import sys
 from functools import cache, partial
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.drawn import coarse_pictures
+from helpers.drawn import GRAVITY, coarse_pictures, words
 from helpers.made_records import EXAMPLES
 from matplotlib.figure import Figure
 
@@ -47,19 +48,6 @@ def test_every_figure_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     }
 
 
-def test_figure_6_marks_both_onsets() -> None:
-    (axes,) = drawn("paper-figure-6").axes
-    starts = {
-        round(float(np.asarray(line.get_ydata())[0]), 6): np.asarray(line.get_xdata())
-        for line in axes.lines
-        if line.get_marker() == "s" and len(np.asarray(line.get_xdata()))
-    }
-    assert set(starts) == {0.685165, 0.720276}
-    # Published: start of the slide by the derived and by the printed condition.
-    assert starts[0.685165][0] == pytest.approx(8.00900, abs=5e-6)
-    assert starts[0.720276][0] == pytest.approx(8.53282, abs=5e-6)
-
-
 def test_figure_11_has_the_published_speeds() -> None:
     """The study's nut reaches "up to 55" mm/s and advances "about 1" mm a stroke."""
     velocity, displacement = drawn("paper-figure-11").axes
@@ -69,3 +57,20 @@ def test_figure_11_has_the_published_speeds() -> None:
     exact, study = (np.asarray(line.get_ydata()) for line in displacement.lines[:2])
     assert exact[-1] / 3 == pytest.approx(1.08423, abs=1e-5)
     assert study[-1] / 3 == pytest.approx(0.9554, abs=1e-3)
+
+
+def test_maps_of_the_paper(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    monkeypatch.setattr(sys, "argv", ["paper_maps.py", str(tmp_path / "new")])
+    with coarse_pictures():
+        names = runpy.run_path(str(EXAMPLES / "paper_maps.py"), run_name="__main__")
+    assert sorted(p.name for p in (tmp_path / "new").iterdir()) == [
+        "paper-figure-3.png",
+        "paper-figure-5.png",
+    ]
+    at_15_hz = 1e3 * GRAVITY / (2 * math.pi * 15) ** 2
+    assert names["onset_load"](0.74) * at_15_hz == pytest.approx(0.685165, abs=5e-7)
+    assert names["onset_load_as_printed"](0.74) * at_15_hz == pytest.approx(0.720276, abs=5e-7)
+    assert "0.74  0.685165  0.720276  +5.1%" in capsys.readouterr().out
+    assert names["hop_load"](20) * at_15_hz == pytest.approx(3.229052, abs=5e-7)
+    axes = names["hop_limits"]().axes[0]
+    assert {"α = 10°", "α = 15°", "α = 20°", "α = 30°", "α = 45°"} <= set(words(axes))

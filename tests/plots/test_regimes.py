@@ -69,21 +69,3 @@ def test_regions_too_small_for_words_are_in_the_legend() -> None:
     small = [name for name in ("no-slip", "forward-slip") if name not in words(only_map(figure))]
     assert small
     assert set(small) <= set(legend(figure))
-
-
-def test_curves_end_where_another_class_rules(climb_pictures: dict[str, Figure]) -> None:
-    axes = only_map(climb_pictures["regime"])
-    amplitude, angle = curve(axes, "forward_onset").T
-    limits = critical_loads(
-        Scene(
-            amplitude=1e-3,
-            frequency=15,
-            drive_angle=math.radians(20),
-            static_friction=0.74,
-            kinetic_friction=0.57,
-            trough_angle=np.radians(angle),
-        )
-    )
-    load = amplitude * 1e-3 * (2 * math.pi * 15) ** 2 / GRAVITY
-    np.testing.assert_allclose(load, limits.forward_onset, rtol=1e-3)
-    assert (load <= limits.back_slip * 1.001).all()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pytest
 
 from vibro.plots.responses import DrivePicture, FitPicture, drive_figure, fit_figure
 
@@ -89,25 +88,10 @@ def test_without_a_filling_a_voltage_and_hops() -> None:
         curves=((empty, 0.0 * empty),), voltage=(), points=((0.34, 0.0),), resonances=(),
         hop=np.full(X.size, np.inf), slip=np.full(X.size, np.inf), full=0.0,
     )  # fmt: skip
-    figure = drive_figure(bare, "crank", "")
-    assert set(texts(figure)) == {"empty", "frequency of the drive", "operating point empty"}
+    figure = drive_figure(bare._replace(others=(0.2, 0.25)), "crank", "")
+    more = "other operating points empty"
+    assert set(texts(figure)) == {"empty", "frequency of the drive", "operating point empty", more}
     apart(figure)
-
-
-def test_further_operating_points_are_drawn() -> None:
-    figure = drive_figure(drive(others=(0.2, 0.25)), "magnet", "")
-    assert "other operating points with 2 kg" in texts(figure)
-    (crosses,) = [line for line in figure.axes[0].lines if line.get_marker() == "x"]
-    assert np.asarray(crosses.get_xydata()).tolist() == [[50.0, 0.2], [50.0, 0.25]]
-    apart(figure)
-
-
-def test_where_nothing_is_known_nothing_is_drawn() -> None:
-    nothing = np.full(X.size, np.nan)
-    lost = drive(
-        curves=((response(48.0), 0.0 * X), (nothing, nothing)), points=((0.34, 0.0), (np.nan, np.nan))
-    )
-    apart(drive_figure(lost, "magnet", ""))
 
 
 def fitted(**changes: Any) -> FitPicture:
@@ -116,26 +100,14 @@ def fitted(**changes: Any) -> FitPicture:
     return drawn._replace(**changes)
 
 
-def test_the_fit_has_points_curve_and_interval() -> None:
+def test_a_fit_shows_what_is_known() -> None:
     figure = fit_figure(fitted(), "points", "natural frequency 48 Hz")
-    assert set(texts(figure)) == {
-        "95 % interval of the natural frequency",
-        "natural frequency",
-        "fitted",
-        "measured, with standard error",
-    }
+    interval = "95 % interval of the natural frequency"
+    assert set(texts(figure)) == {interval, "natural frequency", "fitted", "measured, with standard error"}
     apart(figure)
-
-
-@pytest.mark.parametrize("interval", [(np.nan, np.nan), (70.0, np.inf)])
-def test_a_fit_without_an_estimate(interval: tuple[float, float]) -> None:
-    unknown = np.full(5, np.nan)
-    figure = fit_figure(fitted(natural_frequency=np.nan, interval=interval, error=unknown), "points", "none")
-    assert texts(figure) == ["fitted", "measured"]
-
-
-def test_a_curve_without_damping_leaves_the_points_visible() -> None:
     curve = response(48.0).copy()
     curve[100] = np.inf
-    figure = fit_figure(fitted(curve_amplitude=curve), "points", "")
+    unknown = {"natural_frequency": np.nan, "interval": (np.nan, np.nan), "error": np.full(5, np.nan)}
+    figure = fit_figure(fitted(curve_amplitude=curve, **unknown), "points", "none")
+    assert texts(figure) == ["fitted", "measured"]
     assert np.isfinite(figure.axes[0].get_ylim()).all()

@@ -62,11 +62,8 @@ def test_the_amplitude_is_across_and_the_phase_up_in_eighths_of_a_turn(phases: S
     ("ranges", "x", "y"),
     [
         (("along_amplitude_mm", "normal_phase_deg"), "along_amplitude", "normal_phase"),
-        (("normal_amplitude_mm", "normal_phase_deg"), "normal_amplitude", "normal_phase"),
         (("along_amplitude_mm", "normal_amplitude_mm"), "along_amplitude", "normal_amplitude"),
-        (("along_amplitude_mm", "frequency_hz"), "frequency", "along_amplitude"),
         (("normal_amplitude_mm", "frequency_hz"), "frequency", "normal_amplitude"),
-        (("frequency_hz", "normal_phase_deg"), "frequency", "normal_phase"),
         (("normal_phase_deg", "static_friction"), "normal_phase", "static_friction"),
     ],
 )
