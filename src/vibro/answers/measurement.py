@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, number, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, given_text, number, shown, uncertain
 from vibro.errors import printable
-from vibro.quantities import DEFAULTS, QUANTITIES, SIZES, STANDS_FOR
+from vibro.files.motions import harmonic_lists
+from vibro.quantities import QUANTITIES, SIZES, STANDS_FOR
 from vibro.records.tolerances import TOL
 from vibro.records.trough_drives import MEASURED
 
@@ -80,7 +80,7 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
     if m.comparison:
         figures = _figures(m, m.comparison)
         facts += _comparison_facts(m.comparison, request, is_measured=m.trough is not None)
-        tables += _figure_tables(figures)
+        tables += [_figure_table(figures, is_rare=is_rare) for is_rare in (False, True)]
         record |= _comparison_record(m.comparison, figures)
     if m.motion:
         tables.append(_harmonics_table(m.motion, is_rare=m.motion.order == 1 or m.comparison is not None))
@@ -88,23 +88,13 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
         tables.append(_fit_table(m.fit, request))
         record["fit"] = {p.name: _parameter_record(p) for p in m.fit.parameters}
     title = " – ".join(filter(None, (data.name, request.name)))
-    return Answer(facts, tables, _notes(m, request), record, title)
+    return Answer(facts, [table for table in tables if table.rows], _notes(m, request), record, title)
 
 
 def scene_table(request: Request) -> dict[str, Any]:
     """Return the table ``[scene]`` of the file of a scene; harmonics are lists."""
-    values: dict[str, Any] = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
-    given = {
-        key.rsplit("_", 2)[1] for key in values if key.startswith(("along_amplitude_", "normal_amplitude_"))
-    }
-    orders = range(2, 1 + max((int(order) for order in given if order.isdigit()), default=1))
-    for way in _WAYS.values() if orders else ():
-        lists = {}
-        for what, unit in _OF_A_WAVE:
-            columns = [f"{way}_{what}_{unit}", *(f"{way}_{what}_{n}_{unit}" for n in orders)]
-            lists[f"{way}_{what}s_{unit}"] = [values.pop(column, 0.0) for column in columns]
-        values |= lists if any(lists[f"{way}_amplitudes_mm"]) else {}
-    return values
+    lists, others = harmonic_lists({name: spec.value for name, spec in request.specs.items()})
+    return {QUANTITIES[name].column: value for name, value in others.items()} | lists
 
 
 def scene_file(m: Measurement, data: Path, request: Request) -> str:
@@ -159,21 +149,17 @@ def _speed_facts(m: Measurement, measured: MeasuredMotion) -> list[Fact]:
     note = f"computed, {speeds.regime.label}" if is_known else speeds.status.message
     shares = [f"{shown(100.0 * share, 3)} % {one.label}" for one, share in speeds.shares.items()]
     shares += [f"{shown(100.0 * speeds.unknown, 3)} % without a speed"] if speeds.unknown else []
-
     facts = [
         Fact("speed", speed, "mm/s", error, note),
         Fact("noise", f"{', '.join(shares)}, in {speeds.draws} draws", is_rare=True),
     ]
     if is_known:
         size, unit = (0.01 * abs(speed), "%") if speed else (1.0, "mm/s")
-        changes = [
-            f"{shown(_MM * x / size, 2)} {unit} ({_CALIBRATIONS[name]})"
-            for name, x in speeds.calibrations.items()
-        ]
-        facts.append(Fact("calibration", f"changes the speed by {', '.join(changes)}"))
+        errors = {_CALIBRATIONS[name]: change for name, change in speeds.calibrations.items()}
         if measured.order > 1:
-            last = f"changes the speed by {shown(_MM * speeds.last_harmonic / size, 2)} {unit}"
-            facts.append(Fact("last harmonic", last, is_rare=True))
+            errors["the last harmonic"] = abs(speeds.last_harmonic)
+        changes = ", ".join(f"{shown(_MM * x / size, 2)} {unit} ({name})" for name, x in errors.items())
+        facts.append(Fact("calibration", f"changes the speed by {changes}"))
     return facts
 
 
@@ -232,13 +218,14 @@ def _trough_record(trough: TroughDrive) -> dict[str, Any]:
     return content
 
 
+def _recorded(name: str, estimate: Estimate, unit: str = "") -> dict[str, float]:
+    return {f"{name}{unit}": estimate.value, f"{name}_error{unit}": estimate.error}
+
+
 def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) -> dict[str, Any]:
-    hops = {
-        "times_todays_amplitude": onset.growth.value,
-        "times_todays_amplitude_error": onset.growth.error,
-    }
+    hops = _recorded("times_todays_amplitude", onset.growth)
     for name, size in onset.amplitudes.items():
-        hops |= {f"{name}_mm": _MM * size.value, f"{name}_error_mm": _MM * size.error}
+        hops |= _recorded(name, size.scaled(_MM), "_mm")
     speeds = m.speeds
     return {
         "frequency_hz": measured.frequency,
@@ -247,13 +234,11 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
         "harmonics_found": measured.significant,
         "harmonics_sought": measured.p_values.size,
         "harmonics": _harmonics(measured),
-        "throw_number": onset.throw_number.value,
-        "throw_number_error": onset.throw_number.error,
+        **_recorded("throw_number", onset.throw_number),
         "hop_onset": hops if onset.amplitudes else None,
         "speed": speeds
         and {
-            "mean_velocity_mm_s": _MM * speeds.speed.value,
-            "mean_velocity_error_mm_s": _MM * speeds.speed.error,
+            **_recorded("mean_velocity", speeds.speed.scaled(_MM), "_mm_s"),
             "regime": speeds.regime.label,
             "status": speeds.status.label,
             "draws": speeds.draws,
@@ -270,15 +255,9 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
 
 def _comparison_facts(comparison: Comparison, request: Request, *, is_measured: bool) -> list[Fact]:
     observation, alignment = comparison.observation, comparison.alignment
-    given = [
-        f"{QUANTITIES[name].label} {number(value, QUANTITIES[name].unit)}"
-        for name, value in request.told.items()
-        if value != DEFAULTS.get(name) and not (is_measured and name in MEASURED)
-    ]
-    scene = ": ".join(filter(None, (printable(request.name or ""), ", ".join(given))))
+    given = {n: x for n, x in request.told.items() if not (is_measured and n in MEASURED)}
+    scene = ": ".join(filter(None, (printable(request.name or ""), given_text(given))))
     facts = [Fact("scene", f"{scene}, pattern {comparison.motion.pattern}")]
-    if comparison.recorded.absolute:
-        facts.append(Fact("data", "over the ground: the trough's computed motion is taken off"))
     if not math.isnan(alignment.shift):
         begin = (float(observation.time[0]) + alignment.shift) % observation.period
         way = comparison.passing
@@ -304,22 +283,21 @@ def _figures(m: Measurement, comparison: Comparison) -> list[list[Any]]:
     return rows
 
 
-def _figure_tables(figures: list[list[Any]]) -> list[Table]:
-    """Return the usual figures and the others."""
-    usual, others = list[list[Any]](), list[list[Any]]()
-    for key, unit, measured, error, computed, difference in figures:
-        off = "" if math.isnan(difference) else f"{difference:+z.1f} %"
-        own = uncertain(measured, error) if math.isfinite(measured) else "not seen"
-        part = usual if any(word in key for word in _USUAL) else others
-        part.append(
-            [key.replace("_", " "), unit, own, "" if math.isnan(computed) else shown(computed, 6), off]
-        )
-    heads = [(head, "") for head in ("", "unit", "measured", "computed", "difference")]
-    tables = (
-        Table("figures", heads, usual, "The part"),
-        Table("figures", heads, others, "More of the part", is_rare=True),
-    )
-    return [table for table in tables if table.rows]
+def _figure_table(figures: list[list[Any]], *, is_rare: bool) -> Table:
+    """List the usual figures, or the others."""
+    rows = [
+        [
+            key.replace("_", " "),
+            unit,
+            uncertain(measured, error) if math.isfinite(measured) else "not seen",
+            None if math.isnan(computed) else shown(computed, 6),
+            None if math.isnan(difference) else round(difference, 2),
+        ]
+        for key, unit, measured, error, computed, difference in figures
+        if any(word in key for word in _USUAL) is not is_rare
+    ]
+    heads = [("", ""), ("unit", ""), ("measured", ""), ("computed", ""), ("difference", "%")]
+    return Table("figures", heads, rows, "More of the part" if is_rare else "The part", is_rare)
 
 
 def _comparison_record(comparison: Comparison, figures: list[list[Any]]) -> dict[str, Any]:
@@ -357,18 +335,14 @@ def columns_of(m: Measurement) -> dict[str, TableColumns]:
 
 
 def _fit_table(fit: Fit, request: Request) -> Table:
-    rows = []
+    rows: list[list[str]] = []
     for p in fit.parameters:
         quantity, found = QUANTITIES[p.name], _parameter_record(p)
-        # to two digits of half the narrowest interval
-        halves = [0.5 * (high - low) for low, high in found["intervals"]]
-        least = max([min(halves, default=1.0), sys.float_info.epsilon * abs(p.high)])  # NaN without one
-        digits = max(0, 1 - math.floor(math.log10(least)))
-        pieces = [f"{low:.{digits}f} ... {high:.{digits}f}" for low, high in found["intervals"]]
-        estimate = f"{found['estimate']:.{digits}f}" if p.identified else "-"
-        interval = " or ".join(pieces) or "not identified"
+        pieces = [f"{number(low)} ... {number(high)}" for low, high in found["intervals"]]
+        estimate = "-" if found["estimate"] is None else number(found["estimate"])
         name = f"{quantity.letter} [{quantity.unit}]" if quantity.unit else quantity.letter
-        rows.append([name, estimate, interval, shown(request.fixed[p.name], 6)])
+        interval = " or ".join(pieces) or "not identified"
+        rows.append([name, estimate, interval, number(request.fixed[p.name])])
     heads = [(head, "") for head in ("fitted", "estimate", "95 % interval", "given")]
     return Table("fit", heads, rows, "Fit")
 

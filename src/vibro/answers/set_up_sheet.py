@@ -235,7 +235,7 @@ def _refuse_strikes(request: SheetRequest, row: Row) -> None:
     """Refuse a setting at which the masses strike each other."""
     values = {**request.values, "setting": row["setting_percent"], "filling": row["filling_kg"]}
     cell = {name: np.array([value]) for name, value in values.items()}
-    problems = Problems(f"setting {_case(row)}: ")
+    problems = Problems(f"setting {row['setting_percent']:g} % {_state(row['filling_kg'])}: ")
     with problems.taken():
         check_operating(request.machine, {**cell, **operated(request.machine, cell)})
     problems.settle()
@@ -396,17 +396,26 @@ def _doubts(rows: Sequence[Row], points: OperatingPoints) -> list[str]:
     for status in Status:
         if not status.answered:
             told.append(([row["status"] == status.label for row in rows], status.message))
-    doubts = []
-    for cells, text in [*points.doubts(), *told]:
-        which = ", ".join(_case(row) for row, cell in zip(rows, np.asarray(cells), strict=True) if cell)
-        if which:
-            doubts.append(text if np.all(cells) else f"setting {which}: {text}")
-    return doubts
+    return [f"{_cases(rows, cells)}{text}" for cells, text in [*points.doubts(), *told] if np.any(cells)]
 
 
-def _case(row: Row) -> str:
-    filling = row["filling_kg"]
-    return f"{row['setting_percent']:g} % {f'with {filling:g} kg' if filling else 'empty'}"
+def _cases(rows: Sequence[Row], cells: Any) -> str:
+    """Name some of the rows, unless they are all."""
+    names = []
+    for filling in sorted({row["filling_kg"] for row in rows}):
+        own = {
+            row["setting_percent"]: x
+            for row, x in zip(rows, cells, strict=True)
+            if row["filling_kg"] == filling
+        }
+        settings = ", ".join(f"{setting:g}" for setting, is_meant in own.items() if is_meant)
+        if settings:
+            names.append(_state(filling) if all(own.values()) else f"setting {settings} % {_state(filling)}")
+    return "" if np.all(cells) else f"{'; '.join(names)}: "
+
+
+def _state(filling: float) -> str:
+    return f"with {filling:g} kg" if filling else "empty"
 
 
 def _picture(request: SheetRequest) -> DrivePicture:
