@@ -23,7 +23,6 @@ from vibro.quantities import LENGTH, QUANTITIES
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -37,7 +36,7 @@ _BEGINS_TO: Final = dict(zip(BEGINS_AT, ("starts", "slips back", "hops"), strict
 _TIPS: Final = style.CurveStyle("first part lifts an edge", style.TIPPING, 1.6)
 _UNKNOWN: Final = style.no_answer(Status.RUNAWAY)[1]
 _FORBIDDEN_HATCH: Final = "\\\\"
-_VEIL: Final = "#FFFFFF", 0.55  # over settings beyond the drive's limits: colour, opacity
+_VEIL: Final = (1.0, 1.0, 1.0, 0.55)  # over settings beyond the drive's limits
 _DRIVE: Final = style.CurveStyle("limits of the drive", style.LIMITS, 1.5, "#000000")
 _MEETS: Final = style.CurveStyle("meets the goal", "-", 3.0, "#000000")
 _NOTHING: Final = "no speed guaranteed"
@@ -228,79 +227,85 @@ def design_figures(
     settings = Settings(spec, chosen, fields, wanted)
     with style.house_style():
         return {
-            "regime": _regime_map(settings),
-            "speed": _speed_map(settings),
+            "regime": _map(settings, "Guaranteed regimes", _draw_regimes),
+            "speed": _map(settings, "Guaranteed speed", _draw_speed),
             "band": _speed_band(settings, band),
         }
 
 
-class _Layers(MapLayers):
-    """The layers of a map of settings."""
-
-    def __init__(self, axes: Axes, settings: Settings) -> None:
-        super().__init__(axes, settings.fields, single=True)
-        self._settings = settings
-
-    def fill_stretches(self) -> None:
-        """Fill the regimes that are guaranteed, hatched where they depend on the part, and name them."""
-        load = self._settings.load(self.fields.y[:, np.newaxis], self.fields.x)
-        reach = self._settings.over(self._settings.strong)
-        for band in self._settings.stretches:
-            field = np.minimum(-below(band.low, load), below(band.high, load))
-            filled = self._fill(field, gid=band.name, zorder=1, **band.look)
-            if filled is not None:
-                # Names go to settings within the drive's limits, if any.
-                inside = np.minimum(field, reach)
-                self._name_region(band.name, inside if (inside > 0.0).any() else field, filled)
-
-    def draw_boundaries(self) -> None:
-        """Draw where the first and the last part reach regimes; names of areas explain the lines."""
-        for curve in BEGINS_AT.values():
-            for name in (curve, LAST + curve):
-                if pieces := zero_lines(self.fields, self.fields.log_ratio[name]):
-                    look = {**style.CURVES[curve].look, "linestyle": _dashes(name)}
-                    self._line(pieces, gid=name, zorder=3, **look)
-                    self._clear += pieces
-
-    def cover_forbidden(self) -> None:
-        """Cover settings that the goal forbids: the first part is in too high a regime."""
-        regime = self._settings.forbidden
-        if regime is not None:
-            field = self.fields.log_ratio[BEGINS_AT[regime]]
-            self.cover(field, f"some part {_BEGINS_TO[regime]}", {**_UNKNOWN, "hatch": _FORBIDDEN_HATCH})
-
-    def cover_nothing(self, speed: Floats) -> None:
-        """Cover settings without a guaranteed speed: below the last part's start, and others."""
-        rest = -self.fields.log_ratio[LAST + "forward_onset"]
-        self.cover(rest, f"{_NOTHING}: the last part rests", WHITE)
-        others = np.where(np.nan_to_num(speed) > 0.0, -0.5, 0.5)
-        self.cover(np.minimum(others, -rest), _NOTHING, _UNKNOWN)
-
-    def draw_drive(self) -> None:
-        """Draw where parts tip, and the drive's limits; veil settings beyond these."""
-        from matplotlib.colors import to_rgba
-
-        self.draw_curve("tips", _TIPS, zero_lines(self.fields, self.fields.log_ratio["tips"]))
-        outside = -self._settings.over(self._settings.strong)
-        if outside.min() < 0.0:
-            self._fill(outside, gid="beyond the drive", zorder=2.5, facecolor=to_rgba(*_VEIL))
-        self.draw_curve("drive", _DRIVE, self._settings.pieces(self._settings.strong))
+def _map(settings: Settings, heading: str, draw: Callable[[Figure, MapLayers, Settings], None]) -> Figure:
+    """Draw a map with the drive's limits and the chosen setting; veil settings beyond these limits."""
+    figure, (axes,) = frame.facets([settings.fields.panel])
+    _head(figure, settings, heading)
+    layers = MapLayers(axes, settings.fields, single=True)
+    draw(figure, layers, settings)
+    layers.draw_curve("tips", _TIPS, zero_lines(layers.fields, layers.fields.log_ratio["tips"]))
+    outside = -settings.over(settings.strong)
+    if outside.min() < 0.0:
+        layers.fill(outside, gid="beyond the drive", zorder=2.5, facecolor=_VEIL)
+    layers.draw_curve("drive", _DRIVE, settings.pieces(settings.strong))
+    frame.mark_point(axes, settings.point, settings.marked)
+    place_words(figure, [layers], [settings.point])
+    return figure
 
 
-def _dashes(name: str) -> Any:
-    """Return the dashes of a curve, other ones for the last part than for the first."""
-    return style.LAST_PART if name.startswith(LAST) else style.CURVES[name].dashes
+def _draw_regimes(_: Figure, layers: MapLayers, settings: Settings) -> None:
+    """Fill the regimes that are guaranteed, hatched where they depend on the part, with their boundaries."""
+    fields = layers.fields
+    load, reach = settings.load(fields.y[:, np.newaxis], fields.x), settings.over(settings.strong)
+    for band in settings.stretches:
+        field = np.minimum(-below(band.low, load), below(band.high, load))
+        # Names go to settings within the drive's limits, if any.
+        inside = np.minimum(field, reach)
+        layers.fill_region(band.name, field, inside if (inside > 0.0).any() else field, band.look)
+    for regime in BEGINS_AT:
+        for last in (False, True):
+            name, curve = _boundary(regime, last)  # that the names of areas explain
+            layers.draw_curve(name, curve._replace(label=""), zero_lines(fields, fields.log_ratio[name]))
 
 
-def _head(figure: Figure, settings: Settings, heading: str, *, frequency: bool = False) -> None:
-    """Write the heading; below, parts, trough and goal in two lines."""
-    design, spans = settings.chosen.design, dict(settings.spec.bands)
-    shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"
+def _draw_speed(figure: Figure, layers: MapLayers, settings: Settings) -> None:
+    """Draw the guaranteed speed, with the settings that meet the goal."""
+    from matplotlib.colors import Normalize
+
+    fields, speed = layers.fields, layers.fields.panel.cycle["mean_velocity"]
+    if (regime := settings.forbidden) is not None:  # the first part is in too high a regime
+        look = {**_UNKNOWN, "hatch": _FORBIDDEN_HATCH}
+        layers.cover(fields.log_ratio[BEGINS_AT[regime]], f"some part {_BEGINS_TO[regime]}", look)
+    rest = -fields.log_ratio[LAST + "forward_onset"]
+    layers.cover(rest, f"{_NOTHING}: the last part rests", WHITE)
+    moves = np.nan_to_num(speed) > 0.0
+    layers.cover(np.minimum(np.where(moves, -0.5, 0.5), -rest), _NOTHING, _UNKNOWN)
+    # Scale colours to speeds within the drive's limits, as those beyond may be far higher. A drive with fixed
+    # settings may have no cell within them.
+    shown = moves & layers.open
+    within = shown & (settings.strong(fields.y[:, np.newaxis], fields.x) > 0.0)
+    high = float(speed[within if within.any() else shown].max(initial=0.0)) or 1.0
+    extend = "max" if np.any(speed[shown] > high) else "neither"
+    scale = Scale(Normalize(0.0, high), "cividis", even_levels(0.0, high), extend=extend)
+    layers.draw_numbers(speed, scale)
+    layers.draw_level(speed, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
+    machine = settings.chosen.drive.machine
+    if machine is None or not machine.is_filled:  # other amplitudes are not covered
+        layers.draw_curve("meets", _MEETS, settings.pieces(settings.meets))
+    colour_bar(figure, [layers], scale, "guaranteed speed [mm/s]")
+
+
+def _boundary(regime: Regime, last: bool) -> tuple[str, style.CurveStyle]:
+    """Name and draw the load at which the first or the last part reaches a regime."""
+    name, curve = BEGINS_AT[regime], style.CURVES[BEGINS_AT[regime]]
+    label = f"{'last' if last else 'first'} part {_BEGINS_TO[regime]}"
+    dashes = style.LAST_PART if last else curve.dashes
+    return LAST * last + name, curve._replace(label=label, dashes=dashes)
+
+
+def _head(figure: Figure, settings: Settings, heading: str, **more: tuple[float, float]) -> None:
+    """Write the heading; below, parts, trough, further quantities, and goal in two lines."""
+    design, spans = settings.chosen.design, {**settings.spec.bands, **more}
     angle = math.radians(design.drive_angle_deg or design.normal_phase_deg or 0.0)
     if design.motion_scale is None:
+        shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"
         spans[shape] = (angle, angle)
-    if frequency:
-        spans["frequency"] = (float(settings.point[0, 0]),) * 2
     parts = [style.spans_text(spans)]
     if design.along_amplitude_mm:
         ratio = (design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm
@@ -311,64 +316,28 @@ def _head(figure: Figure, settings: Settings, heading: str, *, frequency: bool =
     frame.set_heading(figure, headline, f"{', '.join(parts)}\n{settings.wanted}")
 
 
-def _regime_map(settings: Settings) -> Figure:
-    """Map of the regimes that are guaranteed for every part."""
-    figure, layers = _start(settings, "Guaranteed regimes")
-    layers.fill_stretches()
-    layers.draw_boundaries()
-    layers.draw_drive()
-    return _finish(figure, layers, settings)
-
-
-def _speed_map(settings: Settings) -> Figure:
-    """Map of the guaranteed speed, with the settings that meet the goal."""
-    from matplotlib.colors import Normalize
-
-    figure, layers = _start(settings, "Guaranteed speed")
-    speed = settings.fields.panel.cycle["mean_velocity"]
-    layers.cover_forbidden()
-    layers.cover_nothing(speed)
-    moves = np.nan_to_num(speed) > 0.0
-    # Scale colours to speeds within the drive's limits, as those beyond may be far higher. A drive with fixed
-    # settings may have no cell within them.
-    shown = moves & layers.open
-    within = shown & (settings.strong(layers.fields.y[:, np.newaxis], layers.fields.x) > 0.0)
-    high = float(speed[within if within.any() else shown].max(initial=0.0)) or 1.0
-    extend = "max" if np.any(speed[shown] > high) else "neither"
-    scale = Scale(Normalize(0.0, high), "cividis", even_levels(0.0, high), None, extend)
-    layers.draw_numbers(speed, scale)
-    layers.draw_level(speed, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
-    layers.draw_drive()
-    machine = settings.chosen.drive.machine
-    if machine is None or not machine.is_filled:  # other amplitudes are not covered
-        layers.draw_curve("meets", _MEETS, settings.pieces(settings.meets))
-    colour_bar(figure, [layers], scale, "guaranteed speed [mm/s]")
-    return _finish(figure, layers, settings)
-
-
-def _start(settings: Settings, heading: str) -> tuple[Figure, _Layers]:
-    figure, (axes,) = frame.facets([settings.fields.panel])
-    _head(figure, settings, heading)
-    return figure, _Layers(axes, settings)
-
-
-def _finish(figure: Figure, layers: _Layers, settings: Settings) -> Figure:
-    frame.mark_point(layers.axes, settings.point, settings.marked)
-    place_words(figure, [layers], [settings.point])
-    return figure
-
-
 def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     """Speeds from the slowest to the fastest part over the amplitude, with the goal and what keeps it."""
     figure, (strip, axes) = frame.stack(_SIZE, (0.09, 1.0))
-    _head(figure, settings, "Speed of all parts", frequency=True)
+    _head(figure, settings, "Speed of all parts", frequency=(float(settings.point[0, 0]),) * 2)
     axes.set_xlim(float(band.amplitude[0]), float(band.amplitude[-1]))
-    _draw_band(axes, band)
+    least, most = (np.where(np.isfinite(v), v, np.nan) for v in (band.speed_min, band.speed_max))
+    edge: dict[str, Any] = {"edgecolor": style.INK, "linewidth": 0.6}
+    look = {"facecolor": _BAND, "zorder": 1, "label": "slowest to fastest part", **edge}
+    axes.fill_between(band.amplitude, least, most, gid="band", **look)
+    for name, values, width in (("guaranteed speed", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
+        axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=style.INK, linewidth=width)
     frame.draw_wanted(axes, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
     if band.window is not None:
-        look: dict[str, Any] = {"zorder": 0.5, "linewidth": 0.6, "facecolor": _WINDOW, "edgecolor": style.INK}
-        axes.axvspan(*band.window, gid="window", label="keeps the guarantee", **look)
-    _draw_beginnings(axes, settings)
+        look = {"facecolor": _WINDOW, "zorder": 0.5, "label": "keeps the guarantee", **edge}
+        axes.axvspan(*band.window, gid="window", **look)
+    for regime in settings.first:
+        for last, load in enumerate(settings.data.begins[regime]):
+            amplitude = settings.amplitude(load)
+            if math.isfinite(amplitude) and (not last or regime is Regime.FORWARD_SLIP):
+                name, curve = _boundary(regime, bool(last))
+                text = f"{curve.label}: {style.value_text(settings.data.amplitude, amplitude)}".rstrip()
+                axes.axvline(amplitude, zorder=2, gid=name, label=text, **{**curve.look, "linewidth": 1.0})
     design = settings.chosen.design
     frame.mark_point(axes, np.array([[design.nominal, design.speed_min_mm_s]], np.float64), settings.marked)
     assert settings.fields.panel.y is not None
@@ -380,26 +349,3 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     ]
     frame.settle_bands(figure, strip, shown)
     return figure
-
-
-def _draw_band(axes: Axes, band: SpeedBand) -> None:
-    """Draw the slowest, the nominal and the fastest part, with a band if both extremes are known."""
-    least, most = (np.where(np.isfinite(v), v, np.nan) for v in (band.speed_min, band.speed_max))
-    look: dict[str, Any] = {"facecolor": _BAND, "edgecolor": style.INK, "linewidth": 0.6, "zorder": 1}
-    axes.fill_between(band.amplitude, least, most, gid="band", label="slowest to fastest part", **look)
-    for name, values, width in (("guaranteed speed", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
-        axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=style.INK, linewidth=width)
-
-
-def _draw_beginnings(axes: Axes, settings: Settings) -> None:
-    """Draw the amplitudes at which the first part reaches a regime, and the last one starts."""
-    unit = QUANTITIES[settings.data.amplitude].unit
-    for regime in settings.first:
-        for prefix, load in zip(("", LAST), settings.data.begins[regime], strict=True):
-            amplitude = settings.amplitude(load)
-            if math.isfinite(amplitude) and (not prefix or regime is Regime.FORWARD_SLIP):
-                name = prefix + BEGINS_AT[regime]
-                text = f"{'last' if prefix else 'first'} part {_BEGINS_TO[regime]}: "
-                text += f"{style.number_text(amplitude)} {unit}".rstrip()
-                look = {**style.CURVES[BEGINS_AT[regime]].look, "linestyle": _dashes(name), "linewidth": 1.0}
-                axes.axvline(amplitude, zorder=2, gid=name, label=text, **look)

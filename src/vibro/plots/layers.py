@@ -73,12 +73,18 @@ class MapLayers:
         """Fill every regime with its colour, bounded by the critical curves, and have its seen part named."""
         begun = [self.fields.rest, *(self.fields.log_ratio[curve] for curve in BEGINS_AT.values())]
         for place, regime in enumerate((Regime.NO_SLIP, *BEGINS_AT)):
-            look = {"facecolor": style.REGIME_COLOURS[regime], "zorder": 1}
-            if filled := self._fill(begun[place], gid=regime.label, **look):
-                # Where it has begun and no later one has, as the areas are filled.
-                later = (-field for field in begun[place + 1 :])
-                self._name_region(regime.label, np.minimum.reduce([begun[place], *later]), filled)
+            # Where it has begun and no later one has, as the areas are filled.
+            seen = np.minimum.reduce([begun[place], *(-field for field in begun[place + 1 :])])
+            face = {"facecolor": style.REGIME_COLOURS[regime]}
+            if self.fill_region(regime.label, begun[place], seen, face):
                 self._spines[regime.label] = self._spine(regime)
+
+    def fill_region(self, text: str, field: Floats, seen: Floats, look: Mapping[str, Any]) -> bool:
+        """Fill the area in which a field is positive, if any, and have the part where it is seen named."""
+        filled = self.fill(field, gid=text, zorder=1, **look)
+        if filled is not None:
+            self._name_region(text, seen, filled)
+        return filled is not None
 
     def _spine(self, regime: Regime) -> list[Floats]:
         """Return the line midway between the curves that bound a regime; none for the first and the last."""
@@ -109,7 +115,7 @@ class MapLayers:
         """Hatch the area in which a field is positive over its colours; False where it is hardly seen."""
         look = {"gid": label, "label": label, "zorder": zorder, **style.OVER[label]}
         inside = self.fields.evenly(field) > 0.0
-        return bool(erode(inside, _HATCHED, beyond=False).any()) and self._fill(field, **look) is not None
+        return bool(erode(inside, _HATCHED, beyond=False).any()) and self.fill(field, **look) is not None
 
     def draw_reversal(self) -> None:
         """Hatch where bodies move backwards, and draw the line on which they stand still on average."""
@@ -139,7 +145,7 @@ class MapLayers:
         look = {**curve.look, "linewidth": width, "path_effects": halo}
         line = self._line(pieces, gid=name, zorder=3, **look)
         line.set_label("" if self._single else curve.label)
-        self._curves.append((curve.label, pieces, line))
+        self._curves += [(curve.label, pieces, line)] if curve.label else []
         self._clear += pieces
 
     def draw_level(self, values: Floats, level: float, text: str) -> None:
@@ -234,7 +240,7 @@ class MapLayers:
 
     def cover(self, field: Floats, label: str, look: Mapping[str, Any]) -> None:
         """Cover the area in which a field is positive, and have its visible part named."""
-        filled = self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **look)
+        filled = self.fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **look)
         if filled is not None:
             self._name_region(label, field, filled)
             self._covers.append(field)
@@ -247,7 +253,7 @@ class MapLayers:
             filled.set_label("" if self._single else text)
             self._regions.append((text, member, filled))
 
-    def _fill(self, field: Floats, **look: Any) -> Any:
+    def fill(self, field: Floats, **look: Any) -> Any:
         """Fill the area in which a field is positive, and return what does; None if there is none."""
         path = zero_region(self.fields, field)
         if path is None:
