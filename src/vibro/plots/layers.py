@@ -143,7 +143,7 @@ class MapLayers:
         has_halo = self._has_numbers or ground == style.INK
         halo = style.halo(ground, width + _HALO, alpha=0.8) if has_halo else None
         look = {**curve.look, "linewidth": width, "path_effects": halo}
-        line = self._line(pieces, gid=name, zorder=3, **look)
+        line = self._line(pieces, gid=name, zorder=3.0 + 0.1 * width, **look)
         line.set_label("" if self._single else curve.label)
         self._curves += [(curve.label, pieces, line)] if curve.label else []
         self._clear += pieces
