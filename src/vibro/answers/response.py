@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, shown
 from vibro.errors import InputError, SceneError
 from vibro.files.machines import machine_of
-from vibro.files.points import read_points
+from vibro.files.points import AMPLITUDE_ERROR, read_points
 from vibro.machines.fitting import LEAST_POINTS, POINTS_FOR_ERROR, fit_response
-from vibro.quantities import LENGTH, PERCENT, Quantity, Range, checked_number
+from vibro.quantities import LENGTH, PERCENT, checked_number
+from vibro.units import FREQUENCY, PURE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,16 +24,11 @@ if TYPE_CHECKING:
     from vibro.files.machines import GivenMachine
     from vibro.machines.fitting import ResponseFit
 
-#: Laws of the amplitudes' static limit, by the kind of machine: the force of an exciter mass grows with the
-#: square of frequency, but its share of the springs' force does not.
-_LAWS: Final = {"magnet": "constant", "exciter": "constant", "rod": "constant", "unbalance": "square"}
 _OF_LAW: Final = {
     "constant": "the force is constant",
     "square": "the force grows with the square of frequency",
 }
-_STATIC: Final = {"constant": "static amplitude", "square": "amplitude far above"}
-_KEYS: Final = ("natural_frequency_hz", "damping_ratio", "static_amplitude_mm")
-_ERROR: Final = Quantity("amplitude_error", PERCENT, allowed=Range(0.0, 100.0, with_low=False))
+_ESTIMATES: Final = {"natural_frequency": FREQUENCY, "damping_ratio": PURE, "static_amplitude": LENGTH}
 _CURVE_POINTS: Final = 801
 _CURVE_BEYOND: Final = 0.15  # of the points' span, on either side
 _APART: Final = 0.05  # [1] of amplitudes of the points and of the file's machine that is reported
@@ -58,9 +54,7 @@ def fit_points(
         If the points or options are wrong, or files cannot be read.
     """
     law = _law(law, given)
-    stated = None
-    if amplitude_error is not None:
-        stated = float(_ERROR.kind.to_si(checked_number(amplitude_error, _ERROR)))
+    stated = None if amplitude_error is None else checked_number(amplitude_error, AMPLITUDE_ERROR)
     points = read_points(path)
     if (count := np.unique(points.frequency).size) < LEAST_POINTS:
         raise InputError(
@@ -72,7 +66,7 @@ def fit_points(
             f"--amplitude-error {amplitude_error}: {path} has a column of errors",
             hint="leave one of them out",
         )
-    error = points.error if stated is None else stated
+    error = points.error if stated is None else PERCENT.to_si(stated)
     try:
         return fit_response(points.pairs, law=law, amplitude_error=error)  # type: ignore[arg-type]
     except SceneError as exc:
@@ -90,7 +84,8 @@ def _law(law: str | None, given: GivenMachine | None) -> str:
         raise InputError(
             "--fit: the amplitude of a crank does not depend on frequency", hint="measure it once"
         )
-    own = given.table["law"] if given.kind == "measured" else _LAWS[given.kind]
+    # that of an exciter mass grows too, but its share of the springs' force does not
+    own = given.table.get("law", "square" if given.kind == "unbalance" else "constant")
     if law is not None and law != own:
         raise InputError(
             f"--law {law}: a machine of kind {given.kind} in the file has the law {own}",
@@ -111,27 +106,19 @@ def fit_answer(fit: ResponseFit, path: Path, given: GivenMachine | None) -> Answ
     given : GivenMachine or None
         The machine of the scene file, whose masses the new table has.
     """
-    sizes = [float(PERCENT.from_si(x)) for x in (np.min(fit.amplitude_error), np.max(fit.amplitude_error))]
+    errors = np.asarray(PERCENT.from_si(fit.amplitude_error))
+    between = " to ".join(dict.fromkeys(f"{error:.2g}" for error in (errors.min(), errors.max())))
     whose = "as stated" if fit.is_error_stated else "from the residuals"
-    between = " to ".join(dict.fromkeys(f"{size:.2g}" for size in sizes))
+    span = f"{fit.frequency.size}, {fit.frequency[0]:g} to {fit.frequency[-1]:g} Hz"
+    estimates = _estimates(fit)
     facts = [
-        Fact(
-            "points",
-            f"{fit.frequency.size}, {fit.frequency[0]:g} to {fit.frequency[-1]:g} Hz",
-            note=str(path),
-        ),
+        Fact("points", span, note=str(path)),
         Fact("law", _OF_LAW[fit.law]),
-        Fact("amplitude error", None if math.isnan(sizes[0]) else f"{between} %, {whose}"),
-    ]
-    facts += [
-        Fact(
-            label,
-            value,
-            unit,
-            error,
-            "" if math.isnan(interval[0]) else f"95 %: {shown(interval[0])} to {shown(interval[1])}",
-        )
-        for label, unit, value, error, interval in _estimates(fit)
+        Fact("amplitude error", None if np.isnan(errors).any() else f"{between} %, {whose}"),
+        *(
+            fact._replace(note="" if math.isnan(low) else f"95 %: {shown(low)} to {shown(high)}")
+            for fact, (low, high) in estimates.values()
+        ),
     ]
     pairs = {name: column.tolist() for name, column in columns(fit).items()}
     heads = [("frequency", "Hz"), ("measured", "mm"), ("fitted", "mm"), ("difference", "%")]
@@ -144,8 +131,8 @@ def fit_answer(fit: ResponseFit, path: Path, given: GivenMachine | None) -> Answ
         "brackets_resonance": fit.brackets_peak,
         "amplitude_error_is": "stated" if fit.is_error_stated else "from residuals",
         **{
-            key: {"estimate": value, "standard_error": error, "interval": interval}
-            for key, (_, _, value, error, interval) in zip(_KEYS, _estimates(fit), strict=True)
+            key: {"estimate": fact.value, "standard_error": fact.error, "interval": interval}
+            for key, (fact, interval) in estimates.items()
         },
         "damping_squared": fit.damping_squared,
         "table": pairs,
@@ -176,16 +163,14 @@ def _notes(fit: ResponseFit, table: Mapping[str, Any] | None) -> list[str]:
     return [*notes, *_doubt(fit, table)]
 
 
-def _estimates(fit: ResponseFit) -> list[tuple[str, str, float, float, tuple[float, float]]]:
-    low, high = (float(LENGTH.from_si(end)) for end in fit.static_amplitude_interval)
-    static, error = (float(LENGTH.from_si(x)) for x in (fit.static_amplitude, fit.static_amplitude_sd))
-    natural = fit.natural_frequency, fit.natural_frequency_sd, fit.natural_frequency_interval
-    damping = fit.damping_ratio, fit.damping_ratio_sd, fit.damping_ratio_interval
-    return [
-        ("natural frequency", "Hz", *natural),
-        ("damping ratio", "", *damping),
-        (_STATIC[fit.law], "mm", static, error, (low, high)),
-    ]
+def _estimates(fit: ResponseFit) -> dict[str, tuple[Fact, tuple[float, float]]]:
+    """Return estimates with their errors, and their intervals, by key."""
+    found = {}
+    for name, kind in _ESTIMATES.items():
+        value, error = (float(kind.from_si(getattr(fit, key))) for key in (name, f"{name}_sd"))
+        low, high = (float(kind.from_si(end)) for end in getattr(fit, f"{name}_interval"))
+        found[name + kind.suffix] = Fact(name.replace("_", " "), value, kind.unit, error), (low, high)
+    return found
 
 
 def _rounded(value: float, error: float) -> float:
@@ -262,11 +247,7 @@ def draw_fit(fit: ResponseFit, path: Path) -> Figure:
     low = min(low, max(ends[0], 2.0 * low - high))
     high = max(high, min(ends[1], 2.0 * high - low))
     x = np.linspace(max(low - beyond, 0.5 * low), high + beyond, _CURVE_POINTS)
-    parts = [
-        f"{label} {uncertain(value, error)}{f' {unit}' if unit else ''}"
-        for label, unit, value, error, _ in _estimates(fit)
-        if not math.isnan(value)
-    ]
+    told = ", ".join(f"{fact.label} {fact.text}" for fact, _ in _estimates(fit).values())
     picture = FitPicture(
         fit.frequency,
         1e3 * fit.amplitude,
@@ -277,4 +258,6 @@ def draw_fit(fit: ResponseFit, path: Path) -> Figure:
         ends,
     )
     title = f"measured amplitudes \N{EN DASH} {path.name}"
-    return fit_figure(picture, title, ", ".join(parts) or "no estimate: points on one side of the resonance")
+    if not fit.brackets_peak:
+        told = "no estimate: points on one side of the resonance"
+    return fit_figure(picture, title, told)

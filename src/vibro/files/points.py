@@ -19,15 +19,16 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _EXAMPLE: Final = "frequency_hz,amplitude_mm"
-_ERROR: Final = Quantity("amplitude_error", PERCENT, allowed=Range(0.0, 100.0, with_low=False))
+#: Relative standard error of an amplitude.
+AMPLITUDE_ERROR: Final = Quantity("amplitude_error", PERCENT, allowed=Range(0.0, 100.0, with_low=False))
 # Columns, and how people call them; the first is needed, and one of the next two.
 _COLUMNS: Final = {
     "frequency": "frequency|frequenz|freq|f",
     "amplitude": "amplitude|amp|a",
     "stroke": "stroke|peak[ -]to[ -]peak|hub",
-    _ERROR.name: "amplitude[ _]error|error|fehler",
+    AMPLITUDE_ERROR.name: "amplitude[ _]error|error|fehler",
 }
-_QUANTITIES: Final = {name: QUANTITIES.get(name, _ERROR) for name in _COLUMNS}
+_QUANTITIES: Final = {name: QUANTITIES.get(name, AMPLITUDE_ERROR) for name in _COLUMNS}
 
 
 class MeasuredPoints(NamedTuple):
@@ -101,7 +102,11 @@ def read_points(path: Path) -> MeasuredPoints:
                     value = nearest_double(cell + unit, quantity)
                 value = float(quantity.to_si(value))
                 if not quantity.allows(value) or not value > 0.0:
-                    above = "above 0 % and below 100 %" if quantity is _ERROR else f"above 0 {quantity.unit}"
+                    above = (
+                        "above 0 % and below 100 %"
+                        if quantity is AMPLITUDE_ERROR
+                        else f"above 0 {quantity.unit}"
+                    )
                     raise InputError(f"{quantity.label} = {shown(cell)}: must be {above}")
                 columns[name].append(value)
     problems.settle()
@@ -109,7 +114,7 @@ def read_points(path: Path) -> MeasuredPoints:
         raise InputError(f"{path}: no rows under the header row", hint="give a row for each frequency")
     frequency, *others = (np.array(column) for column in columns.values())
     stroke = "stroke" in columns
-    error = others[1] if _ERROR.name in columns else None
+    error = others[1] if AMPLITUDE_ERROR.name in columns else None
     return MeasuredPoints(frequency, others[0] / 2.0 if stroke else others[0], error, stroke)
 
 
