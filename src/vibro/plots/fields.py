@@ -8,7 +8,6 @@ ellipse change its critical loads too, and may be 0: over them it is contoured w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
@@ -65,27 +64,28 @@ _EVEN_POINTS: Final = 200  # points along an axis, to find places for words
 _LEAST_RATIO: Final = 1e-30
 
 
-@dataclass(frozen=True, eq=False)
 class Fields:
     """The drawn fields of one panel, arrays of shape (y, x).
 
-    Attributes
+    Parameters
     ----------
     panel : Panel
-        Cells; x and y evenly spaced on the paper.
+        Its cells.
+
+    Attributes
+    ----------
+    x, y : array
+        The grid, in the user's units; without a y axis that is a single zero.
+    u, v : array
+        The same in the coordinates in which the fields are nearly linear.
     """
 
-    panel: Panel
-
-    @cached_property
-    def x(self) -> Floats:
-        """Grid along x, in the user's units."""
-        return self.panel.x.values
-
-    @cached_property
-    def y(self) -> Floats:
-        """Grid along y, in the user's units; a single zero if there is no y axis."""
-        return np.zeros(1) if self.panel.y is None else self.panel.y.values
+    def __init__(self, panel: Panel) -> None:
+        self.panel = panel
+        self.x, self.u = panel.x.values, _straightened(panel.x, panel.x.values)
+        self.y = self.v = np.zeros(1)
+        if panel.y is not None:
+            self.y, self.v = panel.y.values, _straightened(panel.y, panel.y.values)
 
     @cached_property
     def log_ratio(self) -> dict[str, Floats]:
@@ -219,16 +219,6 @@ class Fields:
         if status is Status.FLIGHT_NOT_MODELLED and np.array_equal(cells, hopping):
             return self.log_ratio["hop"]
         return np.where(cells, 0.5, -0.5)
-
-    @cached_property
-    def u(self) -> Floats:
-        """``x`` in the coordinate in which the fields are nearly linear."""
-        return _straightened(self.panel.x, self.x)
-
-    @cached_property
-    def v(self) -> Floats:
-        """``y`` in the coordinate in which the fields are nearly linear."""
-        return self.y if self.panel.y is None else _straightened(self.panel.y, self.y)
 
     def on_paper(self, points: Floats) -> Floats:
         """Turn points (u, v) into points (x, y) in the user's units."""

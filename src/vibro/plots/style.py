@@ -128,8 +128,8 @@ UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
 _LIGHT: Final = 0.48  # luma of a colour on which INK and white are about as legible
 
 
-#: Held by the thread that draws or saves: matplotlib has one set of settings, and one parser of formulas.
-DRAWING: Final = threading.RLock()
+# Held by the thread that draws or saves: matplotlib has one set of settings, and one parser of formulas.
+_DRAWING: Final = threading.RLock()
 
 
 @contextmanager
@@ -138,13 +138,10 @@ def house_style() -> Iterator[None]:
 
     One thread does so at a time. A user's configuration (matplotlibrc, style sheets) does not change.
     """
-    import matplotlib as mpl
+    from matplotlib.style import context
 
-    with DRAWING:
-        # The context restores every setting but the backend, which no figure here needs.
-        defaults: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"}
-        with mpl.rc_context({**defaults, **_RC}):
-            yield
+    with _DRAWING, context(["default", _RC]):  # the default restores every setting but the backend
+        yield
 
 
 def visible(text: str) -> str:
