@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 _SIZE: Final = (7.4, 4.6)  # [in]
 _MARKED: Final = 60  # most values on the axis that are marked each
 _WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
-_HEADROOM: Final = 0.15  # above a target speed, for its name
 # From dark to light, and legible on white: in this order for the colour-blind and in grey, too.
 _COLOURS, _LIGHTEST = "plasma", 0.75
 _MARKERS: Final = "os^Dv"
@@ -207,11 +206,10 @@ def _tell_unanswered(axes: Axes, view: View, fields: Sequence[Fields], shown: Se
     for f, values in zip(fields, shown, strict=True):
         missing, status = ~np.isfinite(values), f.panel.cycle["status"][0]
         labels = [style.no_answer(s)[0] for s in style.NO_ANSWER_HATCH if (status[missing] == s).any()]
-        part = "" if missing.all() else " in part"
-        labels = [label + part for label in labels or (["nothing conveyed"] if missing.all() else [])]
-        for label in labels:
-            name = view.curves.name if view.curves else ""
-            found.setdefault(label, []).append(style.value_text(name, f.panel.values[name]) if name else "")
+        name = view.curves.name if view.curves else ""
+        for label in labels or ["nothing conveyed"] * bool(missing.all()):
+            values_of = found.setdefault(label + " in part" * (not missing.all()), [])
+            values_of.append(style.value_text(name, f.panel.values[name]) if name else "")
     lines = [": ".join(filter(None, [label, ", ".join(values)])) for label, values in found.items()]
     if lines:
         look: Look = {"va": "top", "fontsize": 8.0, "path_effects": style.halo("#FFFFFF")}
@@ -227,6 +225,4 @@ def _finish_scale(axes: Axes, picture: str, values: Floats, target_speed: float 
     if picture == "traverse" and finite.size and finite.max() > _WIDE * finite.min():
         frame.make_logarithmic(axes.yaxis, finite.min(), finite.max())
     if picture == "speed" and target_speed is not None:
-        low, high = axes.get_ylim()
         frame.draw_wanted(axes, target_speed, f"{style.number_text(target_speed)} mm/s")
-        axes.set_ylim(low, max(high, target_speed + _HEADROOM * (target_speed - low)))

@@ -255,6 +255,7 @@ def draw_peaks(result: SweepResult, axes: Sequence[Axes], panels: Sequence[Panel
 def draw_wanted(axes: Axes, level: float, text: str) -> None:
     """Draw a line at what is asked for, and name it."""
     axes.axhline(level, zorder=2.5, gid="level", **style.WANTED.look)
+    axes.margins(y=0.1)  # room for its name
     place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
     axes.annotate(text, *place, path_effects=style.halo("#FFFFFF"))
 

@@ -61,7 +61,7 @@ def trade_figure(trade: Trade) -> Figure:
             lines += [points, *np.array([[time, median], [time, worst]]).transpose(2, 0, 1)]
         axes.grid(which="major", color="#DDDDDD", linewidth=0.6)
         axes.set_axisbelow(True)
-        axes.margins(0.1, 0.08)
+        axes.margins(x=0.1)
         draw_wanted(axes, trade.tolerance, f"tolerance {trade.tolerance:g} A f")
         scenes = f"{trade.scenes} scenes in contact; errors against {trade.reference}"
         set_heading(figure, "Speed against accuracy", scenes)

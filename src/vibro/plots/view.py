@@ -254,25 +254,17 @@ def panels(result: SweepResult, view: View) -> list[list[Panel]]:
 
 
 def _panel(result: SweepResult, view: View, facet_index: int, curve_index: int) -> Panel:
-    held = dict(view.held)
-    for axis, index in ((view.facet, facet_index), (view.curves, curve_index)):
-        if axis is not None:
-            held[axis.name] = index
-    names = list(result.axes)
+    others = (view.facet, facet_index), (view.curves, curve_index)
+    held = {**view.held, **{axis.name: index for axis, index in others if axis is not None}}
+    drawn = [name for name in result.axes if name not in held]
 
     def cut(values: NDArray[Any]) -> NDArray[Any]:
         # Critical loads do not vary with the frequency and some other axes, and have length 1 along them. The
         # modulus turns any index along those axes into 0.
-        part = values[
-            tuple(
-                held[name] % n if name in held else slice(None)
-                for name, n in zip(names, values.shape, strict=True)
-            )
-        ]
-        drawn = [name for name in names if name not in held]
-        if view.y is None:
-            return part[np.newaxis, :]
-        return part.T if drawn[0] == view.x.name else part
+        sizes = zip(result.axes, values.shape, strict=True)
+        index = tuple(held[name] % n if name in held else slice(None) for name, n in sizes)
+        part = np.atleast_2d(values[index])
+        return part if drawn[-1] == view.x.name else part.T
 
     values = {**result.fixed, **{name: float(result.axes[name].values[i]) for name, i in held.items()}}
     return Panel(
