@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, Final
 
 from vibro.accuracy.trade import advice
 from vibro.answers.answer import Answer, Fact, Table
@@ -13,46 +13,32 @@ if TYPE_CHECKING:
 
     from vibro.accuracy.trade import Trade
 
+# What people call the columns of a table, and their units, by attribute of a row.
+_USUAL: Final = {
+    "method": ("method", ""), "setting": ("setting", ""), "time_us": ("time", "us"),
+    "error_max": ("largest error", ""), "beyond_tolerance": ("beyond", ""),
+}  # fmt: skip
+_FAILURES: Final = {
+    "method": ("method", ""), "setting": ("setting", ""), "scenes": ("scenes", ""),
+    "error_999": ("99.9 %", ""), "wrong_regime_share": ("wrong regime", ""),
+    "silent_failures": ("silent", ""), "gave_up": ("gave up", ""), "drift_at_rest": ("drift at rest", ""),
+}  # fmt: skip
+
 
 def trade_answer(trade: Trade, record: Mapping[str, Any]) -> Answer:
     """Make the answer about methods that were compared; ``record`` is what JSON says."""
-    usual = [
-        (row.method, row.setting, _time(row.time_us), _error(row.error_max), row.beyond_tolerance)
-        for row in trade.rows
-    ]
-    rare = [
-        (
-            row.method, row.setting, row.scenes, _error(row.error_999), f"{row.wrong_regime_share:.2%}",
-            row.silent_failures, row.gave_up, _error(row.drift_at_rest),
+    tables = [
+        Table("methods", [*columns.values()], [*map(attrgetter(*columns), trade.rows)], title, is_rare)
+        for columns, title, is_rare in (
+            (_USUAL, "Time a scene, and errors", False),
+            (_FAILURES, "Failures", True),
         )
-        for row in trade.rows
-    ]  # fmt: skip
-    heads = ("method", "setting", "time", "largest error", "beyond")
-    rare_heads = (
-        "method", "setting", "scenes", "99.9 %", "wrong regime", "silent", "gave up", "drift at rest",
-    )  # fmt: skip
-    return Answer(
-        [
-            Fact("scenes", f"{trade.scenes} in contact"),
-            Fact("errors", f"of the mean speed, in A f, against {trade.reference}"),
-            Fact("beyond", f"answers that are wrong by more than {trade.tolerance:g}"),
-            Fact("silent", "answers that miss half the speed or more, without a word", is_rare=True),
-            Fact("advice", advice(trade)),
-        ],
-        [
-            Table("methods", [(head, "") for head in heads], usual, "Time a scene, and errors"),
-            Table("methods", [(head, "") for head in rare_heads], rare, "Failures", is_rare=True),
-        ],
-        record=record,
-    )
-
-
-def _error(error: float) -> str:
-    return "-" if math.isnan(error) else f"{error:.1e}" if error else "0"
-
-
-def _time(microseconds: float) -> str:
-    for size, unit in ((1e3, "ms"), (1.0, "us")):
-        if microseconds >= size:
-            return f"{microseconds / size:.3g} {unit}"
-    return f"{1e3 * microseconds:.3g} ns"
+    ]
+    facts = [
+        Fact("scenes", f"{trade.scenes} in contact"),
+        Fact("errors", f"of the mean speed, in A f, against {trade.reference}"),
+        Fact("beyond", f"answers that are wrong by more than {trade.tolerance:g}"),
+        Fact("silent", "answers that miss half the speed or more, without a word", is_rare=True),
+        Fact("advice", advice(trade)),
+    ]
+    return Answer(facts, tables, record=record)

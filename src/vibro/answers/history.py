@@ -18,8 +18,11 @@ if TYPE_CHECKING:
 
 _PRINTED: Final = 24  # phases
 _FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
+# Label, unit, key in the table of phases, factor and decimals of each column.
 _COLUMNS: Final = (
-    ("start", "ms"), ("end", "ms"), ("from", "mm"), ("to", "mm"), ("from", "mm/s"), ("to", "mm/s"),
+    ("start", "ms", "start_s", 1e3, 4), ("end", "ms", "end_s", 1e3, 4),
+    ("from", "mm", "start_position_mm", 1.0, 5), ("to", "mm", "end_position_mm", 1.0, 5),
+    ("from", "mm/s", "start_velocity_mm_s", 1.0, 3), ("to", "mm/s", "end_velocity_mm_s", 1.0, 3),
 )  # fmt: skip
 
 
@@ -46,13 +49,8 @@ def history_answer(
     if any(phase.kind == "H" for phase in history.phases):
         facts.append(Fact("restitution", float(history.scene.restitution)))
     columns = phase_table(history, history.phases)
-    cells = ([None if v != v else v for v in map(_plain, column)] for column in columns.values())
-    phases = [dict(zip(columns, row, strict=True)) for row in zip(*cells, strict=True)]
+    phases = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     return Answer(facts, [_phases(history, every=every)], record={**record, "phases": phases})
-
-
-def _plain(value: Any) -> Any:
-    return value if isinstance(value, str) else float(value)
 
 
 def _phases(history: History, *, every: bool) -> Table:
@@ -60,20 +58,14 @@ def _phases(history: History, *, every: bool) -> Table:
         named = [(PHASE_NAMES[phase.kind], phase) for phase in history.phases]
     else:
         named = with_chains(history.phases, 1.0 / float(history.scene.frequency))
-    most = len(named) if every else _PRINTED
-    rows = [
-        (
-            name,
-            *(f"{1e3 * time:z.4f}" for time in (phase.start, phase.end)),
-            *(f"{LENGTH.from_si(x):z.5f}" for x in (phase.start_position, phase.end_position)),
-            *(f"{LENGTH.from_si(x):z.3f}" for x in (phase.start_velocity, phase.end_velocity)),
-        )
-        for name, phase in named[:most]
-    ]
+    told = named if every else named[:_PRINTED]
+    table: dict[str, Any] = phase_table(history, [phase for _, phase in told])
+    cells = ([f"{factor * x:z.{digits}f}" for x in table[key]] for *_, key, factor, digits in _COLUMNS)
+    rows = [*zip([name for name, _ in told], *cells, strict=True)]
     title = "Phases"
-    if len(named) > most:
-        title = f"The first {most} of {len(named)} phases; --all prints them all"
-    return Table("phases", [("phase", ""), *_COLUMNS], rows, title)
+    if len(named) > len(told):
+        title = f"The first {_PRINTED} of {len(named)} phases; --all prints them all"
+    return Table("phases", [("phase", ""), *(column[:2] for column in _COLUMNS)], rows, title)
 
 
 def _settles(history: History, follow: Callable[..., History]) -> str:

@@ -401,15 +401,12 @@ def _doubts(rows: Sequence[Row], points: OperatingPoints) -> list[str]:
 
 def _cases(rows: Sequence[Row], cells: Any) -> str:
     """Name some of the rows, unless they are all."""
+    meant: dict[float, dict[float, bool]] = {}
+    for row, cell in zip(rows, cells, strict=True):
+        meant.setdefault(row["filling_kg"], {})[row["setting_percent"]] = bool(cell)
     names = []
-    for filling in sorted({row["filling_kg"] for row in rows}):
-        own = {
-            row["setting_percent"]: x
-            for row, x in zip(rows, cells, strict=True)
-            if row["filling_kg"] == filling
-        }
-        settings = ", ".join(f"{setting:g}" for setting, is_meant in own.items() if is_meant)
-        if settings:
+    for filling, own in meant.items():
+        if settings := ", ".join(f"{setting:g}" for setting in own if own[setting]):
             names.append(_state(filling) if all(own.values()) else f"setting {settings} % {_state(filling)}")
     return "" if np.all(cells) else f"{'; '.join(names)}: "
 
@@ -422,7 +419,7 @@ def _picture(request: SheetRequest) -> DrivePicture:
     """Solve the curves of the picture at the last setting."""
     from vibro.plots.responses import DrivePicture
 
-    given, drive, last = request.machine, request.values["frequency"], {"setting": request.settings[-1]}
+    drive, last = request.values["frequency"], {"setting": request.settings[-1]}
     ends, _ = _solved(request, [{**last, "filling": filling} for filling in request.fillings])
     ratios = [row["filled_frequency_ratio" if row["filling_kg"] else "frequency_ratio"] for row in ends]
     resonances = [drive / ratio for ratio in ratios if 0.0 < ratio < math.inf]
@@ -432,22 +429,18 @@ def _picture(request: SheetRequest) -> DrivePicture:
     scene = Scene(amplitude=1.0, **{**_scene_of(request), "frequency": x})
     loads = critical_loads(scene)
     length = LENGTH.from_si(float(scene.gravity) / (2.0 * math.pi * x) ** 2)
-    curves, bands = [], []
-    for filling in request.fillings:
-        values = {**request.values, **last, "filling": filling}
-        at = {name: np.full(x.size, value) for name, value in values.items()} | {"frequency": x}
-        points = points_of(given, at)
-        amplitude = np.where(points.strikes, np.nan, points.amplitude)
-        speed = np.where(np.isnan(amplitude), np.nan, solve(points.scene).mean_velocity)
-        curves.append((np.asarray(LENGTH.from_si(amplitude)), np.asarray(LENGTH.from_si(speed))))
-        if "voltage" in request.bands:
-            at_ends = [{**at, "voltage": np.full(x.size, end)} for end in request.band("voltage")]
-            lower, upper = (np.asarray(LENGTH.from_si(points_of(given, end).amplitude)) for end in at_ends)
-            bands.append((lower, upper))
+
+    def curve(**changes: float) -> tuple[Any, Any]:
+        rows, _ = _solved(request, [{**last, **changes, "frequency": f} for f in x.tolist()])
+        amplitude, speed = np.array([(row["amplitude_mm"], row["mean_velocity_mm_s"]) for row in rows]).T
+        return amplitude, speed
+
+    voltages, is_band = request.band("voltage"), "voltage" in request.bands
+    bands = [[curve(voltage=v, filling=m)[0] for v in voltages] for m in request.fillings if is_band]
     return DrivePicture(
         frequency=x,
-        curves=tuple(curves),
-        voltage=tuple(bands),
+        curves=tuple(curve(filling=filling) for filling in request.fillings),
+        voltage=tuple((low, high) for low, high in bands),
         drive=drive,
         points=tuple((row["amplitude_mm"], row["mean_velocity_mm_s"]) for row in ends),
         resonances=tuple(resonances),
