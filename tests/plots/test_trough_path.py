@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from matplotlib.text import Annotation
 
 import vibro
 from vibro.motion.trace import trace
-from vibro.plots.history import choose_panels, history_figure
+from vibro.plots.history import PHASE_COLOURS, choose_panels, history_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,3 +84,5 @@ def test_events_lie_where_the_trough_is_then(normal: float, degrees: float) -> N
     assert len(drawn) == len(expected) > 0
     order = [np.lexsort(points.T) for points in (drawn, expected)]
     assert drawn[order[0]] == pytest.approx(expected[order[1]], abs=1e-9)
+    bands = {to_rgb(line.get_color()) for line in axes.lines if line.get_alpha()}
+    assert bands == {to_rgb(PHASE_COLOURS[p.kind]) for p in history.phases if p.end > since}

@@ -42,12 +42,9 @@ COEXISTS_LABEL: Final = "another motion exists"
 AVERAGED_LABEL: Final = "irregular motion: mean over many flights"
 #: Hatches over colours, by their names.
 OVER: Final[Mapping[str, Mapping[str, Any]]] = {
-    label: {"facecolor": "none", "hatch": hatch, "edgecolor": ink}
-    for label, hatch, ink in (
-        (BACKWARDS_LABEL, "|", INK),
-        (COEXISTS_LABEL, "...", NO_ANSWER_INK),
-        (AVERAGED_LABEL, "/", NO_ANSWER_INK),
-    )
+    BACKWARDS_LABEL: {"facecolor": "none", "hatch": "|", "edgecolor": INK},
+    COEXISTS_LABEL: {"facecolor": "none", "hatch": "...", "edgecolor": NO_ANSWER_INK},
+    AVERAGED_LABEL: {"facecolor": "none", "hatch": "/", "edgecolor": NO_ANSWER_INK},
 }
 ERROR_LABEL: Final = "standard error of this mean"
 
@@ -94,29 +91,21 @@ ZERO_SPEED: Final = CurveStyle("zero speed", "-", 1.6, "#FFFFFF")
 WANTED: Final = CurveStyle("", _WANTED, 2.2, "#CC3311")
 
 _HALO: Final = 2.4  # [pt]
-_DPI: Final = 150
 _FONT: Final = "DejaVu Sans"  # comes with matplotlib
+# Other settings are matplotlib's own: with them, the font above too.
 _RC: Final[Any] = {
-    "font.family": "sans-serif",
-    "font.sans-serif": [_FONT],
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.labelsize": 9.5,
     "axes.edgecolor": INK,
-    "axes.linewidth": 0.8,
-    "xtick.direction": "out",
-    "ytick.direction": "out",
     "hatch.linewidth": 0.6,
     # Numbers along axes are written in full, without an offset or a common factor.
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-99, 99),
     "legend.fontsize": 8.5,
     "legend.frameon": False,
-    "mathtext.fontset": "dejavusans",
-    "svg.fonttype": "path",
     "svg.hashsalt": "vibro",  # makes files reproducible
-    "figure.dpi": _DPI,
-    "savefig.dpi": _DPI,
+    "figure.dpi": 150,
 }
 
 # Not printable to Python, but they belong to the spelling of Persian, of Indian languages, and of numbers.
