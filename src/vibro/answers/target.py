@@ -124,10 +124,10 @@ class _Drive:
         """Return an interval as JSON has it."""
         ends = {}
         for name, share in self.shares.items():
+            quantity = QUANTITIES[name]
             for side, end in (("low", interval.low), ("high", interval.high)):
-                quantity = QUANTITIES[name]
                 value = float(quantity.from_si(end * share)) if share else 0.0
-                ends[f"{name}_{side}{quantity.kind.suffix}"] = value if math.isfinite(value) else None
+                ends[f"{name}_{side}{quantity.kind.suffix}"] = value
         return {**ends, "low_set_by": interval.low_set_by, "high_set_by": interval.high_set_by}
 
 
@@ -178,39 +178,34 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     where = f"up to throw number {MOST_DESIGN_THROW:g}" if math.isfinite(limit) else "without hopping"
     name, share = next(iter(shares.items()))
     label, unit = QUANTITIES[name].label, QUANTITIES[name].unit
-    if not hopping and not found:
-        notes.append("with --hopping parts may hop too")
-    if request.length is not None and found:
-        time = shown(request.length / speed)
-        notes.insert(0, f"over {request.length:.10g} mm that takes {time} s")
     if not found:
         most, at = drive.best(limit)
         told = f"none reaches {asked} {where}"
         if most > 0.0:
             # rounded down: the speed may jump above
-            size = bound(float(QUANTITIES[name].from_si(at * share)), upper=False)
+            size = bound(float(QUANTITIES[name].from_si(at * share)), unit, upper=False)
             fast = float(SPEED.from_si(most))
-            rate = f"{shown(fast)} mm/s ({shown(0.06 * fast)} m/min)"
-            told += f"; the most is {rate} at {size} {unit}".rstrip()
+            told += f"; the most is {shown(fast)} mm/s ({shown(0.06 * fast)} m/min) at {size}"
+        notes += [] if hopping else ["with --hopping parts may hop too"]
         return Answer([Fact(label, told)], (), notes, record)
-    least, _ = _rounded(found[0], name, share)
-    facts = [Fact(label, f"{least} {unit}".rstrip(), note=f"the least for {asked} {where}")]
-    columns = [(f"{QUANTITIES[n].label} {end}", QUANTITIES[n].unit) for end in ("from", "to") for n in shares]
+    if request.length is not None:
+        notes.insert(0, f"over {request.length:.10g} mm that takes {shown(request.length / speed)} s")
     rows = []
     for interval in found:
         if interval in kept:
             lows, highs = zip(*(_rounded(interval, n, x) for n, x in shares.items()), strict=True)
-            ends = _SETS[interval.low_set_by], _SETS[interval.high_set_by]
-            rows.append((*lows, *highs, ends[0], ends[1] if math.isfinite(interval.high) else "-"))
-    table = Table("amplitudes", [*columns, ("begins by", ""), ("ends by", "")], rows, "Where it is reached")
-    return Answer(facts, [table], notes, record)
+            end = _SETS[interval.high_set_by] if math.isfinite(interval.high) else None
+            rows.append((*lows, *highs, _SETS[interval.low_set_by], end))
+    columns = [(f"{QUANTITIES[n].label} {end}", QUANTITIES[n].unit) for end in ("from", "to") for n in shares]
+    columns += [("begins by", ""), ("ends by", "")]
+    table = Table("amplitudes", columns, rows, "Where it is reached")
+    least = f"{_rounded(found[0], name, share)[0]} {unit}".rstrip()
+    return Answer([Fact(label, least, note=f"the least for {asked} {where}")], [table], notes, record)
 
 
 def _rounded(interval: Interval, name: str, share: float) -> tuple[str, str]:
     """Write both ends of a size in the unit outside, with six digits inside the interval."""
-    if not share:
-        return "0", "0"
-    ends = [float(QUANTITIES[name].from_si(end * share)) for end in interval[:2]]
+    ends = [float(QUANTITIES[name].from_si(end * share)) if share else 0.0 for end in interval[:2]]
     if math.isinf(ends[1]):
         return bound(ends[0], upper=True), "any"
     low, high = bound(ends[0], upper=True), bound(ends[1], upper=False)
