@@ -94,7 +94,7 @@ def test_which_way_an_uncertain_mean_goes_is_left_open(run: Run, monkeypatch: py
             mean_velocity_error=np.abs(speed) * error,
         )
 
-    for error, answer in ((0.5, "unknown: within its error"), (0.1, "never: the part is conveyed backwards")):
+    for error, answer in ((0.5, "unknown"), (0.1, "never")):
         monkeypatch.setattr("vibro.sweeps.grid.solve", partial(backwards, error=error))
         assert f"traverse time  {answer}" in run("traverse-time", *NUT, "-A", "4", "-L", "600").stdout
 

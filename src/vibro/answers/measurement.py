@@ -79,7 +79,10 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
         record |= _motion_record(m, m.motion, m.onset)
     if m.comparison:
         figures = _figures(m, m.comparison)
-        facts += _comparison_facts(m.comparison, request, is_measured=m.trough is not None)
+        pattern = f"pattern {m.comparison.motion.pattern}"
+        taken = {n: x for n, x in request.told.items() if m.trough is None or n not in MEASURED}
+        scene = ": ".join(filter(None, (printable(request.name or ""), given_text(taken))))
+        facts.append(Fact("scene", f"{scene}, {pattern}"))
         tables += [_figure_table(figures, is_rare=is_rare) for is_rare in (False, True)]
         record |= _comparison_record(m.comparison, figures)
     if m.motion:
@@ -251,19 +254,6 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
 
 
 # --- the part -------------------------------------------------------------------------------------------
-
-
-def _comparison_facts(comparison: Comparison, request: Request, *, is_measured: bool) -> list[Fact]:
-    observation, alignment = comparison.observation, comparison.alignment
-    given = {n: x for n, x in request.told.items() if not (is_measured and n in MEASURED)}
-    scene = ": ".join(filter(None, (printable(request.name or ""), given_text(given))))
-    facts = [Fact("scene", f"{scene}, pattern {comparison.motion.pattern}")]
-    if not math.isnan(alignment.shift):
-        begin = (float(observation.time[0]) + alignment.shift) % observation.period
-        way = comparison.passing
-        after = f"ms after {f'the trough passes its middle {way}' if way else 'phase 0 of the drive'}"
-        facts.append(Fact("record begins", 1e3 * begin, after, 1e3 * alignment.error, is_rare=True))
-    return facts
 
 
 def _unit(kind: str, mass: float | None) -> tuple[str, float]:

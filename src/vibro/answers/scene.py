@@ -46,7 +46,6 @@ _NEXT: Final = ("forward slip", "back slip", "hopping")  # what people ask for; 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 _STANDS: Final[dict[Any, str]] = {True: "yes", False: "no", -1: "unknown"}  # in records None is unknown
-_WAYS: Final = {True: "backwards, down the track", False: "forwards, down the trough"}
 _NO_BOUNCE: Final = "restitution 0: parts land without a bounce"
 # What tables of several scenes have where it was asked for.
 _WHERE_ASKED: Final = (
@@ -136,12 +135,6 @@ class OneScene:
         return math.nan if self.block.arrival is None else float(self.block.arrival.item())
 
     @property
-    def runs(self) -> str:
-        """Direction of a body that gains speed every cycle; empty for other bodies."""
-        slope = float(self.scene.trough_angle)
-        return _WAYS[slope > 0.0] if self.status is Status.RUNAWAY and slope else ""
-
-    @property
     def frequency_counts(self) -> bool:
         """Whether the frequency changes the accelerations, and the amplitude stays as it is."""
         return not isinstance(self.scene.motion, PiecewiseMotion) and OPERATING not in self.block.values
@@ -192,8 +185,8 @@ def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
     if math.isfinite(time) and one.is_certain:
         strokes = time * one.given["frequency"]
         facts.append(Fact("strokes", strokes, error=strokes * one.relative_error))
-    next_ = _beginnings(one, every=False)
-    never = [next_] if one.regime is Regime.NO_SLIP and next_.rows else []
+    tables = [_beginnings(one, every=False)]
+    never = [table for table in tables if table.rows and one.regime is Regime.NO_SLIP]
     return Answer([*facts, _motion(one)], never, _notes(one), record)
 
 
@@ -247,7 +240,7 @@ def cells_answer(
 def _motion(one: OneScene) -> Fact:
     label = one.regime.label or "none"
     if math.isnan(one.speed):
-        return Fact(label, f"gains speed every cycle, {one.runs}" if one.runs else None)
+        return Fact(label, None)
     speed, rate = (uncertain(x * one.speed, x * one.error) for x in (1.0, _RATE))
     return Fact(label, f"{speed} mm/s ({rate} m/min), {shown(one.speed / one.given['frequency'])} mm a cycle")
 
@@ -262,19 +255,8 @@ def _traverse(one: OneScene) -> list[Fact]:
         from_rest = from_rest or "from rest unknown"
         over = f"s over {one.length:.10g} mm"
         return [Fact("traverse time", time, over, time * one.relative_error, from_rest)]
-    return [Fact("traverse time", _why_never(one), note=from_rest)]
-
-
-def _why_never(one: OneScene) -> str:
-    if math.isnan(one.speed):
-        return "none: it gains speed every cycle" if one.runs else "unknown"
-    if one.regime is Regime.NO_SLIP:
-        return "never: the part rests"
-    if not one.is_certain:
-        return "unknown: within its error the mean speed has either direction"
-    if one.speed < 0.0:
-        return "never: the part is conveyed backwards"
-    return "never: the part slides to and fro without being conveyed"
+    never = "never" if math.isinf(time) and one.is_certain else None
+    return [Fact("traverse time", never, note=from_rest)]
 
 
 def _speeds(one: OneScene) -> list[Fact]:
