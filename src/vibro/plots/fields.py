@@ -95,7 +95,7 @@ class Fields:
         """
         if not self.panel.critical:
             return self._ratios_of_cycles
-        load = self._load
+        load = (self._scene.load if self.panel.load is None else self.panel.load) + self._zeros
         ratios = {}
         for name, critical in self.panel.critical.items():
             # Infeasible points have no critical load, but contours at the edge of their region need one. A
@@ -109,28 +109,18 @@ class Fields:
     @property
     def _ratios_of_cycles(self) -> dict[str, Floats]:
         cycle = self.panel.cycle
-        ratios = [
-            fill_unknown(cycle[name], ~np.isnan(cycle[name])) for name in ("forward_ratio", "throw_number")
-        ]
-        onset, hop = np.log(np.clip(ratios, _LEAST_RATIO, 1.0 / _LEAST_RATIO))
-        regime = cycle["regime"]
+        filled = (fill_unknown(cycle[n], ~np.isnan(cycle[n])) for n in ("forward_ratio", "throw_number"))
+        onset, hop = (np.log(np.clip(ratio, _LEAST_RATIO, 1.0 / _LEAST_RATIO)) for ratio in filled)
         # Back slip does not end where hopping begins: beyond, it is as next to it.
-        in_contact = regime != Regime.HOPPING
-        back = np.where(regime == Regime.BACK_SLIP, 0.5, -0.5)
+        in_contact = cycle["regime"] != Regime.HOPPING
+        back = np.where(cycle["regime"] == Regime.BACK_SLIP, 0.5, -0.5)
         back = fill_unknown(back, in_contact) if in_contact.any() else back
-        return {
-            "forward_onset": onset,
-            "back_slip": back,
-            "continuous_sliding": self._zeros - 0.5,
-            "hop": hop,
-        }
+        return dict(zip(HIDDEN_BY, (onset, back, self._zeros - 0.5, hop), strict=True))
 
     @cached_property
     def infeasible(self) -> Floats:
         """Positive where the combination is infeasible: mu_d > mu_s, or the masses of a machine strike."""
         excess = np.asarray(self._scene.kinetic_friction - self._scene.static_friction + self._zeros)
-        if self.panel.amplitude is None:
-            return excess
         cells = self.panel.cycle["status"] == Status.INFEASIBLE
         return np.where(cells & (excess <= 0.0), 0.5, excess)
 
@@ -242,12 +232,6 @@ class Fields:
     @property
     def _zeros(self) -> Floats:
         return np.zeros((len(self.y), len(self.x)))
-
-    @property
-    def _load(self) -> Floats:
-        """Largest acceleration of the trough over gravity, G."""
-        load = self._scene.load if self.panel.load is None else self.panel.load
-        return np.asarray(load + self._zeros)
 
     @cached_property
     def _scene(self) -> Scene:
