@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibro.plots.responses import DrivePicture, FitPicture, drive_figure, fit_figure
+from vibro.plots.responses import DrivePicture, drive_figure, fit_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -94,20 +95,20 @@ def test_without_a_filling_a_voltage_and_hops() -> None:
     apart(figure)
 
 
-def fitted(**changes: Any) -> FitPicture:
+def fitted(natural: float = 48.0, peak: float = 0.0, error: float = 0.02) -> Any:
     f = np.array([45.0, 47.0, 48.0, 50.0, 53.0])
-    drawn = FitPicture(f, response(48.0, f), 0.02 * f / f, X, response(48.0), 48.0, (47.8, 48.3))
-    return drawn._replace(**changes)
+    return SimpleNamespace(
+        frequency=f, amplitude=1e-3 * response(48.0, f), amplitude_error=error * f / f,
+        amplitudes=lambda x: 1e-3 * response(48.0, x) + np.where(x == 50.0, peak, 0.0),
+        natural_frequency=natural, natural_frequency_interval=(natural - 0.2, natural + 0.3),
+    )  # fmt: skip
 
 
 def test_a_fit_shows_what_is_known() -> None:
-    figure = fit_figure(fitted(), "points", "natural frequency 48 Hz")
+    figure = fit_figure(fitted(), X, "points", "natural frequency 48 Hz")
     interval = "95 % interval of the natural frequency"
     assert set(texts(figure)) == {interval, "natural frequency", "fitted", "measured, with standard error"}
     apart(figure)
-    curve = response(48.0).copy()
-    curve[100] = np.inf
-    unknown = {"natural_frequency": np.nan, "interval": (np.nan, np.nan), "error": np.full(5, np.nan)}
-    figure = fit_figure(fitted(curve_amplitude=curve, **unknown), "points", "none")
+    figure = fit_figure(fitted(np.nan, np.inf, np.nan), X, "points", "none")
     assert texts(figure) == ["fitted", "measured"]
     assert np.isfinite(figure.axes[0].get_ylim()).all()

@@ -239,7 +239,7 @@ def columns(fit: ResponseFit) -> dict[str, Any]:
 
 def draw_fit(fit: ResponseFit, path: Path) -> Figure:
     """Draw the points with the fitted curve."""
-    from vibro.plots.responses import FitPicture, fit_figure
+    from vibro.plots.responses import fit_figure
 
     low, high = float(fit.frequency[0]), float(fit.frequency[-1])
     beyond, ends = _CURVE_BEYOND * (high - low), fit.natural_frequency_interval
@@ -248,16 +248,7 @@ def draw_fit(fit: ResponseFit, path: Path) -> Figure:
     high = max(high, min(ends[1], 2.0 * high - low))
     x = np.linspace(max(low - beyond, 0.5 * low), high + beyond, _CURVE_POINTS)
     told = ", ".join(f"{fact.label} {fact.text}" for fact, _ in _estimates(fit).values())
-    picture = FitPicture(
-        fit.frequency,
-        1e3 * fit.amplitude,
-        1e3 * fit.amplitude * fit.amplitude_error,
-        x,
-        1e3 * fit.amplitudes(x),
-        fit.natural_frequency,
-        ends,
-    )
     title = f"measured amplitudes \N{EN DASH} {path.name}"
     if not fit.brackets_peak:
         told = "no estimate: points on one side of the resonance"
-    return fit_figure(picture, title, told)
+    return fit_figure(fit, x, title, told)

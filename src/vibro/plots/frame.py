@@ -347,7 +347,8 @@ def settle_bands(figure: Figure, strip: Axes, bands: Iterable[Band]) -> None:
     strip.set_yticks([])
     strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
     settle(figure)
-    renderer, (first, last), named, others = renderer_of(figure), strip.get_xlim(), set(), []
+    renderer, (first, last), named = renderer_of(figure), strip.get_xlim(), set()
+    others: dict[str, Any] = {}
     for name, group in groupby(bands, key=lambda band: band.name):
         run = list(group)
         low, high, look = max(run[0].low, first), min(run[-1].high, last), run[0].look
@@ -361,8 +362,8 @@ def settle_bands(figure: Figure, strip: Axes, bands: Iterable[Band]) -> None:
             named.add(name)
         else:
             text.remove()
-            others.append((name, area))
-    for name, area in others:
-        area.set_label("" if name in named else name)
-    if {name for name, _ in others} - named:
+            others[name] = area
+    for name in others.keys() - named:
+        others[name].set_label(name)
+    if others.keys() - named:
         settle(figure)

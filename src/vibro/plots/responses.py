@@ -9,12 +9,15 @@ import numpy as np
 
 from vibro.plots.frame import set_heading, settle, stack
 from vibro.plots.style import CURVES, INK, SECOND, house_style
+from vibro.quantities import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from vibro.machines.fitting import ResponseFit
 
     Floats = NDArray[np.float64]
 
@@ -24,37 +27,15 @@ _POINTS: Final[dict[str, Any]] = {"color": "#BB5566", "marker": "o", "markersize
 _BAND: Final = "#DDDDDD"
 
 
-class FitPicture(NamedTuple):
-    """Points, and the curve that is fitted to them.
-
-    Attributes
-    ----------
-    frequency, amplitude, error : (n,) array
-        The points [Hz, mm], and their standard errors [mm]; NaN where unknown.
-    curve_frequency, curve_amplitude : (m,) array
-        The fitted curve [Hz, mm].
-    natural_frequency : float
-        Estimate [Hz]; NaN without one.
-    interval : pair of float
-        Its confidence interval [Hz]; NaN, 0 or infinite where unknown.
-    """
-
-    frequency: Floats
-    amplitude: Floats
-    error: Floats
-    curve_frequency: Floats
-    curve_amplitude: Floats
-    natural_frequency: float
-    interval: tuple[float, float]
-
-
-def fit_figure(fit: FitPicture, headline: str, below: str) -> Figure:
+def fit_figure(fit: ResponseFit, x: Floats, headline: str, below: str) -> Figure:
     """Draw measured amplitudes over frequency with the fitted curve and the natural frequency.
 
     Parameters
     ----------
-    fit : FitPicture
+    fit : ResponseFit
         What is drawn.
+    x : array
+        Frequencies of the curve [Hz].
     headline, below : str
         The first line of the title, and the estimates.
 
@@ -65,23 +46,22 @@ def fit_figure(fit: FitPicture, headline: str, below: str) -> Figure:
     """
     with house_style():
         figure, (axes,) = stack(_SIZE, [1.0])
-        x = fit.curve_frequency
+        amplitude, curve = (LENGTH.from_si(values) for values in (fit.amplitude, fit.amplitudes(x)))
         axes.set_xlim(float(x[0]), float(x[-1]))
-        low, high = np.clip(fit.interval, x[0], x[-1]).tolist()
+        low, high = np.clip(fit.natural_frequency_interval, x[0], x[-1]).tolist()
         if low < high:  # never of NaN
             label = "95 % interval of the natural frequency"
             axes.axvspan(low, high, facecolor=_BAND, edgecolor="none", zorder=0, label=label)
         axes.axvline(fit.natural_frequency, color=INK, linewidth=0.8, label="natural frequency")
-        axes.plot(x, fit.curve_amplitude, label="fitted", **_CURVE)
+        axes.plot(x, curve, label="fitted", **_CURVE)
         label = "measured"
-        if np.isfinite(fit.error).all():
+        if np.isfinite(fit.amplitude_error).all():
             label += ", with standard error"
             bars: dict[str, Any] = {"fmt": "none", "ecolor": INK, "elinewidth": 0.8, "capsize": 2}
-            axes.errorbar(fit.frequency, fit.amplitude, yerr=fit.error, **bars)
-        axes.plot(fit.frequency, fit.amplitude, zorder=5, label=label, **_POINTS)
-        finite = fit.curve_amplitude[np.isfinite(fit.curve_amplitude)]
+            axes.errorbar(fit.frequency, amplitude, yerr=amplitude * fit.amplitude_error, **bars)
+        axes.plot(fit.frequency, amplitude, zorder=5, label=label, **_POINTS)
         # From 0 to above the largest; where the curve is infinite, above the points.
-        axes.set_ylim(0.0, 1.08 * float(min(finite.max(), 3.0 * fit.amplitude.max())))
+        axes.set_ylim(0.0, 1.08 * float(min(curve[np.isfinite(curve)].max(), 3.0 * amplitude.max())))
         axes.set(xlabel="frequency $f$ [Hz]", ylabel="amplitude $A$ [mm]")
         set_heading(figure, headline, below)
         settle(figure)
