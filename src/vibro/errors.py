@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
 import reprlib
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
 #: Largest number of problems of one input that a message lists; the others are counted.
 MOST_TOLD: Final = 20
 _LONGEST: Final = 60  # characters of a value in a message
 _RIGHT: Final = 24  # of these, from its end
 _LONGEST_LINE: Final = 500  # characters of a message; nobody reads more
+# An argument within a message: its name and, if there is one, its value.
+_ARGUMENT: Final = re.compile("\u27e6(\\w+)(?: (.*?))?\u27e7")
 
 
 class _Shortened(reprlib.Repr):
@@ -88,6 +91,22 @@ def printable(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
+def argument(name: str, value: str = "") -> str:
+    """Name an argument in an InputError, which Python calls ``name="value"`` and vibro ``--name "value"``."""
+    return f"\u27e6{name} {value}\u27e7" if value else f"\u27e6{name}\u27e7"
+
+
+def _of_calls(text: str) -> str:
+    return _ARGUMENT.sub(lambda found: f'{found[1]}="{found[2]}"' if found[2] else found[1], text)
+
+
+def _of_commands(text: str) -> str:
+    def option(found: re.Match[str]) -> str:
+        return f"--{found[1].replace('_', '-')}" + (f' "{found[2]}"' if found[2] else "")
+
+    return _ARGUMENT.sub(option, text)
+
+
 def how_to_install(extra: str) -> str:
     """Return the command that installs an extra, for the hint of an error; no registry has vibro."""
     return f"pip install '.[{extra}]' in the project's folder"
@@ -152,17 +171,28 @@ class InputError(VibroError):
         Every problem, one sentence each. If there are more than 20, the first 20 and a count of the others.
     hint : str
         The remedy, in one or more lines; empty if the problems already say it.
+    raw : tuple of tuple of str, str
+        Both as they were given, for an error that holds this one.
     fields : tuple of str
         For each listed problem the name of its quantity, or an empty text if it concerns several; an empty
         tuple if no quantities are known.
     """
 
     def __init__(self, *problems: str, hint: str = "", fields: Sequence[str] = ()) -> None:
-        self.problems = _told(problems, "problems")
+        self.raw = problems, hint
+        self.problems, self.hint = self._spelt(_of_calls)
         self.fields = (*fields,)[:MOST_TOLD]
-        self.hint = "\n".join(_told(hint.splitlines(), "hints"))
         super().__init__("; ".join(self.problems))
         _note(self, self.hint)
+
+    def as_typed(self) -> tuple[tuple[str, ...], str]:
+        """Return problems and hint with arguments as options of the command line."""
+        return self._spelt(_of_commands)
+
+    def _spelt(self, spell: Callable[[str], str]) -> tuple[tuple[str, ...], str]:
+        problems, hint = self.raw
+        hints = _told([*map(spell, hint.splitlines())], "hints")
+        return _told([*map(spell, problems)], "problems"), "\n".join(hints)
 
 
 class Problems:
@@ -188,9 +218,10 @@ class Problems:
         try:
             yield
         except InputError as exc:
-            for i, problem in enumerate(exc.problems):
+            problems, hint = exc.raw
+            for i, problem in enumerate(problems):
                 own = exc.fields[i] if i < len(exc.fields) else ""
-                self.add(where + problem, "" if i else exc.hint, own or field)
+                self.add(where + problem, "" if i else hint, own or field)
 
     def settle(self) -> None:
         """Raise all problems, if any, as one InputError; each hint appears once."""

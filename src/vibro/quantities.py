@@ -384,6 +384,7 @@ _NUMBER = re.compile(
 _COMMA: Final = re.compile(
     r"([+-]?[0-9]+),(?![0-9]{3}(?![0-9])|(?<=[0-9]{2},)[0-9]{3})([0-9]+)(?![0-9]|.*,)", re.DOTALL
 )
+_AROUND_PER: Final = re.compile(r"\s*/\s*")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
 _CATALOGUED: Final = ("static_friction", "kinetic_friction")
 # More digits than this are no number that somebody measured or computed: those of every double fit.
@@ -576,7 +577,7 @@ def checked_number(text: str, quantity: Quantity) -> float:
 def given_unit(text: str, quantity: Quantity) -> tuple[str, Fraction]:
     """Return the unit that a valid number carries, and its size in the default unit, which it is without."""
     match = _NUMBER.fullmatch(_plain(text))
-    given = ((match and match[2]) or quantity.unit).casefold()
+    given = _AROUND_PER.sub("/", (match and match[2]) or quantity.unit).casefold()
     return next((unit, size) for unit, size in quantity.kind.sizes.items() if unit.casefold() == given)
 
 
@@ -614,7 +615,7 @@ def _split(text: str, quantity: Quantity) -> tuple[str, tuple[int, int]]:
         if _NOT_FINITE.match(text):
             raise _not_finite(text, quantity)
         raise InputError(f"{quantity.label} = {shown(text)}: not a number", hint=_number_hint(text, quantity))
-    digits, unit = match.groups("")
+    digits, unit = match[1], _AROUND_PER.sub("/", match[2] or "")
     size = quantity.kind.ratios.get(unit.casefold()) if unit else _ONE
     if size is None:
         problem = f"{quantity.label} = {shown(text)}: {shown(unit)} is no unit of {quantity.label}"

@@ -111,7 +111,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
     if "--debug" in argv:
         tell_traceback(exc)
     if isinstance(exc, InputError):
-        print_error(exc.problems, exc.hint)
+        print_error(*exc.as_typed())
         return ExitCode.WRONG_INPUT
     if isinstance(exc, FileError):
         print_error([str(exc)], exc.hint)
@@ -150,7 +150,9 @@ def _hint(exc: Any, argv: Sequence[str]) -> str:
         return ""
     if option in _GONE:
         return _GONE[option]
-    if quantity := find_quantity(option):
+    called = option.lstrip("-").replace("-", "_")
+    starts = (quantity for quantity in (*STARTS, TROUGH_MASS) if quantity.name == called)
+    if quantity := find_quantity(option) or next(starts, None):
         return f"write it as {quantity.typed()}"
     long = next((arg for arg in argv if arg.startswith(option) and arg[:2] != "--" and len(arg) > 2), "")
     return f"write it with two dashes: -{long}" if long else ""

@@ -12,7 +12,7 @@ from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import AllOption, Options, option
 from vibro.cli.outputs import PICTURES
 from vibro.core.codes import Status
-from vibro.errors import InputError, cut, shown
+from vibro.errors import InputError, argument, cut, shown
 from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
 
 if TYPE_CHECKING:
@@ -110,10 +110,11 @@ def measure_command(
     if has_part and not compares:
         console.echo("the part is not compared with the exact motion: that needs its friction, mu_s and mu_d")
     if fit is not None and not has_part:
-        raise InputError("fit: the record holds no signal of a part", hint='name one: displacement "X [mm]"')
+        lacks = "--fit: the record holds no signal of a part"
+        raise InputError(lacks, hint=f"name one: {argument('displacement', 'X [mm]')}")
     if not record.trough and any(text.casefold().endswith(".toml") for text in options.output or ()):
         lacks = "the record holds no motion of the trough for a scene file"
-        raise InputError(lacks, hint="name trough_along or trough_normal, or leave out the name with .toml")
+        raise InputError(lacks, hint="name --trough-along or --trough-normal, or leave NAME.toml out")
 
     tables, pictures = (("", "summary"), ("",)) if compares else (("",), ())
     outputs = Outputs(

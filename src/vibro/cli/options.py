@@ -18,7 +18,7 @@ from vibro.errors import InputError, cut, did_you_mean, shown
 from vibro.quantities import QUANTITIES, find_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from vibro.quantities import Quantity
 
@@ -151,7 +151,7 @@ _NUMBER: Final = re.compile(r"[+\N{MINUS SIGN}-]?\.?[0-9][0-9.,:eE+-]*\s*[\w/%\N
 
 
 def read_arguments(
-    texts: Sequence[str], most: int | None, more: Mapping[str, Quantity]
+    texts: Sequence[str], most: int | None, more: Mapping[str, Quantity], options: Collection[str]
 ) -> tuple[tuple[Path, ...], dict[str, str]]:
     """Tell the files and the quantities among the arguments of a command.
 
@@ -163,6 +163,8 @@ def read_arguments(
         Largest number of files; None if there is none.
     more : mapping of str to Quantity
         By name, further quantities than those of a scene.
+    options : collection of str
+        Those of the command, such as ``--speed``.
 
     Returns
     -------
@@ -183,6 +185,7 @@ def read_arguments(
             if quantity is None or not quantity.options:
                 names = [q.column for q in (*QUANTITIES.values(), *more.values())]
                 hint = did_you_mean(found[1], names) or "--help-all lists the quantities"
+                hint = f"write --{found[1]} {found[2]}" if f"--{found[1]}" in options else hint
                 raise InputError(f"{cut(text)}: {shown(found[1])} is no quantity", hint=hint)
             if quantity.name in given:
                 raise InputError(f"{quantity.label} is given twice", hint="give it once")
@@ -197,6 +200,11 @@ def read_arguments(
                 f"{cut(text)}: a value without its option, such as -A or gravity=",
                 hint="a number and its unit are one word, -A 1mm; in PowerShell quote a list, -A '1,2,3'",
             )
+        elif (quantity := find_quantity(text)) and not Path(text).exists():
+            raise InputError(
+                f"{text}: {quantity.label} without its value",
+                hint=f"write {quantity.typed()}; several names are one word, such as mu_s,mu_d",
+            )
         elif text == "vibro" and not Path(text).exists():
             raise InputError("vibro: a command within a command", hint="type one command")
         else:
@@ -204,7 +212,8 @@ def read_arguments(
     if most is not None and len(files) > most:
         told = " and ".join(map(str, files[:2]))
         raise InputError(
-            f"{told}: {'one file' if most == 1 else f'{most} files'} at most", hint="leave one out"
+            f"{told}: {'one file' if most == 1 else f'{most} files'} at most",
+            hint="leave one out; vibro solve and vibro drive put several side by side",
         )
     return tuple(files), given
 
@@ -241,7 +250,7 @@ def _quantity_parameter(quantity: Quantity, *, hidden: bool) -> inspect.Paramete
     own = typer.Option(
         *quantity.options, metavar="X", help=_text_of(quantity), show_default=False, hidden=hidden
     )
-    return _parameter(quantity.name, None, Annotated[str | None, own])
+    return _parameter(quantity.name, None, Annotated[list[str] | None, own])
 
 
 def shares_options(
@@ -310,8 +319,13 @@ def shares_options(
     def command(**values: Any) -> int:
         typed = {p.name: values.pop(p.name) for p in shared}
         texts = {name: typed.pop(name) for name in quantities}
-        given = {name: text for name, text in texts.items() if text is not None}
-        paths, named = read_arguments(typed.pop("arguments") or (), most, own_ones)
+        given = {}
+        for name, (text, *again) in [(name, found) for name, found in texts.items() if found]:
+            if again:
+                raise InputError(f"{QUANTITIES[name].label} is given twice", hint="give it once")
+            given[name] = text.removeprefix("=")  # of -A=0.8
+        known = {name for parameter in values[context.name].command.params for name in parameter.opts}
+        paths, named = read_arguments(typed.pop("arguments") or (), most, own_ones, known)
         beside = {name: named.pop(name) for name in own_ones if name in named}
         for name in named:
             if not of_scene:

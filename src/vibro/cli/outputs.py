@@ -330,8 +330,8 @@ def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:
     if ending.isalpha() and ending.isascii():
         known = ", ".join(f".{form}" for form in forms)
         raise InputError(
-            f"{said}: this command writes no .{ending}",
-            hint=f"it writes {known}; a name without an ending is that of all usual files",
+            f"{said}: this answer is not written as .{ending}",
+            hint=f"it is written as {known}; a name without an ending is that of all usual files",
         )
     return path, ""
 

@@ -85,12 +85,13 @@ def solve_command(
         refuse_without_flight("--coexist", output)
     if speed is not None:
         others = {"regimes_only": regimes_only, "coexist": coexist, "stand_ratio": stand_ratio}
-        others |= {"columns": columns, "pitch": pitch, "mass": mass, "filling=": "filling" in options.given}
+        others |= {"columns": columns, "pitch": pitch, "mass": mass}
         if len(options.files) > 1:
             raise InputError(
                 f"--speed with {len(options.files)} files: it takes one", hint="leave the others out"
             )
-        if refused := [f"--{name.replace('_', '-')}" for name, given in others.items() if given]:
+        refused = [f"--{name.replace('_', '-')}" for name, given in others.items() if given]
+        if refused := [*refused, *(["filling="] if "filling" in options.given else [])]:
             raise InputError(f"--speed finds amplitudes: {', '.join(refused)} cannot be used with it")
         return _target(speed, options, context.obj, console, hopping=hopping)
     if hopping:

@@ -42,7 +42,8 @@ def _near(path: Path, endings: tuple[str, ...], folders: bool) -> str:
         names = [p.name for p in there if p.suffix.casefold() in endings or (folders and p.is_dir())]
     except (OSError, ValueError):
         return ""
-    return did_you_mean(path.name, names, before=str(path).removesuffix(path.name))
+    typed = path.name if path.suffix else path.name + endings[0]
+    return did_you_mean(typed, names, cutoff=0.7, before=str(path).removesuffix(path.name))
 
 
 def read_text(path: Path) -> tuple[str, list[str]]:

@@ -31,6 +31,7 @@ _OTHER_FILES: Final = {
 }  # fmt: skip
 _COMMANDS: Final = {"scene": "solve", "design": "design"}
 _OF_DESIGNS: Final = {"drive", "goal"}  # tables
+_LINES: Final = 'lines are [TABLE], KEY = 0.8 or KEY = "TEXT", and what follows # is left alone'
 _REASON: Final = 200  # characters of the parser's message
 
 
@@ -65,7 +66,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as exc:  # ValueError: it is no TOML, or has thousands of digits
         comma, unit = _DECIMAL_COMMA.search(text), _UNQUOTED.search(text)
         hint = f"write a decimal point: {comma[1]} = {comma[2]}.{comma[3]}" if comma else ""
-        hint = f'write a number and its unit in quotes: {unit[1]} = "{unit[2]}"' if unit else hint
+        hint = f'write a number and its unit in quotes: {unit[1]} = "{unit[2]}"' if unit else hint or _LINES
         said = f"{path}: not valid TOML: {cut(str(exc), _REASON)}"
         raise _other(path) or InputError(said, hint=hint) from exc
 

@@ -100,7 +100,7 @@ class Comparison:
         warnings += of_another_frame(observation, motion)
         advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
         if advance * motion.advance < 0.0:
-            warnings.append("the data run against the computed direction: --reverse turns their axis")
+            warnings.append("the data run against the computed direction: their axis points the other way")
         computed, measured = (signals.get("friction") for signals in (self.computed, observation.signals))
         if computed is not None and np.cov(computed, measured)[0, 1] < 0.0:
             must = "it must be the force on the body, not on the trough"
@@ -334,6 +334,6 @@ def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Al
     where = "later" if off > 0.0 else "earlier"
     why = "a channel lags, or the body does not move as computed"
     if abs(off) > (0.5 - TOL.inverted) * motion.period:
-        why = "one of the sensors may be inverted (--reverse, or a negative sensitivity)"
+        why = "one of the sensors may be inverted; a negative sensitivity turns it"
     apart = f"{1e3 * abs(off):.3g} ms ({360.0 * abs(off) / motion.period:.0f} deg) {where} in the cycle"
     return [f"the body's signals alone fit best {apart} than the trough's acceleration says: {why}"]

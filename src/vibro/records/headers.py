@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from vibro.errors import InputError, did_you_mean, shown
+from vibro.errors import InputError, argument, did_you_mean, shown
 from vibro.records.signals import (
     DERIVATIVES,
     EXAMPLES,
@@ -156,11 +156,11 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
         except InputError as exc:
             if role in SIGNALS and role not in wanted.headers and not found.keys().isdisjoint(TROUGH):
                 continue  # the trough alone is measured too
-            problems += exc.problems
-            hints += [exc.hint]
+            problems += exc.raw[0]
+            hints += [exc.raw[1]]
     if not problems and "time" not in found:
         problems.append(f"{path}: no column of time found among {_list(headers)}")
-        hints.append('name it, with its unit: time "t [s]"')
+        hints.append(f"name it, with its unit: {argument('time', 't [s]')}")
     if not problems and found.keys().isdisjoint((*SIGNALS, *TROUGH) if wanted.body else TROUGH):
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
@@ -184,9 +184,11 @@ def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Want
             role = sensitivity.role or next(name for name in SIGNALS if KINDS[name] == sensitivity.kind)
             read = [column.header for column in columns.values()]
             free = [header.text for header in _voltages(headers) if header not in read]
-            hint = f'name the column: {role} "{free[0]}"' if free else "leave it out"
+            hint = f"name the column: {argument(role, free[0])}" if free else "leave it out"
             said = f"{path}: no column that is read as {role.replace('_', ' ')}"
-            raise InputError(f'{said} is a voltage for sensitivity "{sensitivity.text}"', hint=hint)
+            raise InputError(
+                f"{said} is a voltage for {argument('sensitivity', sensitivity.text)}", hint=hint
+            )
 
 
 def _voltages(headers: list[Header]) -> list[Header]:
@@ -196,21 +198,22 @@ def _voltages(headers: list[Header]) -> list[Header]:
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
     """Show how to name a signal, with a sensitivity if the table holds a voltage."""
     if not wanted.body:
-        sensitivities = {"voltage": f', sensitivity "{EXAMPLES["acceleration"]}"'}
+        sensitivities = {"voltage": f" {argument('sensitivity', EXAMPLES['acceleration'])}"}
         of_kind = {header.unit[0]: header for header in reversed(headers) if header.unit}
         for kind in ("voltage", *DERIVATIVES):
             if kind in of_kind:
-                example = f'trough_along "{of_kind[kind].text}"{sensitivities.get(kind, "")}'
-                return f"name one or both, trough_along and trough_normal: {example}"
-        return 'name one or both, with the unit: trough_along "ax [m/s^2]", trough_normal "ay [m/s^2]"'
+                example = f"{argument('trough_along', of_kind[kind].text)}{sensitivities.get(kind, '')}"
+                return f"name one or both, along and normal to the trough: {example}"
+        both = argument("trough_along", "ax [m/s^2]"), argument("trough_normal", "ay [m/s^2]")
+        return f"name one or both, with the unit: {both[0]} {both[1]}"
     for header in _voltages(headers):
         role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
-        name = f'{role} "{header.text}"'
+        name = argument(role, header.text)
         if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
             return f"name the voltage: {name}"
         example = EXAMPLES[KINDS[role]]
-        return f'name one, and the sensitivity of its sensor: {name}, sensitivity "{example}"'
-    return 'name one, with its unit: displacement "X [mm]"'
+        return f"name one, and the sensitivity of its sensor: {name} {argument('sensitivity', example)}"
+    return f"name one, with its unit: {argument('displacement', 'X [mm]')}"
 
 
 def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
@@ -244,18 +247,21 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
         what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
         idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
         if (other := next(idle, None)) is not None:
-            what = f'sensitivity "{other.text}" is a sensitivity of {other.kind}, one of {kind} is needed'
+            given = argument("sensitivity", other.text)
+            what = f"{given} is a sensitivity of {other.kind}, one of {kind} is needed"
             if other.kind == kind:
-                what = f'sensitivity "{other.text}" is for {other.served}, for which no column is named'
-                hint = f'name that column too: {other.role} "HEADER", and give this sensor\'s sensitivity:'
+                what = f"{given} is for {other.served}, for which no column is named"
+                column = argument(other.role, "HEADER")
+                hint = f"name that column too, {column}, and give this sensor's sensitivity:"
                 example = f"{role.replace('_', '-')}={example}"
-        raise InputError(f"{said}: {what}", hint=f'{hint} sensitivity "{example}"')
+        raise InputError(f"{said}: {what}", hint=f"{hint} {argument('sensitivity', example)}")
     stated = unit_text or header.stated
     kinds = " or ".join(kinds_of(role))
     problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
-    voltage = f', or mV and V with sensitivity "{example}"' if example else ""
+    voltage = f", or mV and V with {argument('sensitivity', example)}" if example else ""
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
-    hint = f'write the unit in brackets: {role} "{header.name} [{usual}]"; units of {kind} are {units}'
+    named = argument(role, f"{header.name} [{usual}]")
+    hint = f"write the unit in brackets: {named}; units of {kind} are {units}"
     raise InputError(f"{said}: {problem}", hint=hint + voltage)
 
 
@@ -267,9 +273,8 @@ def _detected(path: Path, headers: list[Header], role: str) -> Columns:
     if len(fitting) > 1:
         several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
         first = fitting[0].header.text
-        own = f' of a part, trough_along "{first}" of the trough' if role in DERIVATIVES else ""
-        hint = f'choose: {role} "{first}"{own}'
-        raise InputError(several, hint=hint)
+        own = f" of a part, {argument('trough_along', first)} of the trough" if role in DERIVATIVES else ""
+        raise InputError(several, hint=f"choose: {argument(role, first)}{own}")
     return {role: fitting[0]} if fitting else {}
 
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
-from vibro.errors import InputError, cut, shown
+from vibro.errors import InputError, argument, cut, shown
 from vibro.quantities import LENGTH, SPEED
 from vibro.records.tolerances import TOL
 
@@ -170,7 +170,7 @@ def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
 
 def _given(text: str) -> str:
     """Write a sensitivity as it is given."""
-    return f'sensitivity "{cut(text)}"'
+    return argument("sensitivity", cut(text))
 
 
 def _sensitivity(text: str) -> Sensitivity:

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, argument, shown
 from vibro.quantities import ELLIPTICAL, QUANTITIES
 from vibro.records.folding import Estimate, Floats, fold
 from vibro.records.frequencies import Repetition
@@ -323,7 +323,8 @@ def refuse_line_down(trough: Trough, *, reverse: bool) -> None:
     """Raise InputError if the trough moves down along a line while it moves forwards."""
     if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:  # no drive angle is below 0
         why = "the axis along the trough points against the conveying direction"
-        hint = f"{'leave out --reverse, unless' if reverse else 'give --reverse, if'} {why}"
+        option = argument("reverse")
+        hint = f"{f'leave out {option}, unless' if reverse else f'give {option}, if'} {why}"
         inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
         raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
 
@@ -370,6 +371,6 @@ def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | No
     if abs(off) > 0.5 * math.pi:
         than = "that along the trough" if normal_phase is None else "where the scene has it"
         lead = f"{abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'} {than}"
-        why = "one of the two sensors may be inverted (--reverse, or a negative sensitivity)"
+        why = "one of the two sensors may be inverted; a negative sensitivity turns it"
         doubts.append(f"the normal motion is {lead}: {why}")
     return doubts

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
-from vibro.errors import InputError, VibroError, shown
+from vibro.errors import InputError, VibroError, argument, shown
 from vibro.quantities import AMPLITUDES, DRIVES, ELLIPTICAL, LINEAR, QUANTITIES
 from vibro.records.measured_speeds import change_by_harmonics
 from vibro.records.reading import Record
@@ -114,7 +114,7 @@ def trough_drive(
         if fits and measured.order > 1:
             raise InputError(
                 f"the trough moves with {measured.order} harmonics: one sensor measures one direction alone",
-                hint="a fit needs trough_along and trough_normal",
+                hint=f"a fit needs {argument('trough_along')} and {argument('trough_normal')}",
             )
         measured = None
     far_off = _far_off(first, own)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtrc
 
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, argument, shown
 from vibro.quantities import MOST_HARMONICS, QUANTITIES
 from vibro.reals import shielded
 from vibro.records.folding import Estimate, Floats, harmonics
@@ -459,15 +459,15 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
     if drive_angle is None:
         missing = "normal to the trough" if other == _NORMAL else "along it"
         unknown = f"one sensor alone does not measure the motion {missing}"
-        hint = f"name {other} too, or give the drive angle: that of the line that the trough moves along"
+        hint = f"name {argument(other)} too, or give the drive angle, if the trough moves along a line"
         raise InputError(unknown, hint=hint)
     quantity = QUANTITIES["drive_angle"]
     if not (math.isfinite(drive_angle) and quantity.allows(drive_angle)):
         said = f"drive angle = {quantity.text(quantity.from_si(drive_angle))}"
         raise InputError(f"{said}: must be {quantity.allowed.text(quantity.unit)}")
     if name == _NORMAL and math.sin(drive_angle) < TOL.least_component:
-        level = "trough_normal cannot measure a motion along the trough, at a drive angle of"
-        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {other}")
+        level = f"{argument(name)} cannot measure a motion along the trough, at a drive angle of"
+        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {argument(other)}")
 
 
 def _check_size(record: Record, span: float, frequency: float) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.axes import AxisSpec, axis_of, default_count, one_value_of
 from vibro.core.codes import Output
-from vibro.errors import Problems, shown
+from vibro.errors import Problems, argument, shown
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
@@ -360,8 +360,8 @@ def _check_machine(
         if len(machine.packs) == 1:
             own[natural.name] = axis_of(next(iter(machine.packs.values())), natural)
         else:
-            packs = " or ".join(f'"{name}"' for name in machine.packs)
-            hint = f"give the option pack, {packs}, or a natural frequency"
+            packs = " or ".join(argument("pack", name) for name in machine.packs)
+            hint = f"give {packs}, or a natural frequency"
             problems.add("which spring pack is fitted is not given", hint, natural.name)
 
 
