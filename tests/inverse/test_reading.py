@@ -152,7 +152,7 @@ def test_a_scene_is_told_from_a_question(tmp_path: Path, text: str, is_scene: bo
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as wrong:
         read_spec(path)
-    assert ("vibro.read_scene(" in wrong.value.hint) is is_scene
+    assert ("vibro.read_scene " in wrong.value.hint) is is_scene
 
 
 SPAN = st.tuples(st.floats(0.2, 1.0), st.floats(0.2, 1.0)).map(sorted)

@@ -108,9 +108,9 @@ def test_the_wrong_frame_is_told_either_way() -> None:
     scene = SCENES["FB"]
     walked = Walked(scene)
     (said,) = told(scene, walked.observe("displacement", cycles=CYCLES, over_ground=True))
-    assert "over the ground: give the option absolute" in said
+    assert "over the ground: give --absolute" in said
     (said,) = told(scene, replace(walked.observe("displacement", cycles=CYCLES), absolute=True))
-    assert "leave out the option absolute" in said
+    assert "leave out --absolute" in said
 
 
 def test_the_committed_video_is_what_its_script_makes() -> None:

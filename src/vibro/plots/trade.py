@@ -58,7 +58,8 @@ def trade_figure(trade: Trade) -> Figure:
             axes.vlines(time, median, worst, color=colour, linewidth=0.8, alpha=0.6)
             points = np.column_stack([time, worst])
             labels += [(row.setting, point, colour) for row, point in zip(settings, points, strict=True)]
-            lines += [points, *np.array([[time, median], [time, worst]]).transpose(2, 0, 1)]
+            ticks = np.array([[time, median], [time, worst]]).transpose(2, 0, 1)
+            lines += [points, *ticks[np.isfinite(median)]]  # without a median where no scene slips
         axes.grid(which="major", color="#DDDDDD", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.margins(x=0.1)

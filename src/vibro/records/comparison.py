@@ -100,7 +100,7 @@ class Comparison:
         warnings += of_another_frame(observation, motion)
         advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
         if advance * motion.advance < 0.0:
-            warnings.append("the data run against the computed direction: their axis points the other way")
+            warnings.append("the data run against the computed direction: reverse their axis, or leave it")
         computed, measured = (signals.get("friction") for signals in (self.computed, observation.signals))
         if computed is not None and np.cov(computed, measured)[0, 1] < 0.0:
             must = "it must be the force on the body, not on the trough"
