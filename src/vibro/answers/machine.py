@@ -14,6 +14,7 @@ from vibro.results.operating import MACHINE_RESULTS, OPERATING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from vibro.answers.answer import Value
     from vibro.answers.set_up_sheet import Row, Sheet
     from vibro.files.machines import GivenMachine
 
@@ -23,6 +24,7 @@ _PROOFS: Final = {
 }  # fmt: skip
 _INPUTS: Final = {"frequency": "mains frequency", "stiffness": "stiffness of the springs"}
 _NOT_GUARANTEED: Final = "unknown, as an operating point is, or the masses strike,"
+_HEADS: Final = (("empty", "mm"), ("speed", "mm/s"), ("full", "mm"), ("speed", "mm/s"))
 # Rows of machines side by side: labels, and where the sheet has them, empty or full.
 _SIDE_BY_SIDE: Final = (
     ("f0 [Hz]", "empty", "natural_hz"),
@@ -182,43 +184,28 @@ def _facts(sheet: Sheet) -> list[Fact]:
     ]
 
 
-def _states(sheet: Sheet) -> list[str]:
-    return ["empty", f"{sheet.request.full:g} kg"] if sheet.request.full else ["empty"]
-
-
-def _heads(sheet: Sheet) -> list[tuple[str, str]]:
-    return [column for state in _states(sheet) for column in ((state, "mm"), ("speed", "mm/s"))]
-
-
-def _cells(row: Row) -> list[float | str]:
+def _cells(row: Row) -> list[Value]:
     low, high = row["amplitude_low_mm"], row["amplitude_high_mm"]
     amplitude = f"{shown(low)}...{shown(high)}" if shown(low) != shown(high) else row["amplitude_mm"]
     speed = uncertain(row["mean_velocity_mm_s"], row["mean_velocity_error_mm_s"])
     return ["strikes" if row["strikes"] else amplitude, speed]
 
 
-def _both(pair: Mapping[str, Any]) -> list[float | str]:
-    return [cell for state in ("empty", "full") if pair[state] for cell in _cells(pair[state])]
+def _both(pair: Mapping[str, Any]) -> list[Value]:
+    return [x for state in ("empty", "full") for x in (_cells(pair[state]) if pair[state] else (None, None))]
 
 
 def _settings(sheet: Sheet) -> Table:
     """List amplitude and speed of each setting, empty and full, and the guaranteed speed."""
-    columns = [("setting", "%"), *_heads(sheet)]
-    record = sheet.record
-    full = [pair["full"] for pair in record["settings"] if pair["full"]]
-    is_bent = any(not math.isnan(row["mean_velocity_with_second_harmonic_mm_s"]) for row in full)
-    columns += [("2nd harmonic", "mm/s")] * is_bent
-    columns += [("slowest", "mm/s"), ("fastest", "mm/s")] * bool(record["guaranteed"])
-    rows = []
+    columns = [("setting", "%"), *_HEADS, ("2nd harmonic", "mm/s"), ("slowest", "mm/s"), ("fastest", "mm/s")]
+    record, rows = sheet.record, []
     for i, pair in enumerate(record["settings"]):
-        row = [pair["empty"]["setting_percent"], *_both(pair)]
-        if is_bent:
-            bent = pair["full"]["mean_velocity_with_second_harmonic_mm_s"]
-            row.append(None if math.isnan(bent) else bent)
-        if record["guaranteed"]:
-            row += record["guaranteed"][i]["speed_mm_s"] or [None, None]
-        rows.append(row)
-    return Table("settings", columns, rows, f"Amplitude and speed, {' and with '.join(_states(sheet))}")
+        bent = (pair["full"] or {}).get("mean_velocity_with_second_harmonic_mm_s", math.nan)
+        bounds = record["guaranteed"][i]["speed_mm_s"] if record["guaranteed"] else None
+        bounds = [None if math.isnan(bent) else bent, *(bounds or (None, None))]
+        rows.append([pair["empty"]["setting_percent"], *_both(pair), *bounds])
+    full = f" and with {sheet.request.full:g} kg" if sheet.request.full else ""
+    return Table("settings", columns, rows, f"Amplitude and speed, empty{full}")
 
 
 def _notes(sheet: Sheet) -> list[str]:
@@ -244,22 +231,23 @@ def _changes(sheet: Sheet) -> Table:
         more = 100.0 * (value / sheet.record["scene"][name] - 1.0)
         rows.append([f"{name.rpartition('_')[0]} {more:+.3g} %", *_both(change)])
     title = f"Mains, at a setting of {sheet.request.settings[-1]:g} %"
-    return Table("changes", [("", ""), *_heads(sheet)], rows, title, is_rare=True)
+    return Table("changes", [("", ""), *_HEADS], rows, title, is_rare=True)
 
 
 def _sensitivities(sheet: Sheet) -> Table:
+    count = 3 if sheet.request.full else 2
     rows = [
-        [_INPUTS.get(name, name), *rates.values()][: 1 + len(_states(sheet))]
+        [_INPUTS.get(name, name), *rates.values()][:count]
         for name, rates in sheet.record["sensitivities"].items()
         if not all(map(math.isnan, rates.values()))
     ]
-    columns = [("1 % more", ""), *((state, "%") for state in _states(sheet))]
+    columns = [("1 % more", ""), ("empty", "%"), ("full", "%")][:count]
     title = "Change of speed; none where parts hop, rest or never settle"
     return Table("sensitivities", columns, rows, title, is_rare=True)
 
 
 def _packs(sheet: Sheet) -> Table:
-    columns = [("springs", ""), ("f0", "Hz"), ("f/f0", ""), ("force", "today's"), *_heads(sheet)]
+    columns = [("springs", ""), ("f0", "Hz"), ("f/f0", ""), ("force ratio", ""), *_HEADS]
     rows = [
         [
             pack["name"],
