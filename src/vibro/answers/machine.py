@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
 from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
+from vibro.files.csv_tables import columns_of
 from vibro.quantities import MASS, QUANTITIES, TROUGH_MASS, nearest_double
 from vibro.results.operating import MACHINE_RESULTS, OPERATING
 
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
 
     from vibro.answers.answer import Value
     from vibro.answers.set_up_sheet import Row, Sheet
+    from vibro.files.csv_tables import TableColumns
     from vibro.files.machines import GivenMachine
 
 _MASSES: Final = ("vibrating_mass_kg", "trough_mass_kg", "counter_mass_kg")
@@ -128,7 +128,7 @@ def sheets_answer(sheets: Mapping[str, Sheet]) -> Answer:
     return Answer((), [table], notes, record, "Machines side by side")
 
 
-def cases(sheets: Mapping[str, Sheet]) -> dict[str, Any]:
+def cases(sheets: Mapping[str, Sheet]) -> TableColumns:
     """Return all operating points as the columns of a CSV: a row for each, with its purpose."""
     rows = []
     for name, sheet in sheets.items():
@@ -142,8 +142,7 @@ def cases(sheets: Mapping[str, Sheet]) -> dict[str, Any]:
             for state in ("empty", "full")
             if pair[state]
         ]
-    columns = {key: [row[key] for row in rows] for key in rows[0] if key not in _LISTED}
-    return {key: x if isinstance(x[0], str) else np.array(x, float) for key, x in columns.items()}
+    return columns_of([{key: x for key, x in row.items() if key not in _LISTED} for row in rows])
 
 
 def picture_texts(sheet: Sheet, name: str) -> tuple[str, str]:

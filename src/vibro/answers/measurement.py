@@ -9,6 +9,7 @@ import numpy as np
 
 from vibro.answers.answer import Answer, Fact, Table, given_text, number, shown, uncertain
 from vibro.errors import printable
+from vibro.files.csv_tables import columns_of
 from vibro.files.motions import harmonic_lists
 from vibro.quantities import QUANTITIES, SIZES, STANDS_FOR
 from vibro.records.tolerances import TOL
@@ -37,7 +38,7 @@ _UNITS: Final = {
 }
 _MM: Final = 1e3  # in a metre
 _USUAL: Final = ("advance", "mean_speed", "peak", "slip")  # words in the names of figures that people ask for
-_FIGURES: Final = ("quantity", "unit", "measured", "standard_error", "computed", "difference_percent")
+_RECORDED: Final = ("unit", "measured", "standard_error", "computed")  # of a figure
 _OF_A_WAVE: Final = (("amplitude", "mm"), ("phase", "deg"))
 _WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
 _CALIBRATIONS: Final = {
@@ -261,50 +262,46 @@ def _unit(kind: str, mass: float | None) -> tuple[str, float]:
     return ("N", 1.0 / mass) if kind == "friction" and mass is not None else _UNITS[kind]
 
 
-def _figures(m: Measurement, comparison: Comparison) -> list[list[Any]]:
-    """Return key, unit, measured value, its error, computed value and difference [%] of every figure."""
-    rows = list[list[Any]]()
+def _figures(m: Measurement, comparison: Comparison) -> list[dict[str, Any]]:
+    """Return every figure, measured and computed."""
+    figures = []
     for row in comparison.rows:
         unit, size = _unit(row.kind, m.mass)
         measured, error, computed = (x / size for x in (*row.measured, row.computed))
+        figure = {"quantity": row.key, "unit": unit, "measured": measured, "standard_error": error}
         is_relative = row.kind != "time" and computed != 0.0
         difference = 100.0 * (measured - computed) / computed if is_relative else math.nan
-        rows.append([row.key, unit, measured, error, computed, difference])
-    return rows
+        figures.append({**figure, "computed": computed, "difference_percent": difference})
+    return figures
 
 
-def _figure_table(figures: list[list[Any]], *, is_rare: bool) -> Table:
+def _figure_table(figures: list[dict[str, Any]], *, is_rare: bool) -> Table:
     """List the usual figures, or the others."""
-    rows = [
-        [
-            key.replace("_", " "),
-            unit,
-            uncertain(measured, error) if math.isfinite(measured) else "not seen",
-            None if math.isnan(computed) else shown(computed, 6),
-            None if math.isnan(difference) else round(difference, 2),
-        ]
-        for key, unit, measured, error, computed, difference in figures
-        if any(word in key for word in _USUAL) is not is_rare
-    ]
+    rows = []
+    for key, unit, measured, error, computed, difference in map(dict.values, figures):
+        if any(word in key for word in _USUAL) is not is_rare:
+            own = uncertain(measured, error) if math.isfinite(measured) else "not seen"
+            exact = None if math.isnan(computed) else number(computed)
+            off = None if math.isnan(difference) else round(difference, 2)
+            rows.append([key.replace("_", " "), unit, own, exact, off])
     heads = [("", ""), ("unit", ""), ("measured", ""), ("computed", ""), ("difference", "%")]
     return Table("figures", heads, rows, "More of the part" if is_rare else "The part", is_rare)
 
 
-def _comparison_record(comparison: Comparison, figures: list[list[Any]]) -> dict[str, Any]:
+def _comparison_record(comparison: Comparison, figures: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "absolute": comparison.recorded.absolute,
         "pattern": comparison.motion.pattern,
         "trough_time_at_zero_s": comparison.alignment.shift,
         "trough_time_error_s": comparison.alignment.error,
-        "figures": {key: dict(zip(_FIGURES[1:-1], cells, strict=True)) for key, *cells, _ in figures},
+        "figures": {figure["quantity"]: {key: figure[key] for key in _RECORDED} for figure in figures},
     }
 
 
-def columns_of(m: Measurement) -> dict[str, TableColumns]:
+def tables_of(m: Measurement) -> dict[str, TableColumns]:
     """Return the columns of its CSVs: signals over time and figures of a part, else a trough's harmonics."""
     if m.comparison is None:
-        rows = _harmonics(m.motion) if m.motion else []
-        return {"": {key: np.array([row[key] for row in rows], np.float64) for key in rows[0]}}
+        return {"": columns_of(_harmonics(m.motion) if m.motion else [])}
     observation, comparison = m.comparison.observation, m.comparison
     signals: dict[str, Any] = {
         "time_s": observation.time,
@@ -315,10 +312,7 @@ def columns_of(m: Measurement) -> dict[str, TableColumns]:
         suffix = unit.replace("/", "_").replace("^", "")
         signals[f"{name}_measured_{suffix}"] = values / size
         signals[f"{name}_computed_{suffix}"] = comparison.computed[name] / size
-    quantities, units, *numbers = zip(*_figures(m, comparison), strict=True)
-    summary = {_FIGURES[0]: quantities, _FIGURES[1]: units}
-    columns = dict(zip(_FIGURES[2:], np.array(numbers, np.float64), strict=True))
-    return {"": signals, "summary": {**summary, **columns}}
+    return {"": signals, "summary": columns_of(_figures(m, comparison))}
 
 
 # --- the fit --------------------------------------------------------------------------------------------

@@ -151,7 +151,7 @@ def measure_command(
 
 def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request: Request) -> None:
     """Write the files of an answer."""
-    from vibro.answers.measurement import columns_of, scene_file
+    from vibro.answers.measurement import scene_file, tables_of
 
     def draw() -> dict[str, Figure]:
         from vibro.plots.comparison import comparison_figure
@@ -163,7 +163,7 @@ def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request
 
     texts = {"toml": lambda _: scene_file(m, data, request)}
     shows = {"": "the part's signals, measured and computed"}
-    outputs.write_answer(answer, lambda: columns_of(m), draw, shows, texts=texts)
+    outputs.write_answer(answer, lambda: tables_of(m), draw, shows, texts=texts)
 
 
 def _scene_and_record(options: Options) -> tuple[Options, Path]:

@@ -110,5 +110,10 @@ def column_of(values: Sequence[Any]) -> NDArray[np.float64] | Sequence[str]:
     return np.array(values, np.float64)
 
 
+def columns_of(rows: Sequence[Mapping[str, Any]]) -> TableColumns:
+    """Return rows of the same keys as columns."""
+    return {key: column_of([row[key] for row in rows]) for key in rows[0]}
+
+
 def _harmless(text: str) -> str:
     return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
