@@ -12,12 +12,11 @@ from vibro.results.phase_tables import phase_table, with_chains
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from vibro.results.history import History
 
 _PRINTED: Final = 24  # phases
-_FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
 # Label, unit, key in the table of phases, factor and decimals of each column.
 _COLUMNS: Final = (
     ("start", "ms", "start_s", 1e3, 4), ("end", "ms", "end_s", 1e3, 4),
@@ -26,26 +25,20 @@ _COLUMNS: Final = (
 )  # fmt: skip
 
 
-def history_answer(
-    history: History, follow: Callable[..., History] | None, record: Mapping[str, Any], *, every: bool
-) -> Answer:
+def history_answer(history: History, record: Mapping[str, Any], *, every: bool) -> Answer:
     """Make the answer about a history.
 
     Parameters
     ----------
     history : History
         What was simulated.
-    follow : callable or None
-        Simulates the same for another number of ``cycles``, to say when it settles; or None
     record : mapping
         What JSON says, beside the phases.
     every : bool
         Whether all phases and every bounce are told, or the first 24 and chains of bounces as one.
     """
     advance = float(LENGTH.from_si(history.phases[-1].end_position))
-    facts = [Fact(f"after {shown(history.end)} s", advance, "mm")]
-    if follow is not None:
-        facts.append(Fact("settles", _settles(history, follow)))
+    facts = [Fact(f"after {shown(history.end)} s", advance, "mm"), Fact("settles", _settles(history))]
     if any(phase.kind == "H" for phase in history.phases):
         facts.append(Fact("restitution", float(history.scene.restitution)))
     columns = phase_table(history, history.phases)
@@ -68,26 +61,17 @@ def _phases(history: History, *, every: bool) -> Table:
     return Table("phases", [("phase", ""), *(column[:2] for column in _COLUMNS)], rows, title)
 
 
-def _settles(history: History, follow: Callable[..., History]) -> str:
-    """Say from when on the motion repeats or rests; if it does not yet, how many cycles would show it."""
-    steady = solve(history.scene)
-    frequency = float(history.scene.frequency)
+def _settles(history: History) -> str:
+    """Say from when on the motion repeats or rests, or whether it may do so yet."""
+    steady, last = solve(history.scene), history.phases[-1]
     if math.isfinite(history.settles_at):
         again, pattern = str(steady.pattern), history.pattern
         if len(again) == len(pattern) and pattern in 2 * again:
             pattern = again  # the same cycle from another phase on
         advance = shown(float(LENGTH.from_si(history.cycle_displacement)))
         return f"at {shown(1e3 * history.settles_at)} ms: the phases {pattern} repeat, {advance} mm a cycle"
-    stays = steady.regime == Regime.NO_SLIP  # where it has come to rest
-    last = history.phases[-1]
-    if stays and last.kind == "_":
+    if steady.regime == Regime.NO_SLIP and last.kind == "_":
         return f"at {shown(1e3 * last.start)} ms: the body rests"
     if steady.status not in (Status.OK, Status.BOUNDARY):
         return f"never: {Status(int(steady.status)).message.partition(':')[0]}"
-    longer = follow(cycles=_FOLLOWED)
-    needed = longer.settles_at * frequency + longer.period_cycles
-    if stays and longer.phases[-1].kind == "_":
-        needed = longer.phases[-1].start * frequency
-    if not needed < _FOLLOWED:
-        return f"not within {_FOLLOWED:g} drive cycles"
-    return f"not yet: --cycles {math.floor(needed) + 1} would do"
+    return "not yet: more --cycles may show it"

@@ -160,7 +160,14 @@ def _notes(fit: ResponseFit, table: Mapping[str, Any] | None) -> list[str]:
             "no damping ratio: errors are larger than the damping; measure closer to the peak, or let the"
             " empty machine ring down"
         )
-    return [*notes, *_doubt(fit, table)]
+    if table is not None and table["kind"] != "measured":
+        # at which setting the points were measured, if the machine's force is right
+        at = float(fit.frequency[np.argmin(fit.amplitude)])
+        ratio = float(fit.amplitudes(at) / machine_of(table).machine.response(at).amplitude)
+        if abs(ratio - 1.0) > _APART:
+            told = f"the points have {ratio:.3g} times the amplitude of this machine at a setting of 100 %"
+            notes.append(f"{told}: was it {100.0 * ratio:.3g} %? the force stays as given")
+    return notes
 
 
 def _estimates(fit: ResponseFit) -> dict[str, tuple[Fact, tuple[float, float]]]:
@@ -201,18 +208,6 @@ def _machine_table(fit: ResponseFit, given: GivenMachine | None, path: Path) -> 
         packs = table["pack"] if isinstance(table["pack"], list) else [table["pack"]]
         table["pack"] = [{**p, natural: found} if given.packs[p["name"]] == fitted else p for p in packs]
     return table
-
-
-def _doubt(fit: ResponseFit, table: Mapping[str, Any] | None) -> list[str]:
-    """Say at which setting the points were measured, if the machine's force is right; empty near 100 %."""
-    if table is None or table["kind"] == "measured":
-        return []
-    at = float(fit.frequency[np.argmin(fit.amplitude)])
-    ratio = float(fit.amplitudes(at) / machine_of(table).machine.response(at).amplitude)
-    if abs(ratio - 1.0) <= _APART:
-        return []
-    told = f"the points have {ratio:.3g} times the amplitude of this machine at a setting of 100 %"
-    return [f"{told}: was it {100.0 * ratio:.3g} %? the force stays as given"]
 
 
 def _toml(table: Mapping[str, Any]) -> str:

@@ -49,17 +49,11 @@ def scene_pictures(request: Request, grid: Grid, one: OneScene) -> dict[str, Fig
 def _maps(request: Request, grid: Grid) -> dict[str, Figure]:
     """Draw what the drive would do at other sizes and frequencies."""
     sizes = [name for name in _SIZES if grid.fixed.get(name)]
-    names: list[str] = [
-        name for name in SWEPT if name in (sizes[:1] or ["static_friction"]) or name == "frequency"
-    ]
-    low, high = _AROUND
-    axes = {
-        name: Axis(name, np.array([low * grid.fixed[name], high * grid.fixed[name]]), "linear")
-        for name in names
-    }
+    names = *(sizes[:1] or ["static_friction"]), "frequency"
+    own: dict[str, float] = {name: grid.fixed[name] for name in SWEPT if name in names}
+    axes = {name: Axis(name, np.multiply(_AROUND, value), "linear") for name, value in own.items()}
     fixed = {name: value for name, value in grid.fixed.items() if name not in axes}
     around = replace(grid, axes=axes, fixed=fixed, arrivals=False, coexistence=False)
-    own = {name: grid.fixed[name] for name in axes}
     figures = map_figures(sweep_picture(around, {}, own, request.name or "Scene"), ["regime", "speed"])
     over = " and ".join(axis.label for axis in around.told_axes.values())
     shows = {"regime": "What the part does", "speed": "How fast it is conveyed"}

@@ -219,10 +219,7 @@ def _solved(
 def _paired(request: SheetRequest, rows: Sequence[Any], nothing: Any = None) -> list[dict[str, Any]]:
     """Return what was found for cases, empty and full."""
     n = len(request.fillings)
-    return [
-        dict(zip(("empty", "full"), [*rows[i : i + n], nothing], strict=False))
-        for i in range(0, len(rows), n)
-    ]
+    return [{"empty": rows[i], "full": rows[i + 1] if n > 1 else nothing} for i in range(0, len(rows), n)]
 
 
 def _pairs(request: SheetRequest, changes: Sequence[Mapping[str, float]]) -> list[dict[str, Any]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -104,8 +103,7 @@ def simulate_command(
         options, name, context.obj, console, forms=HISTORIES, tables=tables, reads=[options.scene]
     ) as output:
         in_si = {q.name: float(q.to_si(value)) for q, value in zip(STARTS, start, strict=True)}
-        follow = partial(simulate, scene, **in_si)
-        history = follow(cycles=lasting)
+        history = simulate(scene, cycles=lasting, **in_si)
         output.write(
             lambda: _tables(history, rows),
             lambda: {"": _figure(history, window, rows, panels, request, console)},
@@ -113,7 +111,7 @@ def simulate_command(
         )
     if output.takes_stdout:
         return ExitCode.DONE
-    answer = history_answer(history, None if options.json else follow, content, every=every)
+    answer = history_answer(history, content, every=every)
     print(answer.json() if options.json else answer.text())
     return ExitCode.DONE
 
