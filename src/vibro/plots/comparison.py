@@ -94,7 +94,7 @@ def _draw_over_time(axes: Axes, comparison: Comparison, models: Models, name: st
     whole = start + period * np.linspace(0.0, _SHOWN, _SHOWN * _POINTS)
     later = start - float(comparison.trough_time[0])
     axes.plot(1e3 * time[shown], values[shown] / _SIGNALS[name][2], **_MEASURED)
-    _draw_computed(axes, comparison, models, name, whole, later=later, start=float(values[0]))
+    _draw_computed(axes, comparison, models, name, whole, later, float(values[0]))
 
 
 def _draw_on_one_cycle(axes: Axes, comparison: Comparison, models: Models, name: str) -> None:
@@ -108,18 +108,11 @@ def _draw_on_one_cycle(axes: Axes, comparison: Comparison, models: Models, name:
         early = time < _EARLY * period
         values = values - float((values[early] - _at(comparison, name, time[early])).mean())
     axes.plot(1e3 * time, values / _SIGNALS[name][2], **{**_MEASURED, "markersize": 3.0})
-    _draw_computed(axes, comparison, models, name, np.linspace(0.0, period, _POINTS))
+    _draw_computed(axes, comparison, models, name, np.linspace(0.0, period, _POINTS), 0.0, 0.0)
 
 
 def _draw_computed(
-    axes: Axes,
-    comparison: Comparison,
-    models: Models,
-    name: str,
-    time: Floats,
-    *,
-    later: float = 0.0,
-    start: float = 0.0,
+    axes: Axes, comparison: Comparison, models: Models, name: str, time: Floats, later: float, start: float
 ) -> None:
     """Draw computed curves, and shade the computed slides, over times that are later than the trough's."""
     first, period = comparison.trough_time[0], comparison.motion.period

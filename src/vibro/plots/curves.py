@@ -41,11 +41,7 @@ _BEGINS: Final[Look] = {"marker": "o", "ms": 6.5}
 
 
 def curve_figure(
-    picture: str,
-    result: SweepResult,
-    view: View,
-    groups: Sequence[Sequence[Fields]],
-    target_speed: float | None = None,
+    picture: str, result: SweepResult, view: View, groups: Sequence[Sequence[Fields]], target: float | None
 ) -> Figure:
     """Draw numbers over a range, or over a list.
 
@@ -59,7 +55,7 @@ def curve_figure(
         Part of the sweep, not a map.
     groups : sequence of sequence of Fields
         For every facet its curves.
-    target_speed : float, optional
+    target : float or None
         A speed that stands out where speeds are drawn [mm/s].
 
     Returns
@@ -97,7 +93,7 @@ def curve_figure(
             if not bands:
                 _mark_regimes(a, f, values, look)
         _tell_unanswered(a, view, fields, shown)
-        _finish_scale(a, picture, np.concatenate(shown), target_speed)
+        _finish_scale(a, picture, np.concatenate(shown), target)
     if picture == "speed":
         drawn = [(a, f.panel) for a, fields in zip(axes, groups, strict=True) for f in fields]
         frame.draw_peaks(result, [a for a, _ in drawn], [panel for _, panel in drawn])
