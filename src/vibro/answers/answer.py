@@ -1,9 +1,7 @@
-"""An answer: named numbers, tables and notes, written as text, JSON, CSV or a page by one renderer each."""
+"""An answer: named numbers, tables and notes, written as text, JSON or a page by one renderer each."""
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -19,7 +17,7 @@ if TYPE_CHECKING:
 
 Value: TypeAlias = "float | str | None"
 
-_DIGITS: Final = 4  # for people; JSON and CSV have all
+_DIGITS: Final = 4  # for people; JSON has all
 _WIDTH: Final = 80  # characters of a terminal
 _EXACT: Final = 1e-9, 1e-12  # of a value, and of its unit: nobody measures with less error
 
@@ -66,7 +64,7 @@ class Table(NamedTuple):
     Attributes
     ----------
     name : str
-        Its key in JSON, and what is appended to the name of its CSV.
+        Its key in JSON.
     columns : sequence of tuple of str
         Label and unit of each; from both follows its key.
     rows : sequence of sequence
@@ -164,15 +162,6 @@ class Answer:
     def json(self) -> str:
         """Write all of it as JSON; unknown numbers are null."""
         return json.dumps(self.content(), indent=2, allow_nan=False)
-
-    def csv(self, name: str) -> str:
-        """Write a table as CSV, its numbers with all digits."""
-        table = next(table for table in self.tables if table.name == name)
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(table.keys)
-        writer.writerows(map(_known, row) for row in table.rows)
-        return text.getvalue()
 
     def html(self, pictures: Mapping[str, Figure] | None = None, command: str = "") -> str:
         """Write all of it as a page to print, which needs no other file.
