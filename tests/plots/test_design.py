@@ -188,14 +188,6 @@ def test_the_drives_limits_are_drawn(
         assert lines[:, 1].max() == pytest.approx(0.8, rel=1e-3)
 
 
-def test_the_largest_acceleration_is_a_limit() -> None:
-    spec, chosen = design_of(read_spec(FEEDER), 1, 1.1, 15.0, 50.0, speed_min_mm_s=4.0)
-    outline = curve(only_map(pictures_of(spec, chosen)["regime"]), "drive")
-    load = 1e-3 * outline[:, 1] * (2.0 * math.pi * outline[:, 0]) ** 2 / 9.81
-    assert load.max() == pytest.approx(4.0, rel=2e-3)
-    assert np.sum(abs(load - 4.0) < 0.02) > 10
-
-
 def test_what_meets_the_goal_is_what_every_part_does(
     nut: tuple[Spec, Chosen], pictures: dict[str, Figure]
 ) -> None:

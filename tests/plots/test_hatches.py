@@ -92,8 +92,6 @@ def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepR
     codes = np.full(nut.shape, Status.OK, np.int8)
     codes[100:200, 150:250] = Status.AVERAGED  # amplitude 0.9 ... 1.7 mm, frequency 28 ... 43 Hz
     codes[300, 50] = Status.AVERAGED
-    dust = np.random.default_rng(1).random((60, 60)) < 0.1
-    codes[290:350, 290:350][dust] = Status.AVERAGED
     velocity = np.full(nut.shape, 0.05)
     cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
     figures = map_figures(dataclasses.replace(nut, cycle=cycle, length=None))

@@ -7,18 +7,12 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import pytest
-from helpers.drawn import OWN, coarse_pictures, sweep
-from helpers.made_records import Walked, nut
+from helpers.drawn import coarse_pictures, sweep
 from PIL import Image
 
-import vibro
-from vibro.motion.trace import trace
 from vibro.plots import map_figures, save
-from vibro.plots.comparison import comparison_figure
 from vibro.plots.frame import renderer_of
-from vibro.plots.history import history_figure
 from vibro.plots.style import figure_text, house_style
-from vibro.records.comparison import compare
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -40,11 +34,6 @@ SHOWN = {
     "می\u200cخواهم": "می\u200cخواهم",
     "i$" * 120: ("i$" * 13)[:25] + "…" + "i$" * 12,
 }
-
-
-@pytest.fixture(scope="module")
-def plane() -> SweepResult:
-    return sweep(points=31, own=OWN, amplitude="0.1:3", frequency="5:60")
 
 
 @pytest.fixture(scope="module")
@@ -79,19 +68,6 @@ def test_headings_are_inside(row: SweepResult, name: str) -> None:
     assert first.startswith("Mean conveying speed – ")
     assert second == r"$f$ = 15 Hz, $\alpha$ = 20°, $\mu_s$ = 0.74, $\mu_d$ = 0.57, $e$ = 0"
     assert_heading_is_inside(figure)
-
-
-def test_every_kind_of_picture(plane: SweepResult) -> None:
-    name = "a$\\frac{x$ =cmd\udce9 振" + "long$" * 50
-    facets = sweep(points=11, amplitude="0.2:3", frequency="10:50", drive_angle="10, 20")
-    figures = [titled(facets, name), titled(plane, name, "regime")]
-    history = vibro.simulate(nut(), cycles=1)
-    rows = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)
-    figures.append(history_figure(history.phases, rows, ["velocity", "position"], name, OWN))
-    comparison = compare(nut(), Walked(nut()).observe("displacement", "velocity", cycles=3))
-    figures.append(comparison_figure(comparison, f"{name}.csv – {name}", OWN))
-    for figure in figures:
-        assert_heading_is_inside(figure)
 
 
 def test_names_in_files(row: SweepResult, tmp_path: Path) -> None:

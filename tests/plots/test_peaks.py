@@ -91,15 +91,3 @@ def test_the_fastest_cell_of_a_table_is_marked_where_it_lies(nut: SweepResult) -
     figure = map_figures(replace(nut, peaks=table), ["speed"])["speed"]
     assert told(figure) == ["fastest: 900 mm/s at $A$ = 2.5 mm, $f$ = 50 Hz"]
     np.testing.assert_array_equal(curve(only_map(figure), "fastest"), [[50.0, 2.5]])
-    held = sweep(
-        points=31, at={"drive_angle": 20}, amplitude="0.2:3", frequency="10:50", drive_angle="10, 20"
-    )
-    held = replace(
-        held,
-        peaks={
-            "fastest": table["fastest"]._replace(
-                values={"amplitude": 2.5, "frequency": 50.0, "drive_angle": 10.0}
-            )
-        },
-    )
-    assert told(map_figures(held, ["speed"])["speed"]) == []

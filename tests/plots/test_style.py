@@ -63,32 +63,15 @@ def test_settings_for_other_pictures_change_nothing(tmp_path: Path) -> None:
     assert configured == usual
 
 
-def run(code: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        cwd=folder,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-
-
-def test_no_window_is_asked_for_and_other_pictures_have_their_backend(tmp_path: Path) -> None:
+def test_no_window_is_asked_for_and_other_pictures_have_their_backend() -> None:
     code = (
-        "import sys, numpy as np\n"
-        "from vibro.axes import Axis\n"
-        "from vibro.sweeps.grid import Grid\n"
-        "from vibro.sweeps.run import sweep_picture\n"
-        "from vibro.plots import map_figures\n"
-        "axes = {'amplitude': Axis('amplitude', np.linspace(.1, 3, 5), 'linear')}\n"
-        "fixed = dict(frequency=15., drive_angle=20., static_friction=.74, kinetic_friction=.57,\n"
-        "             trough_angle=0., gravity=9.81, restitution=0.)\n"
-        "map_figures(sweep_picture(Grid(axes, fixed, None), {}, None, ''))\n"
+        "import sys, vibro\n"
+        "given = dict(frequency_hz=15, drive_angle_deg=20, static_friction=0.7, kinetic_friction=0.5)\n"
+        "vibro.sweep(amplitude_mm='0.1:3:5', **given).draw('speed')\n"
         "print([m for m in ('matplotlib.pyplot', 'tkinter', 'PyQt6') if m in sys.modules])\n"
         "import matplotlib; print(matplotlib.rcParams['axes.grid'], matplotlib.get_backend())\n"
     )
-    done = run(code, tmp_path, MPLBACKEND="svg")
+    command, environment = [sys.executable, "-W", "error", "-c", code], {**os.environ, "MPLBACKEND": "svg"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
     assert done.stderr == ""
     assert done.stdout.splitlines() == ["[]", "False svg"]
