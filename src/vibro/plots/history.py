@@ -37,22 +37,16 @@ PHASE_COLOURS: Final[Mapping[str, str]] = {
 }
 
 
-class Event(NamedTuple):
-    """A mark where phases meet: name, style, times [s], and whether at the values before or after."""
+def events_of(phases: Sequence[Phase]) -> list[tuple[str, Mapping[str, Any], list[float], bool]]:
+    """List the starts and the stops of slides, and the impacts.
 
-    label: str
-    mark: Mapping[str, Any]
-    instants: list[float]
-    before: bool
-
-
-def events_of(phases: Sequence[Phase]) -> list[Event]:
-    """List the starts and the stops of slides, and the impacts."""
+    Each is a name, a style, times [s], and whether its mark stands at the values before a jump or after it.
+    """
     slides = [p for p in phases if p.kind in "FB"]
     return [
-        Event("slide starts", _START_MARK, [p.start for p in slides if p.start_velocity == 0.0], before=True),
-        Event("slide stops", _STOP_MARK, [p.end for p in slides if p.end_velocity == 0.0], before=False),
-        Event("impact", _IMPACT_MARK, [p.end for p in phases if p.kind == "H"], before=False),
+        ("slide starts", _START_MARK, [p.start for p in slides if p.start_velocity == 0.0], True),
+        ("slide stops", _STOP_MARK, [p.end for p in slides if p.end_velocity == 0.0], False),
+        ("impact", _IMPACT_MARK, [p.end for p in phases if p.kind == "H"], False),
     ]
 
 
@@ -298,9 +292,9 @@ def _draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float
             (band,) = axes.plot(x[part], y[part], linewidth=_BAND, solid_capstyle="butt", zorder=1)
             band.set(color=PHASE_COLOURS[phase.kind], alpha=TINT)
     axes.plot(x, y, color=INK, linewidth=1.2)
-    for event in events_of(phases):
-        inside = [t for t in event.instants if first < t < last]
-        axes.plot(np.interp(inside, time, x), np.interp(inside, time, y), zorder=5, **event.mark)
+    for _, mark, instants, _ in events_of(phases):
+        inside = [t for t in instants if first < t < last]
+        axes.plot(np.interp(inside, time, x), np.interp(inside, time, y), zorder=5, **mark)
     if np.ptp(x):  # the way round, where the path is straight
         tail, ahead = x.size // 4, max(1, x.size // 100)
         arrow = {"arrowstyle": "-|>", "color": INK, "mutation_scale": 14}

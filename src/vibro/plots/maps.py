@@ -113,8 +113,7 @@ def place_words(figure: Figure, maps: list[MapLayers], points: list[Floats]) -> 
     Words are placed in the final layout. But the legend lists those that do not fit, and is part of the
     layout: repeat both until the legend no longer changes.
     """
-    changes = True
-    while changes:
+    changes = [True]
+    while any(changes):
         settle(figure)
-        found = [layers.write(avoid=point) for layers, point in zip(maps, points, strict=True)]
-        changes = any(found)
+        changes = [layers.write(avoid=point) for layers, point in zip(maps, points, strict=True)]

@@ -49,10 +49,6 @@ OVER: Final[Mapping[str, Mapping[str, Any]]] = {
 ERROR_LABEL: Final = "standard error of this mean"
 
 # Dashes, each with one meaning all over the pictures.
-_FORWARD: Final = (0, (7, 2, 1.5, 2))
-_BACK: Final = (0, (5, 2))
-_CONTINUOUS: Final = (0, (1, 1.6))
-_WANTED: Final = (0, (11, 2))
 #: What the last part of a batch does; the first part has the dashes of the curve itself.
 LAST_PART: Final = (0, (1.5, 3.5))
 TIPPING: Final = (0, (3, 1, 1, 1, 1, 1))
@@ -80,15 +76,15 @@ class CurveStyle(NamedTuple):
 
 # Keys are the fields of CriticalLoads, in the order in which the usual scene passes them as the load rises.
 CURVES: Final[Mapping[str, CurveStyle]] = {
-    "forward_onset": CurveStyle("forward-slip onset", _FORWARD, 1.4),
-    "back_slip": CurveStyle("back-slip onset", _BACK, 1.4),
-    "continuous_sliding": CurveStyle("continuous sliding", _CONTINUOUS, 1.4),
+    "forward_onset": CurveStyle("forward-slip onset", (0, (7, 2, 1.5, 2)), 1.4),
+    "back_slip": CurveStyle("back-slip onset", (0, (5, 2)), 1.4),
+    "continuous_sliding": CurveStyle("continuous sliding", (0, (1, 1.6)), 1.4),
     "hop": CurveStyle("hop limit", "-", 1.8),
 }
 
 ZERO_SPEED: Final = CurveStyle("zero speed", "-", 1.6, "#FFFFFF")
 #: A speed or an error that is asked for; its label says which.
-WANTED: Final = CurveStyle("", _WANTED, 2.2, "#CC3311")
+WANTED: Final = CurveStyle("", (0, (11, 2)), 2.2, "#CC3311")
 
 _HALO: Final = 2.4  # [pt]
 _FONT: Final = "DejaVu Sans"  # comes with matplotlib
