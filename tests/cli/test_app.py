@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from helpers.cases import each
-from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run, other
 
 import vibro
 from vibro.cli.exit_codes import ExitCode
@@ -140,7 +140,7 @@ def test_a_terminal_sees_progress_files_and_shares(tmp_path: Path) -> None:
     ours, theirs = pty.openpty()
     environment = {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
     environment |= {"TERM": "xterm-256color", "COLUMNS": "100"}
-    args = ("map", *NUT, "-A", "0.5:4:300", "-o", "n")
+    args = ("map", *other(NUT, "-A", "0.5:4:300"), "-o", "n")
     with subprocess.Popen(
         [*VIBRO, *args],
         cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=theirs,

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from helpers.commands import LONG, POSIX, VIBRO, started
+from helpers.commands import LONG, POSIX, VIBRO, other, started
 
 pytestmark = POSIX
 
@@ -54,7 +54,7 @@ def test_while_it_writes(tmp_path: Path) -> None:
 
 def test_while_bodies_hop_for_minutes(tmp_path: Path) -> None:
     run = started(
-        *LONG, "-A", "4:8:3000", "-f", "30:60:3000", "--restitution", "0.9", "-o", "big", cwd=tmp_path
+        *other(LONG, "-A", "4:8:3000", "-f", "30:60:3000"), "--restitution", "0.9", "-o", "big", cwd=tmp_path
     )
     wait_until_it_writes(run, tmp_path, at_least=0)
     time.sleep(0.2)  # into the first block

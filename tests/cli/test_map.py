@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, other, rows_of
 from typer.testing import CliRunner, Result
 
 from vibro.cli.app import app
@@ -96,7 +96,7 @@ def test_pictures_carry_the_sidecar(nut_map: tuple[Path, Result]) -> None:
 
 @pytest.mark.usefixtures("unsaved")
 def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
-    result = run("map", *NUT, "-A", "0.5:2:3", "--regimes-only", "-o", "nut", "--json")
+    result = run("map", *other(NUT, "-A", "0.5:2:3"), "--regimes-only", "-o", "nut", "--json")
     assert json.loads(result.stdout) == json.loads(Path("nut.json").read_text(encoding="utf-8"))
 
 
@@ -139,7 +139,7 @@ def test_pictures_of_flight_on_request(run: Run) -> None:
 
 @pytest.mark.usefixtures("unsaved")
 def test_one_axis_has_lines_of_flight(run: Run) -> None:
-    assert run("map", *NUT, "-A", "1:6:5", "--show", "impact,flight", "-o", "hop").exit_code == 0
+    assert run("map", *other(NUT, "-A", "1:6:5"), "--show", "impact,flight", "-o", "hop").exit_code == 0
     assert names() == ["hop-flight.png", "hop-impact.png", "hop-speed.png", "hop.csv", "hop.json"]
 
 
@@ -171,7 +171,7 @@ def test_infeasible_combinations_are_rows_without_numbers(run: Run) -> None:
 
 
 def test_a_drive_may_point_beyond_the_vertical(run: Run) -> None:
-    result = run("map", *NUT, "-a", "10, 60", "--trough-angle", "0.0,40", "-o", "-")
+    result = run("map", *other(NUT, "-a", "10, 60"), "--trough-angle", "0.0,40", "-o", "-")
     assert [row["status"] for row in rows_of(result.stdout)] == ["ok", "runaway", "ok", "runaway"]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from helpers.commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, other, rows_of
 
 SCENE = """
 [scene]
@@ -18,7 +18,7 @@ kinetic_friction = 0.57
 
 
 def test_other_motions_are_looked_for_on_request(run: Run) -> None:
-    slopes = ("map", *NUT, "-A", "0.1,6", "-a", "55", "--trough-angle", "0:31:2")
+    slopes = ("map", *other(NUT, "-A", "0.1,6", "-a", "55"), "--trough-angle", "0:31:2")
     flags = [row["coexists"] for row in rows_of(run(*slopes, "-o", "-").stdout)]
     assert flags == ["0", "1", "", "1"]
     flags = [row["coexists"] for row in rows_of(run(*slopes, "--coexist", "-o", "-").stdout)]
@@ -43,6 +43,6 @@ def test_restitution_is_an_axis(run: Run) -> None:
     assert len(set(speeds[:3])) == 1  # it does not leave the trough
     assert len(set(speeds[3:])) == 3
     for row in rows[3:]:
-        alone = run("solve", *NUT, "-A", "4.5", "--restitution", row["restitution"], "-o", "-").stdout
+        alone = run("solve", *other(NUT, "-A", "4.5"), "--restitution", row["restitution"], "-o", "-").stdout
         (same,) = rows_of(alone)
         assert {name: row[name] for name in same} == same

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from helpers.cases import each
-from helpers.commands import NUT, SMALL, Run
+from helpers.commands import NUT, SMALL, Run, other
 
 SHARDED = (*SMALL, "--regimes-only", "-o", "out.parquet")
 
@@ -98,7 +98,7 @@ def test_unresolved_cells_are_exit_code_3_however_often_asked(
 
 
 def test_bodies_that_all_rest_are_told_where_motion_begins(run: Run) -> None:
-    still = ("map", *NUT, "-A", "0.001,0.002", "--restitution", "0:0.3:2")
+    still = ("map", *other(NUT, "-A", "0.001,0.002"), "--restitution", "0:0.3:2")
     said = [
         run(*still, "-o", output).stderr.splitlines()[-1] for output in ("x.csv", "x.parquet", "x.parquet")
     ]

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 from helpers.cases import each
-from helpers.commands import NUT, POSIX, SMALL, Run
+from helpers.commands import NUT, POSIX, SMALL, Run, other
 
 SCENE = Path(__file__).parents[2] / "examples" / "safety_nut.toml"
 QUICK = (*SMALL, "--regimes-only")
-LINE = ("map", *NUT, "-A", "0.5:2:3", "--regimes-only")  # of which there is no picture
+LINE = ("map", *other(NUT, "-A", "0.5:2:3"), "--regimes-only")  # of which there is no picture
 SOLVE = ("solve", *NUT)
 SIMULATE = ("simulate", *NUT, "--cycles", "1", "--samples-per-cycle", "9")
 FOLDER = ("_SUCCESS", "_manifest.json", "part-000000.parquet")
@@ -66,17 +66,19 @@ def test_endings_say_what_is_written(
     assert (result.stdout == "") is (command[0] in ("map", "schema") and "-" not in outputs)
 
 
-OF_A_MAP = "it writes .csv, .xlsx, .parquet, .json, .png, .svg, .pdf; a name without an ending is that of"
+OF_A_MAP = (
+    "it is written as .csv, .xlsx, .parquet, .json, .png, .svg, .pdf; a name without an ending is that of"
+)
 A_NAME = "give a name for the files, such as -o out/nut"
 
 
 @each(
     ("command", "said", "error", "hint"),
     [
-        (QUICK, "-o x.txt", "-o x.txt: this command writes no .txt", f"{OF_A_MAP} all usual files"),
-        (SOLVE, "-o x.png", "-o x.png: this command writes no .png", "it writes .csv, .xlsx, .json, .html;"),
-        (SIMULATE, "-o x.xlsx", "-o x.xlsx: this command writes no .xlsx", "it writes .csv, .json, .png,"),
-        (("schema",), "-o x.toml", "-o x.toml: this command writes no .toml", "it writes .json;"),
+        (QUICK, "-o x.txt", "-o x.txt: this answer is not written as .txt", f"{OF_A_MAP} all usual files"),
+        (SOLVE, "-o x.png", "-o x.png: this answer is not written as .png", "it is written as .csv, .xlsx, .json, .html;"),
+        (SIMULATE, "-o x.xlsx", "-o x.xlsx: this answer is not written as .xlsx", "it is written as .csv, .json, .png,"),
+        (("schema",), "-o x.toml", "-o x.toml: this answer is not written as .toml", "it is written as .json;"),
         (QUICK, "-o .csv", "-o .csv: the name is missing", A_NAME),
         (QUICK, "-o no/..", "-o no/..: the name is missing", A_NAME),
         (QUICK, "-o ", "-o '': no file has such a name", A_NAME),

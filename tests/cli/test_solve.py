@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.cases import each
-from helpers.commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, other, rows_of
 
 from vibro import Scene, Status, SteadyCycle, solve
 from vibro.sweeps.columns import columns_of
@@ -61,11 +61,11 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
     for name, size in (("one", 1), ("two", 4)):
         scene = f"amplitude_mm = {size}\nfrequency_hz = 15\ndrive_angle_deg = 20\nstatic_friction = 0.74\n"
         Path(f"{name}.toml").write_text(f"[scene]\n{scene}kinetic_friction = 0.57\n", encoding="utf-8")
-    listed = run("solve", *NUT, "-A", "1, 4", "--json")
+    listed = run("solve", *other(NUT, "-A", "1, 4"), "--json")
     cells = json.loads(listed.stdout)
     assert [cell["regime"] for cell in cells] == ["forward-slip", "hopping"]
     for cell in cells:
-        alone = json.loads(run("solve", *NUT, "-A", str(cell["amplitude_mm"]), "--json").stdout)
+        alone = json.loads(run("solve", *other(NUT, "-A", str(cell["amplitude_mm"])), "--json").stdout)
         assert cell == {name: alone[name] for name in cell}
     files = json.loads(run("solve", "one.toml", "two.toml", "--json", "-o", "both.csv").stdout)
     assert files == [{"scene": name, **cell} for name, cell in zip(("one", "two"), cells, strict=True)]
@@ -78,7 +78,7 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
         ["one", "forward-slip"],
         ["two", "hopping"],
     ]
-    assert "vibro map" in run("solve", *NUT, "-A", "1:3:500").stderr
+    assert "vibro map" in run("solve", *other(NUT, "-A", "1:3:500")).stderr
 
 
 @each(
@@ -95,6 +95,6 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
 def test_a_part_stays_upright_or_does_not(
     run: Run, args: tuple[str, ...], upright: int | None, ratio: float | None
 ) -> None:
-    answer = json.loads(run("solve", *NUT, *args, "--json").stdout)
+    answer = json.loads(run("solve", *other(NUT, *args), "--json").stdout)
     assert answer["upright"] == upright
     assert answer["tipping_load_ratio"] == (None if ratio is None else pytest.approx(ratio, rel=1e-5))

@@ -6,7 +6,7 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
-from helpers.commands import ELLIPSE, NUT
+from helpers.commands import ELLIPSE, NUT, other
 
 if TYPE_CHECKING:
     from helpers.commands import Run
@@ -47,5 +47,5 @@ def test_each_regime_begins_where_the_report_says(
             others = (
                 drive[2:] if drive is NUT else [text for text in drive if text[:4] not in ("alon", "norm")]
             )
-            for given in ((*others, *larger), (*drive, "-f", repr(factor * frequency))):
+            for given in ((*others, *larger), other(drive, "-f", repr(factor * frequency))):
                 assert json.loads(run("solve", *given, "--json").stdout)["regime"] == regime

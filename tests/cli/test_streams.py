@@ -9,12 +9,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from helpers.commands import LONG, NUT, POSIX, SMALL, TABLE, VIBRO, Run, started
+from helpers.commands import LONG, NUT, POSIX, SMALL, TABLE, VIBRO, Run, other, started
 
 pytestmark = POSIX
 
 SOLVE = ("solve", *NUT)
-WRONG = ("solve", *NUT, "-A", "-1")
+WRONG = ("solve", *other(NUT, "-A", "-1"))
 LOST, FULL = (f"error: cannot write to stdout: {os.strerror(e)}\n" for e in (errno.EBADF, errno.ENOSPC))
 
 

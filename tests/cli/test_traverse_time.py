@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, other, rows_of
 
 from vibro.core.codes import Status
 from vibro.results import SteadyCycle
@@ -56,7 +56,7 @@ def test_the_scene_files_axes_count_only_with_sweep(run: Run) -> None:
 
 
 def test_a_sweep_is_printed_where_no_file_is_asked_for(run: Run) -> None:
-    args = ("traverse-time", *NUT, "-A", "0.5,1,4", "-f", "1, 15", "-L", "600")
+    args = ("traverse-time", *other(NUT, "-A", "0.5,1,4", "-f", "1, 15"), "-L", "600")
     table, content = run(*args), run(*args, "--json")
     assert table.exit_code == content.exit_code == 0
     assert table.stdout == run(*args, "-o", "-").stdout
@@ -76,7 +76,7 @@ def test_an_arrival_on_the_way_into_a_cycle_may_be_unknown_too(
         return np.full(np.broadcast_shapes(scene.shape, np.shape(length)), np.nan)
 
     monkeypatch.setattr("vibro.sweeps.run.arrival_time", unknown)
-    args = ("traverse-time", *NUT, "-A", "4", "-L", "600")
+    args = ("traverse-time", *other(NUT, "-A", "4"), "-L", "600")
     assert json.loads(run(*args, "--json").stdout)["arrival_time_s"] is None
     text = run(*args).stdout
     assert re.fullmatch(r"traverse time  [\d.]+ s over 600 mm \(from rest unknown\)", text.splitlines()[0])
@@ -96,16 +96,16 @@ def test_which_way_an_uncertain_mean_goes_is_left_open(run: Run, monkeypatch: py
 
     for error, answer in ((0.5, "unknown"), (0.1, "never")):
         monkeypatch.setattr("vibro.sweeps.grid.solve", partial(backwards, error=error))
-        assert f"traverse time  {answer}" in run("traverse-time", *NUT, "-A", "4", "-L", "600").stdout
+        assert f"traverse time  {answer}" in run("traverse-time", *other(NUT, "-A", "4"), "-L", "600").stdout
 
 
 def test_a_sweep_has_exact_arrivals_on_request(run: Run) -> None:
-    sweep = ("traverse-time", *NUT, "-A", "0.5,1,4", "-L", "600", "-o", "-")
+    sweep = ("traverse-time", *other(NUT, "-A", "0.5,1,4"), "-L", "600", "-o", "-")
     assert "arrival_time_s" not in rows_of(run(*sweep).stdout)[0]
     rows = rows_of(run(*sweep, "--exact").stdout)
     names = list(rows[0])
     assert names.index("arrival_time_s") < names.index("model")
     assert rows[0]["arrival_time_s"] == ""
     for row, amplitude in zip(rows[1:], ("1", "4"), strict=True):
-        alone = json.loads(run("traverse-time", *NUT, "-A", amplitude, "-L", "600", "--json").stdout)
+        alone = json.loads(run("traverse-time", *other(NUT, "-A", amplitude), "-L", "600", "--json").stdout)
         assert float(row["arrival_time_s"]) == pytest.approx(alone["arrival_time_s"], rel=1e-13)

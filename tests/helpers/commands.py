@@ -7,6 +7,7 @@ import io
 import subprocess
 import sys
 from collections.abc import Callable
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -58,10 +59,14 @@ def started(*args: str, cwd: Path, program: tuple[str, ...] = VIBRO) -> subproce
     )  # fmt: skip
 
 
-def other(drive: tuple[str, ...], *given: str) -> tuple[str, ...]:
-    """Return a drive with some quantities, as NAME=VALUE, in place of those of the same names."""
-    names = {text.partition("=")[0] for text in given}
-    return (*(text for text in drive if text.partition("=")[0] not in names), *given)
+def other(scene: tuple[str, ...], *given: str) -> tuple[str, ...]:
+    """Return a scene with some quantities, as options or NAME=VALUE, in place of those of the same names."""
+    words: dict[str, tuple[str, ...]] = {}
+    for one in (scene, given):
+        rest = iter(one)
+        for text in rest:
+            words[text.partition("=")[0]] = (text, next(rest)) if text.startswith("-") else (text,)
+    return tuple(chain(*words.values()))
 
 
 def rows_of(text: str) -> list[dict[str, str]]:
