@@ -74,8 +74,8 @@ motion trough.csv --trough-along along -a 20 --mu-s .74 --mu-d .57
 motion trough.csv --trough-normal normal -a 20
 drive feeder.toml --fit points.csv
 drive --fit points.csv --law square
-map -A .5:4:8 {_NUT} -f 10:20:6 -L 600 -o -
-map -A .5:4:8 {_NUT} -f 10:20:6 --decimal-comma -o -
+map -A .5:4:8 -f 10:20:6 -a 20 --mu-s .74 --mu-d .57 -L 600 -o -
+map -A .5:4:8 -f 10:20:6 -a 20 --mu-s .74 --mu-d .57 --decimal-comma -o -
 map along=1 phase=-90:90:7 -f 25 --mu-s .4 --mu-d .3 normal=.2:1.4:7 -o -
 map {_TWO}=.5 motion_scale=.5:2:30 -o -
 map samples.toml motion_scale=.5:2:30 -o -
