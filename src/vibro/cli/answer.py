@@ -12,7 +12,7 @@ from vibro.answers.scene import OneScene, cells_answer, scene_answer
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.outputs import TABLES, Outputs
 from vibro.cli.request import warn_of_machine
-from vibro.core.codes import Status
+from vibro.core.codes import Output, Status
 from vibro.errors import InputError
 from vibro.quantities import QUANTITIES, as_given
 from vibro.sweeps.run import sweep_blocks
@@ -147,7 +147,12 @@ def answer_one(
         blocks += sweep_blocks(grid)
     if not outputs.takes_stdout:
         outputs.tell(answer(whole=every or options.json, recorded=options.json), every=every)
-    return ExitCode.UNRESOLVED if blocks[0].cycle.status == Status.UNRESOLVED else ExitCode.DONE
+    status = Status(blocks[0].cycle.status.item())
+    # the one value that was asked for; that a part gains speed every cycle is an answer
+    is_unknown = status is Status.UNRESOLVED or (
+        grid.output is Output.EXACT and not status.answered and status is not Status.RUNAWAY
+    )
+    return ExitCode.UNRESOLVED if is_unknown else ExitCode.DONE
 
 
 def answer_cells(

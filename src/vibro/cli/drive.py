@@ -150,6 +150,8 @@ def _request(path: Path, options: Options, argv: Sequence[str], console: Console
     options = options.of(path, given=typed)
     request = request_of(options, argv)
     question(request, console)
+    if doubt := file.machine.doubt(max(bands.get("filling", (0.0,)))):
+        console.warn(doubt)
     values = request.fixed
     if "friction_ratio" in values:
         ratio = values.pop("friction_ratio")

@@ -40,6 +40,7 @@ _BESIDE: Final = (
     ),
 )
 _SAME: Final = 0.01  # relative difference of two moments that differ only by the maker's rounding
+_HEAVY: Final = 10.0  # times the mass of the trough
 _MILLIMETRES: Final = 1000.0  # [mm] of a metre
 
 
@@ -90,6 +91,14 @@ class GivenMachine:
             return None
         mass, damping = (self.shares.get(f"added_{of}_share", (0.0, 0.0)) for of in ("mass", "damping"))
         return 0.5 * (mass[0] + mass[1]), 0.5 * (damping[0] + damping[1])
+
+    def doubt(self, filling: float) -> str:
+        """Return a warning about a filling [kg] far heavier than the trough, else an empty text."""
+        trough = self.machine.trough_mass
+        if filling <= _HEAVY * trough:
+            return ""
+        times = f"{filling:.15g} kg is {filling / trough:.3g} times the mass of the trough"
+        return f"filling = {times}: for grams write filling={filling:.15g}g"
 
     @cached_property
     def machine(self) -> Machine:

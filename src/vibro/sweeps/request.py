@@ -152,6 +152,8 @@ class Request:
         if not explained and LOAD.name not in found:
             doubts[LOAD.name] = self._doubted_load()
         doubts |= dict.fromkeys(found, "")
+        if self.machine is not None:
+            doubts["filling"] = self.machine.doubt(float(first.get("filling", 0.0)))
         return [text for text in (*doubts.values(), self._short_trough()) if text]
 
     def _doubted_load(self) -> str:
