@@ -75,10 +75,10 @@ A_NAME = "give a name for the files, such as -o out/nut"
 @each(
     ("command", "said", "error", "hint"),
     [
-        (QUICK, "-o x.txt", "-o x.txt: this answer is not written as .txt", f"{OF_A_MAP} all usual files"),
-        (SOLVE, "-o x.png", "-o x.png: this answer is not written as .png", "it is written as .csv, .xlsx, .json, .html;"),
-        (SIMULATE, "-o x.xlsx", "-o x.xlsx: this answer is not written as .xlsx", "it is written as .csv, .json, .png,"),
-        (("schema",), "-o x.toml", "-o x.toml: this answer is not written as .toml", "it is written as .json;"),
+        (QUICK, "-o x.txt", "x.txt: this answer is not written as .txt", f"{OF_A_MAP} all usual files"),
+        (SOLVE, "-o x.png", "x.png: this answer is not written as .png", "as .csv, .xlsx, .json, .html;"),
+        (SIMULATE, "-o x.xlsx", "x.xlsx: this answer is not written as .xlsx", "as .csv, .json, .png,"),
+        (("schema",), "-o x.toml", "x.toml: this answer is not written as .toml", "as .json;"),
         (QUICK, "-o .csv", "-o .csv: the name is missing", A_NAME),
         (QUICK, "-o no/..", "-o no/..: the name is missing", A_NAME),
         (QUICK, "-o ", "-o '': no file has such a name", A_NAME),
