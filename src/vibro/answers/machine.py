@@ -147,9 +147,8 @@ def cases(sheets: Mapping[str, Sheet]) -> TableColumns:
 
 def picture_texts(sheet: Sheet, name: str) -> tuple[str, str]:
     """Return the headline of the picture and what holds for all of it."""
-    given, values = sheet.request.machine, sheet.request.values
-    told = given_text(values)
-    return f"{given.kind} \N{EN DASH} {name}", f"setting {sheet.request.settings[-1]:g} %, {told}"
+    kind, told = sheet.request.machine.kind, given_text(sheet.request.values)
+    return f"{kind} \N{EN DASH} {name}", f"setting {sheet.request.settings[-1]:g} %, {told}"
 
 
 def _facts(sheet: Sheet) -> list[Fact]:

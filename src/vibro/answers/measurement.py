@@ -80,12 +80,17 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
         record |= _motion_record(m, m.motion, m.onset)
     if m.comparison:
         figures = _figures(m, m.comparison)
-        pattern = f"pattern {m.comparison.motion.pattern}"
         taken = {n: x for n, x in request.told.items() if m.trough is None or n not in MEASURED}
         scene = ": ".join(filter(None, (printable(request.name or ""), given_text(taken))))
-        facts.append(Fact("scene", f"{scene}, {pattern}"))
+        facts.append(Fact("scene", f"{scene}, pattern {m.comparison.motion.pattern}"))
         tables += [_figure_table(figures, is_rare=is_rare) for is_rare in (False, True)]
-        record |= _comparison_record(m.comparison, figures)
+        record |= {
+            "absolute": m.comparison.recorded.absolute,
+            "pattern": m.comparison.motion.pattern,
+            "trough_time_at_zero_s": m.comparison.alignment.shift,
+            "trough_time_error_s": m.comparison.alignment.error,
+            "figures": {figure["quantity"]: {key: figure[key] for key in _RECORDED} for figure in figures},
+        }
     if m.motion:
         tables.append(_harmonics_table(m.motion, is_rare=m.motion.order == 1 or m.comparison is not None))
     if m.fit:
@@ -286,16 +291,6 @@ def _figure_table(figures: list[dict[str, Any]], *, is_rare: bool) -> Table:
             rows.append([key.replace("_", " "), unit, own, exact, off])
     heads = [("", ""), ("unit", ""), ("measured", ""), ("computed", ""), ("difference", "%")]
     return Table("figures", heads, rows, "More of the part" if is_rare else "The part", is_rare)
-
-
-def _comparison_record(comparison: Comparison, figures: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
-        "absolute": comparison.recorded.absolute,
-        "pattern": comparison.motion.pattern,
-        "trough_time_at_zero_s": comparison.alignment.shift,
-        "trough_time_error_s": comparison.alignment.error,
-        "figures": {figure["quantity"]: {key: figure[key] for key in _RECORDED} for figure in figures},
-    }
 
 
 def tables_of(m: Measurement) -> dict[str, TableColumns]:

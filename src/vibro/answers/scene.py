@@ -300,10 +300,8 @@ def _rare(one: OneScene) -> list[Fact]:
     if OPERATING in one.block.values:  # from which the amplitude follows
         del given["amplitude"]
     scene = ", ".join([*([motion_text(one.scene)] if one.scene.motion else []), given_text(given)])
-    facts = [
-        Fact("scene", scene, is_rare=True),
-        Fact("pattern", str(one.cycle.pattern) or None, is_rare=True),
-    ]
+    texts = {"scene": scene, "pattern": str(one.cycle.pattern) or None}
+    facts = [Fact(label, text, is_rare=True) for label, text in texts.items()]
     return facts + [_fact(one, column) for column in (WITH_STROKE, WITH_ACCELERATION)]
 
 
