@@ -9,7 +9,7 @@ import pytest
 
 from vibro.axes import Axis
 from vibro.core.codes import Regime
-from vibro.plots.fields import Fields, without_hidden, zero_lines
+from vibro.plots.fields import Fields
 from vibro.plots.view import Panel
 
 if TYPE_CHECKING:
@@ -49,17 +49,3 @@ def test_a_mean_is_negative_from_three_standard_errors_on(errors: float, sure: b
     hops = {"forward_ratio": 2.0, "throw_number": 2.0, "regime": Regime.HOPPING}
     cells = {name: np.full((SIZE, SIZE), value) for name, value in {**whole, **hops}.items()}
     assert fields(**cells).reverses is sure
-
-
-def test_lines_are_the_same_without_what_is_hidden() -> None:
-    y, x = np.mgrid[0.0 : 1.0 : SIZE * 1j, 0.0 : 1.0 : SIZE * 1j]
-    field = np.sin(9.0 * x) * np.cos(7.0 * y) - 0.2
-    hiding = [0.3 - np.hypot(x - 0.4, y - 0.5), 0.7 - np.hypot(x, y)]
-    grid = fields()
-    whole = zero_lines(grid, field, hiding)
-    bare = without_hidden(field, hiding)
-    assert np.isnan(bare).mean() > 0.3
-    parts = zero_lines(grid, bare, hiding)
-    assert sum(map(len, parts)) > 50
-    one, other = (np.unique(np.round(np.concatenate(lines), 12), axis=0) for lines in (whole, parts))
-    np.testing.assert_array_equal(one, other)

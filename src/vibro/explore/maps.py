@@ -15,7 +15,7 @@ from vibro.explore.looks import HATCHES, STRIPES, curve_look, looks_of
 from vibro.explore.packing import pack
 from vibro.explore.words import caption_of, round_numbers, symbol_of, ticks_of, unit_of
 from vibro.inverse.certain import Certain
-from vibro.plots.fields import HIDDEN_BY, Fields, hiding_fields, without_hidden, zero_lines
+from vibro.plots.fields import HIDDEN_BY, Fields, hiding_fields, zero_lines
 from vibro.plots.neighbours import fill_unknown
 from vibro.plots.scales import scale_of, time_scale
 from vibro.plots.style import CURVES, ZERO_SPEED, CurveStyle, number_text, value_text
@@ -260,7 +260,7 @@ class _Drawn:
             found += self._curves_of_bands()
         if view not in _FLIGHT_ALONE and self.certain is None and (self.cycle["mean_velocity"] < 0.0).any():
             hidden = [fields.rest, fields.unknown, -fields.regular]
-            lines = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
+            lines = zero_lines(fields, fields.reversal, hidden)
             found.append(("zero_speed", ZERO_SPEED, lines))
         if self._state.target is not None:
             sure = "without hopping" if self.certain is None else "guaranteed"

@@ -284,15 +284,6 @@ def zero_lines(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) 
     return [fields.on_paper(line) for line in lines]
 
 
-def without_hidden(field: Floats, hidden_by: Sequence[Floats]) -> Floats:
-    """Put NaN where a field is hidden, so that ``zero_lines`` need not trace lines only to cut them off."""
-    hidden = np.zeros(field.shape, np.bool_)
-    for hiding in hidden_by:
-        # Lines end between points: those beside a visible one are still needed.
-        hidden |= erode(hiding > 0.0, 3, beyond=True)
-    return np.where(hidden, np.nan, field)
-
-
 def zero_points(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) -> Floats:
     """Values of x, ascending, at which a field of one row is zero and no hiding field is positive."""
     row = field[0]

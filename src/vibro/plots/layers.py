@@ -9,7 +9,7 @@ from matplotlib.patches import PathPatch
 
 from vibro.core.codes import Regime, Status
 from vibro.plots import style
-from vibro.plots.fields import BEGINS_AT, HIDDEN_BY, hiding_fields, without_hidden, zero_lines, zero_region
+from vibro.plots.fields import BEGINS_AT, HIDDEN_BY, hiding_fields, zero_lines, zero_region
 from vibro.plots.labels import Labeller
 from vibro.plots.neighbours import erode, spread_evenly
 from vibro.plots.scales import colours_of
@@ -123,7 +123,7 @@ class MapLayers:
         if not self._hatch_over(fields.backwards, style.BACKWARDS_LABEL, zorder=1.2):
             return
         hidden = [*self._covers, fields.rest, fields.unknown, -fields.regular]
-        pieces = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
+        pieces = zero_lines(fields, fields.reversal, hidden)
         self.draw_curve(style.ZERO_SPEED.label, style.ZERO_SPEED, self._long(pieces))
 
     def draw_curves(self, names: Iterable[str]) -> None:
@@ -154,7 +154,7 @@ class MapLayers:
         # Irregular motion has no contour to be followed between its points: there they are outlined.
         outlined = np.where(heights >= 0.0, level, -level)
         heights = np.where(self.fields.regular > 0.0, heights, outlined)
-        pieces = zero_lines(self.fields, without_hidden(heights, self._covers), self._covers)
+        pieces = zero_lines(self.fields, heights, self._covers)
         self.draw_curve(text, style.WANTED._replace(label=text), self._long(pieces))
 
     def draw_numbers(self, values: Floats, scale: Scale) -> None:
@@ -173,7 +173,7 @@ class MapLayers:
         image = self.axes.imshow(colours(even, bytes=True), **place, **look)
         image.set(norm=norm, cmap=colours)  # not applied again: it only records the scale in the image
         hidden = [*self._covers, -fields.regular]
-        heights = without_hidden(np.nan_to_num(heights), hidden)
+        heights = np.nan_to_num(heights)
         for level in scale.levels:
             if pieces := self._long(zero_lines(fields, heights - norm(level), hidden)):
                 ground = colours(norm(level))
