@@ -48,11 +48,6 @@ class Labeller:
     ----------
     axes : Axes
         With final size and limits.
-
-    Attributes
-    ----------
-    words : list of Text
-        The words written.
     """
 
     def __init__(self, axes: Axes) -> None:
@@ -64,7 +59,6 @@ class Labeller:
         shape = [int(side / _CELL) for side in (self._box.height, self._box.width)]
         # Number of things in each cell. An extra border of one cell represents everything off the map.
         self._crowd = np.pad(np.zeros(shape, np.int32), 1, constant_values=_OFF)
-        self.words: list[Any] = []
 
     def avoid(self, points: Floats, radius: float) -> None:
         """Keep labels off points in the user's units, by a radius [pt]."""
@@ -198,7 +192,6 @@ class Labeller:
         self._crowd[
             self._cells(_rectangle(width + 2 * _APART, height + 2 * _APART) * direction + middle)
         ] += 1
-        self.words.append(artist)
 
     def _on_paper(self, points: Floats) -> Points:
         x, y = (self._axes.transData.transform(points) - self._box.min).T

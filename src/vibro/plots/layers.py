@@ -56,7 +56,6 @@ class MapLayers:
         self._has_numbers = False
         self._covers: list[Floats] = []
         self._regions: list[tuple[str, NDArray[np.bool_], Any]] = []
-        self._words: list[Any] = []
         self._spines: dict[str, list[Floats]] = {}
         self._curves: list[tuple[str, list[Floats], Any]] = []
         self._clear: list[Floats] = []  # lines that words keep clear of
@@ -199,7 +198,7 @@ class MapLayers:
         bool
             Whether the legend has to change.
         """
-        for word in self._words:
+        for word in [*self.axes.texts]:
             word.remove()
         before = [artist.get_label() for _, _, artist in (*self._regions, *self._curves)]
         labeller = Labeller(self.axes)
@@ -212,7 +211,6 @@ class MapLayers:
                 fits = self._single and labeller.along(text, pieces, beside=True, fontsize=8.5, **look)
                 line.set_label("" if fits else text)
         self._write_numbers(labeller)
-        self._words = labeller.words
         return before != [artist.get_label() for _, _, artist in (*self._regions, *self._curves)]
 
     def _write_regions(self, labeller: Labeller) -> None:
