@@ -73,11 +73,13 @@ def simulate_command(
     from vibro.cli.outputs import HISTORIES, Outputs, scene_record
     from vibro.cli.request import question, request_of, warn_of_machine, whole_number
     from vibro.motion.histories import simulate
-    from vibro.plots.history import choose_panels
     from vibro.quantities import CYCLES, DURATION, checked_number
 
     console = Console(quiet=options.quiet)
-    choose_panels(panels, flies=True)
+    if panels is not None:  # before anything is computed
+        from vibro.plots.history import choose_panels
+
+        choose_panels(panels, flies=True)
     request = request_of(options, context.obj)
     question(request, console)
     scene = request.scene()
