@@ -151,7 +151,8 @@ def make_sheet(
         guaranteed.append(_guaranteed(request, setting))
     progress(len(request.settings))
     share = _share(request, empty) if full is None else full["added_mass_share"]
-    to_resonance = float(machine.mass_to_resonance(frequency))
+    added = float(machine.mass_to_resonance(frequency))
+    resonant = added / share if 0.0 < added < math.inf and share > 0.0 else math.nan
     record = {
         "scene": {QUANTITIES[name].column: value for name, value in request.values.items()},
         "machine": dict(request.machine.table),
@@ -165,9 +166,7 @@ def make_sheet(
         "sensitivities": _sensitivities(request),
         "packs": [{**pack, **pair} for pack, pair in zip(packs, fitted, strict=True)],
         "no_load_proof_pack": no_load_proof or None,
-        "resonant_filling_kg": to_resonance / share
-        if 0.0 < to_resonance < math.inf and share > 0.0
-        else math.nan,
+        "resonant_filling_kg": resonant,
         "tolerated_filling_kg": _tolerated(empty, lightly),
     }
     return Sheet(request, record, _doubts(rows, points), _picture(request) if picture else None)
@@ -287,9 +286,8 @@ def _packs(request: SheetRequest, machine: Machine) -> tuple[list[dict[str, Any]
         return [], "the machine has no springs that could be exchanged"
     own = request.values["natural"]
     name = next((name for name, natural in given.packs.items() if natural == own), "")
-    packs = [(f"fitted: {name}" if name else "as fitted", own, 1.0)]
+    packs, why = [(f"fitted: {name}" if name else "as fitted", own, 1.0)], ""
     packs += [(other, natural, 1.0) for other, natural in given.packs.items() if natural != own]
-    why = ""
     try:
         natural = machine.load_proof_frequency(request.values["frequency"])
         force = machine.load_proof_force(request.values["frequency"])
