@@ -94,8 +94,8 @@ def test_what_cannot_be_written_is_refused(
     result = run(*command, *said.split(" "))
     assert result.exit_code == 2
     told = [line for line in result.stderr.splitlines() if line.startswith(("error: ", "hint: "))]
-    assert told[0].startswith(f"error: {error}")
-    assert told[1].startswith(f"hint: {hint}")
+    assert error in told[0]
+    assert hint in told[1]
     assert files() == set()
 
 
