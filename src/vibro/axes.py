@@ -307,10 +307,12 @@ def _size(text: str) -> float:
 
 def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(text) <= _REPEATED and (match := _DECIMAL_COMMA.fullmatch(text)):
-        two = ", ".join(sorted(match.groups(), key=_size))
+        first, last = match[1].replace(".", ""), match[2]
+        two = f"'{', '.join(sorted(match.groups(), key=_size))}' for two values"
+        other = f"{first}{last}" if re.match(r"[0-9]{3}(?![0-9])", last) else two  # which may part thousands
         raise InputError(
             f"{quantity.label} = {shown(text)}: a decimal comma, or two values",
-            hint=f"write {match[1].replace('.', '')}.{match[2]}, or '{two}' for two values",
+            hint=f"write {first}.{last}, or {other}",
         )
     items = text.split(",")
     if not all(map(str.strip, items)):

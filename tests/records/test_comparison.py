@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -400,6 +401,18 @@ def test_a_frequency_is_wrong_when_drive_and_data_part_within_the_record(off: fl
     other = Observation(observation.time, observation.signals, FREQUENCY + off)
     warnings = compare(nut(frequency=FREQUENCY + off), other).warnings
     assert any("the data repeat at" in text for text in warnings) == noticed
+
+
+def test_the_error_of_a_measured_frequency_is_one_of_the_advance() -> None:
+    observation = Walked(nut()).observe("displacement")
+    given, measured = (
+        {row.key: row.measured for row in compare(nut(), seen).rows}
+        for seen in (observation, replace(observation, frequency_error=1e-3 * FREQUENCY))
+    )
+    advance = measured["stroke_advance"]
+    assert advance.value == given["stroke_advance"].value
+    assert advance.error == pytest.approx(1e-3 * advance.value, rel=1e-3)
+    assert measured["mean_speed"] == given["mean_speed"]
 
 
 def test_a_signal_is_too_large_by_what_repeats_in_it() -> None:

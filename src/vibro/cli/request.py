@@ -6,6 +6,7 @@ import shlex
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from vibro.cli.console import Console
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, STANDS_FOR, Quantity, exact_number
@@ -14,7 +15,6 @@ from vibro.sweeps.request import gather
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
@@ -105,6 +105,10 @@ def request_of(
     if varies and not request.varying:
         example = QUANTITIES[request.drive[0]].typed("0.1:3:200")
         raise InputError("nothing varies", hint=f"give an axis, for example {example}")
+    for name, text in options.given.items():
+        if "," in text and name in request.specs and not request.specs[name].varies:  # a decimal comma
+            quantity = QUANTITIES[name]
+            Console(quiet=options.quiet).echo(f"{quantity.label}: {quantity.text(request.specs[name].value)}")
     return request
 
 

@@ -167,7 +167,9 @@ def _mark_regimes(axes: Axes, fields: Fields, values: Floats, look: Look) -> Non
     else:
         for regime, curve in BEGINS_AT.items():
             begins = np.array([x for _, x in _begins(fields, [curve])])
-            marks.append((regime, curve, f"{regime.label} begins or ends", begins, {**_BEGINS, "color": style.INK}))
+            marks.append(
+                (regime, curve, f"{regime.label} begins or ends", begins, {**_BEGINS, "color": style.INK})
+            )
     for regime, gid, label, x, own in marks:
         if x.size:
             face = {**own, "label": label, "markerfacecolor": style.REGIME_COLOURS[regime]}

@@ -62,6 +62,8 @@ class Observation:
     absolute : bool
         Whether the body's motion is that over the ground, which holds the trough's; else it is relative to
         the trough.
+    frequency_error : float
+        Standard error of the frequency, 0 if it was given [Hz].
     """
 
     time: Floats
@@ -70,6 +72,7 @@ class Observation:
     clock: Estimate | None = None
     sensitivities: Mapping[str, str] = field(default_factory=dict)
     absolute: bool = False
+    frequency_error: float = 0.0
 
     @classmethod
     def of(
@@ -81,6 +84,7 @@ class Observation:
         reverse: bool = False,
         clock: Estimate | None = None,
         absolute: bool = False,
+        frequency_error: float = 0.0,
     ) -> Observation:
         """Select the signals of a record that can be compared.
 
@@ -98,6 +102,8 @@ class Observation:
             Trough time at the clock's zero [s].
         absolute : bool
             Whether the record's motions are those over the ground, as a camera on a tripod sees them.
+        frequency_error : float
+            Standard error of the frequency, 0 if it was given [Hz].
 
         Raises
         ------
@@ -118,7 +124,8 @@ class Observation:
             # record is the sensor's zero, or gravity on a sensor that is not level: subtract it.
             steady = fold(record.time, signals["acceleration"], frequency, _TRENDS["acceleration"])
             signals["acceleration"] = signals["acceleration"] - steady.coefficients[0]
-        return cls(record.time, signals, frequency, clock, record.sensitivities, absolute)
+        about = clock, record.sensitivities, absolute, frequency_error
+        return cls(record.time, signals, frequency, *about)
 
     @property
     def period(self) -> float:

@@ -168,8 +168,10 @@ def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
     power, mean = powers[name], observation.folded[name].trend(powers[name])
     curved = fold(observation.time, observation.signals[name], observation.frequency, power + 2)
     drift = curved.trend(power + 1).scaled((power + 1) * 2.0 * curved.half)
+    advance, period_error = mean.scaled(period), period * observation.frequency_error / observation.frequency
+    advance = advance._replace(error=math.hypot(advance.error, mean.value * period_error))
     return [
-        Row("stroke_advance", "displacement", mean.scaled(period), motion.advance),
+        Row("stroke_advance", "displacement", advance, motion.advance),
         Row("mean_speed", "velocity", mean, motion.advance / period),
         Row("drift", "velocity", drift, 0.0),
     ]

@@ -102,8 +102,12 @@ def measure(
         speeds = speeds_of(trough.measured, others) if "static_friction" in others else None
     if scene is not None:
         check_names(scene, names)
-        frequency, clock = float(scene.frequency), trough.drive.clock if trough else None
-        seen = Observation.of(record, frequency, mass=mass, reverse=reverse, clock=clock, absolute=absolute)
+        clock = trough.drive.clock if trough else None
+        error = trough.drive.quantities["frequency"].error if trough else 0.0
+        seen = Observation.of(
+            record, float(scene.frequency), mass=mass, reverse=reverse, clock=clock, absolute=absolute,
+            frequency_error=error,
+        )  # fmt: skip
         try:
             comparison = compare(scene, seen)
         except VibroError as exc:
