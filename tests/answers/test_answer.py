@@ -1,14 +1,16 @@
-"""Answers: three renderers of the same facts, tables and notes."""
+"""Answers: four renderers of the same facts, tables and notes."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 
 import pytest
 from helpers.read_pages import ReadPage
 
-from vibro.answers.answer import Answer, Fact, Table, bound, label_of, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, bound, brief, label_of, shown, uncertain
 
 ANSWER = Answer(
     [
@@ -48,13 +50,15 @@ def test_a_wide_table_has_its_units_below_and_no_empty_column() -> None:
     assert (heads.split()[0], units.split(), row.split()) == ("name", ["[mm]", "[g]"], ["one", "1", "2"])
 
 
-def test_json_has_all_digits_and_no_number_that_is_none() -> None:
+def test_json_and_csv_have_all_digits_and_no_number_that_is_none() -> None:
     told = json.loads(ANSWER.json())
     assert told["mean_velocity_mm_s"] == 16.26345
     assert told["next"] == [
         {"begins": "hopping", "amplitude_mm": 3.22905}, {"begins": "back slip", "amplitude_mm": None},
     ]  # fmt: skip
     assert told["notes"] == ["A note."]
+    rows = list(csv.reader(io.StringIO(ANSWER.csv("next"))))
+    assert rows == [["begins", "amplitude_mm"], ["hopping", "3.22905"], ["back slip", ""]]
 
 
 def test_the_page_has_the_figures_of_the_text() -> None:
@@ -82,6 +86,8 @@ def test_a_number_with_its_error(value: float, error: float, text: str) -> None:
 
 
 def test_digits_of_numbers() -> None:
+    assert [brief(x) for x in (0.31, 27.0, 1.0, 1e-7, 0.0)] == ["0.310", "27.0", "1.00", "1e-07", "0"]
+    assert [brief(27.0, "Hz"), brief("hopping"), brief(None, "Hz")] == ["27.0 Hz", "hopping", ""]
     assert shown(-0.0) == "0"
     assert label_of("energy_per_cycle_j", "J") == "energy per cycle"
 

@@ -45,13 +45,13 @@ def test_an_unresolved_scene_is_exit_code_3(run: Run, monkeypatch: pytest.Monkey
 def test_seven_lines_tell_what_a_part_does(run: Run) -> None:
     text = run("solve", *NUT, "-L", "600").stdout
     assert text.splitlines() == [
-        "forward-slip   16.26 mm/s (0.9758 m/min), 1.084 mm a cycle",
+        "forward-slip   16.26 mm/s (0.976 m/min), 1.084 mm a cycle",
         "traverse time  36.89 s over 600 mm (36.8904 s from rest)",
         "peak speed     60.15 mm/s",
-        "throw number   0.3097 (the part hops above 1)",
-        "begins         amplitude [mm]  frequency [Hz]",
-        "back slip                1.19           16.37",
-        "hopping                 3.229           26.95",
+        "throw number   0.310 (the part hops above 1)",
+        "begins         amplitude  frequency",
+        "back slip        1.19 mm    16.4 Hz",
+        "hopping          3.23 mm    27.0 Hz",
     ]
     assert "sensitivities" not in text
     assert "A little more of each input" in run("solve", *NUT, "-L", "600", "--all").stdout

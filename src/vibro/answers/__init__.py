@@ -1,1 +1,1 @@
-"""Answers: facts, tables and notes, made once, and written as text, JSON or a page."""
+"""Answers: facts, tables and notes, made once, and written as text, JSON, CSV or a page."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 Value: TypeAlias = "float | str | None"
 
 _DIGITS: Final = 4  # for people; JSON has all
+_BRIEF: Final = 3
 _WIDTH: Final = 80  # characters of a terminal
 _EXACT: Final = 1e-9, 1e-12  # of a value, and of its unit: nobody measures with less error
 
@@ -64,7 +67,7 @@ class Table(NamedTuple):
     Attributes
     ----------
     name : str
-        Its key in JSON.
+        Its key in JSON, and that of its CSV.
     columns : sequence of tuple of str
         Label and unit of each; from both follows its key.
     rows : sequence of sequence
@@ -73,6 +76,8 @@ class Table(NamedTuple):
         What stands above it, if anything.
     is_rare : bool
         Whether it is told on request only.
+    is_brief : bool
+        Whether its numbers have three digits, and their units behind them in place of the heads.
     """
 
     name: str
@@ -80,16 +85,20 @@ class Table(NamedTuple):
     rows: Sequence[Sequence[Value]]
     title: str = ""
     is_rare: bool = False
+    is_brief: bool = False
 
     @property
     def texts(self) -> list[list[str]]:
         """Its rows for people, the heads first, without columns that are empty."""
-        heads = [f"{label} [{unit}]" if unit else label for label, unit in self.columns]
+        in_heads = {True: "{}", False: "{} [{}]"}[self.is_brief]
+        heads = [in_heads.format(label, unit) if unit else label for label, unit in self.columns]
         return [[row[i] for i in self._filled] for row in (heads, *self._cells)]
 
     @property
     def _cells(self) -> list[list[str]]:
-        return [[shown(cell) for cell in row] for row in self.rows]
+        if not self.is_brief:
+            return [[shown(cell) for cell in row] for row in self.rows]
+        return [[brief(x, unit) for x, (_, unit) in zip(row, self.columns, strict=True)] for row in self.rows]
 
     @property
     def _filled(self) -> list[int]:
@@ -163,6 +172,13 @@ class Answer:
         """Write all of it as JSON; unknown numbers are null."""
         return json.dumps(self.content(), indent=2, allow_nan=False)
 
+    def csv(self, name: str) -> str:
+        """Write a table as CSV, its numbers with all digits."""
+        table = next(table for table in self.tables if table.name == name)
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([table.keys, *map(_known, table.rows)])
+        return text.getvalue()
+
     def html(self, pictures: Mapping[str, Figure] | None = None, command: str = "") -> str:
         """Write all of it as a page to print, which needs no other file.
 
@@ -202,6 +218,13 @@ def uncertain(value: float, error: float, digits: int = _DIGITS) -> str:
         return shown(value, digits)
     decimals = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:z.{decimals}f} ± {error:.{decimals}f}"
+
+
+def brief(value: Value, unit: str = "") -> str:
+    """Write a number to three digits, zeros at its end among them, with its unit: ``27.0 Hz``."""
+    if not isinstance(value, float) or not 1e-4 <= abs(value) < 1e6:
+        return f"{shown(value, _BRIEF)} {unit}".rstrip() if value is not None else ""
+    return f"{value:.{max(0, _BRIEF - 1 - math.floor(math.log10(abs(value))))}f} {unit}".rstrip()
 
 
 def number(value: float, unit: str = "") -> str:

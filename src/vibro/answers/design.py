@@ -6,7 +6,7 @@ import json
 import math
 from typing import TYPE_CHECKING, Final
 
-from vibro.answers.answer import Answer, Fact, Table, bound, shown
+from vibro.answers.answer import Answer, Fact, Table, bound, number, shown
 from vibro.core.codes import Regime
 from vibro.inverse.designs import at_most
 from vibro.inverse.rows import KINDS
@@ -292,7 +292,7 @@ def _of(result: DesignResult, kind: str, regime: str) -> list[Design]:
 
 
 def _speed(speed: float) -> str:
-    return LEAST_SPEED.text(SPEED.from_si(speed))
+    return number(SPEED.from_si(speed), LEAST_SPEED.unit)
 
 
 def _length(spec: Spec) -> str:

@@ -87,7 +87,7 @@ def _resonance(empty: Row, full: Row | None) -> str:
         for state, ratio in ratios.items()
         if not math.isnan(ratio)
     )
-    return f"f/f0 = {'; '.join(told)}"
+    return f"f/f0 = {'; '.join(told)}, at a setting of {empty['setting_percent']:g} %"
 
 
 def sheet_answer(name: str, sheet: Sheet) -> Answer:
@@ -171,7 +171,7 @@ def _facts(sheet: Sheet) -> list[Fact]:
     if full and not math.isnan(full["added_mass_share"]):
         mass, damping = (shown(100.0 * full[f"added_{of}_share"], 3) for of in ("mass", "damping"))
         told = f"{MASS.text(request.full)}: {mass} % of it acts as mass, {damping} % as damping"
-        facts.insert(3, Fact("filling", told))
+        facts.insert(3, Fact("filling", f"{told}, at a setting of {full['setting_percent']:g} %"))
     resonant, tolerated = record["resonant_filling_kg"], record["tolerated_filling_kg"]
     none = "none" if math.isnan(resonant) else f"{shown(resonant)} kg"
     note = "changes the speed by less than 1 %"
@@ -195,7 +195,8 @@ def _both(pair: Mapping[str, Any]) -> list[Value]:
 
 def _settings(sheet: Sheet) -> Table:
     """List amplitude and speed of each setting, empty and full, and the guaranteed speed."""
-    columns = [("setting", "%"), *_HEADS, ("2nd harmonic", "mm/s"), ("slowest", "mm/s"), ("fastest", "mm/s")]
+    speeds = ("with 2nd harmonic", "slowest", "fastest")
+    columns = [("setting", "%"), *_HEADS, *((name, "mm/s") for name in speeds)]
     record, rows = sheet.record, []
     for i, pair in enumerate(record["settings"]):
         bent = (pair["full"] or {}).get("mean_velocity_with_second_harmonic_mm_s", math.nan)

@@ -40,6 +40,10 @@ _MM: Final = 1e3  # in a metre
 _USUAL: Final = ("advance", "mean_speed", "peak", "slip")  # words in the names of figures that people ask for
 _RECORDED: Final = ("unit", "measured", "standard_error", "computed")  # of a figure
 _OF_A_WAVE: Final = (("amplitude", "mm"), ("phase", "deg"))
+_SLIPS: Final = (
+    "slips, measured and computed, start and end where the speed passes"
+    f" {100.0 * TOL.slide_level:g} % of its peak"
+)
 _WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
 _CALIBRATIONS: Final = {
     "gain": f"{100.0 * TOL.gain:g} % of gain",
@@ -317,11 +321,11 @@ def _fit_table(fit: Fit, request: Request) -> Table:
     rows: list[list[str]] = []
     for p in fit.parameters:
         quantity, found = QUANTITIES[p.name], _parameter_record(p)
-        pieces = [f"{number(low)} ... {number(high)}" for low, high in found["intervals"]]
-        estimate = "-" if found["estimate"] is None else number(found["estimate"])
+        pieces = [f"{shown(low)} ... {shown(high)}" for low, high in found["intervals"]]
+        estimate = "-" if found["estimate"] is None else shown(found["estimate"])
         name = f"{quantity.letter} [{quantity.unit}]" if quantity.unit else quantity.letter
         interval = " or ".join(pieces) or "not identified"
-        rows.append([name, estimate, interval, number(request.fixed[p.name])])
+        rows.append([name, estimate, interval, shown(request.fixed[p.name])])
     heads = [(head, "") for head in ("fitted", "estimate", "95 % interval", "given")]
     return Table("fit", heads, rows, "Fit")
 
@@ -343,8 +347,9 @@ def _parameter_record(p: Parameter) -> dict[str, Any]:
 
 def _notes(m: Measurement, request: Request) -> list[str]:
     """Return which feature gives each estimate, what cannot be told, and what no interval covers."""
+    slips = [_SLIPS] if m.comparison and any("slip" in row.key for row in m.comparison.rows) else []
     if m.fit is None:
-        return []
+        return slips
     known = {*(m.trough.drive.quantities if m.trough else ()), *(p.name for p in m.fit.parameters)}
     taken = {name: request.told[name] for name in (*SIZES, "drive_angle") if name in request.told}
     told = [
@@ -352,7 +357,7 @@ def _notes(m: Measurement, request: Request) -> list[str]:
         for name, value in taken.items()
         if STANDS_FOR.get(name, name) not in known
     ]
-    notes = list(m.fit.statements)
+    notes = [*m.fit.statements]
     if told:
         notes.append(f"taken as exact, so that no interval holds its error: {', '.join(told)}")
-    return notes
+    return [*notes, *slips]

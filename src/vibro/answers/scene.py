@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, brief, given_text, label_of, shown, uncertain
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
 from vibro.inverse.costs import changed_cycles
 from vibro.limits import transitions
@@ -175,7 +175,11 @@ def scene_answer(
     tables = [_beginnings(one, every=every)]
     if every:
         facts += _rare(one)
-        tables += [_sensitivities(one), _phases(one)] if grid.output is Output.EXACT else []
+        if grid.output is Output.EXACT:
+            # with a filling friction and angles change the amplitude too: vibro drive tells how much
+            is_filled = OPERATING in one.block.values and one.given["filling"] > 0.0
+            tables += [] if is_filled else [_sensitivities(one)]
+            tables.append(_phases(one))
     return Answer(facts, [table for table in tables if table.rows], _notes(one), record, title)
 
 
@@ -216,6 +220,10 @@ def cells_answer(
         if any(cell.get(key) is not None for cell in cells):
             columns.append((label, unit))
             keys.append(key)
+    lengths = {cell.get("trough_length_mm") for cell in cells}
+    if len(lengths) > 1:
+        columns.append(("length", "mm"))
+        keys.append("trough_length_mm")
     if any(cell["status"] != Status.OK.label for cell in cells):
         columns.append(("status", ""))
         keys.append("status")
@@ -233,6 +241,8 @@ def cells_answer(
     notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in told]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
         notes.append(_NO_BOUNCE)
+    if len(lengths) == 1 and None not in lengths:
+        notes.append(f"traverse times are over {lengths.pop():.10g} mm")
     facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
     return Answer(facts, [Table("scenes", columns, rows)], notes, title=", ".join(given))
 
@@ -240,9 +250,12 @@ def cells_answer(
 def _motion(one: OneScene) -> Fact:
     label = one.regime.label or "none"
     if math.isnan(one.speed):
-        return Fact(label, None)
-    speed, rate = (uncertain(x * one.speed, x * one.error) for x in (1.0, _RATE))
-    return Fact(label, f"{speed} mm/s ({rate} m/min), {shown(one.speed / one.given['frequency'])} mm a cycle")
+        return Fact(label, "gains speed every cycle" if one.status is Status.RUNAWAY else None)
+    speed, rate, advance = (
+        uncertain(x * one.speed, x * one.error, digits)
+        for x, digits in ((1.0, 4), (_RATE, 3), (1.0 / one.given["frequency"], 4))
+    )
+    return Fact(label, f"{speed} mm/s ({rate} m/min), {advance} mm a cycle")
 
 
 def _traverse(one: OneScene) -> list[Fact]:
@@ -256,6 +269,8 @@ def _traverse(one: OneScene) -> list[Fact]:
         over = f"s over {one.length:.10g} mm"
         return [Fact("traverse time", time, over, time * one.relative_error, from_rest)]
     never = "never" if math.isinf(time) and one.is_certain else None
+    if one.status is Status.RUNAWAY:
+        never = "none at a steady speed"
     return [Fact("traverse time", never, note=from_rest)]
 
 
@@ -269,7 +284,7 @@ def _speeds(one: OneScene) -> list[Fact]:
         again = f"repeats every {period:.0f} cycles" if period > 1.0 else again
         share = 100.0 * float(one.cycle.flight_fraction)
         facts.append(Fact("in flight", share, "% of the time", note=f"lands at {impact} mm/s, {again}"))
-    throw = float(one.cycle.throw_number)
+    throw = brief(float(one.cycle.throw_number))
     return [*facts, Fact("throw number", throw, note="the part hops above 1")]
 
 
@@ -320,8 +335,10 @@ def _beginnings(one: OneScene, *, every: bool) -> Table:
         columns["frequency", "Hz"] = [t.frequency for t in found]
     if every and one.scene.motion is not None:
         columns["until times the drive", ""] = [t.scales[1] for t in found]
-    title = "Where each motion begins" if every else ""
-    return Table("beginnings" if every else "next", [*columns], [*zip(*columns.values(), strict=True)], title)
+    rows = [*zip(*columns.values(), strict=True)]
+    if every:
+        return Table("beginnings", [*columns], rows, "Where each motion begins")
+    return Table("next", [*columns], rows, is_brief=True)
 
 
 def _sensitivities(one: OneScene) -> Table:

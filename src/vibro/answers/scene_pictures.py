@@ -51,7 +51,10 @@ def _maps(request: Request, grid: Grid) -> dict[str, Figure]:
     sizes = [name for name in _SIZES if grid.fixed.get(name)]
     names = *(sizes[:1] or ["static_friction"]), "frequency"
     own: dict[str, float] = {name: grid.fixed[name] for name in SWEPT if name in names}
-    axes = {name: Axis(name, np.multiply(_AROUND, value), "linear") for name, value in own.items()}
+    ends = {name: np.multiply(_AROUND, value) for name, value in own.items()}
+    if "setting" in own:  # 100 % is all of it
+        ends["setting"] = ends["setting"].clip(max=max(100.0, own["setting"]))
+    axes = {name: Axis(name, values, "linear") for name, values in ends.items()}
     fixed = {name: value for name, value in grid.fixed.items() if name not in axes}
     around = replace(grid, axes=axes, fixed=fixed, arrivals=False, coexistence=False)
     figures = map_figures(sweep_picture(around, {}, own, request.name or "Scene"), ["regime", "speed"])

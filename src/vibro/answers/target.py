@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, bound, shown
+from vibro.answers.answer import Answer, Fact, Table, bound, given_text, shown
+from vibro.answers.scene import motion_text
 from vibro.core.codes import Regime
 from vibro.errors import InputError
 from vibro.inverse.extremes import counted
@@ -178,16 +179,22 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     where = f"up to throw number {MOST_DESIGN_THROW:g}" if math.isfinite(limit) else "without hopping"
     name, share = next(iter(shares.items()))
     label, unit = QUANTITIES[name].label, QUANTITIES[name].unit
+    others = {n: spec.value for n, spec in request.specs.items() if n not in (SCALE, *drive.shares)}
+    motion = [motion_text(drive.scene)] if request.motion is not None else []
+    scene = Fact("scene", ", ".join([*motion, given_text(others)]), is_rare=True)
+    title = request.name or "Amplitude for a speed"
     if not found:
         most, at = drive.best(limit)
         told = f"none reaches {asked} {where}"
         if most > 0.0:
             # rounded down: the speed may jump above
-            size = bound(float(QUANTITIES[name].from_si(at * share)), unit, upper=False)
+            reached = float(QUANTITIES[name].from_si(at * share))
+            size = bound(reached, unit, upper=False)
             fast = float(SPEED.from_si(most))
+            record["fastest"] = {"mean_velocity_mm_s": fast, QUANTITIES[name].column: reached}
             told += f"; the most is {shown(fast)} mm/s ({shown(0.06 * fast)} m/min) at {size}"
         notes += [] if hopping else ["with --hopping parts may hop too"]
-        return Answer([Fact(label, told)], (), notes, record)
+        return Answer([Fact(label, told), scene], (), notes, record, title)
     if request.length is not None:
         notes.insert(0, f"over {request.length:.10g} mm that takes {shown(request.length / speed)} s")
     rows = []
@@ -199,8 +206,11 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     columns = [(f"{QUANTITIES[n].label} {end}", QUANTITIES[n].unit) for end in ("from", "to") for n in shares]
     columns += [("begins by", ""), ("ends by", "")]
     table = Table("amplitudes", columns, rows, "Where it is reached")
-    least = f"{_rounded(found[0], name, share)[0]} {unit}".rstrip()
-    return Answer([Fact(label, least, note=f"the least for {asked} {where}")], [table], notes, record)
+    least = _rounded(found[0], name, share)[0]
+    facts = [Fact(label, f"{least} {unit}".rstrip(), note=f"the least for {asked} {where}")]
+    if name == "amplitude":
+        facts.append(Fact("stroke", bound(2.0 * float(least), "mm", upper=True), note="peak to peak"))
+    return Answer([*facts, scene], [table], notes, record, title)
 
 
 def _rounded(interval: Interval, name: str, share: float) -> tuple[str, str]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from vibro.answers.answer import Answer
 from vibro.answers.scene import OneScene, cells_answer, scene_answer
 from vibro.cli.exit_codes import ExitCode
@@ -14,7 +16,8 @@ from vibro.cli.outputs import TABLES, Outputs
 from vibro.cli.request import warn_of_machine
 from vibro.core.codes import Output, Status
 from vibro.errors import InputError
-from vibro.quantities import QUANTITIES, as_given
+from vibro.quantities import QUANTITIES, STAND_RATIO, as_given
+from vibro.sweeps.derived import standing
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
@@ -147,12 +150,18 @@ def answer_one(
         blocks += sweep_blocks(grid)
     if not outputs.takes_stdout:
         outputs.tell(answer(whole=every or options.json, recorded=options.json), every=every)
-    status = Status(blocks[0].cycle.status.item())
-    # the one value that was asked for; that a part gains speed every cycle is an answer
-    is_unknown = status is Status.UNRESOLVED or (
-        grid.output is Output.EXACT and not status.answered and status is not Status.RUNAWAY
-    )
-    return ExitCode.UNRESOLVED if is_unknown else ExitCode.DONE
+    return ExitCode.UNRESOLVED if _is_unknown(run, blocks[0], exactly=make is not None) else ExitCode.DONE
+
+
+def _is_unknown(run: Run, block: Block, *, exactly: bool) -> bool:
+    """Whether the one value that was asked for is unknown: speed, time from rest, whether a part stands."""
+    status, ratio = Status(block.cycle.status.item()), run.table.part.get(STAND_RATIO.column)
+    if status is Status.UNRESOLVED or (exactly and block.arrival is not None and np.isnan(block.arrival)):
+        return True
+    if ratio is not None and standing(ratio)[0].values(block).item() < 0:
+        return True
+    # that a part gains speed every cycle is an answer
+    return run.grid.output is Output.EXACT and not status.answered and status is not Status.RUNAWAY
 
 
 def answer_cells(

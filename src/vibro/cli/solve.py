@@ -76,7 +76,14 @@ def solve_command(
     from vibro.cli.console import Console
     from vibro.cli.request import question, request_of
     from vibro.quantities import STAND_RATIO, checked_number
-    from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER, WITH_STROKE, standing
+    from vibro.sweeps.derived import (
+        WITH_ACCELERATION,
+        WITH_ARRIVAL,
+        WITH_EXPONENT,
+        WITH_MULTIPLIER,
+        WITH_STROKE,
+        standing,
+    )
     from vibro.sweeps.weighed import weighed
 
     console = Console(quiet=options.quiet)
@@ -114,7 +121,8 @@ def solve_command(
         arrives = follows and request.length is not None
         grid = request.grid(output, flight=follows, coexistence=coexist, arrivals=arrives)
         table = table_of(grid, columns, extra, needed=_NEEDS, part=part)
-        whole = usual_columns(grid, more) if columns is None else table.columns
+        told = (WITH_ARRIVAL, *more) if arrives else more
+        whole = usual_columns(grid, told) if columns is None else table.columns
         runs.append(Run(request, grid, table, whole, columns is not None))
     if len(runs) == 1 and not runs[0].request.varying:
         return answer_one(runs[0], options, context.obj, console, "vibro-solve", every=every)

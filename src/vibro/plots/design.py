@@ -341,7 +341,10 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     design = settings.chosen.design
     frame.mark_point(axes, np.array([[design.nominal, design.speed_min_mm_s]], np.float64), settings.marked)
     assert settings.fields.panel.y is not None
-    axes.set(xlabel=style.axis_label(settings.fields.panel.y), ylabel="mean conveying speed [mm/s]")
+    machine = settings.chosen.drive.machine
+    middle = "middle of voltages and fillings: " if machine is not None and machine.has_bands else ""
+    axes.set_xlabel(middle + style.axis_label(settings.fields.panel.y))
+    axes.set_ylabel("mean conveying speed [mm/s]")
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.1)
     shown = [
         stretch._replace(low=settings.amplitude(stretch.low), high=settings.amplitude(stretch.high))
