@@ -153,7 +153,9 @@ def _hint(exc: Any, argv: Sequence[str]) -> str:
     called = option.lstrip("-").replace("-", "_")
     starts = (quantity for quantity in (*STARTS, TROUGH_MASS) if quantity.name == called)
     if quantity := find_quantity(option) or next(starts, None):
-        return f"write it as {quantity.typed()}"
+        if not quantity.typed().startswith(option):
+            return f"write it as {quantity.typed()}"
+        return f"the design file gives the {quantity.label}" if "design" in argv else ""
     long = next((arg for arg in argv if arg.startswith(option) and arg[:2] != "--" and len(arg) > 2), "")
     return f"write it with two dashes: -{long}" if long else ""
 
