@@ -23,11 +23,11 @@ def fields(**cycle: NDArray[Any]) -> Fields:
     return Fields(Panel(x, y, {}, None, cycle, {}))
 
 
-def rough(*points: tuple[int, int]) -> NDArray[np.bool_]:
-    """Where contours are left out if the motion takes two cycles at some points."""
+def rough(*points: tuple[int, int], period: float = 5.0) -> NDArray[np.bool_]:
+    """Where contours are left out if the motion takes so many cycles at some points."""
     periods = np.ones((SIZE, SIZE))
     for point in points:
-        periods[point] = 2.0
+        periods[point] = period
     return np.asarray(fields(mean_velocity=np.ones((SIZE, SIZE)), period_cycles=periods).regular < 0.0)
 
 
@@ -35,6 +35,7 @@ def test_contours_keep_off_a_point_of_longer_period() -> None:
     expected = np.zeros((SIZE, SIZE), np.bool_)
     expected[28:33, 18:23] = True
     np.testing.assert_array_equal(rough((30, 20)), expected)
+    assert not rough((30, 20), period=4.0).any()  # contours do not end in the middle of smooth numbers
 
 
 @pytest.mark.parametrize(("distance", "joined"), [(14, True), (16, False)])

@@ -32,7 +32,6 @@ from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
     from helpers.drawn import Floats
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 pytestmark = pytest.mark.usefixtures("unarranged")
@@ -110,14 +109,13 @@ def test_a_logarithmic_scale_begins_below_nearly_all_numbers_within_five_decades
 
 def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
     axes = only_map(pictures["speed"])
-    levels = [name.split()[1] for name in contours(axes)]
-    assert len(levels) >= 4
-    assert len(set(levels) & set(words(axes))) >= 4
-    for level in levels:
+    for level in ("10", "50", "100", "200"):
+        assert level in words(axes)
         frequency, amplitude = curve(axes, f"contour {level}").T
         cycle = solve(scene_of(1e-3 * amplitude, frequency))
         speed = 1e3 * cycle.mean_velocity
-        off = np.abs(speed / float(level) - 1.0)[np.isfinite(speed)]
+        once = cycle.period_cycles == 1.0  # elsewhere speeds rise as steeply as a cliff
+        off = np.abs(speed / float(level) - 1.0)[once]
         assert np.median(off) < 1e-3
         assert np.quantile(off, 0.98) < 0.06  # by which the speed drops where back slip begins
 
@@ -199,11 +197,6 @@ def flights() -> tuple[SweepResult, dict[str, Figure]]:
     result = sweep(points=241, amplitude="0.1:8", frequency="5:35", drive_angle=30)
     with unarranged():
         return result, map_figures(result, ["speed", "impact", "flight"])
-
-
-def contours(axes: Axes) -> list[str]:
-    names = [line.get_gid() or "" for line in axes.lines]
-    return [name for name in names if name.startswith("contour")]
 
 
 def test_flight_is_shown_where_there_is_one(flights: tuple[SweepResult, dict[str, Figure]]) -> None:

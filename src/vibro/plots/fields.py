@@ -43,9 +43,10 @@ BEGINS_AT: Final = {
     Regime.HOPPING: "hop",
 }
 
-# Where the motion takes several cycles to repeat, numbers jump from point to point, and contours would be
-# noise. No contour passes between two such points that are less than the first width apart, nor through the
-# square of the second width around one.
+# Where the motion takes many cycles to repeat, or never does, numbers jump from point to point, and contours
+# would be noise. No contour passes between two such points that are less than the first width apart, nor
+# through the square of the second width around one.
+_FEW_CYCLES: Final = 4.0
 _SMOOTH_ACROSS: Final = 15
 _SMOOTH_AROUND: Final = 5
 # Irregular motion forms single points as well as patches. A hatch extends this far from each such point,
@@ -146,9 +147,9 @@ class Fields:
 
     @cached_property
     def regular(self) -> Floats:
-        """Positive where motion repeats every cycle, with a margin; elsewhere lines would be noise."""
+        """Positive where motion repeats after few cycles, with a margin; elsewhere lines would be noise."""
         answered = np.isfinite(self.panel.cycle["mean_velocity"])
-        rough = answered & (self.panel.cycle["period_cycles"] != 1.0)
+        rough = answered & ~(self.panel.cycle["period_cycles"] <= _FEW_CYCLES)
         # And away from the gaps between such points.
         closed = erode(dilate(rough, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
         return np.where(closed, -0.5, 0.5)
