@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.cases import each
-from helpers.commands import NUT, Run, other, rows_of
+from helpers.commands import ELLIPSE, NUT, Run, other, rows_of
 
 from vibro import Scene, Status, SteadyCycle, solve
 from vibro.sweeps.columns import columns_of
@@ -79,6 +79,8 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
         ["two", "hopping"],
     ]
     assert "vibro map" in run("solve", *other(NUT, "-A", "1:3:500")).stderr
+    longer_than_a_name = ",".join(f"{0.001 * i:.3f}" for i in range(1, 61))
+    assert "60 scenes: at most 50" in run("solve", *ELLIPSE[1:], f"along={longer_than_a_name}").stderr
 
 
 @each(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,8 +26,8 @@ _FAILURES: Final = {
 }  # fmt: skip
 
 
-def trade_answer(trade: Trade, record: Mapping[str, Any]) -> Answer:
-    """Make the answer about methods that were compared; ``record`` is what JSON says."""
+def trade_answer(trade: Trade, drawn_from: Mapping[str, Any]) -> Answer:
+    """Make the answer about methods that were compared, on scenes that JSON says they were drawn from."""
     tables = [
         Table("methods", [*columns.values()], [*map(attrgetter(*columns), trade.rows)], title, is_rare)
         for columns, title, is_rare in (
@@ -41,4 +42,12 @@ def trade_answer(trade: Trade, record: Mapping[str, Any]) -> Answer:
         Fact("silent", "answers that miss half the speed or more, without a word", is_rare=True),
         Fact("advice", advice(trade)),
     ]
+    record = {
+        **drawn_from,
+        "scenes_drawn": trade.drawn,
+        "scenes_in_contact": trade.scenes,
+        "reference": trade.reference,
+        "tolerance_af": trade.tolerance,
+        "methods": [asdict(row) for row in trade.rows],
+    }
     return Answer(facts, tables, record=record)

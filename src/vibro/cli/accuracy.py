@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields, replace
-from typing import TYPE_CHECKING, Annotated, Any, Final
-
-import typer
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import AllOption, Options, option  # typer reads the annotations
@@ -41,7 +39,6 @@ _SCENES: Final = 5000
 
 
 def accuracy_command(
-    context: typer.Context,
     options: Options,
     scenes: Annotated[
         str,
@@ -62,42 +59,36 @@ def accuracy_command(
     picture.
     """
     from vibro.answers.accuracy import trade_answer
-    from vibro.cli.console import Console
     from vibro.cli.outputs import HISTORIES, Outputs
-    from vibro.cli.request import plain_number, question, whole_number
+    from vibro.cli.request import plain_number, whole_number
     from vibro.cli.sweeps import count
 
-    console = Console(quiet=options.quiet)
     number = whole_number("--scenes", scenes)
     if number < 1:
         raise InputError(f"--scenes {number}: must be at least 1")
     limit = plain_number("--tolerance", tolerance)
     if limit <= 0.0:
         raise InputError(f"--tolerance {limit:g}: must be > 0")
-    request = _request(options, context.obj)
-    question(request, console)
+    request = _request(options)
     name = f"{request.name or 'vibro'}-accuracy"
-    with Outputs(options, name, context.obj, console, forms=HISTORIES, reads=[options.scene]) as output:
-        grid = _grid(request, console)
-        trade = _run(grid, number, limit, console)
-        content = _content(trade, grid)
+    with Outputs(options, name, forms=HISTORIES) as output:
+        grid = _grid(request, options.console)
+        trade = _run(grid, number, limit, options.console)
+        answer = trade_answer(trade, grid.describe())
 
         def draw() -> dict[str, Figure]:
             from vibro.plots.trade import trade_figure
 
             return {"": trade_figure(trade)}
 
-        output.write(lambda: {"": _columns(trade.rows)}, draw, content)
+        output.write_answer(answer, lambda: {"": _columns(trade.rows)}, draw)
     if trade.scenes < number:
-        console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
-    if output.takes_stdout:
-        return ExitCode.DONE
-    answer = trade_answer(trade, content)
-    print(answer.json() if options.json else answer.text(every=every))
+        options.console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
+    output.tell(answer, every=every)
     return ExitCode.DONE
 
 
-def _request(options: Options, argv: Sequence[str]) -> Request:
+def _request(options: Options) -> Request:
     """Merge options, scene file and the default ranges of the sample."""
     from vibro.cli.request import request_of
 
@@ -105,7 +96,6 @@ def _request(options: Options, argv: Sequence[str]) -> Request:
         options = replace(options, given=_SAMPLE)
     request = request_of(
         options,
-        argv,
         varies=True,
         reads_map=True,
         takes_axes=True,
@@ -121,8 +111,7 @@ def _grid(request: Request, console: Console) -> Grid:
     from vibro.sweeps.grid import Grid
 
     grid = Grid(request.axes(_VALUES), request.fixed, None, in_stroke=request.in_stroke)
-    for axis in grid.told_axes.values():
-        console.echo(str(axis))
+    console.echo_all(map(str, grid.told_axes.values()))
     return grid
 
 
@@ -150,19 +139,4 @@ def _columns(rows: Sequence[Row]) -> TableColumns:
             [getattr(row, name) for row in rows]
         )
         for name in names
-    }
-
-
-def _content(trade: Trade, grid: Grid) -> dict[str, Any]:
-    """Return what the sidecar says."""
-    rows = [
-        {key: None if value != value else value for key, value in asdict(row).items()} for row in trade.rows
-    ]
-    return {
-        **grid.describe(),
-        "scenes_drawn": trade.drawn,
-        "scenes_in_contact": trade.scenes,
-        "reference": trade.reference,
-        "tolerance_af": trade.tolerance,
-        "methods": rows,
     }

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,18 +13,18 @@ from vibro.answers.scene import OneScene, cells_answer, scene_answer
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.outputs import TABLES, Outputs
 from vibro.cli.request import warn_of_machine
+from vibro.cli.sweeps import conclude, write_sweep
 from vibro.core.codes import Output, Status
 from vibro.errors import InputError
+from vibro.files.csv_tables import column_of
 from vibro.quantities import QUANTITIES, STAND_RATIO, as_given
 from vibro.sweeps.derived import standing
 from vibro.sweeps.run import sweep_blocks
+from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
-    from matplotlib.figure import Figure
-
-    from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
@@ -73,8 +72,6 @@ class Run:
 def answer_one(
     run: Run,
     options: Options,
-    argv: Sequence[str],
-    console: Console,
     name: str,
     make: Callable[[OneScene, dict[str, Any]], Answer] | None = None,
     *,
@@ -88,10 +85,6 @@ def answer_one(
         Of a single cell.
     options : Options
         What to print and where to write.
-    argv : sequence of str
-        The arguments as typed.
-    console : Console
-        For messages.
     name : str
         The files' name where the options name a folder.
     make : callable, optional
@@ -111,17 +104,14 @@ def answer_one(
     """
     grid = run.grid
     run.refuse_text(options)
-    outputs = Outputs(
-        options, run.request.name or name, argv, console,
-        forms=TABLES if make is None else TABLES[:-1], pictures=(), reads=options.files,
-    )  # fmt: skip
+    forms = TABLES if make is None else TABLES[:-1]
+    outputs = Outputs(options, run.request.name or name, forms=forms, pictures=())
     if grid.machine is not None:
         from vibro.sweeps.machines import check_operating  # late: few scenes have a machine
 
         check_operating(grid.machine, grid.values())
-    warn_of_machine(grid, console)
+    warn_of_machine(grid, options.console)
     blocks: list[Block] = []
-    title = run.request.name or "Scene"
 
     def answer(*, whole: bool, recorded: bool) -> Answer:
         one = OneScene(blocks[0])
@@ -130,6 +120,7 @@ def answer_one(
             return Answer((), record=record)
         if make is not None:
             return make(one, record)
+        title = run.request.name or "Scene"
         return scene_answer(one, grid, run.table.part, record, every=whole, title=title)
 
     def page() -> str:
@@ -139,13 +130,11 @@ def answer_one(
         return outputs.page(answer(whole=True, recorded=False), pictures)
 
     if options.output:
-        from vibro.cli.sweeps import conclude, write_sweep
-
         tally = write_sweep(
-            grid, run.table, outputs, replace(options, json=False), console, look=blocks.append,
+            grid, run.table, outputs, look=blocks.append,
             more=lambda: answer(whole=True, recorded=True).content(), page=page,
         )  # fmt: skip
-        conclude(tally, grid, console)
+        conclude(tally, grid, options.console)
     else:
         blocks += sweep_blocks(grid)
     if not outputs.takes_stdout:
@@ -164,9 +153,7 @@ def _is_unknown(run: Run, block: Block, *, exactly: bool) -> bool:
     return run.grid.output is Output.EXACT and not status.answered and status is not Status.RUNAWAY
 
 
-def answer_cells(
-    runs: Sequence[Run], options: Options, argv: Sequence[str], console: Console, name: str
-) -> int:
+def answer_cells(runs: Sequence[Run], options: Options, name: str) -> int:
     """Solve a few scenes and print a line for each; write their table if the options name an output.
 
     Parameters are those of ``answer_one``.
@@ -178,11 +165,9 @@ def answer_cells(
     heads: list[list[Any]] = []
     cells: list[dict[str, Any]] = []
     unresolved = False
-    names = [run.request.name or f"scene {i}" for i, run in enumerate(runs, 1)]
-    if len({*names}) < len(names):  # files of several folders
-        names = [str(path) for path in options.files]
+    names = options.names or ["scene"]
     for name_of, run in zip(names, runs, strict=True):
-        warn_of_machine(run.grid, console)
+        warn_of_machine(run.grid, options.console)
         for block in sweep_blocks(run.grid):
             unresolved |= bool((block.cycle.status == Status.UNRESOLVED).any())
             values = as_given(block.values, in_stroke=run.grid.in_stroke)
@@ -193,26 +178,19 @@ def answer_cells(
     whole = not runs[0].is_chosen
     given = dict(zip(names, (run.request.told for run in runs), strict=True))
     answer = cells_answer(head, heads, cells, given) if whole else Answer(())
-
-    def page(figures: Mapping[str, Figure] = MappingProxyType({})) -> str:
-        return outputs.page(answer, figures)
-
     forms = TABLES if len(runs) == 1 else tuple(form for form in TABLES if form != "xlsx")
-    outputs = Outputs(options, name, argv, console, forms=forms, pictures=(), reads=options.files)
+    outputs = Outputs(options, name, forms=forms, pictures=())
     if options.output and len(runs) == 1:
-        from vibro.cli.sweeps import write_sweep
-
         write_sweep(
-            runs[0].grid, runs[0].table, outputs, replace(options, json=False), console,
-            more=lambda: {"cells": cells}, page=page,
+            runs[0].grid, runs[0].table, outputs,
+            more=lambda: {"cells": cells}, page=lambda: outputs.page(answer),
         )  # fmt: skip
     elif options.output:
-        from vibro.files.csv_tables import column_of
-
         keys = dict.fromkeys(key for cell in cells for key in cell)
         table = {key: column_of([cell.get(key) for cell in cells]) for key in keys}
         with outputs:
-            outputs.write(lambda: {"": table}, dict, {"cells": cells}, {"html": page})
+            page = {"html": lambda _: outputs.page(answer)}
+            outputs.write(lambda: {"": table}, dict, {"cells": cells}, page)
     if options.json:
         print(json.dumps(cells, indent=2, allow_nan=False))
     elif whole and not outputs.takes_stdout:
@@ -222,26 +200,23 @@ def answer_cells(
 
 def _cells(values: Any, block: Block) -> list[float | None]:
     """Return a quantity of each cell of a block; None where a scene has none."""
-    import numpy as np
-
-    size = block.cycle.status.size
     if values is None:
-        return [None] * size
+        return [None] * block.cycle.status.size
     found: list[float | None] = np.broadcast_to(values, block.shape).reshape(-1).tolist()
     return found
 
 
-def answer_sweep(run: Run, options: Options, argv: Sequence[str], console: Console, name: str) -> int:
+def answer_sweep(run: Run, options: Options, name: str) -> int:
     """Solve a grid and print its table, as CSV or as JSON; write files if the options name an output.
 
     Parameters and errors are those of ``write_sweep`` and ``Outputs``.
     """
-    from vibro.cli.sweeps import conclude, write_sweep
-    from vibro.sweeps.tally import Tally
-
+    console = options.console
     if options.output or not options.json:
-        outputs = Outputs(options, name, argv, console, forms=TABLES[:-1], pictures=(), default="-")
-        return conclude(write_sweep(run.grid, run.table, outputs, options, console), run.grid, console)
+        outputs = Outputs(options, name, forms=TABLES[:-1], pictures=(), default="-")
+        tally = write_sweep(run.grid, run.table, outputs)
+        outputs.tell_record()
+        return conclude(tally, run.grid, console)
     tally = Tally()
     between = "[\n"
     for block in sweep_blocks(run.grid):

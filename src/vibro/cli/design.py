@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
-from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options, option
 from vibro.errors import InputError
@@ -27,7 +24,6 @@ _SHOWN: Final = {
 
 
 def design_command(
-    context: typer.Context,
     options: Options,
     every: Annotated[bool, option("all", "Search other regimes too, and print all that is known.")] = False,
     digits: Annotated[
@@ -55,7 +51,7 @@ def design_command(
     from vibro.inverse.rounding import DIGITS
     from vibro.plots import DESIGN_PICTURES
 
-    console = Console(quiet=options.quiet)
+    console = options.console
     count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))
     source = options.scene
     if source is None:
@@ -63,10 +59,7 @@ def design_command(
     spec = read_spec(source)
     for doubt in spec.doubts():
         console.warn(doubt)
-    output = Outputs(
-        options, f"{spec.name}-design", context.obj, console, pictures=DESIGN_PICTURES, reads=[source]
-    )
-    with output:
+    with Outputs(options, f"{spec.name}-design", pictures=DESIGN_PICTURES) as output:
         with console.progress("searching", None) as report:
             result = find_designs(
                 spec,

@@ -5,18 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
-from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import AllOption, Options, option
+from vibro.cli.options import AllOption, Options, option, typed_names
 from vibro.cli.outputs import Outputs
 from vibro.core.codes import Status
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import QUANTITIES, kinetic_friction
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from matplotlib.figure import Figure
 
@@ -31,7 +28,6 @@ _SHOWS: Final = "Amplitude and speed over the frequency of the drive"
 
 
 def drive_command(
-    context: typer.Context,
     options: Options,
     fit: Annotated[
         Path | None,
@@ -69,13 +65,11 @@ def drive_command(
     Settings may be a list, setting=25,50,100; voltage=90:110, filling=0:2 and
     frictions may be bands, for which speeds are guaranteed. Several files are put side by side.
     """
-    console = Console(quiet=options.quiet)
     if fit is not None:
-        return _fit(fit, options, context.obj, console, law, amplitude_error)
-    for typed, value in (("--law", law), ("--amplitude-error", amplitude_error)):
-        if value is not None:
-            raise InputError(f"{typed} belongs to --fit", hint="add --fit POINTS.csv, or leave it out")
-    return _sheets(options, context.obj, console, every=every)
+        return _fit(fit, options, law, amplitude_error)
+    for typed in typed_names(law=law, amplitude_error=amplitude_error):
+        raise InputError(f"{typed} belongs to --fit", hint="add --fit POINTS.csv, or leave it out")
+    return _sheets(options, every=every)
 
 
 def _machine_file(path: Path) -> SceneFile:
@@ -89,7 +83,7 @@ def _machine_file(path: Path) -> SceneFile:
     return file
 
 
-def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: bool) -> int:
+def _sheets(options: Options, *, every: bool) -> int:
     """Print the set-up sheet of a machine, or those of several side by side, and write their files."""
     from vibro.answers.machine import cases, picture_texts, sheet_answer, sheets_answer
     from vibro.answers.set_up_sheet import make_sheet
@@ -97,8 +91,9 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
     if not options.files:
         hint = "vibro drive feeder.toml; or vibro drive --fit POINTS.csv fits a machine to amplitudes"
         raise InputError("a scene file with a machine is missing", hint=hint)
-    requests = {str(path): _request(path, options, argv, console) for path in options.files}
-    names = [Path(path).stem for path in requests]
+    requests = {
+        name: _request(path, options) for name, path in zip(options.names, options.files, strict=True)
+    }
     one = len(requests) == 1
     settings = options.given.get("setting", "")
     if not one and any(mark in settings for mark in ",:"):
@@ -106,17 +101,12 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
             f"setting={cut(settings)}: several machines are compared at one setting",
             hint="give one value, such as setting=50",
         )
-    if one or len({*names}) == len(names):  # else the paths tell them apart
-        requests = dict(zip(names, requests.values(), strict=True))
     pictures = {name: "response" if one else f"response-{i}" for i, name in enumerate(requests, 1)}
-    outputs = Outputs(
-        options, f"{names[0]}-drive", argv, console, pictures=[*pictures.values()], reads=options.files
-    )
-    with outputs:
+    with Outputs(options, f"{options.files[0].stem}-drive", pictures=[*pictures.values()]) as outputs:
         is_drawn = bool(outputs.pictures or outputs.texts)
         sheets = {}
         for name, request in requests.items():
-            with console.progress("guaranteeing", len(request.settings)) as bar:
+            with options.console.progress("guaranteeing", len(request.settings)) as bar:
                 sheets[name] = make_sheet(request, picture=is_drawn, progress=bar)
         answer = sheet_answer(next(iter(sheets)), *sheets.values()) if one else sheets_answer(sheets)
 
@@ -137,22 +127,19 @@ def _sheets(options: Options, argv: Sequence[str], console: Console, *, every: b
     return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
 
 
-def _request(path: Path, options: Options, argv: Sequence[str], console: Console) -> SheetRequest:
+def _request(path: Path, options: Options) -> SheetRequest:
     """Read what a sheet is made of."""
     from vibro.answers.set_up_sheet import SheetRequest
-    from vibro.cli.request import question, request_of
+    from vibro.cli.request import request_of
 
     file = _machine_file(path)
     assert file.machine is not None
     typed = dict(options.given)
     own = {name: spec.value for name, spec in file.scene.items() if not spec.varies}
     bands, settings = _bands(typed, file.machine, own), _settings(typed, file.machine)
-    options = options.of(path, given=typed)
-    request = request_of(options, argv)
-    question(request, console)
+    values = request_of(options.of(path, given=typed)).fixed
     if doubt := file.machine.doubt(max(bands.get("filling", (0.0,)))):
-        console.warn(doubt)
-    values = request.fixed
+        options.console.warn(doubt)
     if "friction_ratio" in values:
         ratio = values.pop("friction_ratio")
         if "static_friction" in bands:
@@ -215,14 +202,7 @@ def _bands(
     return {name: bands[name] for name in _BANDS if name in bands}
 
 
-def _fit(
-    path: Path,
-    options: Options,
-    argv: Sequence[str],
-    console: Console,
-    law: str | None,
-    amplitude_error: str | None,
-) -> int:
+def _fit(path: Path, options: Options, law: str | None, amplitude_error: str | None) -> int:
     """Fit a machine to points, print the estimates and a table ``[machine]``, and write files."""
     from vibro.answers.response import columns, draw_fit, fit_answer, fit_points
 
@@ -236,10 +216,7 @@ def _fit(
     if len(options.files) > 1:
         raise InputError("--fit takes one file", hint="leave the others out")
     given = _machine_file(options.files[0]).machine if options.files else None
-    outputs = Outputs(
-        options, f"{path.stem}-fit", argv, console, pictures=("response",), reads=(path, *options.files)
-    )
-    with outputs:
+    with Outputs(options, f"{path.stem}-fit", pictures=("response",), reads=[path]) as outputs:
         fit = fit_points(path, given, law, amplitude_error)
         answer = fit_answer(fit, path, given)
         outputs.write_answer(

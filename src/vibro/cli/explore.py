@@ -9,20 +9,16 @@ import sys
 import threading
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Options  # typer reads the annotations
+from vibro.cli.options import Options, option  # typer reads the annotations
 from vibro.errors import FileError, InputError, how_to_install
 from vibro.interrupts import tidy_up
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from vibro.cli.console import Console
     from vibro.sweeps.request import Request
-
-__all__ = ["explore_command"]
 
 _GOODBYE: Final = b"goodbye: the page gets no more answers\n"
 _PATIENCE: Final = 20.0  # [s] until the console says that no browser has opened the page
@@ -30,14 +26,13 @@ _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the 
 
 
 def explore_command(
-    context: typer.Context,
     options: Options,
     port: Annotated[
         str,
-        typer.Option("--port", metavar="PORT", help="Port to listen on; if it is taken, the next free one."),
+        option("port", "Port to listen on; if it is taken, the next free one.", "PORT"),
     ] = "8765",
     no_open: Annotated[
-        bool, typer.Option("--no-open", help="Print the page's address without opening a browser.")
+        bool, option("no-open", "Print the page's address without opening a browser.")
     ] = False,
 ) -> int:
     """Explore a scene in the browser: move its quantities, and see the map, the numbers and the motion.
@@ -46,10 +41,10 @@ def explore_command(
     safety nut. Only one browser on this computer can open the page; Ctrl-C ends it. Install with
     pip install '.[explore]' in the project's folder.
     """
-    from vibro.cli.console import Console, print_unexpected, tell_traceback
-    from vibro.cli.request import question, whole_number
+    from vibro.cli.console import print_unexpected, tell_traceback
+    from vibro.cli.request import whole_number
 
-    console = Console(quiet=options.quiet)
+    console = options.console
     wanted = whole_number("--port", port)
     _check_extra()
     from vibro.explore.server import PORTS, serve
@@ -57,9 +52,7 @@ def explore_command(
 
     if wanted not in PORTS:
         raise InputError(f"--port {wanted}: must be in [{PORTS.start}, {PORTS.stop - 1}]")
-    request = _request(options, context.obj)
-    if request:
-        question(request, console)
+    request = _request(options)
 
     def announce(url: str, bound: int, begun: threading.Event) -> None:
         if bound != wanted:
@@ -115,14 +108,14 @@ def _check_extra() -> None:
         raise FileError("vibro explore needs starlette and uvicorn", hint=how_to_install("explore")) from None
 
 
-def _request(options: Options, argv: Sequence[str]) -> Request | None:
+def _request(options: Options) -> Request | None:
     """Read the given scene, if any: its values are the operating point, its axes those of the map."""
     if options.scene is None and not options.given:
         return None
     from vibro.cli.request import request_of
     from vibro.sweeps.request import RANGES
 
-    return request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES)
+    return request_of(options, reads_map=True, takes_axes=True, ranges=RANGES)
 
 
 def _open(url: str, begun: threading.Event, console: Console) -> None:

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from vibro.cli.console import Console
-    from vibro.cli.options import Options
     from vibro.cli.outputs import Outputs
     from vibro.cli.sweeps import Pictures
     from vibro.sweeps.tally import Tally
@@ -26,8 +25,6 @@ def write_stored(
     plan: Plan,
     outputs: Outputs,
     workers: int | str | None,
-    options: Options,
-    console: Console,
     pictures: Pictures | None,
 ) -> Tally:
     """Solve a sweep into a folder, and write its pictures and its record beside, if they are wanted.
@@ -40,8 +37,8 @@ def write_stored(
         Where to.
     workers : int, str or None
         As of ``vibro.write_sweep``.
-    options, console, pictures
-        As for ``write_sweep``.
+    pictures : Pictures or None
+        What to draw.
 
     Returns
     -------
@@ -54,25 +51,24 @@ def write_stored(
         If the files cannot be written, or the folder holds something else.
     """
     from vibro.cli.sweeps import byte_count, drawn
-    from vibro.tables.record import json_text, sweep_record
+    from vibro.tables.record import sweep_record
     from vibro.tables.writing import write_folder
 
-    folder = outputs.folder
+    options, console, folder = outputs.options, outputs.options.console, outputs.folder
     assert folder is not None
-    argv = ["vibro", *outputs.argv]
+    argv = ["vibro", *options.argv]
     with outputs:
         with _progress(console, folder, plan) as report:
             summary = write_folder(folder, plan, workers, argv, force=options.force, report=report)
         content = {**sweep_record(plan.grid, plan.table, summary.tally.told()), "digest": summary.digest}
         with drawn(pictures, console, summary.tally) as figures:
-            record = outputs.finish(content, figures)
+            outputs.finish(content, figures)
     shards = f"{plan.shards} shard{'' if plan.shards == 1 else 's'}"
     size = f"{byte_count(summary.size)}, {summary.size / plan.grid.size:.1f} bytes a cell"
     is_new = any(made.is_new for made in summary.made.values())
     said = "wrote" if is_new else "complete already:"
     console.echo(f"{said} {folder}: {shards}, {size}; digest {summary.digest}")
-    if options.json:
-        print(json_text({"folder": str(folder), "shards": plan.shards, "bytes": summary.size, **record}))
+    outputs.tell_record(folder=str(folder), shards=plan.shards, bytes=summary.size)
     return summary.tally
 
 

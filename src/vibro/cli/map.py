@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from vibro.cli.console import Console
 from vibro.cli.options import (
     CoexistOption,
     Options,
     RegimesOnlyOption,
     option,
     refuse_without_flight,
+    typed_names,
 )
 from vibro.cli.outputs import MAPS, Outputs
 from vibro.cli.table_options import (
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
 
 
 def map_command(
-    context: typer.Context,
     options: Options,
     x: Annotated[str | None, option("x", "Horizontal axis of pictures.", "AXIS")] = None,
     y: Annotated[str | None, option("y", "Vertical axis of pictures.", "AXIS")] = None,
@@ -77,9 +74,13 @@ def map_command(
     if options.scene is not None and options.scene.is_dir():
         from vibro.cli.stored_map import map_stored
 
-        return map_stored(context, options, x, y, at or [], show or [], speed)
+        unused = typed_names(
+            pack=options.pack, decimal_comma=options.decimal_comma, regimes_only=regimes_only,
+            coexist=coexist, columns=columns, pitch=pitch, mass=mass, workers=workers,
+        )  # fmt: skip
+        return map_stored(options, x, y, at or [], show or [], speed, unused=unused)
     from vibro.cli.folders import write_stored
-    from vibro.cli.request import question, request_of
+    from vibro.cli.request import request_of
     from vibro.cli.sweeps import Pictures, conclude, write_sweep
     from vibro.cli.target_speed import TargetSpeed
     from vibro.quantities import LEAST_SPEED, checked_number
@@ -90,7 +91,7 @@ def map_command(
     from vibro.sweeps.solved import pictures_of, view_of
     from vibro.tables.plan import Plan
 
-    console = Console(quiet=options.quiet)
+    console = options.console
     shown = shown_pictures(show or [])
     output = Output.REGIMES if regimes_only else Output.EXACT
     for typed, given in ((f"--show {','.join(shown)}", shown), ("--coexist", coexist)):
@@ -100,18 +101,14 @@ def map_command(
     if target_speed is not None and output is not Output.EXACT:
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
-    request = request_of(options, context.obj, varies=True, reads_map=True, takes_axes=True, ranges=RANGES)
-    question(request, console)
+    request = request_of(options, varies=True, reads_map=True, takes_axes=True, ranges=RANGES)
     grid = request.grid(output, flight=output is Output.EXACT, coexistence=coexist)
     console.echo_all(map(str, grid.told_axes.values()))
     table = table_of(grid, columns, throughput_of(part), needed=NEEDS_PART, part=part)
     view, held = view_of(grid, x, y, held_axes(at or []), "--at")
     names = pictures_of(grid, view, on_request=False) + shown
     name = request.name or "vibro-map"
-    outputs = Outputs(
-        options, name, context.obj, console, forms=MAPS,
-        pictures=names, reads=[options.scene], default=name,
-    )  # fmt: skip
+    outputs = Outputs(options, name, forms=MAPS, pictures=names, default=name)
     made_by = _workers(workers, outputs)
     if outputs.folder and target_speed is not None:
         raise InputError("--speed: not told of a folder", hint="vibro map NAME.parquet --speed draws it")
@@ -141,9 +138,10 @@ def map_command(
 
     if outputs.folder:
         plan = Plan.of(grid, table, request.name or "", request.own)
-        tally = write_stored(plan, outputs, made_by, options, console, pictures)
+        tally = write_stored(plan, outputs, made_by, pictures)
     else:
-        tally = write_sweep(grid, table, outputs, options, console, pictures, look)
+        tally = write_sweep(grid, table, outputs, pictures, look)
+        outputs.tell_record()
     code = conclude(tally, grid, console)
     if target:
         console.echo(target.text(tally.peaks.get("fastest")))

@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
-from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import AllOption, Options, option
 from vibro.cli.outputs import PICTURES
@@ -16,7 +13,7 @@ from vibro.errors import InputError, argument, cut, shown
 from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
     from pathlib import Path
 
     from matplotlib.figure import Figure
@@ -39,7 +36,6 @@ _ANY_FRICTION: Final = {"static_friction": "1", "kinetic_friction": "1"}
 
 
 def measure_command(
-    context: typer.Context,
     options: Options,
     time: Annotated[str | None, option("time", "Column of the time.", "HEADER", hidden=True)] = None,
     displacement: Annotated[
@@ -80,14 +76,14 @@ def measure_command(
     """
     from vibro.answers.measurement import measurement_answer
     from vibro.cli.outputs import Outputs
-    from vibro.cli.request import question, request_of
+    from vibro.cli.request import question, read_request
     from vibro.files.scene_files import read_scene_file
     from vibro.quantities import LOAD, MASS, checked_number
     from vibro.records.measurement import measure
     from vibro.records.reading import read_record
     from vibro.records.signals import read_sensitivities
 
-    console, argv = Console(quiet=options.quiet), context.obj
+    console = options.console
     options, data = _scene_and_record(options)
     body = None if mass is None else checked_number(mass, MASS)
     given = {
@@ -118,21 +114,20 @@ def measure_command(
 
     tables, pictures = (("", "summary"), ("",)) if compares else (("",), ())
     outputs = Outputs(
-        options, f"{data.stem}-measured", argv, console, forms=FORMS, tables=tables, pictures=pictures,
-        reads=(data, options.scene),
-    )  # fmt: skip
+        options, f"{data.stem}-measured", forms=FORMS, tables=tables, pictures=pictures, reads=[data]
+    )
     with outputs:
         trough, found = None, set[str]()
         if record.trough:
             rest = {} if has_friction or compares else _ANY_FRICTION
             trough, request = _measured_trough(
-                record, options, argv, scene, rest, reverse=reverse, compares=compares, fits=fit is not None
+                record, options, scene, rest, reverse=reverse, compares=compares, fits=fit is not None
             )
             request = replace(request, specs={n: s for n, s in request.specs.items() if n not in rest})
             found = {*trough.drive.quantities, LOAD.name}
             console.echo_all(trough.notes)
         else:
-            request = request_of(options, argv, without_machine=_NO_MACHINE)
+            request = read_request(options, without_machine=_NO_MACHINE)
         question(request, console, found)
         with console.progress("fitting" if fit else "comparing", None) as bar:
             m = measure(
@@ -181,7 +176,6 @@ def _scene_and_record(options: Options) -> tuple[Options, Path]:
 def _measured_trough(
     record: Record,
     options: Options,
-    argv: Sequence[str],
     scene: Mapping[str, AxisSpec],
     rest: Mapping[str, str],
     *,
@@ -193,7 +187,7 @@ def _measured_trough(
 
     ``scene`` is the scene file's; ``rest`` stands for what neither that nor the options give.
     """
-    from vibro.cli.request import request_of
+    from vibro.cli.request import read_request
     from vibro.quantities import checked_number
     from vibro.records.trough_drives import MEASURED, trough_drive
 
@@ -207,7 +201,7 @@ def _measured_trough(
 
     def with_drive(drive: Mapping[str, str], measured: set[str]) -> Request:
         filled = replace(options, given={**kept, **rest, **drive})
-        return request_of(filled, argv, without_machine=_NO_MACHINE, measured=measured)
+        return read_request(filled, without_machine=_NO_MACHINE, measured=measured)
 
     others = _others(with_drive(_ANY_DRIVE, {*MEASURED}))
     own = {name: spec.values[0] for name, spec in scene.items() if name in MEASURED}

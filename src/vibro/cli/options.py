@@ -5,13 +5,14 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping  # get_type_hints reads it
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Final, get_origin, get_type_hints
 
 import typer
 
+from vibro.cli.console import Console
 from vibro.cli.outputs import SERIES
 from vibro.core.codes import Output
 from vibro.errors import InputError, cut, did_you_mean, shown
@@ -29,6 +30,11 @@ def option(
     """Declare an option, whose default its text tells; hidden ones are shown by ``--help-all``."""
     names = [short, f"--{name}"] if short else [f"--{name}"]
     return typer.Option(*names, metavar=metavar, help=text, show_default=False, hidden=hidden, **more)
+
+
+def typed_names(**values: object) -> list[str]:
+    """Name the options that were typed, by their parameters."""
+    return [f"--{name.replace('_', '-')}" for name, value in values.items() if value]
 
 
 RegimesOnlyOption = Annotated[
@@ -99,10 +105,14 @@ HelpAllOption = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What the shared options say, as typed.
+    """What the shared options say, as typed, and where messages go.
 
     Attributes
     ----------
+    console : Console
+        For messages of the run.
+    argv : tuple of str
+        All arguments, the command first.
     files : tuple of Path
         The files among the arguments.
     given : mapping of str to str
@@ -111,6 +121,8 @@ class Options:
         Quantities of the command alone, by their names.
     """
 
+    console: Console
+    argv: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)
     own: Mapping[str, str] = field(default_factory=dict)
@@ -139,20 +151,25 @@ class Options:
         """The scene file, or None."""
         return self.files[0] if self.files else None
 
+    @property
+    def names(self) -> list[str]:
+        """What tells the files apart: their names without endings, or their paths where these are alike."""
+        stems = [path.stem for path in self.files]
+        return stems if len({*stems}) == len(stems) else [*map(str, self.files)]
+
     def of(self, *files: Path, **changed: Any) -> Options:
         """Return the same with other files."""
         return replace(self, files=files, **changed)
 
 
-_OF_TABLE: Final = ("json", "decimal_comma")
-_OF_ANSWER: Final = ("output", *_OF_TABLE, "force")
+_OF_ANSWER: Final = ("output", "json", "decimal_comma", "force")
 _NAMED: Final = re.compile(r"([A-Za-z_][\w -]*?)\s*=\s*(.*)", re.DOTALL)
 _NUMBER: Final = re.compile(r"[+\N{MINUS SIGN}-]?\.?[0-9][0-9.,:eE+-]*\s*[\w/%\N{DEGREE SIGN}^ ]*")
 
 
 def read_arguments(
     texts: Sequence[str], most: int | None, more: Mapping[str, Quantity], options: Collection[str]
-) -> tuple[tuple[Path, ...], dict[str, str]]:
+) -> tuple[tuple[Path, ...], list[tuple[Quantity, str]]]:
     """Tell the files and the quantities among the arguments of a command.
 
     Parameters
@@ -168,46 +185,29 @@ def read_arguments(
 
     Returns
     -------
-    tuple of Path, dict of str to str
-        The files, and quantities by their names.
+    tuple of Path, list of tuple of Quantity and str
+        The files, and quantities with their values.
 
     Raises
     ------
     InputError
-        If an argument is neither, or a quantity is given twice.
+        If an argument is neither.
     """
     files: list[Path] = []
-    given: dict[str, str] = {}
+    given: list[tuple[Quantity, str]] = []
     for text in texts:
-        found = _NAMED.fullmatch(text)
-        if found and not Path(text).exists():
+        is_there = _exists(text)
+        if not is_there and (found := _NAMED.fullmatch(text)):
             quantity = _own(found[1], more) or find_quantity(found[1])
             if quantity is None or not quantity.options:
                 names = [q.column for q in (*QUANTITIES.values(), *more.values())]
                 hint = did_you_mean(found[1], names) or "--help-all lists the quantities"
                 hint = f"write --{found[1]} {found[2]}" if f"--{found[1]}" in options else hint
                 raise InputError(f"{cut(text)}: {shown(found[1])} is no quantity", hint=hint)
-            if quantity.name in given:
-                raise InputError(f"{quantity.label} is given twice", hint="give it once")
-            given[quantity.name] = found[2]
-        elif text.startswith(("=", "\N{EN DASH}", "\N{EM DASH}")) or text.endswith("="):
-            raise InputError(
-                f"{cut(text)}: neither an option nor a quantity",
-                hint="write NAME=VALUE without blanks, and options with a hyphen, -A 1mm",
-            )
-        elif text.casefold() in _UNITS or (_NUMBER.fullmatch(text) and not Path(text).exists()):
-            raise InputError(
-                f"{cut(text)}: a value without its option, such as -A or gravity=",
-                hint="a number and its unit are one word, -A 1mm; in PowerShell quote a list, -A '1,2,3'",
-            )
-        elif (quantity := find_quantity(text)) and not Path(text).exists():
-            raise InputError(
-                f"{text}: {quantity.label} without its value",
-                hint=f"write {quantity.typed()}; several names are one word, such as mu_s,mu_d",
-            )
-        elif text == "vibro" and not Path(text).exists():
-            raise InputError("vibro: a command within a command", hint="type one command")
+            given.append((quantity, found[2]))
         else:
+            if not is_there:
+                _refuse_slip(text)
             files.append(Path(text))
     if most is not None and len(files) > most:
         told = " and ".join(map(str, files[:2]))
@@ -216,6 +216,34 @@ def read_arguments(
             hint="leave one out; vibro solve and vibro drive put several side by side",
         )
     return tuple(files), given
+
+
+def _exists(text: str) -> bool:
+    try:
+        return Path(text).exists()
+    except OSError:  # a long list is too long for the name of a file
+        return False
+
+
+def _refuse_slip(text: str) -> None:
+    """Refuse what names no file that exists and is probably a slip: a value, or a quantity, alone."""
+    if text.startswith(("=", "\N{EN DASH}", "\N{EM DASH}")) or text.endswith("="):
+        raise InputError(
+            f"{cut(text)}: neither an option nor a quantity",
+            hint="write NAME=VALUE without blanks, and options with a hyphen, -A 1mm",
+        )
+    if text.casefold() in _UNITS or _NUMBER.fullmatch(text):
+        raise InputError(
+            f"{cut(text)}: a value without its option, such as -A or gravity=",
+            hint="a number and its unit are one word, -A 1mm; in PowerShell quote a list, -A '1,2,3'",
+        )
+    if quantity := find_quantity(text):
+        raise InputError(
+            f"{text}: {quantity.label} without its value",
+            hint=f"write {quantity.typed()}; several names are one word, such as mu_s,mu_d",
+        )
+    if text == "vibro":
+        raise InputError("vibro: a command within a command", hint="type one command")
 
 
 def _own(called: str, more: Mapping[str, Quantity]) -> Quantity | None:
@@ -260,7 +288,6 @@ def shares_options(
     most: int | None = 1,
     of_scene: bool = True,
     of_answer: bool = True,
-    of_table: bool = True,
     forms: Sequence[str] = SERIES,
     more: Sequence[Quantity] = (),
     first: Sequence[str] = _FIRST,
@@ -270,7 +297,7 @@ def shares_options(
     Parameters
     ----------
     run : callable
-        ``run(context, options, **own)``, where ``own`` are the command's own options; returns the exit code.
+        ``run(options, **own)``, where ``own`` are the command's own options; returns the exit code.
     files : str
         How help calls the files that it takes.
     most : int or None
@@ -279,8 +306,6 @@ def shares_options(
         Whether it takes the quantities of a scene.
     of_answer : bool
         Whether it has an answer, which can be printed and written to files.
-    of_table : bool
-        Whether that answer is numbers, which can be written as CSV or JSON.
     forms : sequence of str
         Endings of the files that it can write.
     more : sequence of Quantity
@@ -293,48 +318,44 @@ def shares_options(
     callable
         Whose signature has a parameter for every shared option, as typer needs it.
     """
-    annotations = get_type_hints(Options, include_extras=True)
+    kinds = {**get_type_hints(Options, include_extras=True), "output": output_option(forms)}
     quantities = [name for name, quantity in QUANTITIES.items() if of_scene and quantity.is_option]
-    left_out = {
-        *([] if of_scene else ["pack"]),
-        *([] if of_answer else _OF_ANSWER),
-        *([] if of_table else _OF_TABLE),
-    }
+    left_out = {*([] if of_scene else ["pack"]), *([] if of_answer else _OF_ANSWER)}
     own_ones = {quantity.name: quantity for quantity in more}
     metavar = f"{files}{' [NAME=VALUE]...' if of_scene else ''}"
     argument = typer.Argument(
         metavar=metavar, help="Files; other quantities, such as gravity=3.7.", show_default=False, hidden=True
     )
     shared = [_parameter("arguments", None, Annotated[list[str] | None, argument])]
-    for f in fields(Options):
-        if f.name == "given":
-            shared += [_quantity_parameter(QUANTITIES[name], hidden=name not in first) for name in quantities]
-        elif f.name not in ("files", "own", *left_out):
-            is_output = f.name == "output"
-            kind = output_option(forms) if is_output else annotations[f.name]
-            shared.append(_parameter(f.name, f.default, kind))
-    context, _, *own = inspect.signature(run, eval_str=True).parameters.values()
+    shared += [_quantity_parameter(QUANTITIES[name], hidden=name not in first) for name in quantities]
+    shared += [
+        _parameter(f.name, f.default, kinds[f.name])
+        for f in fields(Options)
+        if get_origin(kinds[f.name]) is Annotated and f.name not in left_out
+    ]
+    _, *own = inspect.signature(run, eval_str=True).parameters.values()
 
     @functools.wraps(run)
-    def command(**values: Any) -> int:
+    def command(context: typer.Context, **values: Any) -> int:
         typed = {p.name: values.pop(p.name) for p in shared}
-        texts = {name: typed.pop(name) for name in quantities}
-        given = {}
-        for name, (text, *again) in [(name, found) for name, found in texts.items() if found]:
-            if again:
-                raise InputError(f"{QUANTITIES[name].label} is given twice", hint="give it once")
-            given[name] = text.removeprefix("=")  # of -A=0.8
-        known = {name for parameter in values[context.name].command.params for name in parameter.opts}
+        texts = [(QUANTITIES[name], text) for name in quantities for text in typed.pop(name) or ()]
+        known = {name for parameter in context.command.params for name in parameter.opts}
         paths, named = read_arguments(typed.pop("arguments") or (), most, own_ones, known)
-        beside = {name: named.pop(name) for name in own_ones if name in named}
-        for name in named:
-            if not of_scene:
-                raise InputError(f"{QUANTITIES[name].label}: not used by this command", hint="leave it out")
-            if name in given:
-                raise InputError(f"{QUANTITIES[name].label} is given twice", hint="give it once")
-        options = Options(**typed, files=paths, given={**given, **named}, own=beside)
-        return run(values.pop(context.name), options, **values)
+        given: dict[str, str] = {}
+        for quantity, text in (*texts, *named):
+            if quantity.name in given:
+                raise InputError(f"{quantity.label} is given twice", hint="give it once")
+            given[quantity.name] = text.removeprefix("=")  # of -A=0.8
+        beside = {name: given.pop(name) for name in own_ones if name in given}
+        for name in given if not of_scene else ():
+            raise InputError(f"{QUANTITIES[name].label}: not used by this command", hint="leave it out")
+        console = Console(quiet=typed["quiet"])
+        options = Options(
+            **typed, console=console, argv=tuple(context.obj), files=paths, given=given, own=beside
+        )
+        return run(options, **values)
 
+    context = _parameter("context", inspect.Parameter.empty, typer.Context)
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (context, *shared, *own)]
     command.more = more  # type: ignore[attr-defined]  # for help
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]

@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibro.answers.answer import Answer
-    from vibro.cli.console import Console
     from vibro.cli.options import Options
-    from vibro.files.csv_tables import TableColumns
+    from vibro.files.csv_tables import CsvFormat, TableColumns
     from vibro.sweeps.request import Request
 
 #: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
@@ -35,7 +34,6 @@ MAPS: Final = ("csv", "xlsx", "parquet", "json", *PICTURES)
 TABLES: Final = ("csv", "xlsx", "json", "html")
 _OF_A_STEM: Final = ("csv", "json", "png")  # as far as a command can write them
 _TEXTS: Final = ("html", "toml")
-_DESCRIBED: Final = ("csv", "xlsx")  # by a JSON of the same stem
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
 _NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
@@ -48,19 +46,15 @@ class Outputs:
     Parameters
     ----------
     options : Options
-        What ``-o`` says, and whether files are replaced.
+        What ``-o`` says, and whether files are replaced; their files never are.
     name : str
         The files' name where the options name a folder.
-    argv : sequence of str
-        The arguments as typed.
-    console : Console
-        For messages.
     forms : sequence of str
         Endings of what the command can write.
     tables, pictures : sequence of str
         What is appended to a stem for each table, and for each picture; the first table bears the stem alone.
-    reads : sequence of Path or None
-        Files that are never replaced: the run's own input.
+    reads : sequence of Path
+        Further files that the run reads, which are never replaced.
     default : str, optional
         What is written without ``-o``.
 
@@ -76,6 +70,8 @@ class Outputs:
         Form of each file that is one text: a page, a scene file.
     records : dict of Path to None
         Files that describe the run.
+    record : dict
+        What they say, once the run is finished.
 
     Raises
     ------
@@ -87,71 +83,83 @@ class Outputs:
         self,
         options: Options,
         name: str,
-        argv: Sequence[str],
-        console: Console,
         *,
         forms: Sequence[str] = SERIES,
         tables: Sequence[str] = ("",),
         pictures: Sequence[str] = ("",),
-        reads: Sequence[Path | None] = (),
+        reads: Sequence[Path] = (),
         default: str | None = None,
     ) -> None:
-        self.takes_stdout, self.folder = False, None
+        self.options, self.takes_stdout = options, False
+        self.folder: Path | None = None
         self.tables: dict[Path, tuple[str, str]] = {}
         self.pictures: dict[Path, tuple[str, str]] = {}
         self.texts: dict[Path, str] = {}
         self.records: dict[Path, None] = {}
+        self.record: dict[str, Any] = {}
         self._written: list[Path] = []
-        self.argv, self._console, self._force = argv, console, options.force
-        self._reads = [path for path in reads if path is not None]
-        self._has_record = _has_record(forms)
-        self._decimal_comma, self._json = options.decimal_comma, options.json
-        given = options.output or ([] if default is None else [default])
-        for text in given:
-            if text == "-" and "csv" not in forms and _has_record(forms):
-                raise InputError("-o -: this answer has no table", hint="--json prints it")
+        self._reads = (*options.files, *reads)
+        has_record = len(forms) > 1  # a JSON that is alone is the answer itself
+        for text in options.output or ([] if default is None else [default]):
             if text == "-":
+                if "csv" not in forms and has_record:
+                    raise InputError("-o -: this answer has no table", hint="--json prints it")
                 if options.json:
                     raise InputError("--json and -o - both want stdout", hint="leave one of them out")
                 self.takes_stdout = True
                 continue
             # the name by default is no folder, though one may be called so
             path, form = _place(text, name, forms) if options.output else (Path(text), "")
-            if form == "parquet":
-                if self.folder not in (None, path):
-                    raise InputError(
-                        f"-o {self.folder} and -o {path}: a run makes one folder",
-                        hint="leave one of them out",
-                    )
-                self.folder = path
             if form in PICTURES and not pictures:
                 raise InputError(f"-o {text}: there is nothing to draw", hint="leave it out")
-            for kind in [form] if form else [form for form in _OF_A_STEM if form in forms]:
-                self._add(path, kind, tables, pictures, is_stem=not form)
-            if form in _DESCRIBED:
-                self.records[_suffixed(path.with_suffix(""), ".json")] = None
+            if form in _TEXTS or not has_record:
+                self.texts[path if form else _named(path, forms[0])] = form or forms[0]
+            elif form == "parquet":
+                self._set_folder(path)
+            elif form:
+                self._add(path.with_suffix(""), form, tables, pictures, path)
+            else:
+                for kind in (form for form in _OF_A_STEM if form in forms):
+                    self._add(path, kind, tables, pictures)
 
         is_csv = self.takes_stdout or any(form == "csv" for _, form in self.tables.values())
         if options.decimal_comma and not is_csv:
             raise InputError("--decimal-comma: no CSV is written", hint="add -o NAME.csv, or leave it out")
 
+    def _set_folder(self, path: Path) -> None:
+        if self.folder not in (None, path):
+            raise InputError(
+                f"-o {self.folder} and -o {path}: a run makes one folder", hint="leave one of them out"
+            )
+        self.folder = path
+
     def _add(
-        self, path: Path, form: str, tables: Sequence[str], pictures: Sequence[str], *, is_stem: bool
+        self,
+        stem: Path,
+        form: str,
+        tables: Sequence[str],
+        pictures: Sequence[str],
+        alone: Path | None = None,
     ) -> None:
-        """Add the files of a form, which are named by the path as it is, or by what is appended to a stem."""
-        stem = path if is_stem else path.with_suffix("")
-        if form == "json" and self._has_record:
-            self.records[_suffixed(stem, ".json") if is_stem else path] = None
-        elif form in _TEXTS:
-            self.texts[path] = form
-        elif form in PICTURES:
+        """Add the files of a form; the first table, the only picture or the record may have a name alone."""
+        if form in PICTURES:
             for name in pictures:
-                alone = not is_stem and len(pictures) == 1
-                self.pictures[path if alone else _suffixed(stem, _ending(name, form))] = name, form
-        elif form != "parquet":
+                own = alone if len(pictures) == 1 else None
+                self.pictures[own or _named(stem, form, name)] = name, form
+        elif form == "json":
+            self.records[alone or _named(stem, form)] = None
+        else:
             for name in tables:
-                first = not is_stem and name == tables[0]
-                self.tables[path if first else _suffixed(stem, _ending(name, form))] = name, form
+                own = alone if name == tables[0] else None
+                self.tables[own or _named(stem, form, name)] = name, form
+            self.records[_named(stem, "json")] = None
+
+    @property
+    def csv_format(self) -> CsvFormat:
+        """How CSVs are written."""
+        from vibro.files.csv_tables import CsvFormat
+
+        return CsvFormat(decimal_comma=self.options.decimal_comma)
 
     def __enter__(self) -> Self:
         from vibro.tables.files import whole_files
@@ -165,14 +173,14 @@ class Outputs:
                     " program can read it",
                     hint="choose another place, such as -o out/nut",
                 )
-        self._whole = whole_files(targets, force=self._force, reads=self._reads)
+        self._whole = whole_files(targets, force=self.options.force, reads=self._reads)
         self.waiting = self._whole.__enter__()
         return self
 
     def __exit__(self, *raised: Any) -> None:
         self._whole.__exit__(*raised)
         if raised[0] is None:
-            self._console.echo_all(f"wrote {path}" for path in self._written)
+            self.options.console.echo_all(f"wrote {path}" for path in self._written)
 
     def write(
         self,
@@ -197,9 +205,7 @@ class Outputs:
         figures = draw() if self.pictures or "html" in self.texts.values() else _NOTHING
         self.write_texts({form: partial(make, figures) for form, make in texts.items()})
         if self.tables or self.takes_stdout:
-            from vibro.files.csv_tables import CsvFormat
-
-            form, made = CsvFormat(decimal_comma=self._decimal_comma), tables()
+            form, made = self.csv_format, tables()
             for path, (name, _) in self.tables.items():
                 self.waiting[path].write_bytes(form.table(made[name]))
             if self.takes_stdout:
@@ -239,29 +245,19 @@ class Outputs:
     def tell(self, answer: Answer, *, every: bool = False) -> None:
         """Print an answer, unless stdout has its table."""
         if not self.takes_stdout:
-            print(answer.json() if self._json else answer.text(every=every))
+            print(answer.json() if self.options.json else answer.text(every=every))
 
     def page(self, answer: Answer, pictures: Mapping[str, Figure] = _NOTHING) -> str:
         """Return the page of an answer, with the warnings about it and the command that was typed."""
-        notes = [*self._console.warnings, *answer.notes]
-        return replace(answer, notes=notes).html(pictures, shlex.join(["vibro", *self.argv]))
+        notes = [*self.options.console.warnings, *answer.notes]
+        return replace(answer, notes=notes).html(pictures, shlex.join(["vibro", *self.options.argv]))
 
     def write_texts(self, texts: Mapping[str, Callable[[], str]]) -> None:
         """Write files of one text each, such as pages; ``texts`` makes them, by form."""
         for path, form in self.texts.items():
             self.waiting[path].write_text(texts[form](), encoding="utf-8")
 
-    def write_text(self, text: str, content: Mapping[str, Any] = _NOTHING) -> None:
-        """Write a text in place of tables, and the record."""
-        for path in self.tables:
-            self.waiting[path].write_text(text, encoding="utf-8")
-        if self.takes_stdout:
-            print(text, end="")
-        self.finish(content)
-
-    def finish(
-        self, content: Mapping[str, Any] = _NOTHING, figures: Mapping[str, Figure] = _NOTHING
-    ) -> dict[str, Any]:
+    def finish(self, content: Mapping[str, Any] = _NOTHING, figures: Mapping[str, Figure] = _NOTHING) -> None:
         """Write pictures and the record; on leaving all files get their names, the record last.
 
         Parameters
@@ -270,32 +266,31 @@ class Outputs:
             What the record says beside version, arguments and files.
         figures : mapping
             The pictures by their names; those that are missing are not made.
-
-        Returns
-        -------
-        dict
-            The record.
         """
         from vibro.tables.record import json_text, picture_metadata, run_record
 
         pictures = {path: which for path, which in self.pictures.items() if which[0] in figures}
         self._written = [*self.tables, *self.texts, *pictures, *self.records]
-        record = {**run_record(self.argv, content), "files": [path.name for path in self._written]}
+        self.record = {
+            **run_record(self.options.argv, content),
+            "files": [path.name for path in self._written],
+        }
         if self.pictures and not pictures:
-            self._console.echo("no pictures: there is nothing to draw")
+            self.options.console.echo("no pictures: there is nothing to draw")
         if pictures:
             from vibro.plots import save
 
             for path, (name, form) in pictures.items():
-                save(figures[name], self.waiting[path], form, picture_metadata(record))
+                save(figures[name], self.waiting[path], form, picture_metadata(self.record))
         for path in self.records:
-            self.waiting[path].write_text(json_text(record) + "\n", encoding="utf-8")
-        return record
+            self.waiting[path].write_text(json_text(self.record) + "\n", encoding="utf-8")
 
+    def tell_record(self, **more: Any) -> None:
+        """Print the record as JSON, if that is wanted, and before it what the files do not say."""
+        from vibro.tables.record import json_text
 
-def _has_record(forms: Sequence[str]) -> bool:
-    """Whether a JSON describes other files; one that is alone is the answer itself."""
-    return len(forms) > 1
+        if self.options.json:
+            print(json_text({**more, **self.record}))
 
 
 def scene_record(request: Request) -> dict[str, Any]:
@@ -336,10 +331,6 @@ def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:
     return path, ""
 
 
-def _suffixed(stem: Path, suffix: str) -> Path:
-    """Append a suffix to a stem: ``run1.5`` becomes ``run1.5.csv``."""
-    return stem.with_name(stem.name + suffix)
-
-
-def _ending(name: str, form: str) -> str:
-    return f"-{name}.{form}" if name else f".{form}"
+def _named(stem: Path, form: str, name: str = "") -> Path:
+    """Append an ending to a stem, and before it a name: ``run1.5`` becomes ``run1.5-speed.png``."""
+    return stem.with_name(f"{stem.name}-{name}.{form}" if name else f"{stem.name}.{form}")

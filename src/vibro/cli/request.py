@@ -6,7 +6,6 @@ import shlex
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from vibro.cli.console import Console
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, STANDS_FOR, Quantity, exact_number
@@ -15,6 +14,7 @@ from vibro.sweeps.request import gather
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
+    from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
@@ -59,9 +59,15 @@ def whole_number(option: str, text: str) -> int:
     return int(number)
 
 
-def request_of(
+def request_of(options: Options, found: Collection[str] = (), **wanted: Any) -> Request:
+    """Read a request as ``read_request`` does, and warn of unusual values, as ``question`` does."""
+    request = read_request(options, **wanted)
+    question(request, options.console, found)
+    return request
+
+
+def read_request(
     options: Options,
-    argv: Sequence[str],
     *,
     without_machine: str = "",
     measured: Collection[str] = (),
@@ -74,8 +80,6 @@ def request_of(
     ----------
     options : Options
         The shared options.
-    argv : sequence of str
-        The arguments as typed, the command first.
     without_machine : str
         Why the command takes no machine; empty if it does.
     measured : collection of str
@@ -101,14 +105,14 @@ def request_of(
             f"{options.scene}: [machine]: {without_machine}",
             hint="vibro solve tells the amplitude at its operating point: give that in place of [machine]",
         )
-    request = gather(options.given, file, _CommandLine(argv), pack=options.pack, **wanted)
+    request = gather(options.given, file, _CommandLine(options.argv), pack=options.pack, **wanted)
     if varies and not request.varying:
         example = QUANTITIES[request.drive[0]].typed("0.1:3:200")
         raise InputError("nothing varies", hint=f"give an axis, for example {example}")
     for name, text in options.given.items():
         if "," in text and name in request.specs and not request.specs[name].varies:  # a decimal comma
             quantity = QUANTITIES[name]
-            Console(quiet=options.quiet).echo(f"{quantity.label}: {quantity.text(request.specs[name].value)}")
+            options.console.echo(f"{quantity.label}: {quantity.text(request.specs[name].value)}")
     return request
 
 
@@ -121,7 +125,7 @@ def warn_of_machine(grid: Grid, console: Console) -> None:
             console.warn(text)
 
 
-def question(request: Request, console: Console, found: Collection[str] = ()) -> None:
-    """Warn of unusual values that are probably in wrong units."""
+def question(request: Request, console: Console, found: Collection[str]) -> None:
+    """Warn of unusual values, which are probably in wrong units, but for quantities that were found."""
     for doubt in request.doubts(found):
         console.warn(doubt)

@@ -48,8 +48,10 @@ def schema_command(
     from vibro.tables.record import json_text
 
     text = json_text(schema_of(FILES[kind])) + "\n"
-    options = Options(output=output or ["-"], force=force)
-    console = Console(quiet=quiet)
-    with Outputs(options, f"vibro-{kind}.schema", (), console, forms=("json",), pictures=()) as files:
-        files.write_text(text)
+    options = Options(console=Console(quiet=quiet), output=output or ["-"], force=force)
+    with Outputs(options, f"vibro-{kind}.schema", forms=("json",), pictures=()) as files:
+        files.write_texts({"json": lambda: text})
+        files.finish()
+    if files.takes_stdout:
+        print(text, end="")
     return ExitCode.DONE

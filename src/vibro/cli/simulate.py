@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
-from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options, option
 from vibro.errors import InputError, cut, shown
@@ -15,6 +12,7 @@ from vibro.quantities import START_HEIGHT, START_NORMAL_VELOCITY, START_PHASE, S
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from vibro.cli.console import Console
     from vibro.files.csv_tables import TableColumns
     from vibro.results.history import History
     from vibro.sweeps.request import Request
@@ -30,7 +28,6 @@ STARTS: Final = (START_PHASE, START_VELOCITY, START_HEIGHT, START_NORMAL_VELOCIT
 
 
 def simulate_command(
-    context: typer.Context,
     options: Options,
     cycles: Annotated[str | None, option("cycles", "Number of drive cycles [default: 3].", "N")] = None,
     duration: Annotated[
@@ -71,19 +68,17 @@ def simulate_command(
     """
     from vibro.answers.history import history_answer
     from vibro.cli.outputs import HISTORIES, Outputs, scene_record
-    from vibro.cli.request import question, request_of, warn_of_machine, whole_number
+    from vibro.cli.request import request_of, warn_of_machine, whole_number
     from vibro.motion.histories import simulate
     from vibro.quantities import CYCLES, DURATION, checked_number
 
-    console = Console(quiet=options.quiet)
     if panels is not None:  # before anything is computed
         from vibro.plots.history import choose_panels
 
         choose_panels(panels, flies=True)
-    request = request_of(options, context.obj)
-    question(request, console)
+    request = request_of(options)
     scene = request.scene()
-    warn_of_machine(request.grid(), console)
+    warn_of_machine(request.grid(), options.console)
     frequency = float(scene.frequency)
     if cycles is not None and duration is not None:
         raise InputError("--cycles and --duration are both given", hint="leave one of them out")
@@ -101,20 +96,15 @@ def simulate_command(
         "samples_per_cycle": rows,
     }
     name, tables = f"{request.name or 'vibro'}-history", ("", "phases")
-    with Outputs(
-        options, name, context.obj, console, forms=HISTORIES, tables=tables, reads=[options.scene]
-    ) as output:
+    with Outputs(options, name, forms=HISTORIES, tables=tables) as output:
         in_si = {q.name: float(q.to_si(value)) for q, value in zip(STARTS, start, strict=True)}
         history = simulate(scene, cycles=lasting, **in_si)
         output.write(
             lambda: _tables(history, rows),
-            lambda: {"": _figure(history, window, rows, panels, request, console)},
+            lambda: {"": _figure(history, window, rows, panels, request, options.console)},
             content,
         )
-    if output.takes_stdout:
-        return ExitCode.DONE
-    answer = history_answer(history, content, every=every)
-    print(answer.json() if options.json else answer.text())
+    output.tell(history_answer(history, content, every=every))
     return ExitCode.DONE
 
 

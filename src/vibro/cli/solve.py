@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
-
-import typer  # typer reads the annotations
 
 from vibro.cli.options import (
     AllOption,
@@ -14,6 +11,7 @@ from vibro.cli.options import (
     RegimesOnlyOption,
     option,
     refuse_without_flight,
+    typed_names,
 )
 from vibro.cli.table_options import (
     NEEDS_PART,
@@ -31,8 +29,6 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from vibro.cli.console import Console
-
 _MOST_CELLS: Final = 50  # of lists: a screen; more are a map's
 _NO_MACHINE: Final = (
     "--speed asks for an amplitude, which follows from the machine; vibro map FILE setting=10:100 --speed X"
@@ -45,7 +41,6 @@ _NEEDS: Final = {
 
 
 def solve_command(
-    context: typer.Context,
     options: Options,
     speed: Annotated[
         str | None,
@@ -73,8 +68,7 @@ def solve_command(
     A list, such as -A 1,1.5,2, or several files give a table. With --speed it finds the amplitude.
     """
     from vibro.cli.answer import Run, answer_cells, answer_one
-    from vibro.cli.console import Console
-    from vibro.cli.request import question, request_of
+    from vibro.cli.request import request_of
     from vibro.quantities import STAND_RATIO, checked_number
     from vibro.sweeps.derived import (
         WITH_ACCELERATION,
@@ -86,21 +80,15 @@ def solve_command(
     )
     from vibro.sweeps.weighed import weighed
 
-    console = Console(quiet=options.quiet)
     output = Output.REGIMES if regimes_only else Output.EXACT
     if coexist:
         refuse_without_flight("--coexist", output)
     if speed is not None:
-        others = {"regimes_only": regimes_only, "coexist": coexist, "stand_ratio": stand_ratio}
-        others |= {"columns": columns, "pitch": pitch, "mass": mass}
-        if len(options.files) > 1:
-            raise InputError(
-                f"--speed with {len(options.files)} files: it takes one", hint="leave the others out"
-            )
-        refused = [f"--{name.replace('_', '-')}" for name, given in others.items() if given]
-        if refused := [*refused, *(["filling="] if "filling" in options.given else [])]:
-            raise InputError(f"--speed finds amplitudes: {', '.join(refused)} cannot be used with it")
-        return _target(speed, options, context.obj, console, hopping=hopping)
+        unused = typed_names(
+            regimes_only=regimes_only, coexist=coexist, stand_ratio=stand_ratio, columns=columns,
+            pitch=pitch, mass=mass,
+        )  # fmt: skip
+        return _target(speed, options, unused, hopping=hopping)
     if hopping:
         raise InputError("--hopping needs --speed", hint="add --speed 5m/min, or leave it out")
     part = part_of(pitch, mass)
@@ -113,10 +101,8 @@ def solve_command(
         extra += standing(part[STAND_RATIO.column])
     more = (*extra, WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER)
     runs = []
-    for file in options.files or ((),):
-        own = options.of(file) if isinstance(file, Path) else options
-        request = request_of(own, context.obj, takes_axes=True)
-        question(request, console)
+    for own in [options.of(file) for file in options.files] or [options]:
+        request = request_of(own, takes_axes=True)
         follows = output is Output.EXACT
         arrives = follows and request.length is not None
         grid = request.grid(output, flight=follows, coexistence=coexist, arrivals=arrives)
@@ -125,34 +111,35 @@ def solve_command(
         whole = usual_columns(grid, told) if columns is None else table.columns
         runs.append(Run(request, grid, table, whole, columns is not None))
     if len(runs) == 1 and not runs[0].request.varying:
-        return answer_one(runs[0], options, context.obj, console, "vibro-solve", every=every)
+        return answer_one(runs[0], options, "vibro-solve", every=every)
     if (size := sum(run.grid.size for run in runs)) > _MOST_CELLS:
         raise InputError(
             f"{size} scenes: at most {_MOST_CELLS} are listed",
             hint="give fewer, such as -A 1:3:10, or use vibro map",
         )
-    return answer_cells(runs, options, context.obj, console, "vibro-solve")
+    return answer_cells(runs, options, "vibro-solve")
 
 
-def _target(text: str, options: Options, argv: Sequence[str], console: Console, *, hopping: bool) -> int:
+def _target(text: str, options: Options, unused: Sequence[str], *, hopping: bool) -> int:
     """Find the amplitudes that reach a speed, and print them."""
     from vibro.answers.target import target_answer
     from vibro.cli.exit_codes import ExitCode
     from vibro.cli.outputs import Outputs
-    from vibro.cli.request import question, request_of
+    from vibro.cli.request import request_of
     from vibro.quantities import LEAST_SPEED, LOAD, SCALE, checked_number, exact_number, given_unit
 
+    if len(options.files) > 1:
+        raise InputError(
+            f"--speed with {len(options.files)} files: it takes one", hint="leave the others out"
+        )
+    if unused := [*unused, *(["filling="] if "filling" in options.given else [])]:
+        raise InputError(f"--speed finds amplitudes: {', '.join(unused)} cannot be used with it")
     speed = checked_number(text, LEAST_SPEED)
-    request = request_of(options, argv, asked_for=("amplitude", SCALE), without_machine=_NO_MACHINE)
-    question(request, console, found=(LOAD.name,))
+    request = request_of(options, (LOAD.name,), asked_for=("amplitude", SCALE), without_machine=_NO_MACHINE)
     unit, size = given_unit(text, LEAST_SPEED)
     asked = f"{float(exact_number(text, LEAST_SPEED) / size):.15g} {unit}"
-    outputs = Outputs(
-        options, request.name or "vibro-solve", argv, console,
-        forms=("json", "html"), pictures=(), reads=options.files,
-    )  # fmt: skip
-    with outputs:
-        with console.progress("searching", None):
+    with Outputs(options, request.name or "vibro-solve", forms=("json", "html"), pictures=()) as outputs:
+        with options.console.progress("searching", None):
             answer = target_answer(request, speed, asked, hopping=hopping)
         outputs.write_answer(answer)
     outputs.tell(answer)

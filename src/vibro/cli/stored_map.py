@@ -4,47 +4,42 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.views import held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Output
 from vibro.errors import InputError
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
     from pathlib import Path
-
-    import typer
 
     from vibro.cli.options import Options
     from vibro.sweeps.grid import Grid
 
-#: What says which pictures there are to be, and where; all other options are of solving and tables.
-_OF_PICTURES: Final = {
-    "arguments", "output", "json", "force", "quiet", "debug", "version", "x", "y", "at", "show", "speed",
-}  # fmt: skip
 _OTHERWISE: Final = "leave {} out, or give a scene file"
 
 
 def map_stored(
-    context: typer.Context,
     options: Options,
     x: str | None,
     y: str | None,
     at: list[str],
     show: list[str],
     speed: str | None,
+    *,
+    unused: Sequence[str],
 ) -> int:
     """Draw pictures of the cells in a folder that ``vibro map -o FOLDER.parquet`` has written.
 
     Parameters
     ----------
-    context : Context
-        Of ``vibro map``.
     options : Options
         The folder in place of a scene file, and where to write.
     x, y, at, show, speed
         As of ``vibro map``.
+    unused : sequence of str
+        Options that were typed, and are about solving cells or their table.
 
     Returns
     -------
@@ -63,13 +58,16 @@ def map_stored(
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.sweeps.solved import pictures_of, view_of
     from vibro.tables.plan import MANIFEST
-    from vibro.tables.record import json_text, sweep_record
+    from vibro.tables.record import sweep_record
     from vibro.tables.shard_files import open_shards
     from vibro.tables.stored import stored_picture
 
     (folder,) = options.files
-    _refuse_others(context, folder, options.given)
-    console = Console(quiet=options.quiet)
+    console = options.console
+    if unused := [*unused, *(QUANTITIES[name].label for name in options.given)]:
+        hint = _OTHERWISE.format("it" if len(unused) == 1 else "them")
+        problems = (f"{option}: the cells of {folder} are solved already" for option in unused)
+        raise InputError(*problems, hint=hint)
     shown = shown_pictures(show)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
     shards = open_shards(folder)
@@ -85,9 +83,8 @@ def map_stored(
     if "-" in (options.output or []):
         raise InputError(f"-o -: the cells of {folder} are solved already", hint=_OTHERWISE.format("it"))
     outputs = Outputs(
-        options, name, context.obj, console,
-        forms=("json", *PICTURES), pictures=names, reads=[folder / MANIFEST], default=name,
-    )  # fmt: skip
+        options, name, forms=("json", *PICTURES), pictures=names, reads=[folder / MANIFEST], default=name
+    )
 
     pictures = Pictures(
         names, view, target_speed, lambda peaks, _: stored_picture(shards, view.drawn, names, peaks)
@@ -96,27 +93,10 @@ def map_stored(
         origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
         content = {"sweep": origin, **sweep_record(grid, plan.table, tally.told())}
         with drawn(pictures, console, tally) as figures:
-            record = outputs.finish(content, figures)
+            outputs.finish(content, figures)
     tell_peaks(tally, grid, console)
-    if options.json:
-        print(json_text(record))
-    return 0
-
-
-def _refuse_others(context: typer.Context, folder: Path, given: Iterable[str]) -> None:
-    """Refuse options about solving cells, or about their table."""
-    typed = [
-        parameter.opts[0]
-        for parameter in context.command.params
-        if parameter.name not in _OF_PICTURES
-        and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
-    ]
-    typed += [QUANTITIES[name].label for name in given]
-    if typed:
-        hint = _OTHERWISE.format("it" if len(typed) == 1 else "them")
-        raise InputError(
-            *(f"{option}: the cells of {folder} are solved already" for option in typed), hint=hint
-        )
+    outputs.tell_record()
+    return ExitCode.DONE
 
 
 def _refuse_unsolved(grid: Grid, folder: Path, shown: list[str], speed: str | None) -> None:

@@ -16,7 +16,7 @@ from vibro.errors import FileError
 from vibro.quantities import LOAD, as_given, scene_fields
 from vibro.results.steady import NO_REGIME
 from vibro.sweeps.tally import Tally
-from vibro.tables.record import json_text, sweep_record
+from vibro.tables.record import sweep_record
 from vibro.tables.sinks import csv_sink, write_table
 
 if TYPE_CHECKING:
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.cli.console import Console
-    from vibro.cli.options import Options
     from vibro.cli.outputs import Outputs
     from vibro.plots.view import View
     from vibro.results.sweep import Block, Peak, SweepResult
@@ -93,8 +92,6 @@ def write_sweep(
     grid: Grid,
     table: Table,
     outputs: Outputs,
-    options: Options,
-    console: Console,
     pictures: Pictures | None = None,
     look: Callable[[Block], None] = lambda block: None,
     more: Callable[[], Mapping[str, Any]] = dict,
@@ -110,10 +107,6 @@ def write_sweep(
         What is written of it.
     outputs : Outputs
         Where to.
-    options : Options
-        How.
-    console : Console
-        For progress and messages.
     pictures : Pictures, optional
         What to draw.
     look : callable, optional
@@ -133,11 +126,10 @@ def write_sweep(
     InputError, FileError
         If the grid is too large, or the files cannot be written.
     """
-    from vibro.files.csv_tables import CsvFormat
     from vibro.tables.files import hidden_folder
 
+    console, form = outputs.options.console, outputs.csv_format
     with outputs, ExitStack() as stack:
-        form = CsvFormat(decimal_comma=options.decimal_comma)
         sinks: list[Sink] = []
         books: dict[Path, Xlsx] = {}
         for path, (_, ending) in outputs.tables.items():
@@ -159,16 +151,14 @@ def write_sweep(
         with drawn(pictures if outputs.pictures or books else None, console, tally) as figures:
             if page is not None:
                 outputs.write_texts({"html": page})
-            record = outputs.finish({**content, **more()}, figures)
+            outputs.finish({**content, **more()}, figures)
             if books:
                 console.echo("writing the workbook")
             for path, book in books.items():
                 book.close(
-                    {"name": path.stem, **record, **content},
-                    {name: _png(figure, record) for name, figure in figures.items()},
+                    {"name": path.stem, **outputs.record, **content},
+                    {name: _png(figure, outputs.record) for name, figure in figures.items()},
                 )
-    if options.json:
-        print(json_text(record))
     return tally
 
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 from vibro.cli.options import Options, option  # typer reads the annotations
 from vibro.cli.table_options import ColumnsOption, table_of
 
 
 def traverse_time_command(
-    context: typer.Context,
     options: Options,
     sweep: Annotated[
         bool, option("sweep", "Take the axes of the scene file's table [map].", hidden=True)
@@ -27,22 +24,17 @@ def traverse_time_command(
     """
     from vibro.answers.scene import traverse_answer
     from vibro.cli.answer import Run, answer_one, answer_sweep
-    from vibro.cli.console import Console
-    from vibro.cli.request import question, request_of
+    from vibro.cli.request import request_of
     from vibro.sweeps.derived import WITH_ARRIVAL, WITH_STROKES
 
-    console = Console(quiet=options.quiet)
-    request = request_of(
-        options, context.obj, varies=sweep, reads_map=sweep, takes_axes=True, needs_length=True
-    )
-    question(request, console)
+    request = request_of(options, varies=sweep, reads_map=sweep, takes_axes=True, needs_length=True)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     grid = request.grid(arrivals=follows)
-    console.echo_all(map(str, grid.told_axes.values()))
+    options.console.echo_all(map(str, grid.told_axes.values()))
     table = table_of(grid, columns, extra, needed={WITH_ARRIVAL.name: "--exact"})
     run = Run(request, grid, table, table.columns, columns is not None)
     if request.varying:
-        return answer_sweep(run, options, context.obj, console, name)
-    return answer_one(run, options, context.obj, console, name, traverse_answer)
+        return answer_sweep(run, options, name)
+    return answer_one(run, options, name, traverse_answer)
