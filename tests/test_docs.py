@@ -138,7 +138,9 @@ def test_columns_are_those_of_the_tables() -> None:
     names = [name for name in listed() if "." not in name]
     assert len(set(names)) == len(names)
     extra = (WITH_LENGTH, WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_ARRIVAL, WITH_STROKES)
-    every = columns_of(QUANTITIES, *extra, *throughput(25.0, 0.1), *standing(1.0), machine=True)
+    every = columns_of(
+        QUANTITIES, *extra, *throughput({"pitch_mm": 25.0, "mass_kg": 0.1}), *standing(1.0), machine=True
+    )
     assert {column.name for column in every} <= set(names)
 
 

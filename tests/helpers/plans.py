@@ -9,7 +9,7 @@ import openpyxl
 
 import vibro
 from vibro.plots.view import choose_view
-from vibro.sweeps.columns import Table, chosen, columns_of
+from vibro.sweeps.columns import Table, table_columns
 from vibro.sweeps.derived import throughput
 from vibro.tables.plan import Plan
 from vibro.tables.record import run_record, sweep_record
@@ -54,9 +54,8 @@ def plan_of(
 ) -> Plan:
     """Plan the same sweep in shards, each of several row groups if their size is given."""
     grid = solved._grid
-    extra = throughput(part["pitch_mm"], part.get("mass_kg")) if part else ()
-    usual = columns_of(grid.axes, *extra, drive=grid.drive, made_with=grid.made_with)
-    table = Table(usual if columns is None else chosen(columns, usual), part or {})
+    part = part or {}
+    table = Table(table_columns(grid, columns, throughput(part)), part)
     with mock.patch("vibro.tables.plan.BLOCK", row_group_cells or vibro.tables.plan.BLOCK):
         return Plan.of(grid, table, solved._title, solved._own, shard_cells)
 
@@ -93,7 +92,7 @@ def workbook(path: Path, solved: Sweep, **shown: Any) -> tuple[Any, list[dict[st
     """
     grid, argv, name = solved._grid, shown.pop("argv", ["map"]), shown.pop("name", "nut")
     pictures = shown.pop("pictures", {})
-    table = Table(columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with))
+    table = Table(table_columns(grid))
     view = choose_view(grid.told_axes, **shown) if grid.axes else None
     book, rows = Xlsx(path, path.parent, grid, table, view), Rows()
     tally = write_table(grid, table, [book.write, rows.write])

@@ -20,7 +20,7 @@ from vibro.quantities import DRIVES, QUANTITIES, SWEPT
 from vibro.results.operating import FIELDS, OPERATING
 from vibro.results.sweep import Block, Column
 from vibro.sweeps import derived
-from vibro.sweeps.columns import arrow_table, chosen, columns_of, to_frame
+from vibro.sweeps.columns import arrow_table, chosen, columns_of, frame_of
 from vibro.sweeps.derived import WITH_STROKES
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
@@ -132,7 +132,7 @@ def test_columns_by_name() -> None:
     block = one_block(frequency="15, 25")
     names = ["mean_velocity_mm_s", "stroke_mm", "regime", "acceleration_g", "strokes", "amplitude_mm"]
     columns = chosen(names, COLUMNS)
-    frame, usual = to_frame(columns, block), to_frame(COLUMNS, block)
+    frame, usual = (frame_of(arrow_table(of, block)) for of in (columns, COLUMNS))
     assert list(frame) == names
     assert (frame["stroke_mm"] == 2.0 * usual["amplitude_mm"]).all()
     w = 2.0 * math.pi * usual["frequency_hz"]
@@ -162,7 +162,7 @@ def test_every_column_pickles() -> None:
     inputs = {QUANTITIES[name].column for name in (*SWEPT, *DRIVES)}
     given = replace(solved, values={name: np.full((1, 1), i) for i, name in enumerate(QUANTITIES, 1)})
     extra = [column for column in vars(derived).values() if isinstance(column, Column)]
-    extra += [*derived.throughput(25.0, 0.012), *derived.standing(0.8)]
+    extra += [*derived.throughput({"pitch_mm": 25.0, "mass_kg": 0.012}), *derived.standing(0.8)]
     solved = replace(solved, values={**solved.values, OPERATING: np.ones((1, 1), FIELDS)})
     columns = columns_of(QUANTITIES, *extra, drive=DRIVES, machine=True)
     names = {column.name for column in columns}

@@ -152,10 +152,10 @@ def test_parts_pass_where_they_are_conveyed_forward() -> None:
     assert np.isnan(cycle.mean_velocity[2])
     assert cycle.mean_velocity[3] < 0.0
     block = Block({}, cycle, None)
-    parts, flow = (column.values(block) for column in throughput(25.0, 0.012))
+    parts, flow = (column.values(block) for column in throughput({"pitch_mm": 25.0, "mass_kg": 0.012}))
     expected = 60.0 * cycle.mean_velocity[1] / 0.025
     np.testing.assert_allclose(parts, [0.0, expected, np.nan, 0.0], rtol=1e-15)
     np.testing.assert_allclose(flow, [0.0, 60.0 * 0.012 * expected, np.nan, 0.0], rtol=1e-15)
-    (parts_alone,) = throughput(25.0)
+    (parts_alone,) = throughput({"pitch_mm": 25.0})
     assert (parts_alone.name, parts_alone.unit) == ("parts_per_min", "1/min")
-    assert np.isinf(throughput(1e-308)[0].values(block)[1])
+    assert np.isinf(throughput({"pitch_mm": 1e-308})[0].values(block)[1])

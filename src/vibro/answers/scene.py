@@ -293,7 +293,7 @@ def _asked(one: OneScene, part: Mapping[str, float]) -> list[Fact]:
     facts = []
     if "pitch_mm" in part:
         note = f"at most, one every {part['pitch_mm']:g} mm"
-        for column in throughput(part["pitch_mm"], part.get("mass_kg")):
+        for column in throughput(part):
             rate = one.value(column) if one.is_certain else math.nan
             unit = column.unit.replace("1/min", "parts/min")
             facts.append(Fact("throughput", rate, unit, rate * one.relative_error, note))

@@ -20,7 +20,6 @@ from vibro.cli.table_options import (
     PitchOption,
     part_of,
     table_of,
-    throughput_of,
 )
 from vibro.cli.views import SHOWN, held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Output
@@ -86,6 +85,7 @@ def map_command(
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC, bent
     from vibro.results.sweep import where_motion_begins
+    from vibro.sweeps.derived import throughput
     from vibro.sweeps.request import RANGES
     from vibro.sweeps.run import DrawnCells, limits_of, solved_picture, sweep_picture
     from vibro.sweeps.solved import pictures_of, view_of
@@ -102,9 +102,9 @@ def map_command(
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
     request = request_of(options, varies=True, reads_map=True, takes_axes=True, ranges=RANGES)
-    grid = request.grid(output, flight=output is Output.EXACT, coexistence=coexist)
+    grid = request.grid(output, coexistence=coexist)
     console.echo_all(map(str, grid.told_axes.values()))
-    table = table_of(grid, columns, throughput_of(part), needed=NEEDS_PART, part=part)
+    table = table_of(grid, columns, throughput(part), needed=NEEDS_PART, part=part)
     view, held = view_of(grid, x, y, held_axes(at or []), "--at")
     names = pictures_of(grid, view, on_request=False) + shown
     name = request.name or "vibro-map"

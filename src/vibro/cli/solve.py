@@ -20,8 +20,6 @@ from vibro.cli.table_options import (
     PitchOption,
     part_of,
     table_of,
-    throughput_of,
-    usual_columns,
 )
 from vibro.core.codes import Output
 from vibro.errors import InputError
@@ -70,6 +68,7 @@ def solve_command(
     from vibro.cli.answer import Run, answer_cells, answer_one
     from vibro.cli.request import request_of
     from vibro.quantities import STAND_RATIO, checked_number
+    from vibro.sweeps.columns import table_columns
     from vibro.sweeps.derived import (
         WITH_ACCELERATION,
         WITH_ARRIVAL,
@@ -77,6 +76,7 @@ def solve_command(
         WITH_MULTIPLIER,
         WITH_STROKE,
         standing,
+        throughput,
     )
     from vibro.sweeps.weighed import weighed
 
@@ -92,7 +92,7 @@ def solve_command(
     if hopping:
         raise InputError("--hopping needs --speed", hint="add --speed 5m/min, or leave it out")
     part = part_of(pitch, mass)
-    extra = throughput_of(part)
+    extra = throughput(part)
     options, load = _with_filling(options)
     part |= load
     extra += weighed(load)
@@ -103,12 +103,11 @@ def solve_command(
     runs = []
     for own in [options.of(file) for file in options.files] or [options]:
         request = request_of(own, takes_axes=True)
-        follows = output is Output.EXACT
-        arrives = follows and request.length is not None
-        grid = request.grid(output, flight=follows, coexistence=coexist, arrivals=arrives)
+        arrives = output is Output.EXACT and request.length is not None
+        grid = request.grid(output, coexistence=coexist, arrivals=arrives)
         table = table_of(grid, columns, extra, needed=_NEEDS, part=part)
         told = (WITH_ARRIVAL, *more) if arrives else more
-        whole = usual_columns(grid, told) if columns is None else table.columns
+        whole = table_columns(grid, extra=told) if columns is None else table.columns
         runs.append(Run(request, grid, table, whole, columns is not None))
     if len(runs) == 1 and not runs[0].request.varying:
         return answer_one(runs[0], options, "vibro-solve", every=every)

@@ -55,13 +55,6 @@ def part_of(pitch: str | None, mass: str | None) -> dict[str, float]:
     }
 
 
-def throughput_of(part: Mapping[str, float]) -> tuple[Column, ...]:
-    """Return the columns that follow from what ``part_of`` has read."""
-    from vibro.sweeps.derived import throughput
-
-    return throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
-
-
 def table_of(
     grid: Grid,
     columns: str | None,
@@ -90,9 +83,9 @@ def table_of(
     InputError
         If there is no such column, one is named twice, or one needs an option that is not there.
     """
-    from vibro.sweeps.columns import Table, chosen
+    from vibro.sweeps.columns import Table, chosen, table_columns
 
-    usual: Sequence[Column] = usual_columns(grid, extra)
+    usual = table_columns(grid, extra=extra)
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         there = {column.name for column in usual}
@@ -105,12 +98,3 @@ def table_of(
                 )
         usual = chosen(names, usual)
     return Table(usual, part)
-
-
-def usual_columns(grid: Grid, extra: Sequence[Column] = ()) -> tuple[Column, ...]:
-    """Return the columns of a table by default, and further ones."""
-    from vibro.sweeps.columns import columns_of
-
-    return columns_of(
-        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
-    )

@@ -20,7 +20,7 @@ from vibro.explore.points import point_of
 from vibro.files.csv_tables import CsvFormat
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block, Column
-from vibro.sweeps.columns import arrow_table, columns_of
+from vibro.sweeps.columns import arrow_table, table_columns
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -100,9 +100,7 @@ class Answers:
         grid = state.grid()
         kept = self._kept(state)
         found = certain_of(state, scene_of(kept.cells(0.0).shown.values)) if state.bands else None
-        columns = columns_of(
-            grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
-        )
+        columns = table_columns(grid)
         if found is not None:
             axes = [
                 column for column in columns if column.name in {axis.column for axis in grid.axes.values()}

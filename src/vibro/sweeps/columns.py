@@ -128,10 +128,12 @@ def _of_machine(axes: Collection[str]) -> list[Column]:
     return [*given, *(column_of(result, partial(_operating, result)) for result in MACHINE_RESULTS)]
 
 
-def table_columns(grid: Grid, names: Sequence[str] | None = None) -> tuple[Column, ...]:
-    """Return the columns of a grid's table: those named, or the usual ones."""
+def table_columns(
+    grid: Grid, names: Sequence[str] | None = None, extra: Iterable[Column] = ()
+) -> tuple[Column, ...]:
+    """Return the columns of a grid's table: those named, or the usual ones with further ones."""
     usual = columns_of(
-        grid.axes, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
+        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
     )
     return usual if names is None else chosen(names, usual)
 
@@ -243,27 +245,12 @@ def _array(column: Column, block: Block) -> pa.Array:
     return pa.DictionaryArray.from_arrays(indices, text_array(texts))
 
 
-def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
-    """Return cells as a data frame, one row a cell.
-
-    Parameters
-    ----------
-    columns : sequence of Column
-        What it holds.
-    block : Block
-        Solved cells.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Texts are categorical, with the texts of ``arrow_table`` as categories; flags are nullable integers,
-        and missing numbers are NaN.
-    """
-    return frame_of(arrow_table(columns, block))
-
-
 def frame_of(cells: pa.Table) -> pd.DataFrame:
-    """Return the data frame of ``to_frame`` of an Arrow table."""
+    """Return the cells of ``arrow_table`` as a data frame.
+
+    Texts are categorical, with all texts of a dictionary as categories; flags are nullable integers, and
+    missing numbers are NaN.
+    """
     import pandas as pd
     import pyarrow as pa
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.limits import stays_upright, tipping_load
-from vibro.quantities import LENGTH, QUANTITIES, SPEED
+from vibro.quantities import LENGTH, MASS, PITCH, QUANTITIES, SPEED
 from vibro.results.operating import BENT_SPEED
 from vibro.results.steady import (
     ACCELERATION,
@@ -29,7 +29,7 @@ from vibro.sweeps.grid import scene_of
 from vibro.sweeps.machines import bent_speed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -143,17 +143,9 @@ def standing(ratio: float) -> tuple[Column, Column]:
     )
 
 
-def throughput(pitch: float, mass: float | None = None) -> tuple[Column, ...]:
-    """Return the columns of parts in a row: how many pass in a minute, and their mass.
-
-    Parameters
-    ----------
-    pitch : float
-        From each part to the next [mm].
-    mass : float, optional
-        Of one part [kg].
-    """
-    parts = column_of(PARTS_RATE, partial(_rate, PARTS_RATE, pitch, 1.0))
-    if mass is None:
-        return (parts,)
-    return (parts, column_of(MASS_RATE, partial(_rate, MASS_RATE, pitch, mass)))
+def throughput(part: Mapping[str, float]) -> tuple[Column, ...]:
+    """Return the columns of parts in a row, by their pitch and mass: how many pass, and how many kg."""
+    if PITCH.column not in part:
+        return ()
+    rates = [(PARTS_RATE, 1.0)] + ([(MASS_RATE, part[MASS.column])] if MASS.column in part else [])
+    return tuple(column_of(rate, partial(_rate, rate, part[PITCH.column], of_one)) for rate, of_one in rates)

@@ -200,13 +200,14 @@ class Request:
         count = count or default_count(len(self.varying))
         return {name: self.specs[name].axis(count) for name in self.varying}
 
-    def grid(self, output: Output = Output.EXACT, **how: bool) -> Grid:
-        """Make the grid of all combinations; ``how`` are fields of a ``Grid``."""
+    def grid(self, output: Output = Output.EXACT, *, flight: bool = True, **how: bool) -> Grid:
+        """Make the grid of all combinations; regimes alone need no flights."""
         return Grid(
             self.axes(),
             self.fixed,
             self.length,
             output,
+            flight and output is Output.EXACT,
             motion=self.motion,
             in_stroke=self.in_stroke,
             machine=self.machine,

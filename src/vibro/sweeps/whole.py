@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import BY_COLUMN, QUANTITIES
@@ -19,7 +18,7 @@ from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
 from vibro.steady import check_switch, output_of
-from vibro.sweeps.columns import arrow_table, table_columns, to_frame
+from vibro.sweeps.columns import arrow_table, frame_of, table_columns
 from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of
 from vibro.sweeps.request import RANGES, gather
 from vibro.sweeps.solved import SolvedGrid, check_memory
@@ -108,7 +107,7 @@ class Sweep(SolvedGrid):
         InputError
             If a column does not exist or is named twice.
         """
-        return to_frame(table_columns(self._grid, columns), self._block)
+        return frame_of(arrow_table(table_columns(self._grid, columns), self._block))
 
     @shielded
     def to_xarray(self, columns: Sequence[str] | None = None) -> xr.Dataset:
@@ -233,7 +232,7 @@ def grid_of_call(request: Request, output: str, *, flight: bool, coexistence: bo
     kept = output_of(output)
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
-    return request.grid(kept, flight=flight and kept is Output.EXACT, coexistence=coexistence)
+    return request.grid(kept, flight=flight, coexistence=coexistence)
 
 
 def request_of_call(

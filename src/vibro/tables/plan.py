@@ -21,7 +21,7 @@ from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
 from vibro.parallel import BLOCK
 from vibro.quantities import QUANTITIES
-from vibro.sweeps.columns import Table, chosen, columns_of
+from vibro.sweeps.columns import Table, table_columns
 from vibro.sweeps.derived import throughput
 from vibro.sweeps.grid import GIVEN_IN, Grid
 from vibro.tables.record import sweep_record
@@ -196,9 +196,7 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     in_stroke = content.get(GIVEN_IN) == QUANTITIES["stroke"].column
     grid = Grid(axes, scene, length, *solved, motion=motion, in_stroke=in_stroke, machine=machine)
     part = content.get("part", {})
-    extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
-    usual = columns_of(axes, *extra, drive=grid.drive, machine=machine is not None)
-    table = Table(chosen(list(content["columns"]), usual), part)
+    table = Table(table_columns(grid, list(content["columns"]), throughput(part)), part)
     return Plan(grid, table, content["shard_cells"], content["name"], content["own"], content)
 
 
