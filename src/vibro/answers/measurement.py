@@ -178,18 +178,16 @@ def _speed_facts(m: Measurement, measured: MeasuredMotion) -> list[Fact]:
 
 def _harmonics(measured: MeasuredMotion) -> list[dict[str, float]]:
     """Return amplitude and phase of each harmonic in the directions that were measured."""
-    ways = [
-        (way, getattr(measured, way), i)
-        for i, way in enumerate(_WAYS[channel] for channel in measured.channels)
-    ]
+    ways = [_WAYS[channel] for channel in measured.channels]
     rows = []
     for k in range(measured.order):
         row: dict[str, float] = {"order": k + 1, "acceleration_share": float(measured.shares[k])}
-        for way, values, i in ways:
+        for i, way in enumerate(ways):
+            wave = getattr(measured, way)[k]
             row |= {
-                f"{way}_amplitude_mm": _MM * abs(values[k]),
+                f"{way}_amplitude_mm": _MM * abs(wave),
                 f"{way}_amplitude_error_mm": _MM * float(measured.standard_errors[k, i]),
-                f"{way}_phase_deg": math.degrees(float(np.angle(values[k]))),
+                f"{way}_phase_deg": math.degrees(float(np.angle(wave))),
                 f"{way}_phase_error_deg": math.degrees(measured.phase_errors[k, i]),
             }
         rows.append(row | {"p_value": float(measured.p_values[k])})
@@ -198,17 +196,10 @@ def _harmonics(measured: MeasuredMotion) -> list[dict[str, float]]:
 
 def _harmonics_table(measured: MeasuredMotion, *, is_rare: bool) -> Table:
     kinds = [(_WAYS[c], what, unit) for c in measured.channels for what, unit in _OF_A_WAVE]
-    rows: list[list[Any]] = [
-        [
-            str(one["order"]),
-            *(
-                uncertain(one[f"{w}_{what}_{unit}"], one[f"{w}_{what}_error_{unit}"])
-                for w, what, unit in kinds
-            ),
-            100.0 * one["acceleration_share"],
-        ]
-        for one in _harmonics(measured)
-    ]
+    rows: list[list[Any]] = []
+    for one in _harmonics(measured):
+        waves = [uncertain(one[f"{w}_{x}_{unit}"], one[f"{w}_{x}_error_{unit}"]) for w, x, unit in kinds]
+        rows.append([str(one["order"]), *waves, 100.0 * one["acceleration_share"]])
     heads = [("harmonic", ""), *((way, unit) for way, _, unit in kinds), ("acceleration", "%")]
     return Table("harmonics", heads, rows, "Harmonics of the trough", is_rare)
 
@@ -351,13 +342,10 @@ def _notes(m: Measurement, request: Request) -> list[str]:
     if m.fit is None:
         return slips
     known = {*(m.trough.drive.quantities if m.trough else ()), *(p.name for p in m.fit.parameters)}
-    taken = {name: request.told[name] for name in (*SIZES, "drive_angle") if name in request.told}
-    told = [
-        f"{QUANTITIES[name].label} {number(value, QUANTITIES[name].unit)}"
-        for name, value in taken.items()
-        if STANDS_FOR.get(name, name) not in known
-    ]
-    notes = [*m.fit.statements]
-    if told:
-        notes.append(f"taken as exact, so that no interval holds its error: {', '.join(told)}")
-    return [*notes, *slips]
+    taken = {
+        name: value
+        for name, value in request.told.items()
+        if name in (*SIZES, "drive_angle") and STANDS_FOR.get(name, name) not in known
+    }
+    exact = [f"taken as exact, so that no interval holds its error: {given_text(taken)}"] * bool(taken)
+    return [*m.fit.statements, *exact, *slips]

@@ -324,7 +324,33 @@ def _tolerated(empty: Row, light: Sequence[Row]) -> float:
 
 
 def _guaranteed(request: SheetRequest, setting: float) -> dict[str, Any]:
-    """Find the amplitudes over the bands, and guarantee the speed over them and the friction."""
+    """Guarantee the speed over the amplitudes of the bands, and the friction."""
+    low, high, count = _amplitudes(request, setting)
+    found = {
+        "setting_percent": setting,
+        "amplitude_mm": [float(LENGTH.from_si(x)) for x in (low, high)],
+        "operating_points_looked_at": count,
+    }
+    if math.isnan(low):
+        return {**found, "speed_mm_s": None}
+    bands = {
+        name: request.bands[name] for name in ("static_friction", "kinetic_friction") if name in request.bands
+    }
+    bands |= {"amplitude": (low, high)} if low < high else {}
+    speeds = guarantee(Scene(amplitude=0.5 * (low + high), **_scene_of(request)), **bands)
+    return {
+        **found,
+        "speed_mm_s": [float(LENGTH.from_si(x)) for x in (speeds.speed_min, speeds.speed_max)],
+        "proof": [speeds.proof_min, speeds.proof_max],
+        "regimes": [regime.label for regime in sorted(speeds.regimes) if regime is not Regime.UNDEFINED],
+    }
+
+
+def _amplitudes(request: SheetRequest, setting: float) -> tuple[float, float, int]:
+    """Return the ends of the amplitudes over the bands [m], and of how many operating points they are.
+
+    Ends are NaN if the masses strike each other somewhere, or an operating point is unknown.
+    """
     axes = {
         "voltage": sorted(set(request.band("voltage"))),
         "filling": sorted({*np.linspace(*request.band("filling"), _FILLINGS)}),
@@ -344,32 +370,14 @@ def _guaranteed(request: SheetRequest, setting: float) -> dict[str, Any]:
     for share in dict.fromkeys(shares):
         points = points_of(request.machine, values, share=share)
         if np.isnan(points.amplitude).any() or points.strikes.any():
-            low = high = math.nan
-            break
+            return math.nan, math.nan, count
         low = min(low, float(points.amplitude_low.min()))
         high = max(high, float(points.amplitude_high.max()))
         for i in np.flatnonzero(points.number > 1):
             case = {name: float(x[i]) for name, x in values.items()}
             high = max(high, *(LENGTH.to_si(a) for a in _all_amplitudes(request.machine, case)))
         count += len(cases)
-    told = {
-        "setting_percent": setting,
-        "amplitude_mm": [float(LENGTH.from_si(x)) for x in (low, high)],
-        "operating_points_looked_at": count,
-    }
-    if math.isnan(low):
-        return {**told, "speed_mm_s": None}
-    bands = {
-        name: request.bands[name] for name in ("static_friction", "kinetic_friction") if name in request.bands
-    }
-    bands |= {"amplitude": (low, high)} if low < high else {}
-    found = guarantee(Scene(amplitude=0.5 * (low + high), **_scene_of(request)), **bands)
-    return {
-        **told,
-        "speed_mm_s": [float(LENGTH.from_si(x)) for x in (found.speed_min, found.speed_max)],
-        "proof": [found.proof_min, found.proof_max],
-        "regimes": [regime.label for regime in sorted(found.regimes) if regime is not Regime.UNDEFINED],
-    }
+    return low, high, count
 
 
 def _cut(case: dict[str, float], request: SheetRequest) -> list[dict[str, float]]:
