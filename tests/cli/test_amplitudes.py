@@ -17,6 +17,9 @@ def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
     answer = json.loads(run("solve", *scene, "--speed", "0.02815m/s", "--json").stdout)
     assert (answer["met"], answer["speed_mm_s"], answer["highest_regime"]) == (True, 28.15, "back-slip")
     assert "amplitude_mm" not in answer["scene"]
+    brief, every = (run("solve", *scene, "--speed", "28.15", *all_).stdout for all_ in ((), ("--all",)))
+    assert "drive angle 20 deg" in every
+    assert "drive angle 20 deg" not in brief
     ends = [(x["amplitude_low_mm"], x["amplitude_high_mm"]) for x in answer["amplitudes"]]
     published = [(1.177843, 1.190299), (1.233006, 3.229052)]
     np.testing.assert_allclose(ends, published, rtol=1e-6)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -19,6 +17,7 @@ if TYPE_CHECKING:
 
 Value: TypeAlias = "float | str | None"
 
+METRES_PER_MINUTE: Final = 0.06  # of 1 mm/s
 _DIGITS: Final = 4  # for people; JSON has all
 _BRIEF: Final = 3
 _WIDTH: Final = 80  # characters of a terminal
@@ -67,7 +66,7 @@ class Table(NamedTuple):
     Attributes
     ----------
     name : str
-        Its key in JSON, and that of its CSV.
+        Its key in JSON.
     columns : sequence of tuple of str
         Label and unit of each; from both follows its key.
     rows : sequence of sequence
@@ -90,8 +89,7 @@ class Table(NamedTuple):
     @property
     def texts(self) -> list[list[str]]:
         """Its rows for people, the heads first, without columns that are empty."""
-        in_heads = {True: "{}", False: "{} [{}]"}[self.is_brief]
-        heads = [in_heads.format(label, unit) if unit else label for label, unit in self.columns]
+        heads = [f"{label} [{unit}]" if unit and not self.is_brief else label for label, unit in self.columns]
         return [[row[i] for i in self._filled] for row in (heads, *self._cells)]
 
     @property
@@ -171,13 +169,6 @@ class Answer:
     def json(self) -> str:
         """Write all of it as JSON; unknown numbers are null."""
         return json.dumps(self.content(), indent=2, allow_nan=False)
-
-    def csv(self, name: str) -> str:
-        """Write a table as CSV, its numbers with all digits."""
-        table = next(table for table in self.tables if table.name == name)
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([table.keys, *map(_known, table.rows)])
-        return text.getvalue()
 
     def html(self, pictures: Mapping[str, Figure] | None = None, command: str = "") -> str:
         """Write all of it as a page to print, which needs no other file.

@@ -6,7 +6,7 @@ import json
 import math
 from typing import TYPE_CHECKING, Final
 
-from vibro.answers.answer import Answer, Fact, Table, bound, number, shown
+from vibro.answers.answer import METRES_PER_MINUTE, Answer, Fact, Table, bound, number, shown
 from vibro.core.codes import Regime
 from vibro.inverse.designs import at_most
 from vibro.inverse.rows import KINDS
@@ -139,7 +139,7 @@ def _chosen(spec: Spec, result: DesignResult, chosen: Chosen | None) -> Iterator
     if speed is None:
         yield Fact("every part", "no speed is guaranteed")
     else:
-        rate = bound(0.06 * speed, "m/min", upper=False, digits=_DIGITS)
+        rate = bound(METRES_PER_MINUTE * speed, "m/min", upper=False, digits=_DIGITS)
         least = bound(speed, "mm/s", upper=False, digits=_DIGITS)
         yield Fact("every part", f"at least {least}", note=rate)
     if design.traverse_time_max_s is not None:

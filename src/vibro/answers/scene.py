@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, brief, given_text, label_of, shown, uncertain
+from vibro.answers.answer import (
+    METRES_PER_MINUTE,
+    Answer,
+    Fact,
+    Table,
+    brief,
+    given_text,
+    label_of,
+    shown,
+    uncertain,
+)
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
 from vibro.inverse.costs import changed_cycles
 from vibro.limits import transitions
@@ -40,8 +50,8 @@ if TYPE_CHECKING:
     from vibro.answers.answer import Value
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
+    from vibro.sweeps.request import Request
 
-_RATE: Final = 0.06  # [m/min] of 1 mm/s
 _NEXT: Final = ("forward slip", "back slip", "hopping")  # what people ask for; the others on request
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
@@ -213,31 +223,27 @@ def cells_answer(
     given : mapping of str to mapping
         What does not vary, in the units outside, by the name of each scene file.
     """
-    keys = ["displacement_per_cycle_mm", "throw_number"]
-    columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), ("a cycle", "mm")]
-    columns.append(("throw number", ""))
-    for key, label, unit in _WHERE_ASKED:
-        if any(cell.get(key) is not None for cell in cells):
-            columns.append((label, unit))
-            keys.append(key)
     lengths = {cell.get("trough_length_mm") for cell in cells}
-    if len(lengths) > 1:
-        columns.append(("length", "mm"))
-        keys.append("trough_length_mm")
-    if any(cell["status"] != Status.OK.label for cell in cells):
-        columns.append(("status", ""))
-        keys.append("status")
+    told = {cell["status"] for cell in cells}
+    results_of = [("displacement_per_cycle_mm", "a cycle", "mm"), ("throw_number", "throw number", "")]
+    results_of += [one for one in _WHERE_ASKED if any(cell.get(one[0]) is not None for cell in cells)]
+    results_of += [("trough_length_mm", "length", "mm")] * (len(lengths) > 1)
+    results_of += [("status", "status", "")] * (told != {Status.OK.label})
+    keys, *labels = zip(*results_of, strict=True)
+    columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), *zip(*labels, strict=True)]
     rows = []
     for names, cell in zip(heads, cells, strict=True):
         results = {**cell, "upright": _STANDS.get(cell.get("upright"))}
         speed, error = cell["mean_velocity_mm_s"], cell.get("mean_velocity_error_mm_s") or 0.0
         means: list[Value] = [None, None]
         if speed is not None:
-            means = [uncertain(x * speed, x * error) if error > 0.0 else x * speed for x in (1.0, _RATE)]
+            means = [
+                uncertain(x * speed, x * error) if error > 0.0 else x * speed
+                for x in (1.0, METRES_PER_MINUTE)
+            ]
             if error > _LEAST_CERTAIN * abs(speed):
                 results |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
         rows.append([*names, cell["regime"] or "none", *means, *map(results.get, keys)])
-    told = {cell["status"] for cell in cells}
     notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in told]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
         notes.append(_NO_BOUNCE)
@@ -253,7 +259,7 @@ def _motion(one: OneScene) -> Fact:
         return Fact(label, "gains speed every cycle" if one.status is Status.RUNAWAY else None)
     speed, rate, advance = (
         uncertain(x * one.speed, x * one.error, digits)
-        for x, digits in ((1.0, 4), (_RATE, 3), (1.0 / one.given["frequency"], 4))
+        for x, digits in ((1.0, 4), (METRES_PER_MINUTE, 3), (1.0 / one.given["frequency"], 4))
     )
     return Fact(label, f"{speed} mm/s ({rate} m/min), {advance} mm a cycle")
 
@@ -314,10 +320,12 @@ def _rare(one: OneScene) -> list[Fact]:
     given = dict(one.given)
     if OPERATING in one.block.values:  # from which the amplitude follows
         del given["amplitude"]
-    scene = ", ".join([*([motion_text(one.scene)] if one.scene.motion else []), given_text(given)])
-    texts = {"scene": scene, "pattern": str(one.cycle.pattern) or None}
-    facts = [Fact(label, text, is_rare=True) for label, text in texts.items()]
-    return facts + [_fact(one, column) for column in (WITH_STROKE, WITH_ACCELERATION)]
+    return [
+        Fact("scene", scene_text(one.scene, given), is_rare=True),
+        Fact("pattern", str(one.cycle.pattern) or None, is_rare=True),
+        _fact(one, WITH_STROKE),
+        _fact(one, WITH_ACCELERATION),
+    ]
 
 
 def _beginnings(one: OneScene, *, every: bool) -> Table:
@@ -392,10 +400,18 @@ def _notes(one: OneScene) -> list[str]:
     return notes
 
 
-def motion_text(scene: Scene) -> str:
-    """Say what kind of motion a scene has: ``motion of 2 pieces``."""
-    motion = scene.motion
-    if isinstance(motion, PiecewiseMotion):
-        return f"motion of {motion.breaks.size - 1} pieces"
+def scene_text(scene: Scene, given: Mapping[str, float]) -> str:
+    """Name the quantities of a scene, after the kind of its motion, if it has one."""
+    if scene.motion is None:
+        return given_text(given)
+    if isinstance(scene.motion, PiecewiseMotion):
+        return f"motion of {scene.motion.breaks.size - 1} pieces, {given_text(given)}"
     count = max(len(scene.along_harmonics or ()), len(scene.normal_harmonics or ()))
-    return f"motion of {count} harmonic{'s' * (count > 1)}"
+    return f"motion of {count} harmonic{'s' * (count > 1)}, {given_text(given)}"
+
+
+def scene_record(request: Request) -> dict[str, Any]:
+    """Return the quantities of a request by their columns, as given, with its motion or machine."""
+    given: dict[str, Any] = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
+    moved = {} if request.motion is None else {"motion": dict(request.motion.table)}
+    return given | moved | ({} if request.machine is None else {"machine": dict(request.machine.table)})

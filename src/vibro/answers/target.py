@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, bound, given_text, shown
-from vibro.answers.scene import motion_text
+from vibro.answers.answer import METRES_PER_MINUTE, Answer, Fact, Table, bound, shown
+from vibro.answers.scene import scene_record, scene_text
 from vibro.core.codes import Regime
 from vibro.errors import InputError
 from vibro.inverse.extremes import counted
@@ -21,7 +21,7 @@ from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -101,14 +101,14 @@ class _Drive:
         return self.size * (MOST_DESIGN_THROW / throw) if throw > 0.0 else math.inf
 
     def best(self, limit: float) -> tuple[float, float]:
-        """Return the largest speed of the sizes that are tried [m/s], and its size; NaN without any."""
+        """Return the fastest of the sizes that are tried, and its speed [m/s]; NaN without any."""
         low, high = (_LEAST * limit, limit) if math.isfinite(limit) else self._contact()
         if not low < high:
             return math.nan, math.nan
         sizes = np.geomspace(low, high, _SAMPLES)
         speeds = np.asarray(counted(solve(self.scenes(sizes), flight=math.isfinite(limit)), fast=False))
         best = int(np.argmax(np.where(np.isfinite(speeds), speeds, -np.inf)))
-        return float(speeds[best]), float(sizes[best])
+        return float(sizes[best]), float(speeds[best])
 
     def _contact(self) -> tuple[float, float]:
         """Return the sizes between which a part moves that does not hop; NaN where there are none."""
@@ -154,63 +154,63 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     """
     drive = _Drive.of(request)
     limit = drive.limit() if hopping else math.inf
-    highest = Regime.HOPPING.label if math.isfinite(limit) else Regime.BACK_SLIP.label
-    found = feasible_amplitudes(drive.scene, SPEED.to_si(speed), highest_regime=highest, limit=limit)
+    is_limited = math.isfinite(limit)
+    highest = Regime.HOPPING if is_limited else Regime.BACK_SLIP
+    found = feasible_amplitudes(drive.scene, SPEED.to_si(speed), highest_regime=highest.label, limit=limit)
     shares = {SCALE: 1.0} if SCALE in drive.shares else as_given(drive.shares, in_stroke=request.in_stroke)
-    notes = []
-    if math.isfinite(limit):
-        count = HOPS_SAMPLED[bool(drive.scene.restitution > 0.0)]
-        notes.append(
-            f"hops are sampled at {count} sizes up to throw number {MOST_DESIGN_THROW:g}: between two of them"
-            " a part may be slower, or fast enough; irregular ones count with 3 standard errors less"
-        )
-    kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
-    if len(kept) < len(found):
-        notes.append(f"and {len(found) - len(kept)} narrower ones, where hops are irregular: --json has all")
-    given = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items() if name != SCALE}
-    moved = {} if request.motion is None else {"motion": dict(request.motion.table)}
+    scene = scene_record(request)
+    scene.pop(SCALE, None)  # which is asked for
     record = {
-        "scene": {**given, **moved},
+        "scene": scene,
         LEAST_SPEED.column: speed,
         "highest_regime": (Regime.HOPPING if hopping else Regime.BACK_SLIP).label,
         "met": bool(found),
         "amplitudes": [drive.record(interval) for interval in found],
     }
-    where = f"up to throw number {MOST_DESIGN_THROW:g}" if math.isfinite(limit) else "without hopping"
+    where = f"up to throw number {MOST_DESIGN_THROW:g}" if is_limited else "without hopping"
     name, share = next(iter(shares.items()))
-    label, unit = QUANTITIES[name].label, QUANTITIES[name].unit
+    quantity = QUANTITIES[name]
     others = {n: spec.value for n, spec in request.specs.items() if n not in (SCALE, *drive.shares)}
-    motion = [motion_text(drive.scene)] if request.motion is not None else []
-    scene = Fact("scene", ", ".join([*motion, given_text(others)]), is_rare=True)
-    title = request.name or "Amplitude for a speed"
+    rare = Fact("scene", scene_text(drive.scene, others), is_rare=True)
+    title, notes = request.name or "Amplitude for a speed", []
+    if is_limited:
+        count = HOPS_SAMPLED[bool(drive.scene.restitution > 0.0)]
+        notes.append(
+            f"hops are sampled at {count} sizes up to throw number {MOST_DESIGN_THROW:g}: between two of them"
+            " a part may be slower, or fast enough; irregular ones count with 3 standard errors less"
+        )
     if not found:
-        most, at = drive.best(limit)
         told = f"none reaches {asked} {where}"
-        if most > 0.0:
-            # rounded down: the speed may jump above
-            reached = float(QUANTITIES[name].from_si(at * share))
-            size = bound(reached, unit, upper=False)
-            fast = float(SPEED.from_si(most))
-            record["fastest"] = {"mean_velocity_mm_s": fast, QUANTITIES[name].column: reached}
-            told += f"; the most is {shown(fast)} mm/s ({shown(0.06 * fast)} m/min) at {size}"
+        size, speed_there = drive.best(limit)
+        if speed_there > 0.0:
+            reached, fast = float(quantity.from_si(size * share)), float(SPEED.from_si(speed_there))
+            record["fastest"] = {"mean_velocity_mm_s": fast, quantity.column: reached}
+            at = bound(reached, quantity.unit, upper=False)  # rounded down: the speed may jump above
+            told += f"; the most is {shown(fast)} mm/s ({shown(METRES_PER_MINUTE * fast)} m/min) at {at}"
         notes += [] if hopping else ["with --hopping parts may hop too"]
-        return Answer([Fact(label, told), scene], (), notes, record, title)
+        return Answer([Fact(quantity.label, told), rare], (), notes, record, title)
     if request.length is not None:
         notes.insert(0, f"over {request.length:.10g} mm that takes {shown(request.length / speed)} s")
-    rows = []
-    for interval in found:
-        if interval in kept:
-            lows, highs = zip(*(_rounded(interval, n, x) for n, x in shares.items()), strict=True)
-            end = _SETS[interval.high_set_by] if math.isfinite(interval.high) else None
-            rows.append((*lows, *highs, _SETS[interval.low_set_by], end))
-    columns = [(f"{QUANTITIES[n].label} {end}", QUANTITIES[n].unit) for end in ("from", "to") for n in shares]
-    columns += [("begins by", ""), ("ends by", "")]
-    table = Table("amplitudes", columns, rows, "Where it is reached")
+    kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
+    if len(kept) < len(found):
+        notes.append(f"and {len(found) - len(kept)} narrower ones, where hops are irregular: --json has all")
     least = _rounded(found[0], name, share)[0]
-    facts = [Fact(label, f"{least} {unit}".rstrip(), note=f"the least for {asked} {where}")]
+    facts = [Fact(quantity.label, f"{least} {quantity.unit}".rstrip(), note=f"the least for {asked} {where}")]
     if name == "amplitude":
         facts.append(Fact("stroke", bound(2.0 * float(least), "mm", upper=True), note="peak to peak"))
-    return Answer([*facts, scene], [table], notes, record, title)
+    table = _table([interval for interval in found if interval in kept], shares)
+    return Answer([*facts, rare], [table], notes, record, title)
+
+
+def _table(found: Sequence[Interval], shares: Mapping[str, float]) -> Table:
+    rows = []
+    for interval in found:
+        lows, highs = zip(*(_rounded(interval, n, x) for n, x in shares.items()), strict=True)
+        end = _SETS[interval.high_set_by] if math.isfinite(interval.high) else None
+        rows.append((*lows, *highs, _SETS[interval.low_set_by], end))
+    columns = [(f"{QUANTITIES[n].label} {end}", QUANTITIES[n].unit) for end in ("from", "to") for n in shares]
+    columns += [("begins by", ""), ("ends by", "")]
+    return Table("amplitudes", columns, rows, "Where it is reached")
 
 
 def _rounded(interval: Interval, name: str, share: float) -> tuple[str, str]:

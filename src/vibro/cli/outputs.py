@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from vibro.answers.answer import Answer
     from vibro.cli.options import Options
     from vibro.files.csv_tables import CsvFormat, TableColumns
-    from vibro.sweeps.request import Request
 
 #: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
 PICTURES: Final = ("png", "svg", "pdf")
@@ -291,14 +290,6 @@ class Outputs:
 
         if self.options.json:
             print(json_text({**more, **self.record}))
-
-
-def scene_record(request: Request) -> dict[str, Any]:
-    """Return the quantities of a request by their columns, as given, and its machine."""
-    from vibro.quantities import QUANTITIES
-
-    machine = {} if request.machine is None else {"machine": dict(request.machine.table)}
-    return {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()} | machine
 
 
 def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:

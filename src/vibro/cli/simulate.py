@@ -67,7 +67,8 @@ def simulate_command(
     The body is at rest on the trough at first; start_height=2mm or start_velocity=50 change that.
     """
     from vibro.answers.history import history_answer
-    from vibro.cli.outputs import HISTORIES, Outputs, scene_record
+    from vibro.answers.scene import scene_record
+    from vibro.cli.outputs import HISTORIES, Outputs
     from vibro.cli.request import request_of, warn_of_machine, whole_number
     from vibro.motion.histories import simulate
     from vibro.quantities import CYCLES, DURATION, checked_number

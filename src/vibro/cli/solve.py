@@ -88,7 +88,7 @@ def solve_command(
             regimes_only=regimes_only, coexist=coexist, stand_ratio=stand_ratio, columns=columns,
             pitch=pitch, mass=mass,
         )  # fmt: skip
-        return _target(speed, options, unused, hopping=hopping)
+        return _target(speed, options, unused, every=every, hopping=hopping)
     if hopping:
         raise InputError("--hopping needs --speed", hint="add --speed 5m/min, or leave it out")
     part = part_of(pitch, mass)
@@ -119,7 +119,7 @@ def solve_command(
     return answer_cells(runs, options, "vibro-solve")
 
 
-def _target(text: str, options: Options, unused: Sequence[str], *, hopping: bool) -> int:
+def _target(text: str, options: Options, unused: Sequence[str], *, every: bool, hopping: bool) -> int:
     """Find the amplitudes that reach a speed, and print them."""
     from vibro.answers.target import target_answer
     from vibro.cli.exit_codes import ExitCode
@@ -141,7 +141,7 @@ def _target(text: str, options: Options, unused: Sequence[str], *, hopping: bool
         with options.console.progress("searching", None):
             answer = target_answer(request, speed, asked, hopping=hopping)
         outputs.write_answer(answer)
-    outputs.tell(answer)
+    outputs.tell(answer, every=every)
     return ExitCode.DONE if answer.record["met"] else ExitCode.NOT_MET
 
 
