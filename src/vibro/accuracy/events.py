@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _TURN: Final = 2.0 * math.pi
 _LONGEST_SLIDE: Final = 2.0 * _TURN  # [rad] no slide of a steady cycle lasts longer than one turn
-_MOST_SLIDES: Final = 2000
+_MOST_SLIDES: Final = 2000  # before a walk gives up
 _SETTLED: Final = 10.0  # [rtol] smaller changes of a slide's start from cycle to cycle count as none
 _ROUNDING: Final = 1e-13  # [rad] of phases after many cycles
 
@@ -31,7 +31,6 @@ def walk(
     motion: TroughBody,
     slide: Callable[[TroughBody, str, Any], tuple[Any, Any]],
     settled: float,
-    most_slides: int = _MOST_SLIDES,
     library: Any = math,
     *,
     extrapolates: bool = False,
@@ -47,8 +46,6 @@ def walk(
         distance [A]; the end is None if there is none.
     settled : float
         Smaller changes of the start of a slide from cycle to cycle count as none [rad].
-    most_slides : int, optional
-        When to give up.
     library : module, optional
         Where functions come from: ``math``, or a context of ``mpmath``.
     extrapolates : bool, optional
@@ -65,7 +62,7 @@ def walk(
     from_rest = True
     seen: dict[str, Visit] = {}  # last start from rest
     starts: list[Visit] = []  # of the forward slides since the last rest
-    while len(slides) < most_slides:
+    while len(slides) < _MOST_SLIDES:
         if from_rest:
             coming = [
                 (onset + turn * library.ceil((phase - onset) / turn), way)
@@ -108,13 +105,7 @@ def _cycle(first: Visit, again: Visit, slides: str) -> Found:
     return Found((again[1] - first[1]) / turns, "".join(sorted(set(slides[first[2] : again[2]]))))
 
 
-def simulate_by_events(
-    motion: TroughBody,
-    solver: Solver,
-    rtol: float,
-    max_step: float = math.inf,
-    most_slides: int = _MOST_SLIDES,
-) -> Found:
+def simulate_by_events(motion: TroughBody, solver: Solver, rtol: float, max_step: float = math.inf) -> Found:
     """Simulate from rest until the motion repeats.
 
     The body starts from rest where the load reaches static friction, known in closed form; ``solve_ivp``
@@ -131,8 +122,6 @@ def simulate_by_events(
         Relative tolerance, and the absolute one in units of A and A w.
     max_step : float, optional
         Longest step [rad].
-    most_slides : int, optional
-        When to give up.
 
     Returns
     -------
@@ -140,7 +129,7 @@ def simulate_by_events(
         NaN if the motion does not repeat or a slide does not end.
     """
     slide = partial(_slide, solver=solver, rtol=rtol, max_step=max_step)
-    return walk(motion, slide, max(_SETTLED * rtol, _ROUNDING), most_slides)
+    return walk(motion, slide, max(_SETTLED * rtol, _ROUNDING))
 
 
 def _slide(

@@ -76,7 +76,7 @@ class Method(NamedTuple):
     answer: Callable[[Scene, Tick], Answers]
 
 
-def answers_of(found: Sequence[tuple[float, str]], seconds: float) -> Answers:
+def answers_of(found: Sequence[Found], seconds: float) -> Answers:
     """Collect displacements, NaN where a method gave up, and regimes from the directions of the slides."""
     codes = {"": Regime.NO_SLIP, "F": Regime.FORWARD_SLIP, "B": Regime.BACK_SLIP, "BF": Regime.BACK_SLIP}
     regimes = [Regime.UNDEFINED if math.isnan(d) else codes["".join(sorted(slides))] for d, slides in found]

@@ -33,11 +33,14 @@ _ROOM: Final = 0.98  # [1] of the largest setting at which masses do not strike,
 _UNANSWERED: Final = {"regime": Regime.UNDEFINED, "coexists": -1}  # codes that are not 0
 
 
-def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of ``vibro.operate``, besides the machine, for cells in the units outside."""
+def case_of(given: GivenMachine, values: Mapping[str, Any], share: Any = None) -> dict[str, Any]:
+    """Return the arguments of ``vibro.operate``, besides the machine, for cells in the units outside.
+
+    A pair of added mass and damping shares replaces those of the machine, or what would be computed.
+    """
     si = {name: QUANTITIES[name].to_si(values[name]) for name in (*OF_SCENE, *MACHINE) if name in values}
     natural = si.pop("natural", None)
-    mass, damping = given.share or (None, None)
+    mass, damping = share or given.share or (None, None)
     return {
         **si,
         "natural_frequency": natural if given.has_springs else None,
@@ -46,24 +49,14 @@ def case_of(given: GivenMachine, values: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def points_of(
-    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
-) -> OperatingPoints:
-    """Find the operating points of cells, given by their values in the units outside.
-
-    A pair of added mass and damping shares replaces those of the machine, or what would be computed.
-    """
+def points_of(given: GivenMachine, values: Mapping[str, Any], share: Any = None) -> OperatingPoints:
+    """Find the operating points of cells, given by their values in the units outside; as ``case_of``."""
     from vibro.machines.operating import operate
 
-    case = case_of(given, values)
-    if share is not None:
-        case |= dict(zip(("added_mass_share", "added_damping_share"), share, strict=True))
-    return operate(given.machine, **case, allow_strikes=True, threads=threads)
+    return operate(given.machine, **case_of(given, values, share), allow_strikes=True)
 
 
-def operated(
-    given: GivenMachine, values: Mapping[str, Any], threads: int | None = None, share: Any = None
-) -> dict[str, NDArray[Any]]:
+def operated(given: GivenMachine, values: Mapping[str, Any], share: Any = None) -> dict[str, NDArray[Any]]:
     """Return what a machine adds to the values of cells.
 
     Parameters
@@ -72,10 +65,8 @@ def operated(
         The machine.
     values : mapping of str to array
         Quantities of cells by name, in the units outside; those of ``MACHINE`` among them.
-    threads : int, optional
-        For operating points with a filling.
     share : pair of array, optional
-        As for ``points_of``.
+        As for ``case_of``.
 
     Returns
     -------
@@ -83,7 +74,7 @@ def operated(
         ``amplitude`` [mm], NaN where there is none, ``OPERATING``, an array of ``FIELDS``, and the natural
         frequency of a machine whose springs cannot be exchanged.
     """
-    points = points_of(given, values, threads, share)
+    points = points_of(given, values, share)
     ndim = max(np.ndim(x) for x in values.values())
     amplitude = np.where(points.strikes, np.nan, points.amplitude)
     amplitude = amplitude.reshape((1,) * (ndim - amplitude.ndim) + amplitude.shape)
@@ -106,14 +97,9 @@ def bent_speed(values: Mapping[str, Any], scene: Scene) -> Any:
 
 def empty_amplitude(given: GivenMachine, values: Mapping[str, float]) -> float:
     """Return the amplitude of the empty trough [mm]."""
-    si = {name: QUANTITIES[name].to_si(values[name]) for name in ("frequency", *MACHINE) if name in values}
-    found = given.machine.response(
-        si["frequency"],
-        setting=si["setting"],
-        voltage=si["voltage"],
-        natural_frequency=si.get("natural") if given.has_springs else None,
-    )
-    return float(LENGTH.from_si(found.amplitude))
+    case = case_of(given, values)
+    told = {name: case[name] for name in ("setting", "voltage", "natural_frequency")}
+    return float(LENGTH.from_si(given.machine.response(case["frequency"], **told).amplitude))
 
 
 def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:
