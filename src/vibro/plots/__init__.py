@@ -55,6 +55,7 @@ def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
     return (*_DRAWN, *own, *(() if has_limits else _IN_PLACE_OF_LIMITS))
 
 
+@house_style()
 def map_figures(
     result: SweepResult,
     names: Sequence[str] | None = None,
@@ -102,16 +103,16 @@ def map_figures(
     if names is None:
         names = picture_names(view, has_length=result.length is not None, on_request=False)
     figures = {}
-    with house_style():
-        for name in names:
-            if view.y is None:
-                figures[name] = curve_figure(name, result, view, groups, target_speed)
-            else:
-                figures[name] = map_figure(name, result, [fields for (fields,) in groups], target_speed)
-            progress(len(figures), len(names))
+    for name in names:
+        if view.y is None:
+            figures[name] = curve_figure(name, result, view, groups, target_speed)
+        else:
+            figures[name] = map_figure(name, result, [fields for (fields,) in groups], target_speed)
+        progress(len(figures), len(names))
     return figures
 
 
+@house_style()
 def save(figure: Figure, path: Path | IO[bytes], picture_format: str, metadata: Mapping[str, str]) -> None:
     """Write a figure to a file.
 
@@ -134,5 +135,4 @@ def save(figure: Figure, path: Path | IO[bytes], picture_format: str, metadata: 
         place, date = _KEYS[picture_format]
         # No date: equal pictures give equal files.
         described = {"Title": described["Title"], place: text, date: None}
-    with house_style():
-        figure.savefig(path, format=picture_format, metadata=described, **more)
+    figure.savefig(path, format=picture_format, metadata=described, **more)

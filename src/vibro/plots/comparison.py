@@ -42,6 +42,7 @@ _SIGNALS: Final = {
 }
 
 
+@house_style()
 def comparison_figure(
     comparison: Comparison, title: str, given: Mapping[str, float], fitted: Comparison | None = None
 ) -> Figure:
@@ -68,22 +69,21 @@ def comparison_figure(
         # The trough's motion was subtracted at each scene's place in the cycle: that of the fit is better.
         comparison = fitted
     signals = comparison.observation.signals
-    with house_style():
-        figure = Picture(figsize=(10.0, 1.4 + _ROW * len(signals)))
-        grid = figure.subplots(len(signals), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
-        for row, name in zip(grid, signals, strict=True):
-            row[0].set_ylabel("{}\n[{}]".format(*_SIGNALS[name]))
-            _draw_over_time(row[0], comparison, models, name)
-            _draw_on_one_cycle(row[1], comparison, models, name)
-        grid[0][0].set_title(f"first {_SHOWN} cycles of the record")
-        grid[0][1].set_title("all cycles on one")
-        grid[-1][0].set_xlabel("time of the record [ms]")
-        zero = f"the trough's middle, {comparison.passing}" if comparison.passing else "phase 0 of the drive"
-        grid[-1][1].set_xlabel(f"time after {zero} [ms]")
-        figure.align_ylabels(grid[:, 0])
-        set_heading(figure, title, values_text(given))
-        settle(figure)
-        return figure
+    figure = Picture(figsize=(10.0, 1.4 + _ROW * len(signals)))
+    grid = figure.subplots(len(signals), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
+    for row, name in zip(grid, signals, strict=True):
+        row[0].set_ylabel("{}\n[{}]".format(*_SIGNALS[name]))
+        _draw_over_time(row[0], comparison, models, name)
+        _draw_on_one_cycle(row[1], comparison, models, name)
+    grid[0][0].set_title(f"first {_SHOWN} cycles of the record")
+    grid[0][1].set_title("all cycles on one")
+    grid[-1][0].set_xlabel("time of the record [ms]")
+    zero = f"the trough's middle, {comparison.passing}" if comparison.passing else "phase 0 of the drive"
+    grid[-1][1].set_xlabel(f"time after {zero} [ms]")
+    figure.align_ylabels(grid[:, 0])
+    set_heading(figure, title, values_text(given))
+    settle(figure)
+    return figure
 
 
 def _draw_over_time(axes: Axes, comparison: Comparison, models: Models, name: str) -> None:

@@ -199,6 +199,7 @@ class Settings:
         return np.asarray(np.interp(self.load(amplitude, frequency), self.data.load, values))
 
 
+@style.house_style()
 def design_figures(
     spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand, wanted: str
 ) -> dict[str, Figure]:
@@ -225,12 +226,11 @@ def design_figures(
         amplitude.
     """
     settings = Settings(spec, chosen, fields, wanted)
-    with style.house_style():
-        return {
-            "regime": _map(settings, "Guaranteed regimes", _draw_regimes),
-            "speed": _map(settings, "Guaranteed speed", _draw_speed),
-            "band": _speed_band(settings, band),
-        }
+    return {
+        "regime": _map(settings, "Guaranteed regimes", _draw_regimes),
+        "speed": _map(settings, "Guaranteed speed", _draw_speed),
+        "band": _speed_band(settings, band),
+    }
 
 
 def _map(settings: Settings, heading: str, draw: Callable[[Figure, MapLayers, Settings], None]) -> Figure:

@@ -164,6 +164,7 @@ def values_of(curve: Curve, panel: Panel, trace: Sample) -> Floats:
     return np.where(trace.normal > 0.0, values, np.nan) if curve.in_contact else values
 
 
+@house_style()
 def history_figure(
     phases: Sequence[Phase],
     trace: Sample,
@@ -204,24 +205,23 @@ def history_figure(
     edge = _EDGE * (last - first)
     phases = [phase for phase in phases if phase.end > first + edge and phase.start < last - edge]
     heights = [_STRIP, *(panel.height for panel in shown.values()), *[_PATH] * elliptical]
-    with house_style():
-        figure, (strip, *grid) = stack((9.0, 1.5 + _ROW * sum(heights)), heights)
-        if elliptical:  # on a scale of its own
-            place: Any = grid.pop()
-            place.remove()
-            grid[-1].tick_params(labelbottom=True)
-            _draw_path(figure.add_subplot(place.get_subplotspec()), phases, trace, period)
-        bands = phase_bands(phases)
-        for axes, panel in zip(grid, shown.values(), strict=True):
-            _draw(axes, panel, trace)
-            shade(axes, bands)
-        strip.set_xlim(1e3 * first, 1e3 * last)
-        grid[-1].set_xlabel(f"time [ms], {part}" if part else "time [ms]")
-        figure.align_ylabels(grid)
-        _mark_events(shown, dict(zip(panels, grid, strict=True)), phases, trace)
-        set_heading(figure, title, values_text(given, hops=any(phase.kind == "H" for phase in phases)))
-        settle_bands(figure, strip, bands)
-        return figure
+    figure, (strip, *grid) = stack((9.0, 1.5 + _ROW * sum(heights)), heights)
+    if elliptical:  # on a scale of its own
+        place: Any = grid.pop()
+        place.remove()
+        grid[-1].tick_params(labelbottom=True)
+        _draw_path(figure.add_subplot(place.get_subplotspec()), phases, trace, period)
+    bands = phase_bands(phases)
+    for axes, panel in zip(grid, shown.values(), strict=True):
+        _draw(axes, panel, trace)
+        shade(axes, bands)
+    strip.set_xlim(1e3 * first, 1e3 * last)
+    grid[-1].set_xlabel(f"time [ms], {part}" if part else "time [ms]")
+    figure.align_ylabels(grid)
+    _mark_events(shown, dict(zip(panels, grid, strict=True)), phases, trace)
+    set_heading(figure, title, values_text(given, hops=any(phase.kind == "H" for phase in phases)))
+    settle_bands(figure, strip, bands)
+    return figure
 
 
 def _draw(axes: Axes, panel: Panel, trace: Sample) -> None:

@@ -27,6 +27,7 @@ _POINTS: Final[dict[str, Any]] = {"color": "#BB5566", "marker": "o", "markersize
 _BAND: Final = "#DDDDDD"
 
 
+@house_style()
 def fit_figure(fit: ResponseFit, x: Floats, headline: str, below: str) -> Figure:
     """Draw measured amplitudes over frequency with the fitted curve and the natural frequency.
 
@@ -44,28 +45,27 @@ def fit_figure(fit: ResponseFit, x: Floats, headline: str, below: str) -> Figure
     Figure
         One panel.
     """
-    with house_style():
-        figure, (axes,) = stack(_SIZE, [1.0])
-        amplitude, curve = (LENGTH.from_si(values) for values in (fit.amplitude, fit.amplitudes(x)))
-        axes.set_xlim(float(x[0]), float(x[-1]))
-        low, high = np.clip(fit.natural_frequency_interval, x[0], x[-1]).tolist()
-        if low < high:  # never of NaN
-            label = "95 % interval of the natural frequency"
-            axes.axvspan(low, high, facecolor=_BAND, edgecolor="none", zorder=0, label=label)
-        axes.axvline(fit.natural_frequency, color=INK, linewidth=0.8, label="natural frequency")
-        axes.plot(x, curve, label="fitted", **_CURVE)
-        label = "measured"
-        if np.isfinite(fit.amplitude_error).all():
-            label += ", with standard error"
-            bars: dict[str, Any] = {"fmt": "none", "ecolor": INK, "elinewidth": 0.8, "capsize": 2}
-            axes.errorbar(fit.frequency, amplitude, yerr=amplitude * fit.amplitude_error, **bars)
-        axes.plot(fit.frequency, amplitude, zorder=5, label=label, **_POINTS)
-        # From 0 to above the largest; where the curve is infinite, above the points.
-        axes.set_ylim(0.0, 1.08 * float(min(curve[np.isfinite(curve)].max(), 3.0 * amplitude.max())))
-        axes.set(xlabel="frequency $f$ [Hz]", ylabel="amplitude $A$ [mm]")
-        set_heading(figure, headline, below)
-        settle(figure)
-        return figure
+    figure, (axes,) = stack(_SIZE, [1.0])
+    amplitude, curve = (LENGTH.from_si(values) for values in (fit.amplitude, fit.amplitudes(x)))
+    axes.set_xlim(float(x[0]), float(x[-1]))
+    low, high = np.clip(fit.natural_frequency_interval, x[0], x[-1]).tolist()
+    if low < high:  # never of NaN
+        label = "95 % interval of the natural frequency"
+        axes.axvspan(low, high, facecolor=_BAND, edgecolor="none", zorder=0, label=label)
+    axes.axvline(fit.natural_frequency, color=INK, linewidth=0.8, label="natural frequency")
+    axes.plot(x, curve, label="fitted", **_CURVE)
+    label = "measured"
+    if np.isfinite(fit.amplitude_error).all():
+        label += ", with standard error"
+        bars: dict[str, Any] = {"fmt": "none", "ecolor": INK, "elinewidth": 0.8, "capsize": 2}
+        axes.errorbar(fit.frequency, amplitude, yerr=amplitude * fit.amplitude_error, **bars)
+    axes.plot(fit.frequency, amplitude, zorder=5, label=label, **_POINTS)
+    # From 0 to above the largest; where the curve is infinite, above the points.
+    axes.set_ylim(0.0, 1.08 * float(min(curve[np.isfinite(curve)].max(), 3.0 * amplitude.max())))
+    axes.set(xlabel="frequency $f$ [Hz]", ylabel="amplitude $A$ [mm]")
+    set_heading(figure, headline, below)
+    settle(figure)
+    return figure
 
 
 class DrivePicture(NamedTuple):
@@ -115,6 +115,7 @@ _TALL: Final = (7.4, 7.4)  # [in]
 _MOST_ABOVE: Final = 3.5  # of the largest amplitude at the drive: the peak at resonance would hide the rest
 
 
+@house_style()
 def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
     """Draw amplitude above speed, on one axis of frequencies, empty and full.
 
@@ -130,41 +131,40 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
     Figure
         Two panels.
     """
-    with house_style():
-        figure, (above, beneath) = stack(_TALL, (1.25, 1.0))
-        x, here = drive.frequency, drive.drive
-        above.set_xlim(float(x[0]), float(x[-1]))
-        states = ("empty", _EMPTY), (f"with {drive.full:g} kg", _FULL)
-        for i, ((name, style), curve) in enumerate(zip(states, drive.curves, strict=False)):
-            point: Any = {**_POINT, "marker": _MARKERS[i], "color": style["color"]}
-            for axes, values, value in zip((above, beneath), curve, drive.points[i], strict=True):
-                axes.plot(x, values, label=name, linewidth=1.8, **style)
-                for resonance in drive.resonances[i : i + 1]:
-                    axes.axvline(resonance, label=f"natural frequency {name}", linewidth=0.8, **style)
-                axes.plot(here, value, zorder=6, label=f"operating point {name}", **point)
-            for ends in drive.voltage[i : i + 1]:
-                face: Any = {"facecolor": style["color"], "alpha": _BAND_ALPHA, "linewidth": 0.0}
-                above.fill_between(x, *ends, label=f"band of voltage, {name}", **face)
-        for which, axes in enumerate((above, beneath)):
-            axes.axvline(here, label="frequency of the drive", **_DRIVE)
-            # Up to above the operating points, but not far above.
-            highest = max(float(np.nanmax(pair[which], initial=0.0)) for pair in drive.curves)
-            at_drive = max((pair[which] for pair in drive.points if pair[which] > 0.0), default=math.inf)
-            least = min(float(np.nanmin(pair[which], initial=0.0)) for pair in drive.curves)
-            axes.set_ylim(least, 1.05 * min(highest, _MOST_ABOVE * at_drive) or 1.0)
-        if drive.others:
-            label = f"other operating points {states[len(drive.curves) - 1][0]}"
-            other: Any = {**_POINT, "marker": "x", "color": _FULL["color"]}
-            above.plot([here] * len(drive.others), drive.others, zorder=5, label=label, **other)
-        for critical, name, label in (
-            (drive.hop, "hop", "bodies hop above"),
-            (drive.slip, "forward_onset", "bodies slip above"),
-        ):
-            above.plot(x, np.where(np.isfinite(critical), critical, np.nan), label=label, **CURVES[name].look)
-        beneath.axhline(0.0, color=INK, linewidth=0.5)
-        above.set_ylabel("amplitude $A$ [mm]")
-        beneath.set(xlabel="frequency of the drive $f$ [Hz]", ylabel="mean speed [mm/s]")
-        figure.align_ylabels([above, beneath])
-        set_heading(figure, headline, below)
-        settle(figure)
-        return figure
+    figure, (above, beneath) = stack(_TALL, (1.25, 1.0))
+    x, here = drive.frequency, drive.drive
+    above.set_xlim(float(x[0]), float(x[-1]))
+    states = ("empty", _EMPTY), (f"with {drive.full:g} kg", _FULL)
+    for i, ((name, style), curve) in enumerate(zip(states, drive.curves, strict=False)):
+        point: Any = {**_POINT, "marker": _MARKERS[i], "color": style["color"]}
+        for axes, values, value in zip((above, beneath), curve, drive.points[i], strict=True):
+            axes.plot(x, values, label=name, linewidth=1.8, **style)
+            for resonance in drive.resonances[i : i + 1]:
+                axes.axvline(resonance, label=f"natural frequency {name}", linewidth=0.8, **style)
+            axes.plot(here, value, zorder=6, label=f"operating point {name}", **point)
+        for ends in drive.voltage[i : i + 1]:
+            face: Any = {"facecolor": style["color"], "alpha": _BAND_ALPHA, "linewidth": 0.0}
+            above.fill_between(x, *ends, label=f"band of voltage, {name}", **face)
+    for which, axes in enumerate((above, beneath)):
+        axes.axvline(here, label="frequency of the drive", **_DRIVE)
+        # Up to above the operating points, but not far above.
+        highest = max(float(np.nanmax(pair[which], initial=0.0)) for pair in drive.curves)
+        at_drive = max((pair[which] for pair in drive.points if pair[which] > 0.0), default=math.inf)
+        least = min(float(np.nanmin(pair[which], initial=0.0)) for pair in drive.curves)
+        axes.set_ylim(least, 1.05 * min(highest, _MOST_ABOVE * at_drive) or 1.0)
+    if drive.others:
+        label = f"other operating points {states[len(drive.curves) - 1][0]}"
+        other: Any = {**_POINT, "marker": "x", "color": _FULL["color"]}
+        above.plot([here] * len(drive.others), drive.others, zorder=5, label=label, **other)
+    for critical, name, label in (
+        (drive.hop, "hop", "bodies hop above"),
+        (drive.slip, "forward_onset", "bodies slip above"),
+    ):
+        above.plot(x, np.where(np.isfinite(critical), critical, np.nan), label=label, **CURVES[name].look)
+    beneath.axhline(0.0, color=INK, linewidth=0.5)
+    above.set_ylabel("amplitude $A$ [mm]")
+    beneath.set(xlabel="frequency of the drive $f$ [Hz]", ylabel="mean speed [mm/s]")
+    figure.align_ylabels([above, beneath])
+    set_heading(figure, headline, below)
+    settle(figure)
+    return figure

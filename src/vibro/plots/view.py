@@ -53,14 +53,17 @@ class View:
 
     @property
     def drawn(self) -> dict[str, tuple[int, ...]]:
-        """Indices of the values that are drawn, by name, of every axis that is no continuum here."""
+        """Indices of the values that are drawn of every axis that is no continuum here.
+
+        By the names of a grid, which has amplitudes also where they were given as strokes.
+        """
         drawn: dict[str, tuple[int, ...]] = {name: (index,) for name, index in self.held.items()}
         if self.facet is not None:
             drawn[self.facet.name] = self.facet_indices
         for axis in filter(None, (self.x, self.curves)):
             if is_discrete(axis):
                 drawn[axis.name] = tuple(range(len(axis)))
-        return drawn
+        return {"amplitude" if name == "stroke" else name: indices for name, indices in drawn.items()}
 
 
 def is_discrete(axis: Axis) -> bool:

@@ -101,7 +101,6 @@ class DrawnCells:
         They are needed on maps of bodies that bounce, or whose other motions are searched for, of tables that
         are fine enough; ``drawn`` is that of ``sweep_picture``.
         """
-        drawn = _of_grid(drawn)
         ranges = [len(axis) for name, axis in grid.axes.items() if name not in drawn]
         facets = any(len(indices) > 1 for indices in drawn.values())
         costly = grid.flight and (grid.coexistence or _bounces(grid.fixed))
@@ -138,8 +137,8 @@ def sweep_picture(
     grid : Grid
         The whole grid.
     drawn : mapping of str to tuple of int
-        Indices to keep of an axis, by its name in pictures; a single one holds the axis at that value. Every
-        other axis, of at most two, is resolved evenly between its ends.
+        Indices to keep of an axis, as ``View.drawn``; a single one holds the axis at that value. Every other
+        axis, of at most two, is resolved evenly between its ends.
     operating_point : mapping of str to float, or None
         The scene's own values.
     title : str
@@ -154,7 +153,6 @@ def sweep_picture(
     SweepResult
         Of at most three axes.
     """
-    drawn = _of_grid(drawn)
     part = _grid_at(grid, drawn)
     ranges = [name for name in part.axes if name not in drawn]
     count = _resolution(len(ranges), len(part.axes) - len(ranges), is_costly=_is_costly(part))
@@ -196,7 +194,7 @@ def solved_picture(
     """
     from vibro.plots import results_drawn  # imported late: tables need no pictures
 
-    indices = _solved_indices(grid, _of_grid(drawn))
+    indices = _solved_indices(grid, drawn)
     part = _grid_at(grid, indices)
     values = part.values()
     found = cells(results_drawn(pictures, has_limits=limits_of(values) is not None), list(indices.values()))
@@ -227,11 +225,6 @@ def _result(
         None if part.machine is None else values["amplitude"],
         None if peaks is None else {k: p._replace(values=part.told(p.values)) for k, p in peaks.items()},
     )
-
-
-def _of_grid(drawn: Mapping[str, tuple[int, ...]]) -> dict[str, tuple[int, ...]]:
-    """Call the axes of a picture as the grid does."""
-    return {"amplitude" if name == "stroke" else name: indices for name, indices in drawn.items()}
 
 
 def _grid_at(grid: Grid, indices: Mapping[str, Sequence[int] | NDArray[np.intp]]) -> Grid:
