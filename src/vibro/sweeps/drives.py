@@ -7,35 +7,30 @@ from typing import TYPE_CHECKING, Final
 from vibro.quantities import DRIVES, ELLIPTICAL, LINEAR, QUANTITIES, SCALE, TWO_AXIS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping
 
-    from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
 
 #: Slot of a motion of steps or samples, which is no quantity.
 MOTION: Final = "motion"
 #: Quantities of a drive by such a motion.
 MOVED: Final = (SCALE,)
+#: The slots that each drive may have.
+SLOTS: Final = {LINEAR: {*LINEAR}, TWO_AXIS: {*TWO_AXIS, SCALE}, MOVED: {*MOVED, MOTION}}
 
-# The slots of each drive, and those that make it whole.
-_DRIVES: Final = (
-    (LINEAR, {*LINEAR}, {*LINEAR}),
-    (TWO_AXIS, {*TWO_AXIS, SCALE}, {*ELLIPTICAL[:2]}),
-    (MOVED, {*MOVED, MOTION}, {MOTION}),
-)
+# Those that make it whole.
+_WHOLE: Final = {LINEAR: {*LINEAR}, TWO_AXIS: {*ELLIPTICAL[:2]}, MOVED: {MOTION}}
 
 
 def drive_given(
-    layers: Sequence[tuple[str, dict[str, AxisSpec]]],
-    spelled: Callable[[Quantity], str],
-    known: Collection[str],
+    layers: Iterable[Mapping[str, str]], spelled: Callable[[Quantity], str], known: Collection[str]
 ) -> tuple[tuple[str, ...], tuple[str, str] | None]:
-    """Find which drive is given; if it is complete, drop quantities of another drive from lower layers.
+    """Find which drive is given: a layer that makes one whole overrides another drive in those after it.
 
     Parameters
     ----------
-    layers : sequence of pair of str and dict
-        Source and its quantities, by slot; each overrides those after it.
+    layers : iterable of mapping of str to str
+        Slots and the source of each.
     spelled : callable
         How the caller names a quantity, for messages.
     known : collection of str
@@ -49,21 +44,14 @@ def drive_given(
         Message and hint if two drives are given and neither is complete in a higher layer.
     """
     given: dict[str, str] = {}
-    for source, specs in layers:
-        own = {slot: source for slot in specs if slot in DRIVES}
-        both = given | own | ({MOTION: "[motion]"} if MOTION in specs else {})
-        if any(both.keys() <= slots for _, slots, _ in _DRIVES):
+    for layer in layers:
+        both = given | {slot: source for slot, source in layer.items() if slot in (*DRIVES, MOTION)}
+        if any(both.keys() <= slots for slots in SLOTS.values()):
             given = both
-            continue
-        for _, slots, whole in _DRIVES:
-            if given.keys() <= slots and whole <= {*given, *known}:
-                for slot in both.keys() - slots:
-                    del specs[slot]
-                break
-        else:
+        elif not any(given.keys() <= SLOTS[d] and whole <= {*given, *known} for d, whole in _WHOLE.items()):
             return LINEAR, _two_drives(both, spelled)
     named = {*given} or {*known} & {*DRIVES}
-    return next((drive for drive, slots, _ in _DRIVES if named <= slots), LINEAR), None
+    return next((drive for drive, slots in SLOTS.items() if named <= slots), LINEAR), None
 
 
 def _two_drives(both: Mapping[str, str], spelled: Callable[[Quantity], str]) -> tuple[str, str]:

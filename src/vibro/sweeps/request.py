@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from vibro.quantities import (
     scene_fields,
 )
 from vibro.scene import Scene
-from vibro.sweeps.drives import MOTION, MOVED, drive_given
+from vibro.sweeps.drives import MOTION, MOVED, SLOTS, drive_given
 from vibro.sweeps.grid import Grid, scene_of
 from vibro.sweeps.machines import check_operating, empty_amplitude
 
@@ -281,43 +281,40 @@ def gather(
     InputError
         It names everything that is wrong or missing.
     """
-    ranges = ranges or {}
     file = file or SceneFile("", {}, {})
-    problems = _Problems()
+    machine, problems = file.machine, _Problems()
     typed = _by_slot(_understood(given, problems, takes_axes=takes_axes), caller.gives, problems)
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
-    machine = file.machine
+    ranges = ranges or {}
     if machine is not None:
         own |= {name: axis_of(value, QUANTITIES[name]) for name, value in machine.own.items()}
         bands = {name: str(machine.table[QUANTITIES[name].column]) for name in machine.bands}
-        ranges = ranges and (bands or {name: text for name, text in ranges.items() if name != "amplitude"})
+        ranges = ranges and (bands or ranges)
     _check_machine(machine, pack, swept | typed, own, problems)
-
     dropped = [own.pop(name) for name in asked_for if name in own]
     for name in asked_for:
         if name in typed:
             label = typed.pop(name).quantity.label
             problems.add(f"{label} is given, and asked for", "leave it out", name)
     values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
-    described: dict[str, Any] = own | ({} if file.motion is None else {MOTION: file.motion})
-    layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", described)]
-    drive, mixed = drive_given(layers, caller.name, {*problems.slots, *asked_for})
+
+    layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", own)]
+    sources = [dict.fromkeys(specs, source) for source, specs in layers]
+    if file.motion is not None:
+        sources[-1][MOTION] = "[motion]"
+    drive, mixed = drive_given(sources, caller.name, {*problems.slots, *asked_for})
     if mixed is not None:
         problems.add(*mixed)
         problems.slots |= {*DRIVES}
     if machine is not None:
         _check_line(drive, layers, problems)
-    motion = described.pop(MOTION, None)
-    own = described
-    other = {*DRIVES}.difference(drive)
-    ranges = {slot: text for slot, text in ranges.items() if slot not in other}
-    merged = own | swept | typed
-    if not any(spec.varies for spec in merged.values()):
-        for slot in ranges.keys() & own.keys() - swept.keys() - typed.keys():
-            del merged[slot]
-    usual: Mapping[str, float | str] = {**DEFAULTS, **_left_out(drive, merged), **ranges}
-    merged = {slot: axis_of(value, QUANTITIES[slot]) for slot, value in usual.items()} | merged
+    unused = {*DRIVES} - SLOTS[drive] | ({"amplitude"} if machine else set())
+    ranges = {slot: text for slot, text in ranges.items() if slot not in unused}
+    typed, swept, own = (
+        {slot: spec for slot, spec in specs.items() if slot not in unused} for specs in (typed, swept, own)
+    )
+    merged = _merged(typed, swept, own, ranges, drive)
     for slot in problems.slots:
         merged.pop(slot, None)
 
@@ -325,16 +322,29 @@ def gather(
         _check_values(slot, merged, caller, takes_axes, problems)
     _check_combinations(merged, problems)
     _check_clamped(drive, merged, caller, problems)
-    given_up = {*ranges, *asked_for, *other, *(["amplitude"] if machine else [])}
-    given_up |= {n for n in HARMONIC if n.replace("amplitude", "phase") not in merged}
+    needless = {*ranges, *asked_for, *unused}
+    needless |= {n for n in HARMONIC if n.replace("amplitude", "phase") not in merged}
     required = [*_REQUIRED, "trough_length"] if needs_length else _REQUIRED
-    _check_missing([slot for slot in required if slot not in given_up], merged, caller, problems)
+    _check_missing([slot for slot in required if slot not in needless], merged, caller, problems)
     problems.settle()
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
     specs = {name: named[name] for name in QUANTITIES if name in named}
-    is_stroke = any(spec.quantity.name == "stroke" for spec in (*merged.values(), *dropped))
-    return Request(file.name or None, specs, values, motion, is_stroke and drive is LINEAR, machine)
+    in_stroke = any(spec.quantity.name == "stroke" for spec in (*merged.values(), *dropped))
+    motion = file.motion if drive is MOVED else None
+    return Request(file.name or None, specs, values, motion, in_stroke and drive is LINEAR, machine)
+
+
+def _merged(
+    typed: Specs, swept: Specs, own: Specs, ranges: Mapping[str, str], drive: tuple[str, ...]
+) -> Specs:
+    """Merge what is given with ranges, which override a scene of which nothing varies, and usual values."""
+    merged = own | swept | typed
+    if not any(spec.varies for spec in merged.values()):
+        for slot in ranges.keys() & own.keys() - swept.keys() - typed.keys():
+            del merged[slot]
+    usual: Mapping[str, float | str] = {**DEFAULTS, **_left_out(drive, merged), **ranges}
+    return {slot: axis_of(value, QUANTITIES[slot]) for slot, value in usual.items()} | merged
 
 
 def _check_machine(
