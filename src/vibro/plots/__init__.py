@@ -62,7 +62,6 @@ def map_figures(
     *,
     x: str | None = None,
     y: str | None = None,
-    at: Mapping[str, float] | None = None,
     target_speed: float | None = None,
     progress: Callable[[int, int], None] = lambda done, size: None,
 ) -> dict[str, Figure]:
@@ -76,8 +75,8 @@ def map_figures(
         Pictures to draw: ``regime`` (of two ranges), ``speed``, ``traverse`` (with a length),
         ``impact`` and ``flight`` (the share of time in it). Without it the first three, as far as there are
         any.
-    x, y, at : optional
-        Part of the sweep to be drawn, see ``choose_view``.
+    x, y : optional
+        Axes of the pictures, see ``choose_view``.
     target_speed : float, optional
         A speed that stands out where speeds are drawn [mm/s].
     progress : callable, optional
@@ -98,7 +97,7 @@ def map_figures(
     from vibro.plots.fields import Fields
     from vibro.plots.maps import map_figure
 
-    view = choose_view(result.axes, x, y, at, result.fixed)
+    view = choose_view(result.axes, x, y, fixed=result.fixed)
     groups = [[Fields(panel) for panel in curves] for curves in panels(result, view)]
     if names is None:
         names = picture_names(view, has_length=result.length is not None, on_request=False)

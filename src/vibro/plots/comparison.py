@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.frame import Picture, set_heading, settle, shade
+from vibro.plots.frame import Picture, draw_zero, set_heading, settle, shade
 from vibro.plots.history import phase_bands
-from vibro.plots.style import INK, SECOND, house_style, values_text
+from vibro.plots.style import BLUE, INK, RED, SECOND, house_style, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     Models = list[tuple[Comparison, Look]]
 
 _MEASURED: Final[Look] = {
-    "label": "measured", "color": "#004488", "marker": ".", "linestyle": "none", "alpha": 0.75,
+    "label": "measured", "color": BLUE, "marker": ".", "linestyle": "none", "alpha": 0.75,
 }  # fmt: skip
-_COMPUTED: Final[Look] = {"label": "computed", "color": "#BB5566", "linewidth": 1.6}
+_COMPUTED: Final[Look] = {"label": "computed", "color": RED, "linewidth": 1.6}
 _FITTED: Final[Look] = {"label": "computed, fitted", "color": INK, "linewidth": 1.2, "linestyle": SECOND}
 _POINTS: Final = 1001  # of a computed curve, in each cycle
 # A record's displacement has no known zero. Over this first part of the cycle its mean is made the model's.
@@ -125,10 +125,8 @@ def _draw_computed(
     turns = np.floor((time[[0, -1]] - later) / period)
     for turn in np.arange(turns[0] - 1.0, turns[1] + 2.0).tolist():
         shade(axes, phase_bands(slides, later=turn * period + later), named=True)
-    low, high = axes.get_ylim()
-    if low < 0.0 < high:  # a record far from zero would be squeezed by it
-        axes.axhline(0.0, color=INK, linewidth=0.5)
-    axes.set(xlim=(1e3 * time[0], 1e3 * time[-1]), ylim=(low, high))
+    draw_zero(axes)
+    axes.set_xlim(1e3 * time[0], 1e3 * time[-1])
 
 
 def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:

@@ -252,6 +252,13 @@ def draw_peaks(result: SweepResult, axes: Sequence[Axes], panels: Sequence[Panel
     return marked
 
 
+def draw_zero(axes: Axes) -> None:
+    """Draw a line at zero where the scale passes it: numbers far from it would be squeezed."""
+    low, high = axes.get_ylim()
+    if low < 0.0 < high:
+        axes.axhline(0.0, color=style.INK, linewidth=0.5)
+
+
 def draw_wanted(axes: Axes, level: float, text: str) -> None:
     """Draw a line at what is asked for, and name it."""
     axes.axhline(level, zorder=2.5, gid="level", **style.WANTED.look)

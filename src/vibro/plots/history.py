@@ -9,8 +9,8 @@ import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Regime
 from vibro.errors import InputError
-from vibro.plots.frame import TINT, Band, set_heading, settle_bands, shade, stack
-from vibro.plots.style import INK, LIMITS, REGIME_COLOURS, SECOND, house_style, values_text
+from vibro.plots.frame import TINT, Band, draw_zero, set_heading, settle_bands, shade, stack
+from vibro.plots.style import BLUE, INK, LIMITS, RED, REGIME_COLOURS, SECOND, house_style, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -80,7 +80,7 @@ class Panel(NamedTuple):
     height: float = 1.0
 
 
-_BLUE, _RED, _GREEN, _PURPLE, _ORANGE = "#004488", "#BB5566", "#117733", "#882255", "#997700"
+_GREEN, _PURPLE, _ORANGE = "#117733", "#882255", "#997700"
 
 PANELS: Final[Mapping[str, Panel]] = {
     "trough": Panel(
@@ -90,15 +90,15 @@ PANELS: Final[Mapping[str, Panel]] = {
         "force\nper unit mass", "m/s²", 1.0,
         (
             Curve("static_limit", "limits of static friction", _GREEN, LIMITS, 1.0, True),
-            Curve("inertial", "inertial and gravity, along the trough", _RED, "-", 1.2, True),
-            Curve("friction", "friction on the body", _BLUE, width=2.0),
+            Curve("inertial", "inertial and gravity, along the trough", RED, "-", 1.2, True),
+            Curve("friction", "friction on the body", BLUE, width=2.0),
         ),
         1.8,
     ),
     "acceleration": Panel("relative\nacceleration", "m/s²", 1.0, (Curve("acceleration", "", _PURPLE),)),
     "velocity": Panel("relative\nvelocity", "mm/s", 1e-3, (Curve("velocity", "", _ORANGE),)),
-    "position": Panel("relative\nposition", "mm", 1e-3, (Curve("position", "", _BLUE),)),
-    "gap": Panel("height above\nthe trough", "mm", 1e-3, (Curve("gap", "", _RED),)),
+    "position": Panel("relative\nposition", "mm", 1e-3, (Curve("position", "", BLUE),)),
+    "gap": Panel("height above\nthe trough", "mm", 1e-3, (Curve("gap", "", RED),)),
 }  # fmt: skip
 
 # Replaces the trough's panel for elliptical drives.
@@ -239,9 +239,7 @@ def _draw(axes: Axes, panel: Panel, trace: Sample) -> None:
             axes.plot(milliseconds, -values, **style)
         if is_cut:
             axes.set_ylim(-most, most)
-    bottom, top = axes.get_ylim()
-    if bottom < 0.0 < top:  # a body far from its start needs no zero line
-        axes.axhline(0.0, color=INK, linewidth=0.5)
+    draw_zero(axes)
     axes.set_ylabel(f"{panel.label} [{panel.unit}]")
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.plots.frame import set_heading, settle, stack
-from vibro.plots.style import CURVES, INK, SECOND, house_style
+from vibro.plots.frame import draw_zero, set_heading, settle, stack
+from vibro.plots.style import BLUE, CURVES, INK, RED, SECOND, house_style
 from vibro.quantities import LENGTH
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _SIZE: Final = (7.4, 5.2)  # [in]
-_CURVE: Final[Mapping[str, Any]] = {"color": "#004488", "linewidth": 1.6}
-_POINTS: Final[dict[str, Any]] = {"color": "#BB5566", "marker": "o", "markersize": 6.0, "linestyle": "none"}
+_CURVE: Final[Mapping[str, Any]] = {"color": BLUE, "linewidth": 1.6}
+_POINTS: Final[dict[str, Any]] = {"color": RED, "marker": "o", "markersize": 6.0, "linestyle": "none"}
 _BAND: Final = "#DDDDDD"
 
 
@@ -105,8 +105,8 @@ class DrivePicture(NamedTuple):
     others: tuple[float, ...] = ()
 
 
-_EMPTY: Final[Mapping[str, Any]] = {"color": "#004488"}
-_FULL: Final[Mapping[str, Any]] = {"color": "#BB5566", "linestyle": SECOND}
+_EMPTY: Final[Mapping[str, Any]] = {"color": BLUE}
+_FULL: Final[Mapping[str, Any]] = {"color": RED, "linestyle": SECOND}
 _MARKERS: Final = "os"
 _POINT: Final[Mapping[str, Any]] = {"ms": 7.0, "mew": 2.0, "mfc": "#FFFFFF", "linestyle": "none"}
 _DRIVE: Final[Mapping[str, Any]] = {"color": INK, "linewidth": 0.8, "zorder": 1}
@@ -161,7 +161,7 @@ def drive_figure(drive: DrivePicture, headline: str, below: str) -> Figure:
         (drive.slip, "forward_onset", "bodies slip above"),
     ):
         above.plot(x, np.where(np.isfinite(critical), critical, np.nan), label=label, **CURVES[name].look)
-    beneath.axhline(0.0, color=INK, linewidth=0.5)
+    draw_zero(beneath)
     above.set_ylabel("amplitude $A$ [mm]")
     beneath.set(xlabel="frequency of the drive $f$ [Hz]", ylabel="mean speed [mm/s]")
     figure.align_ylabels([above, beneath])

@@ -26,6 +26,9 @@ REGIME_COLOURS: Final[Mapping[Regime, str]] = {
     Regime.HOPPING: "#994455",
 }
 INK: Final = "#222222"
+#: Of curves: the first of two, and the second.
+BLUE: Final = "#004488"
+RED: Final = "#BB5566"
 
 NO_ANSWER_FACE: Final = "#E9E9E9"
 NO_ANSWER_INK: Final = "#8A8A8A"
