@@ -50,11 +50,11 @@ def test_rows_come_in_the_order_of_the_axes_whatever_the_blocks(
     expected = list(itertools.product(*(axis.values for axis in grid.axes.values())))
     found = list(zip(*(cells_of(grid, name) for name in grid.axes), strict=True))
     assert found == expected
-    speeds = np.concatenate([block.cycle.mean_velocity.ravel() for block in sweep_blocks(grid)])
+    speeds = [block.cycle.mean_velocity.ravel() for block in sweep_blocks(grid)]
+    assert max(map(len, speeds)) <= cells
     monkeypatch.undo()
     (whole,) = sweep_blocks(grid)
-    np.testing.assert_array_equal(speeds, whole.cycle.mean_velocity.ravel())
-    assert all(block.cycle.status.size <= max(cells, 1) for block in sweep_blocks(grid) if cells == 10**6)
+    np.testing.assert_array_equal(np.concatenate(speeds), whole.cycle.mean_velocity.ravel())
 
 
 def test_a_ratio_gives_the_kinetic_friction() -> None:

@@ -110,6 +110,12 @@ class Grid:
         }
         return tuple(name for name, is_told in told.items() if is_told)
 
+    @property
+    def is_dear(self) -> bool:
+        """Whether bodies may bounce, or other motions are searched for: that takes up to some ms a cell."""
+        bounces = self.fixed.get("restitution", 1.0) > 0.0
+        return self.flight and (self.coexistence or bounces)
+
     def values(self, box: tuple[slice, ...] | None = None) -> dict[str, Floats]:
         """Return every quantity of a box of cells, in the user's units.
 

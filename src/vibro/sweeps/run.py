@@ -37,8 +37,7 @@ _WALKED_BLOCK: Final = 8_192
 
 # [values of an axis] Resolution of a picture of one, two or three axes, independent of the table's axes.
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
-# Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show; an
-# operating point with a filling takes 0.2 to 0.3 ms.
+# Of cells that are dear to solve, whose means scatter more than a finer picture would show.
 _COARSER: Final = 2
 # [values of each range] of a table that is fine enough for maps of bodies that bounce: cells of 4 % of
 # the side of a map, or 5 % of that of a facet, which is smaller.
@@ -103,8 +102,7 @@ class DrawnCells:
         """
         ranges = [len(axis) for name, axis in grid.axes.items() if name not in drawn]
         facets = any(len(indices) > 1 for indices in drawn.values())
-        costly = grid.flight and (grid.coexistence or _bounces(grid.fixed))
-        if not costly or len(ranges) != 2 or min(ranges) < (_FINE_FACET if facets else _FINE):
+        if not grid.is_dear or len(ranges) != 2 or min(ranges) < (_FINE_FACET if facets else _FINE):
             return None
         return cls(grid, _solved_indices(grid, drawn))
 
@@ -154,9 +152,8 @@ def sweep_picture(
         Of at most three axes.
     """
     part = _grid_at(grid, drawn)
-    ranges = [name for name in part.axes if name not in drawn]
-    count = _resolution(len(ranges), len(part.axes) - len(ranges), is_costly=_is_costly(part))
-    axes = {name: _resolved(axis, count) if name in ranges else axis for name, axis in part.axes.items()}
+    count = _values_solved(part, drawn)
+    axes = {name: axis if name in drawn else _resolved(axis, count) for name, axis in part.axes.items()}
     part = replace(part, axes=axes)
     values = part.values()
     cycle = part.solve(values, progress=progress)
@@ -241,9 +238,7 @@ def _grid_at(grid: Grid, indices: Mapping[str, Sequence[int] | NDArray[np.intp]]
 
 def _solved_indices(grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[np.intp]]:
     """Choose the values of every axis that a picture shows, of ranges at least as many as it resolves."""
-    kept = sum(len(indices) > 1 for indices in drawn.values())
-    ranges = len(grid.axes) - len(drawn)
-    resolved = _RESOLVED[ranges + kept if ranges > 1 else 1]
+    resolved = _values_resolved(grid, drawn)
     indices = {}
     for name, axis in grid.axes.items():
         last = len(axis) - 1
@@ -258,22 +253,20 @@ def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:
     return critical_loads(scene) if scene.arrays().can(Ability.ONE_HARMONIC) else None
 
 
-def _bounces(fixed: Mapping[str, float]) -> bool:
-    """Whether bodies of a sweep may bounce."""
-    return fixed.get("restitution", 1.0) > 0.0
+def _values_resolved(grid: Grid, drawn: Mapping[str, Collection[int]]) -> int:
+    """Return how many values of each range a picture resolves, beside axes of which several are kept."""
+    ranges, kept = len(grid.axes.keys() - drawn.keys()), sum(len(indices) > 1 for indices in drawn.values())
+    return _RESOLVED[ranges + kept if ranges > 1 else 1]
 
 
-def _is_costly(grid: Grid) -> bool:
-    """Whether cells take far longer than most: bodies may bounce, or a filling acts on its machine."""
-    return _bounces(grid.fixed) or (grid.machine is not None and grid.fixed.get("filling", 1.0) > 0.0)
-
-
-def _resolution(ranges: int, kept: int, *, is_costly: bool) -> int:
-    """Return the number of values of each range of a picture, beside so many axes whose values are kept."""
-    intervals = _RESOLVED[ranges + kept if ranges > 1 else 1] - 1
-    if ranges == 1 and kept:
+def _values_solved(grid: Grid, drawn: Mapping[str, Collection[int]]) -> int:
+    """Return how many values of each range are solved for a picture of a grid whose other axes are held."""
+    intervals, kept = _values_resolved(grid, drawn) - 1, len(grid.axes.keys() & drawn.keys())
+    if kept == len(grid.axes) - 1 > 0:
         intervals //= _CURVES_COARSER * kept
-    return intervals // (_COARSER if is_costly else 1) + 1
+    # an operating point with a filling takes 0.2 to 0.3 ms
+    is_filled = grid.machine is not None and grid.fixed.get("filling", 1.0) > 0.0
+    return intervals // (_COARSER if grid.is_dear or is_filled else 1) + 1
 
 
 def _resolved(axis: Axis, count: int) -> Axis:

@@ -115,7 +115,8 @@ class Plan:
         cls, grid: Grid, table: Table, name: str, own: Mapping[str, float], shard_cells: int | None = None
     ) -> Self:
         """Make the plan of a sweep, in shards of the usual size unless that is given."""
-        cells = shard_cells or _usual_shard_cells(grid)
+        is_dear = grid.is_dear or grid.machine is not None
+        cells = shard_cells or (_DEAR_SHARD_CELLS if is_dear else _SHARD_CELLS)
         if grid.size > (most := _MOST_SHARDS * cells):
             problem = f"{grid.size} cells are more than a folder holds, {most}"
             raise InputError(problem, hint="ask for fewer values")
@@ -198,12 +199,6 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     part = content.get("part", {})
     table = Table(table_columns(grid, list(content["columns"]), throughput(part)), part)
     return Plan(grid, table, content["shard_cells"], content["name"], content["own"], content)
-
-
-def _usual_shard_cells(grid: Grid) -> int:
-    restitution = grid.axes["restitution"].values if "restitution" in grid.axes else grid.fixed["restitution"]
-    is_dear = grid.machine is not None or (grid.flight and (grid.coexistence or np.any(restitution)))
-    return _DEAR_SHARD_CELLS if is_dear else _SHARD_CELLS
 
 
 def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
