@@ -1,4 +1,4 @@
-"""``vibro map --speed``: the contour, and the frictions that keep a speed."""
+"""``vibro map --speed``: the share of the cells that reach a speed."""
 
 from __future__ import annotations
 
