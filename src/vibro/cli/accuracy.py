@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import AllOption, Options, option  # typer reads the annotations
 from vibro.errors import InputError
-from vibro.quantities import LINEAR
+from vibro.quantities import LINEAR, POSITIVE, Quantity, checked_number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,6 +36,7 @@ _LINE_ALONE: Final = (
 )
 _VALUES: Final = 1001  # of a range that leaves it open
 _SCENES: Final = 5000
+_MOST_SCENES: Final = 10_000_000
 
 
 def accuracy_command(
@@ -60,15 +61,11 @@ def accuracy_command(
     """
     from vibro.answers.accuracy import trade_answer
     from vibro.cli.outputs import HISTORIES, Outputs
-    from vibro.cli.request import plain_number, whole_number
+    from vibro.cli.request import whole_number
     from vibro.cli.sweeps import count
 
-    number = whole_number("--scenes", scenes)
-    if number < 1:
-        raise InputError(f"--scenes {number}: must be at least 1")
-    limit = plain_number("--tolerance", tolerance)
-    if limit <= 0.0:
-        raise InputError(f"--tolerance {limit:g}: must be > 0")
+    number = whole_number("--scenes", scenes, range(1, _MOST_SCENES + 1))
+    limit = checked_number(tolerance, Quantity("--tolerance", allowed=POSITIVE))
     request = _request(options)
     name = f"{request.name or 'vibro'}-accuracy"
     with Outputs(options, name, forms=HISTORIES) as output:
@@ -130,13 +127,9 @@ def _run(grid: Grid, scenes: int, tolerance: float, console: Console) -> Trade:
 
 def _columns(rows: Sequence[Row]) -> TableColumns:
     """Return the columns of the table, with their units in their names."""
-    from vibro.accuracy.trade import Row
-    from vibro.files.csv_tables import column_of
+    from vibro.files.csv_tables import columns_of
 
-    names = [field.name for field in fields(Row)]
-    return {
-        f"{name}_af" if name.startswith(("error", "drift")) else name: column_of(
-            [getattr(row, name) for row in rows]
-        )
-        for name in names
-    }
+    def header(name: str) -> str:
+        return f"{name}_af" if name.startswith(("error", "drift")) else name
+
+    return columns_of([{header(name): value for name, value in asdict(row).items()} for row in rows])

@@ -46,13 +46,13 @@ def design_command(
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import whole_number
     from vibro.files.toml_files import read_toml
-    from vibro.inverse.designs import checked_digits, chosen_of, find_designs
+    from vibro.inverse.designs import chosen_of, find_designs
     from vibro.inverse.reading import read_spec
-    from vibro.inverse.rounding import DIGITS
+    from vibro.inverse.rounding import DIGITS, MOST_DIGITS
     from vibro.plots import DESIGN_PICTURES
 
     console = options.console
-    count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))
+    count = DIGITS if digits is None else whole_number("--digits", digits, range(1, MOST_DIGITS + 1))
     source = options.scene
     if source is None:
         raise InputError("missing: a design file", hint="for example: vibro design design.toml")
@@ -86,8 +86,7 @@ def _columns(result: DesignResult) -> TableColumns:
     """Return the table."""
     from vibro.files.csv_tables import column_of
 
-    names = [column.name for column in result.columns]
-    return {name: column_of([getattr(design, name) for design in result.designs]) for name in names}
+    return {c.name: column_of([getattr(design, c.name) for design in result.designs]) for c in result.columns}
 
 
 def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:

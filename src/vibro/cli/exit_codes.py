@@ -7,8 +7,6 @@ from typing import Self
 
 from vibro.interrupts import EXIT_CODE
 
-__all__ = ["ExitCode"]
-
 
 class ExitCode(IntEnum):
     """The exit codes of every command, with what each means.

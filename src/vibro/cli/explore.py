@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options, option  # typer reads the annotations
-from vibro.errors import FileError, InputError, how_to_install
+from vibro.errors import FileError, how_to_install
 from vibro.interrupts import tidy_up
 
 if TYPE_CHECKING:
@@ -45,13 +45,11 @@ def explore_command(
     from vibro.cli.request import whole_number
 
     console = options.console
-    wanted = whole_number("--port", port)
     _check_extra()
     from vibro.explore.server import PORTS, serve
     from vibro.explore.state import initial_state
 
-    if wanted not in PORTS:
-        raise InputError(f"--port {wanted}: must be in [{PORTS.start}, {PORTS.stop - 1}]")
+    wanted = whole_number("--port", port, PORTS)
     request = _request(options)
 
     def announce(url: str, bound: int, begun: threading.Event) -> None:

@@ -6,7 +6,7 @@ import shlex
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from vibro.errors import InputError, cut
+from vibro.errors import InputError, cut, shown
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, STANDS_FOR, Quantity, exact_number
 from vibro.sweeps.request import gather
@@ -42,12 +42,7 @@ class _CommandLine(NamedTuple):
         return " ".join(["vibro", shlex.join(typed), *wanted])
 
 
-def plain_number(option: str, text: str) -> float:
-    """Read the number that an option of a run takes, which is neither a quantity's nor has a unit."""
-    return float(exact_number(text, Quantity(option)))
-
-
-def whole_number(option: str, text: str) -> int:
+def whole_number(option: str, text: str, allowed: range) -> int:
     """Read the whole number that an option of a run takes."""
     hint = "write a whole number, such as 3"
     try:
@@ -56,6 +51,8 @@ def whole_number(option: str, text: str) -> int:
         raise InputError(*exc.problems, hint=hint) from None
     if number.denominator != 1:
         raise InputError(f"{option} = {cut(text)}: not a whole number", hint=hint)
+    if int(number) not in allowed:
+        raise InputError(f"{option} {shown(int(number))}: must be in [{allowed[0]}, {allowed[-1]}]")
     return int(number)
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options, option
-from vibro.errors import InputError, cut, shown
+from vibro.errors import InputError, cut
 from vibro.quantities import START_HEIGHT, START_NORMAL_VELOCITY, START_PHASE, START_VELOCITY
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _CYCLES: Final = 3.0
 _SAMPLES: Final = 200  # a cycle
 _MOST_ROWS: Final = 5_000_000
+_EVENTS: Final = 4  # of a cycle, which have rows of their own
 _DRAWN: Final = 6.0  # cycles at the end of a history, drawn by default
 _MOST_DRAWN: Final = 100.0  # cycles of a picture: of more nobody sees one
 _ROUNDING: Final = 1e-12  # share of a history by which its end, as typed, may lie behind it
@@ -86,8 +87,12 @@ def simulate_command(
     lasting = _CYCLES if cycles is None else checked_number(cycles, CYCLES)
     if duration is not None:
         lasting = checked_number(duration, DURATION) * frequency
-    rows = whole_number("--samples-per-cycle", samples)
-    _check_rows(lasting, rows)
+    rows = whole_number("--samples-per-cycle", samples, range(_MOST_ROWS + 1))
+    if lasting * max(rows, _EVENTS) > _MOST_ROWS:
+        raise InputError(
+            f"{lasting:g} cycles of {rows} rows are more than {_MOST_ROWS:.0e} rows",
+            hint="ask for fewer cycles, or fewer --samples-per-cycle",
+        )
     window = _window(begin, end, lasting, frequency)
     start = [checked_number(options.own.get(q.name, "0"), q) for q in STARTS]
     content = {
@@ -126,9 +131,7 @@ def _window(begin: str | None, end: str | None, cycles: float, frequency: float)
         return max(0.0, last - _DRAWN / frequency), last
     since = 0.0 if begin is None else float(exact_number(begin, Quantity("from", TIME)))
     until = last if end is None else float(exact_number(end, Quantity("to", TIME)))
-    given = " ".join(
-        f"{name} {cut(text)}" for name, text in (("--from", begin), ("--to", end)) if text is not None
-    )
+    given = " ".join(f"{name} {cut(text)}" for name, text in (("--from", begin), ("--to", end)) if text)
     if not 0.0 <= since < until <= last * (1.0 + _ROUNDING):
         raise InputError(f"{given}: must ascend within the history, 0 to {last:.6g} s")
     if (until - since) * frequency > _MOST_DRAWN:
@@ -169,17 +172,3 @@ def _part(since: float, until: float, history: History) -> str:
     if until < history.end:
         return f"from {first} to {last} of {whole} drive cycles"
     return f"the last {(until - since) * frequency:.4g} of {whole} drive cycles" if since else ""
-
-
-def _check_rows(cycles: float, samples: int) -> None:
-    if not 0 <= samples <= _MOST_ROWS:
-        raise InputError(
-            f"--samples-per-cycle {shown(samples)}: must be in [0, {_MOST_ROWS}]",
-            hint="0 gives the events alone",
-        )
-    rows = cycles * max(samples, 4)
-    if rows > _MOST_ROWS:
-        raise InputError(
-            f"{cycles:g} cycles of {samples} rows are more than {_MOST_ROWS:.0e} rows",
-            hint="ask for fewer cycles, or fewer --samples-per-cycle",
-        )
