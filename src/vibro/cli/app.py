@@ -121,9 +121,8 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         return ExitCode.WRONG_INPUT
     if hasattr(exc, "format_message"):  # how typer says that the arguments are wrong
         command = next((arg for arg in argv if not arg.startswith("-")), "")
-        known = command if command in _COMMANDS else ""
-        see = " ".join(filter(None, ["see vibro", known, "--help"]))
-        return _report(InputError(exc.format_message().strip(), hint=_hint(exc, argv) or see), [])
+        see = f"see vibro {command} --help" if command in _COMMANDS else "see vibro --help"
+        return _report(InputError(exc.format_message().strip(), hint=_hint(exc, command, argv) or see), [])
     if isinstance(exc, OSError):
         silence(sys.stdout)
         if not isinstance(exc, BrokenPipeError):
@@ -137,22 +136,24 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
     return ExitCode.FAILED
 
 
-def _hint(exc: Any, argv: Sequence[str]) -> str:
+def _hint(exc: Any, command: str, argv: Sequence[str]) -> str:
     """Return how to give what was typed in another way; an empty text where that is not known."""
-    option = getattr(exc, "option_name", None) or ""
-    if type(exc).__name__ != "NoSuchOption":
-        typed = next((arg for arg in argv if not arg.startswith("-")), "")
-        if not isinstance(exc, typer.BadParameter) and "No such command" in exc.format_message():
-            names = ", ".join(name for name in _COMMANDS if name not in _HIDDEN)
-            if typed.casefold().endswith(".toml"):
-                return f"write vibro solve {typed}"
-            return _GONE.get(typed, f"the commands are {names}")
+    if type(exc).__name__ == "NoSuchOption":
+        return _hint_of_option(exc.option_name, argv)
+    if isinstance(exc, typer.BadParameter) or "No such command" not in exc.format_message():
         return ""
+    if command.casefold().endswith(".toml"):
+        return f"write vibro solve {command}"
+    names = ", ".join(name for name in _COMMANDS if name not in _HIDDEN)
+    return _GONE.get(command, f"the commands are {names}")
+
+
+def _hint_of_option(option: str, argv: Sequence[str]) -> str:
     if option in _GONE:
         return _GONE[option]
     called = option.lstrip("-").replace("-", "_")
-    starts = (quantity for quantity in (*STARTS, TROUGH_MASS) if quantity.name == called)
-    if quantity := find_quantity(option) or next(starts, None):
+    own = (quantity for quantity in (*STARTS, TROUGH_MASS) if quantity.name == called)
+    if quantity := find_quantity(option) or next(own, None):
         if not quantity.typed().startswith(option):
             return f"write it as {quantity.typed()}"
         return f"the design file gives the {quantity.label}" if "design" in argv else ""

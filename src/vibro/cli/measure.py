@@ -95,23 +95,7 @@ def measure_command(
     console.echo_all(record.notes)
     scene = read_scene_file(options.scene).scene if options.scene else {}
     has_friction = not {*options.given, *scene}.isdisjoint(_FRICTIONS)
-    if "friction" in record.signals and body is None:
-        if friction is not None:
-            raise InputError("a force needs the mass of the body", hint="give its mass, such as 20g")
-        console.warn(
-            f"column {shown(record.headers['friction'])} is left out: a force needs the mass of the part"
-        )
-    has_part = bool({*record.signals} - ({"friction"} if body is None else set()))
-    compares = not record.trough or (has_part and (has_friction or fit is not None))
-    if has_part and not compares:
-        console.echo("the part is not compared with the exact motion: that needs its friction, mu_s and mu_d")
-    if fit is not None and not has_part:
-        lacks = "--fit: the record holds no signal of a part"
-        raise InputError(lacks, hint=f"name one: {argument('displacement', 'X [mm]')}")
-    if not record.trough and any(text.casefold().endswith(".toml") for text in options.output or ()):
-        lacks = "the record holds no motion of the trough for a scene file"
-        raise InputError(lacks, hint="name --trough-along or --trough-normal, or leave NAME.toml out")
-
+    compares = _compares(record, options, body, columns, has_friction=has_friction, fits=fit is not None)
     tables, pictures = (("", "summary"), ("",)) if compares else (("",), ())
     outputs = Outputs(
         options, f"{data.stem}-measured", forms=FORMS, tables=tables, pictures=pictures, reads=[data]
@@ -159,6 +143,35 @@ def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request
     texts = {"toml": lambda _: scene_file(m, data, request)}
     shows = {"": "the part's signals, measured and computed"}
     outputs.write_answer(answer, lambda: tables_of(m), draw, shows, texts=texts)
+
+
+def _compares(
+    record: Record,
+    options: Options,
+    mass: float | None,
+    columns: Mapping[str, str],
+    *,
+    has_friction: bool,
+    fits: bool,
+) -> bool:
+    """Return whether a part is compared with its exact motion; refuse what the record cannot answer."""
+    console = options.console
+    if "friction" in record.signals and mass is None:
+        if "friction" in columns:
+            raise InputError("a force needs the mass of the body", hint="give its mass, such as 20g")
+        header = shown(record.headers["friction"])
+        console.warn(f"column {header} is left out: a force needs the mass of the part")
+    has_part = bool({*record.signals} - ({"friction"} if mass is None else set()))
+    if fits and not has_part:
+        lacks = "--fit: the record holds no signal of a part"
+        raise InputError(lacks, hint=f"name one: {argument('displacement', 'X [mm]')}")
+    if not record.trough and any(text.casefold().endswith(".toml") for text in options.output or ()):
+        lacks = "the record holds no motion of the trough for a scene file"
+        raise InputError(lacks, hint="name --trough-along or --trough-normal, or leave NAME.toml out")
+    compares = not record.trough or (has_part and (has_friction or fits))
+    if has_part and not compares:
+        console.echo("the part is not compared with the exact motion: that needs its friction, mu_s and mu_d")
+    return compares
 
 
 def _scene_and_record(options: Options) -> tuple[Options, Path]:
