@@ -113,7 +113,7 @@ def _looks(view: View) -> list[dict[str, Any]]:
         return [{"color": style.INK, "linewidth": 1.8, **mark, **(_POINT if points else {})}]
     values = view.curves.values.tolist()
     colours = map(to_hex, colormaps[_COLOURS](np.linspace(0.0, _LIGHTEST, len(values))))
-    kinds = cycle(zip(style.IN_TURN * len(_MARKERS), _MARKERS * len(style.IN_TURN), strict=True))
+    kinds = zip(cycle(style.IN_TURN), cycle(_MARKERS), strict=False)
     return [
         {
             **({**_POINT, "marker": marker} if points else {"linestyle": dashes, "linewidth": 1.8}),

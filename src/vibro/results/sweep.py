@@ -91,7 +91,7 @@ class Block:
         Time from rest to the arrival; inf if the body never arrives, NaN if unknown; None if not requested
         [s].
     in_stroke : bool
-        Whether tables contain the stroke of a drive along a line instead of its amplitude.
+        Whether texts tell the stroke of a drive along a line, as it was given, in place of its amplitude.
     """
 
     values: Mapping[str, Floats]

@@ -16,7 +16,7 @@ import numpy as np
 from vibro import __version__
 from vibro.errors import FileError, InputError, how_to_install, shown
 from vibro.quantities import QUANTITIES
-from vibro.sweeps.solved import axis_called
+from vibro.sweeps.solved import swept_axis
 from vibro.units import CF_UNITS
 
 if TYPE_CHECKING:
@@ -199,15 +199,10 @@ def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, 
     """
     given: dict[str, Any] = {}
     if isinstance(chunks, Mapping):
-        given = {axis_called(called, "chunks").name: size for called, size in chunks.items()}
+        given = {swept_axis(grid, called, "chunks").name: size for called, size in chunks.items()}
     elif chunks != "auto":
         given = dict.fromkeys(grid.axes, chunks)
-    for name, size in given.items():
-        if name not in grid.axes:
-            known = ", ".join(axis.label for axis in grid.axes.values()) or "none"
-            raise InputError(
-                f"chunks: {QUANTITIES[name].label} does not vary in this sweep", hint=f"its axes are {known}"
-            )
+    for size in given.values():
         if not isinstance(size, int) or isinstance(size, bool) or size < 1:
             raise InputError(
                 f"chunks = {shown(size)}: must be 'auto', a whole number > 0, or sizes by axis",

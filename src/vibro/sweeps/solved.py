@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from vibro.axes import Axis
     from vibro.plots.view import View
     from vibro.quantities import Quantity
     from vibro.sweeps.grid import Grid
@@ -171,6 +172,17 @@ def axis_called(called: object, argument: str, *, strokes: bool = False) -> Quan
             hint=did_you_mean(called, BY_COLUMN) or "axes are called by key, such as amplitude_mm, or letter",
         )
     return quantity
+
+
+def swept_axis(grid: Grid, called: object, argument: str) -> Axis:
+    """Find the axis of a sweep that an argument names."""
+    quantity = axis_called(called, argument)
+    if quantity.name not in grid.axes:
+        known = ", ".join(axis.label for axis in grid.axes.values()) or "none"
+        raise InputError(
+            f"{argument}: {quantity.label} does not vary in this sweep", hint=f"its axes are {known}"
+        )
+    return grid.axes[quantity.name]
 
 
 def one_value(value: object, quantity: Quantity, argument: str) -> float:

@@ -22,7 +22,7 @@ from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import frame_of, named
 from vibro.sweeps.datasets import TEXT, block_sizes, check_xarray, dataset, results_among, values_of
 from vibro.sweeps.run import solved_picture
-from vibro.sweeps.solved import SolvedGrid, axis_called, check_memory, one_value
+from vibro.sweeps.solved import SolvedGrid, check_memory, one_value, swept_axis
 from vibro.tables.shard_files import Selection, ShardFiles, open_shards
 
 if TYPE_CHECKING:
@@ -308,14 +308,10 @@ def _selection(grid: Grid, filters: Mapping[str, Any]) -> Selection:
         raise InputError(f"filters = {shown(filters)}: must be a mapping", hint='write it like {"mu_s": 0.3}')
     kept: dict[str, NDArray[np.intp]] = {}
     for called, wanted in filters.items():
-        name = axis_called(called, "filters").name
-        if name not in grid.axes:
-            known = ", ".join(axis.label for axis in grid.axes.values())
-            problem = f"filters: {name.replace('_', ' ')} does not vary in this sweep"
-            raise InputError(problem, hint=f"its axes are {known}")
-        if name in kept:
-            raise InputError(f"filters: {grid.axes[name].label} is given twice", hint="give it once")
-        kept[name] = _kept(grid.axes[name], wanted)
+        axis = swept_axis(grid, called, "filters")
+        if axis.name in kept:
+            raise InputError(f"filters: {axis.label} is given twice", hint="give it once")
+        kept[axis.name] = _kept(axis, wanted)
     indices = [kept.get(name, np.arange(len(axis))) for name, axis in grid.axes.items()]
     return Selection(grid.shape, indices)
 
