@@ -171,37 +171,41 @@ def given_machine(table: Mapping[str, Any], values: Mapping[str, Any], folder: P
     if kind is None:
         raise InputError("kind is missing", hint=f"it is {', '.join(KINDS)}")
     _check_keys(table, kind)
+    _check_ways(values, kind)
+    table = dict(table)
     arguments = {_NAMES.get(name, name): values[name] for name in _ARGUMENTS if name in values}
-    table, fitted = dict(table), values.get("pack", ())
-    packs = {pack["name"]: pack["natural"] for pack in fitted}
-    if len(packs) < len(fitted):
-        names = [pack["name"] for pack in fitted]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise InputError(f"pack {shown(twice)} is given twice", hint="name each pack differently")
     if _belongs(MACHINE_KEYS["motors"], kind):
         arguments["static_moment"] = _static_moment(table, values)
+    if kind == "measured":
+        table["points"] = _points_of(values["points"], folder)
+        arguments["points"] = [(f, mm / _MILLIMETRES) for f, mm in table["points"]]
+    packs = {pack["name"]: pack["natural"] for pack in values.get("pack", ())}
+    own, bands = _settings(table)
+    if "natural" in values:
+        own["natural"] = ends_of(QUANTITIES["natural"], table["natural_hz"])[0]
+    shares = {name: values[name] for name in ("added_mass_share", "added_damping_share") if name in values}
+    return GivenMachine(table, kind, arguments, packs, bands, shares, own)
+
+
+def _check_ways(values: Mapping[str, Any], kind: str) -> None:
+    """Refuse what is given twice, or lacks what goes with it."""
+    names = [pack["name"] for pack in values.get("pack", ())]
+    if twice := [name for i, name in enumerate(names) if name in names[:i]]:
+        raise InputError(f"pack {shown(twice[0])} is given twice", hint="name each pack differently")
     if kind == "magnet" and ("force" in values) is ("calibration" in values):
         both = "force_n and calibration are both given"
         example = "calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }"
         said = both if "force" in values else "force_n or calibration is missing"
         raise InputError(said, hint=f"give one of them; for example: {example}")
-    if kind == "measured":
-        table["points"] = _points_of(values["points"], folder)
-        arguments["points"] = [(f, mm / _MILLIMETRES) for f, mm in table["points"]]
     if _belongs(MACHINE_KEYS["natural_hz"], kind) and "natural" not in values:
         why = "the calibration was measured with one of the packs" if "calibration" in values else ""
-        if not packs:
+        if not names:
             why = f"the amplitude of a machine of kind {kind} depends on it most"
         if why:
             hint = "measure it on the empty machine, which side of resonance it runs on is never assumed"
             raise InputError(f"natural_hz is missing: {why}", hint=f"{hint}; for example: natural_hz = 55.6")
-    own, bands = _settings(table)
-    if "natural" in values:
-        own["natural"] = ends_of(QUANTITIES["natural"], table["natural_hz"])[0]
-    shares = {name: values[name] for name in ("added_mass_share", "added_damping_share") if name in values}
-    if "added_damping_share" in shares and "added_mass_share" not in shares:
+    if "added_damping_share" in values and "added_mass_share" not in values:
         raise InputError("added_damping_share is given alone", hint="give added_mass_share too, or neither")
-    return GivenMachine(table, kind, arguments, packs, bands, shares, own)
 
 
 def _belongs(entry: Entry, kind: str) -> bool:
