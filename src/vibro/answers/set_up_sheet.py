@@ -78,6 +78,13 @@ class SheetRequest(NamedTuple):
         return (0.0, self.full) if self.full else (0.0,)
 
     @property
+    def fitted(self) -> Machine:
+        """The machine with the springs that are fitted."""
+        if not self.machine.has_springs:
+            return self.machine.machine
+        return self.machine.machine.with_natural_frequency(self.values["natural"])
+
+    @property
     def varies(self) -> bool:
         """Whether some band has two ends."""
         return any(low < high for low, high in (*self.bands.values(), *self.machine.shares.values()))
@@ -132,17 +139,6 @@ def make_sheet(
     for row in rows:
         if row["strikes"]:
             _refuse_strikes(request, row)
-    machine, frequency = _fitted(request), request.values["frequency"]
-    last = {"setting": request.settings[-1]}
-    ends = [("voltage", end) for end in request.bands.get("voltage", ())]
-    ends += [("frequency", frequency * (1.0 + change)) for change in (-_MAINS, _MAINS)]
-    changed = _pairs(request, [{**last, name: value} for name, value in ends])
-    packs, no_load_proof = _packs(request, machine)
-    fitted = _pairs(
-        request, [{"setting": p["force_ratio"] * last["setting"], "natural": p["natural_hz"]} for p in packs]
-    )
-    light = [] if math.isinf(machine.trough_mass) else (machine.trough_mass * _LIGHT).tolist()
-    lightly, _ = _solved(request, [{**last, "filling": filling} for filling in light])
     settings = _paired(request, rows)
     empty, full = settings[-1].values()
     guaranteed = []
@@ -150,24 +146,19 @@ def make_sheet(
         progress(done)
         guaranteed.append(_guaranteed(request, setting))
     progress(len(request.settings))
-    share = _share(request, empty) if full is None else full["added_mass_share"]
-    added = float(machine.mass_to_resonance(frequency))
-    resonant = added / share if 0.0 < added < math.inf and share > 0.0 else math.nan
+    packs, no_load_proof = _packs(request)
     record = {
         "scene": {QUANTITIES[name].column: value for name, value in request.values.items()},
         "machine": dict(request.machine.table),
         "bands": {QUANTITIES[name].column: list(band) for name, band in request.bands.items()},
         "settings": settings,
         "guaranteed": guaranteed,
-        "changes": [
-            {"changed": QUANTITIES[name].column, "value": value, **pair}
-            for (name, value), pair in zip(ends, changed, strict=True)
-        ],
+        "changes": _changes(request),
         "sensitivities": _sensitivities(request),
-        "packs": [{**pack, **pair} for pack, pair in zip(packs, fitted, strict=True)],
+        "packs": packs,
         "no_load_proof_pack": no_load_proof or None,
-        "resonant_filling_kg": resonant,
-        "tolerated_filling_kg": _tolerated(empty, lightly),
+        "resonant_filling_kg": _resonant(request, empty, full),
+        "tolerated_filling_kg": _tolerated(request, empty),
     }
     return Sheet(request, record, _doubts(rows, points), _picture(request) if picture else None)
 
@@ -227,6 +218,18 @@ def _pairs(request: SheetRequest, changes: Sequence[Mapping[str, float]]) -> lis
     return _paired(request, _solved(request, cases)[0])
 
 
+def _changes(request: SheetRequest) -> list[dict[str, Any]]:
+    """Solve the last setting at the ends of the voltage, and with another frequency of the mains."""
+    frequency = request.values["frequency"]
+    ends = [("voltage", end) for end in request.bands.get("voltage", ())]
+    ends += [("frequency", frequency * (1.0 + change)) for change in (-_MAINS, _MAINS)]
+    pairs = _pairs(request, [{"setting": request.settings[-1], name: value} for name, value in ends])
+    return [
+        {"changed": QUANTITIES[name].column, "value": value, **pair}
+        for (name, value), pair in zip(ends, pairs, strict=True)
+    ]
+
+
 def _refuse_strikes(request: SheetRequest, row: Row) -> None:
     """Refuse a setting at which the masses strike each other."""
     values = {**request.values, "setting": row["setting_percent"], "filling": row["filling_kg"]}
@@ -241,14 +244,6 @@ def _all_amplitudes(given: GivenMachine, case: Mapping[str, float]) -> list[floa
     """Return the amplitudes of all operating points of a case [mm]."""
     arguments = {name: x if x is None else float(x) for name, x in case_of(given, case).items()}
     return [float(LENGTH.from_si(x)) for x in operating_points(given.machine, **arguments)]
-
-
-def _fitted(request: SheetRequest) -> Machine:
-    """Return the machine with the springs that are fitted."""
-    given = request.machine
-    if not given.has_springs:
-        return given.machine
-    return given.machine.with_natural_frequency(request.values["natural"])
 
 
 def _sensitivities(request: SheetRequest) -> dict[str, dict[str, float]]:
@@ -279,8 +274,8 @@ def _rate(low: Row, high: Row) -> float:
     return math.log(fast / slow) / math.log((1.0 + _STEP) / (1.0 - _STEP))
 
 
-def _packs(request: SheetRequest, machine: Machine) -> tuple[list[dict[str, Any]], str]:
-    """Return name, natural frequency and force over today's of each pack, and why none is load-proof."""
+def _packs(request: SheetRequest) -> tuple[list[dict[str, Any]], str]:
+    """Solve the last setting with each pack of springs, and say why none is load-proof."""
     given = request.machine
     if not given.has_springs:
         return [], "the machine has no springs that could be exchanged"
@@ -289,8 +284,8 @@ def _packs(request: SheetRequest, machine: Machine) -> tuple[list[dict[str, Any]
     packs, why = [(f"fitted: {name}" if name else "as fitted", own, 1.0)], ""
     packs += [(other, natural, 1.0) for other, natural in given.packs.items() if natural != own]
     try:
-        natural = machine.load_proof_frequency(request.values["frequency"])
-        force = machine.load_proof_force(request.values["frequency"])
+        natural = request.fitted.load_proof_frequency(request.values["frequency"])
+        force = request.fitted.load_proof_force(request.values["frequency"])
     except InputError as exc:
         why = exc.problems[0].partition(": ")[2] + (f" ({exc.hint})" if exc.hint else "")
     else:
@@ -298,7 +293,19 @@ def _packs(request: SheetRequest, machine: Machine) -> tuple[list[dict[str, Any]
             packs.append(("load-proof", natural, force))
         else:
             why = "today's amplitude is infinite: the drive is at resonance, without damping"
-    return [dict(zip(("name", "natural_hz", "force_ratio"), pack, strict=True)) for pack in packs], why
+    last = request.settings[-1]
+    pairs = _pairs(request, [{"setting": force * last, "natural": f0} for _, f0, force in packs])
+    return [
+        {"name": name, "natural_hz": f0, "force_ratio": force, **pair}
+        for (name, f0, force), pair in zip(packs, pairs, strict=True)
+    ], why
+
+
+def _resonant(request: SheetRequest, empty: Row, full: Row | None) -> float:
+    """Return the filling that brings the machine to resonance; NaN if none does [kg]."""
+    share = _share(request, empty) if full is None else full["added_mass_share"]
+    added = float(request.fitted.mass_to_resonance(request.values["frequency"]))
+    return added / share if 0.0 < added < math.inf and share > 0.0 else math.nan
 
 
 def _share(request: SheetRequest, empty: Row) -> float:
@@ -311,11 +318,16 @@ def _share(request: SheetRequest, empty: Row) -> float:
     return float(np.real(filling_of(scene, solve(scene)).share))
 
 
-def _tolerated(empty: Row, light: Sequence[Row]) -> float:
-    """Return the last of ascending fillings before one changes the speed by 1 %; inf if none does [kg]."""
+def _tolerated(request: SheetRequest, empty: Row) -> float:
+    """Return the largest filling before one changes the speed by 1 %; inf if none does [kg]."""
     speed, last = empty["mean_velocity_mm_s"], 0.0
     if not abs(speed) > 0.0:
         return math.nan
+    trough_mass = request.fitted.trough_mass
+    if math.isinf(trough_mass):
+        return math.inf
+    fillings = (trough_mass * _LIGHT).tolist()
+    light, _ = _solved(request, [{"setting": request.settings[-1], "filling": m} for m in fillings])
     for row in light:
         if not abs(row["mean_velocity_mm_s"] / speed - 1.0) < _GIVEN:
             return last
