@@ -26,9 +26,16 @@ from vibro.core.codes import Output
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
+    from vibro.cli.console import Console
+    from vibro.cli.sweeps import Pictures
+    from vibro.plots.view import View
     from vibro.results.sweep import Block, Peak, SweepResult
+    from vibro.sweeps.grid import Grid
+    from vibro.sweeps.request import Request
+    from vibro.sweeps.run import DrawnCells
+    from vibro.sweeps.tally import Tally
 
 
 def map_command(
@@ -80,14 +87,13 @@ def map_command(
         return map_stored(options, x, y, at or [], show or [], speed, unused=unused)
     from vibro.cli.folders import write_stored
     from vibro.cli.request import request_of
-    from vibro.cli.sweeps import Pictures, conclude, write_sweep
+    from vibro.cli.sweeps import conclude, write_sweep
     from vibro.cli.target_speed import TargetSpeed
     from vibro.quantities import LEAST_SPEED, checked_number
-    from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC, bent
-    from vibro.results.sweep import where_motion_begins
+    from vibro.results.operating import bent
     from vibro.sweeps.derived import throughput
     from vibro.sweeps.request import RANGES
-    from vibro.sweeps.run import DrawnCells, limits_of, solved_picture, sweep_picture
+    from vibro.sweeps.run import DrawnCells
     from vibro.sweeps.solved import pictures_of, view_of
     from vibro.tables.plan import Plan
 
@@ -116,15 +122,7 @@ def map_command(
     if outputs.pictures or any(form == "xlsx" for _, form in outputs.tables.values()):
         tell_choices(view, grid.told_axes, held, console)
         cells = None if outputs.folder else DrawnCells.of(grid, view.drawn)
-        what = grid, view.drawn, request.own, request.name or ""
-
-        def solved(peaks: Mapping[str, Peak], progress: Callable[[int, int], None]) -> SweepResult:
-            """Take the cells of the table where these are dear."""
-            if cells:
-                return solved_picture(*what, names, cells.results, peaks)
-            return sweep_picture(*what, progress, peaks)
-
-        pictures = Pictures(names, view, target_speed, solved)
+        pictures = _pictures(request, grid, view, names, target_speed, cells)
     target = None if target_speed is None else TargetSpeed(grid.told_axes, target_speed)
     bends = 0
 
@@ -145,6 +143,38 @@ def map_command(
     code = conclude(tally, grid, console)
     if target:
         console.echo(target.text(tally.peaks.get("fastest")))
+    _tell_doubts(grid, tally, bends, console)
+    return code
+
+
+def _pictures(
+    request: Request,
+    grid: Grid,
+    view: View,
+    names: Sequence[str],
+    speed: float | None,
+    cells: DrawnCells | None,
+) -> Pictures:
+    """Say what is drawn: cells of the table where these are dear, else cells of the picture's own."""
+    from vibro.cli.sweeps import Pictures
+    from vibro.sweeps.run import solved_picture, sweep_picture
+
+    what = grid, view.drawn, request.own, request.name or ""
+
+    def solved(peaks: Mapping[str, Peak], progress: Callable[[int, int], None]) -> SweepResult:
+        if cells:
+            return solved_picture(*what, names, cells.results, peaks)
+        return sweep_picture(*what, progress, peaks)
+
+    return Pictures(names, view, speed, solved)
+
+
+def _tell_doubts(grid: Grid, tally: Tally, bends: int, console: Console) -> None:
+    """Tell how many troughs do not move as a sine, and if nothing moves, what would."""
+    from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC
+    from vibro.results.sweep import where_motion_begins
+    from vibro.sweeps.run import limits_of
+
     if bends:
         console.warn(
             f"{bends} of {grid.size} cells: the filling adds a second harmonic above"
@@ -154,7 +184,6 @@ def map_command(
     if tally.at_rest:
         limits = limits_of(grid.values())
         console.echo(where_motion_begins(grid.told_axes, grid.told(grid.fixed), limits))
-    return code
 
 
 def _workers(text: str | None, outputs: Outputs) -> int | str | None:
