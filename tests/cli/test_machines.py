@@ -17,7 +17,6 @@ pytestmark = pytest.mark.usefixtures("unsaved")
 BANDS = 'voltage_percent = "90:110"\nsetting_percent = "40:100"\nfilling_kg = "0:2"\n'
 
 
-@pytest.mark.usefixtures("unsaved")
 def test_a_map_over_bands_is_written_and_described(run: Run, tmp_path: Path) -> None:
     path = feeder(tmp_path, BANDS.replace("setting", "# setting"))
     result = run("map", path, "-o", tmp_path / "m", "voltage=90:110:5", "filling=0:2:5")
@@ -38,7 +37,6 @@ def test_a_map_over_bands_is_written_and_described(run: Run, tmp_path: Path) -> 
     assert float(row["amplitude_mm"]) == single["amplitude_mm"]
 
 
-@pytest.mark.usefixtures("unsaved")
 def test_a_stored_map_is_drawn_again(run: Run, tmp_path: Path) -> None:
     args = ("map", feeder(tmp_path), "setting=30:100:4", "filling=0:2:4")
     stored = tmp_path / "stored.parquet"
@@ -84,7 +82,6 @@ OF_CELLS = ("-f", "49, 50", "filling=1, 2", "--columns", "amplitude_mm,natural_h
 
 
 @each("kind", KINDS)
-@pytest.mark.usefixtures("unsaved")
 def test_maps_of_every_kind_are_drawn(run: Run, tmp_path: Path, kind: str) -> None:
     result = run("map", feeder(tmp_path, table=KINDS[kind]), *OF_CELLS, "-o", kind)
     assert result.exit_code == 0, result.stderr

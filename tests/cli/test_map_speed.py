@@ -19,5 +19,6 @@ def test_every_map_tells_the_share_that_reaches_a_speed(run: Run) -> None:
     )
 
 
-def test_a_folder_does_not_tell_the_share(run: Run) -> None:
-    assert "--speed: not told" in run("map", *IRREGULAR, "--speed", "150", "-o", "wide.parquet").stderr
+def test_cells_of_a_folder_are_not_counted(run: Run) -> None:
+    result = run("map", *IRREGULAR, "--speed", "150", "-o", "wide.parquet")
+    assert "--speed: cells of a folder are not counted" in result.stderr

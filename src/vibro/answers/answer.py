@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 Value: TypeAlias = "float | str | None"
 
+NO_BOUNCE: Final = "restitution 0: parts land without a bounce"
 METRES_PER_MINUTE: Final = 0.06  # of 1 mm/s
 _DIGITS: Final = 4  # for people; JSON has all
 _BRIEF: Final = 3
@@ -40,7 +41,7 @@ class Fact(NamedTuple):
     note : str
         What stands in brackets behind it.
     is_rare : bool
-        Whether it is told on request only.
+        Whether it is printed on request only.
     """
 
     label: str
@@ -74,7 +75,7 @@ class Table(NamedTuple):
     title : str
         What stands above it, if anything.
     is_rare : bool
-        Whether it is told on request only.
+        Whether it is printed on request only.
     is_brief : bool
         Whether its numbers have three digits, and their units behind them in place of the heads.
     """

@@ -81,7 +81,7 @@ def design_answer(
     result : DesignResult
         The designs that were found.
     chosen : Chosen or None
-        The one that is told in detail; None if no design guarantees a speed.
+        The one that is described in detail; None if no design guarantees a speed.
     question : mapping
         The question as its file puts it.
     """
@@ -120,7 +120,7 @@ def goal_text(spec: Spec, chosen: Chosen) -> str:
 
 
 def _given(question: Mapping[str, Any]) -> Iterator[Fact]:
-    """Tell the tables of the question, but for the goal."""
+    """Repeat the tables of the question, but for the goal."""
     for name, tables in question.items():
         for table in tables if isinstance(tables, list) else [tables] * (name != "goal"):
             pairs = (f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items())

@@ -35,7 +35,7 @@ def history_answer(history: History, record: Mapping[str, Any], *, every: bool) 
     record : mapping
         What JSON says, beside the phases.
     every : bool
-        Whether all phases and every bounce are told, or the first 24 and chains of bounces as one.
+        Whether all phases and every bounce are printed, or the first 24 and chains of bounces as one.
     """
     advance = float(LENGTH.from_si(history.phases[-1].end_position))
     facts = [Fact(f"after {shown(history.end)} s", advance, "mm"), Fact("settles", _settles(history))]
@@ -51,12 +51,12 @@ def _phases(history: History, *, every: bool) -> Table:
         named = [(PHASE_NAMES[phase.kind], phase) for phase in history.phases]
     else:
         named = with_chains(history.phases, 1.0 / float(history.scene.frequency))
-    told = named if every else named[:_PRINTED]
-    table: dict[str, Any] = phase_table(history, [phase for _, phase in told])
+    printed = named if every else named[:_PRINTED]
+    table: dict[str, Any] = phase_table(history, [phase for _, phase in printed])
     cells = ([f"{factor * x:z.{digits}f}" for x in table[key]] for *_, key, factor, digits in _COLUMNS)
-    rows = [*zip([name for name, _ in told], *cells, strict=True)]
+    rows = [*zip([name for name, _ in printed], *cells, strict=True)]
     title = "Phases"
-    if len(named) > len(told):
+    if len(named) > len(printed):
         title = f"The first {_PRINTED} of {len(named)} phases; --all prints them all"
     return Table("phases", [("phase", ""), *(column[:2] for column in _COLUMNS)], rows, title)
 

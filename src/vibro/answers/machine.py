@@ -66,8 +66,8 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
 
 def _machine(given: GivenMachine, natural: float | None) -> str:
     masses = [str(given.table[key]) for key in _MASSES if key in given.table]
-    told = [m if m == "floor" else f"{nearest_double(m, TROUGH_MASS):g} kg" for m in masses]
-    parts = [given.kind, " against ".join(told)]
+    weights = [m if m == "floor" else f"{nearest_double(m, TROUGH_MASS):g} kg" for m in masses]
+    parts = [given.kind, " against ".join(weights)]
     if given.has_springs and natural is not None:
         pack = next((f" ({name})" for name, f0 in given.packs.items() if f0 == natural), "")
         parts.append(f"f0 = {natural:.5g} Hz{pack}")
@@ -82,12 +82,12 @@ def _machine(given: GivenMachine, natural: float | None) -> str:
 def _resonance(empty: Row, full: Row | None) -> str:
     """Name the side of resonance, from the frequency over the natural frequency, empty and filled."""
     ratios = {"empty": empty["frequency_ratio"]} | ({"full": full["filled_frequency_ratio"]} if full else {})
-    told = (
+    sides = (
         f"{shown(ratio)} {state}, {'below' if ratio < 1.0 else 'above' if ratio > 1.0 else 'at'} resonance"
         for state, ratio in ratios.items()
         if not math.isnan(ratio)
     )
-    return f"f/f0 = {'; '.join(told)}, at a setting of {empty['setting_percent']:g} %"
+    return f"f/f0 = {'; '.join(sides)}, at a setting of {empty['setting_percent']:g} %"
 
 
 def sheet_answer(name: str, sheet: Sheet) -> Answer:
@@ -147,8 +147,9 @@ def cases(sheets: Mapping[str, Sheet]) -> TableColumns:
 
 def picture_texts(sheet: Sheet, name: str) -> tuple[str, str]:
     """Return the headline of the picture and what holds for all of it."""
-    kind, told = sheet.request.machine.kind, given_text(sheet.request.values)
-    return f"{kind} \N{EN DASH} {name}", f"setting {sheet.request.settings[-1]:g} %, {told}"
+    request = sheet.request
+    setting = f"setting {request.settings[-1]:g} %"
+    return f"{request.machine.kind} \N{EN DASH} {name}", f"{setting}, {given_text(request.values)}"
 
 
 def _facts(sheet: Sheet) -> list[Fact]:
@@ -170,8 +171,8 @@ def _facts(sheet: Sheet) -> list[Fact]:
     facts.insert(2, Fact("resonance", _resonance(empty, full)))
     if full and not math.isnan(full["added_mass_share"]):
         mass, damping = (shown(100.0 * full[f"added_{of}_share"], 3) for of in ("mass", "damping"))
-        told = f"{MASS.text(request.full)}: {mass} % of it acts as mass, {damping} % as damping"
-        facts.insert(3, Fact("filling", f"{told}, at a setting of {full['setting_percent']:g} %"))
+        acts = f"{MASS.text(request.full)}: {mass} % of it acts as mass, {damping} % as damping"
+        facts.insert(3, Fact("filling", f"{acts}, at a setting of {full['setting_percent']:g} %"))
     resonant, tolerated = record["resonant_filling_kg"], record["tolerated_filling_kg"]
     none = "none" if math.isnan(resonant) else f"{shown(resonant)} kg"
     note = "changes the speed by less than 1 %"
@@ -215,9 +216,11 @@ def _notes(sheet: Sheet) -> list[str]:
         sureness.setdefault(proof, []).append(f"{one['setting_percent']:g}")
     if not sureness:
         return []
-    told = "; ".join(f"{proof} at {', '.join(settings)} %" for proof, settings in sureness.items())
+    proofs = "; ".join(f"{proof} at {', '.join(settings)} %" for proof, settings in sureness.items())
     count = max(one["operating_points_looked_at"] for one in sheet.record["guaranteed"])
-    notes = [f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {told}"]
+    notes = [
+        f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {proofs}"
+    ]
     if min(sheet.request.band("static_friction")) < max(sheet.request.band("kinetic_friction")):
         notes.append("parts with more kinetic than static friction cannot be, and do not count")
     return notes

@@ -337,7 +337,7 @@ def _parameter_record(p: Parameter) -> dict[str, Any]:
 
 
 def _notes(m: Measurement, request: Request) -> list[str]:
-    """Return which feature gives each estimate, what cannot be told, and what no interval covers."""
+    """Return which feature gives each estimate, what has none, and what no interval covers."""
     slips = [_SLIPS] if m.comparison and any("slip" in row.key for row in m.comparison.rows) else []
     if m.fit is None:
         return slips

@@ -165,8 +165,10 @@ def _notes(fit: ResponseFit, table: Mapping[str, Any] | None) -> list[str]:
         at = float(fit.frequency[np.argmin(fit.amplitude)])
         ratio = float(fit.amplitudes(at) / machine_of(table).machine.response(at).amplitude)
         if abs(ratio - 1.0) > _APART:
-            told = f"the points have {ratio:.3g} times the amplitude of this machine at a setting of 100 %"
-            notes.append(f"{told}: was it {100.0 * ratio:.3g} %? the force stays as given")
+            notes.append(
+                f"the points have {ratio:.3g} times the amplitude of this machine at a setting of 100 %: was"
+                f" it {100.0 * ratio:.3g} %? the force stays as given"
+            )
     return notes
 
 
@@ -242,8 +244,8 @@ def draw_fit(fit: ResponseFit, path: Path) -> Figure:
     low = min(low, max(ends[0], 2.0 * low - high))
     high = max(high, min(ends[1], 2.0 * high - low))
     x = np.linspace(max(low - beyond, 0.5 * low), high + beyond, _CURVE_POINTS)
-    told = ", ".join(f"{fact.label} {fact.text}" for fact, _ in _estimates(fit).values())
+    below = ", ".join(f"{fact.label} {fact.text}" for fact, _ in _estimates(fit).values())
     title = f"measured amplitudes \N{EN DASH} {path.name}"
     if not fit.brackets_peak:
-        told = "no estimate: points on one side of the resonance"
-    return fit_figure(fit, x, title, told)
+        below = "no estimate: points on one side of the resonance"
+    return fit_figure(fit, x, title, below)

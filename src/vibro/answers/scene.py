@@ -9,6 +9,7 @@ import numpy as np
 
 from vibro.answers.answer import (
     METRES_PER_MINUTE,
+    NO_BOUNCE,
     Answer,
     Fact,
     Table,
@@ -56,7 +57,6 @@ _NEXT: Final = ("forward slip", "back slip", "hopping")  # what people ask for; 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 _STANDS: Final[dict[Any, str]] = {True: "yes", False: "no", -1: "unknown"}  # in records None is unknown
-_NO_BOUNCE: Final = "restitution 0: parts land without a bounce"
 # What tables of several scenes have where it was asked for.
 _WHERE_ASKED: Final = (
     ("traverse_time_s", "traverse time", "s"),
@@ -172,7 +172,7 @@ def scene_answer(
     record : mapping
         What JSON says.
     every : bool
-        Whether all is told: phases, sensitivities, the scene.
+        Whether all is printed: phases, sensitivities, the scene.
     title : str
         Of its page.
     """
@@ -224,16 +224,16 @@ def cells_answer(
         What does not vary, in the units outside, by the name of each scene file.
     """
     lengths = {cell.get("trough_length_mm") for cell in cells}
-    told = {cell["status"] for cell in cells}
-    results_of = [("displacement_per_cycle_mm", "a cycle", "mm"), ("throw_number", "throw number", "")]
-    results_of += [one for one in _WHERE_ASKED if any(cell.get(one[0]) is not None for cell in cells)]
-    results_of += [("trough_length_mm", "length", "mm")] * (len(lengths) > 1)
-    results_of += [("status", "status", "")] * (told != {Status.OK.label})
-    keys, *labels = zip(*results_of, strict=True)
+    statuses = {cell["status"] for cell in cells}
+    results = [("displacement_per_cycle_mm", "a cycle", "mm"), ("throw_number", "throw number", "")]
+    results += [one for one in _WHERE_ASKED if any(cell.get(one[0]) is not None for cell in cells)]
+    results += [("trough_length_mm", "length", "mm")] * (len(lengths) > 1)
+    results += [("status", "status", "")] * (statuses != {Status.OK.label})
+    keys, *labels = zip(*results, strict=True)
     columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), *zip(*labels, strict=True)]
     rows = []
     for names, cell in zip(heads, cells, strict=True):
-        results = {**cell, "upright": _STANDS.get(cell.get("upright"))}
+        found = {**cell, "upright": _STANDS.get(cell.get("upright"))}
         speed, error = cell["mean_velocity_mm_s"], cell.get("mean_velocity_error_mm_s") or 0.0
         means: list[Value] = [None, None]
         if speed is not None:
@@ -242,11 +242,11 @@ def cells_answer(
                 for x in (1.0, METRES_PER_MINUTE)
             ]
             if error > _LEAST_CERTAIN * abs(speed):
-                results |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
-        rows.append([*names, cell["regime"] or "none", *means, *map(results.get, keys)])
-    notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in told]
+                found |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
+        rows.append([*names, cell["regime"] or "none", *means, *map(found.get, keys)])
+    notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in statuses]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
-        notes.append(_NO_BOUNCE)
+        notes.append(NO_BOUNCE)
     if len(lengths) == 1 and None not in lengths:
         notes.append(f"traverse times are over {lengths.pop():.10g} mm")
     facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
@@ -396,7 +396,7 @@ def _notes(one: OneScene) -> list[str]:
         else:
             notes.append("a disturbed part can settle into another steady motion than one from rest")
     if one.cycle.flight_fraction > 0.0 and one.given["restitution"] == 0.0:
-        notes.append(_NO_BOUNCE)
+        notes.append(NO_BOUNCE)
     return notes
 
 

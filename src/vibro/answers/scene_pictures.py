@@ -70,14 +70,14 @@ def _motion(request: Request, one: OneScene) -> dict[str, Figure]:
     except VibroError:  # it runs away, or its motion is not determined
         return {}
     period = 1.0 / float(one.scene.frequency)
-    since, told = history.settles_at, "Three cycles of the steady motion"
+    since, shows = history.settles_at, "Three cycles of the steady motion"
     steady = one.status.answered and one.status is not Status.AVERAGED
     if not steady or not since + _CYCLES * period <= _FOLLOWED * period:
-        since, told = 0.0, "The first three cycles from rest"
+        since, shows = 0.0, "The first three cycles from rest"
     history = simulate(one.scene, cycles=since / period + _CYCLES)
     phases = [p for p in history.phases if p.end > since]
     flies = any(p.kind == "H" for p in phases)
     rows = trace(history, since=since, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
     panels = choose_panels("trough,velocity,position" + ",gap" * flies, flies=flies)
     title = request.name or "Motion"
-    return {told: history_figure(phases, rows, panels, title, request.told, period=period)}
+    return {shows: history_figure(phases, rows, panels, title, request.told, period=period)}

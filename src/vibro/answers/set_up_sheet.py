@@ -407,11 +407,11 @@ def _cut(case: dict[str, float], request: SheetRequest) -> list[dict[str, float]
 
 def _doubts(rows: Sequence[Row], points: OperatingPoints) -> list[str]:
     """Say what a reader of the settings must know, and of which."""
-    told: list[tuple[Any, str]] = [([row["regime"] == Regime.HOPPING.label for row in rows], "parts hop")]
+    own: list[tuple[Any, str]] = [([row["regime"] == Regime.HOPPING.label for row in rows], "parts hop")]
     for status in Status:
         if not status.answered:
-            told.append(([row["status"] == status.label for row in rows], status.message))
-    return [f"{_cases(rows, cells)}{text}" for cells, text in [*points.doubts(), *told] if np.any(cells)]
+            own.append(([row["status"] == status.label for row in rows], status.message))
+    return [f"{_cases(rows, cells)}{text}" for cells, text in [*points.doubts(), *own] if np.any(cells)]
 
 
 def _cases(rows: Sequence[Row], cells: Any) -> str:

@@ -180,15 +180,15 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
             " a part may be slower, or fast enough; irregular ones count with 3 standard errors less"
         )
     if not found:
-        told = f"none reaches {asked} {where}"
+        text = f"none reaches {asked} {where}"
         size, speed_there = drive.best(limit)
         if speed_there > 0.0:
             reached, fast = float(quantity.from_si(size * share)), float(SPEED.from_si(speed_there))
             record["fastest"] = {"mean_velocity_mm_s": fast, quantity.column: reached}
             at = bound(reached, quantity.unit, upper=False)  # rounded down: the speed may jump above
-            told += f"; the most is {shown(fast)} mm/s ({shown(METRES_PER_MINUTE * fast)} m/min) at {at}"
+            text += f"; the most is {shown(fast)} mm/s ({shown(METRES_PER_MINUTE * fast)} m/min) at {at}"
         notes += [] if hopping else ["with --hopping parts may hop too"]
-        return Answer([Fact(quantity.label, told), rare], (), notes, record, title)
+        return Answer([Fact(quantity.label, text), rare], (), notes, record, title)
     if request.length is not None:
         notes.insert(0, f"over {request.length:.10g} mm that takes {shown(request.length / speed)} s")
     kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]

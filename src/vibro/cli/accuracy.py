@@ -81,7 +81,7 @@ def accuracy_command(
         output.write_answer(answer, lambda: {"": _columns(trade.rows)}, draw)
     if trade.scenes < number:
         options.console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
-    output.tell(answer, every=every)
+    output.print_answer(answer, every=every)
     return ExitCode.DONE
 
 

@@ -123,7 +123,7 @@ def answer_one(
         title = run.request.name or "Scene"
         return scene_answer(one, grid, run.table.part, record, every=whole, title=title)
 
-    def page() -> str:
+    def page(_: Any) -> str:
         from vibro.answers.scene_pictures import scene_pictures
 
         pictures = scene_pictures(run.request, grid, OneScene(blocks[0]))
@@ -138,7 +138,7 @@ def answer_one(
     else:
         blocks += sweep_blocks(grid)
     if not outputs.takes_stdout:
-        outputs.tell(answer(whole=every or options.json, recorded=options.json), every=every)
+        outputs.print_answer(answer(whole=every or options.json, recorded=options.json), every=every)
     return ExitCode.UNRESOLVED if _is_unknown(run, blocks[0], exactly=make is not None) else ExitCode.DONE
 
 
@@ -180,17 +180,20 @@ def answer_cells(runs: Sequence[Run], options: Options, name: str) -> int:
     answer = cells_answer(head, heads, cells, given) if whole else Answer(())
     forms = TABLES if len(runs) == 1 else tuple(form for form in TABLES if form != "xlsx")
     outputs = Outputs(options, name, forms=forms, pictures=())
+
+    def page(_: Any) -> str:
+        return outputs.page(answer)
+
     if options.output and len(runs) == 1:
         write_sweep(
             runs[0].grid, runs[0].table, outputs,
-            more=lambda: {"cells": cells}, page=lambda: outputs.page(answer),
+            more=lambda: {"cells": cells}, page=page,
         )  # fmt: skip
     elif options.output:
         keys = dict.fromkeys(key for cell in cells for key in cell)
         table = {key: column_of([cell.get(key) for cell in cells]) for key in keys}
         with outputs:
-            page = {"html": lambda _: outputs.page(answer)}
-            outputs.write(lambda: {"": table}, dict, {"cells": cells}, page)
+            outputs.write(lambda: {"": table}, dict, {"cells": cells}, {"html": page})
     if options.json:
         print(json.dumps(cells, indent=2, allow_nan=False))
     elif whole and not outputs.takes_stdout:
@@ -209,13 +212,13 @@ def _cells(values: Any, block: Block) -> list[float | None]:
 def answer_sweep(run: Run, options: Options, name: str) -> int:
     """Solve a grid and print its table, as CSV or as JSON; write files if the options name an output.
 
-    Parameters and errors are those of ``write_sweep`` and ``Outputs``.
+    Parameters are those of ``answer_one``.
     """
     console = options.console
     if options.output or not options.json:
         outputs = Outputs(options, name, forms=TABLES[:-1], pictures=(), default="-")
         tally = write_sweep(run.grid, run.table, outputs)
-        outputs.tell_record()
+        outputs.print_record()
         return conclude(tally, run.grid, console)
     tally = Tally()
     between = "[\n"

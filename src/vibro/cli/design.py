@@ -78,7 +78,7 @@ def design_command(
         units = {column.name: column.unit for column in result.columns}
         more = {"spec": question, "columns": units}
         output.write_answer(answer, lambda: {"": _columns(result)}, draw, _SHOWN, more=more)
-    output.tell(answer, every=every)
+    output.print_answer(answer, every=every)
     return ExitCode.DONE if result.met else ExitCode.NOT_MET
 
 

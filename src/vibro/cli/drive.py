@@ -121,7 +121,7 @@ def _sheets(options: Options, *, every: bool) -> int:
 
         shows = {key: _SHOWS if one else f"{_SHOWS}: {name}" for name, key in pictures.items()}
         outputs.write_answer(answer, lambda: {"": cases(sheets)}, draw, shows)
-    outputs.tell(answer, every=every)
+    outputs.print_answer(answer, every=every)
     rows = [pair[state] for sheet in sheets.values() for pair in sheet.record["settings"] for state in pair]
     unresolved = any(row and row["status"] == Status.UNRESOLVED.label for row in rows)
     return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
@@ -225,5 +225,5 @@ def _fit(path: Path, options: Options, law: str | None, amplitude_error: str | N
             lambda: {"response": draw_fit(fit, path)},
             {"response": "Measured and fitted amplitude over frequency"},
         )
-    outputs.tell(answer, every=True)
+    outputs.print_answer(answer, every=True)
     return ExitCode.DONE if fit.brackets_peak else ExitCode.UNRESOLVED

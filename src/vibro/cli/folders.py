@@ -66,9 +66,9 @@ def write_stored(
     shards = f"{plan.shards} shard{'' if plan.shards == 1 else 's'}"
     size = f"{byte_count(summary.size)}, {summary.size / plan.grid.size:.1f} bytes a cell"
     is_new = any(made.is_new for made in summary.made.values())
-    said = "wrote" if is_new else "complete already:"
-    console.echo(f"{said} {folder}: {shards}, {size}; digest {summary.digest}")
-    outputs.tell_record(folder=str(folder), shards=plan.shards, bytes=summary.size)
+    outcome = "wrote" if is_new else "complete already:"
+    console.echo(f"{outcome} {folder}: {shards}, {size}; digest {summary.digest}")
+    outputs.print_record(folder=str(folder), shards=plan.shards, bytes=summary.size)
     return summary.tally
 
 
@@ -77,13 +77,13 @@ def _progress(console: Console, folder: Path, plan: Plan) -> Iterator[Callable[[
     """Print the progress of a run: a bar on a terminal, else a line for every tenth."""
     from vibro.cli.sweeps import byte_count, count
 
-    said = seen = 0
+    last = seen = 0  # tenths that were printed, and shards when their size was looked at
     cells = plan.grid.size
 
     with console.progress("solving", cells) as bar:
 
         def report(progress: Progress) -> None:
-            nonlocal said, seen
+            nonlocal last, seen
             if progress.shards and not seen:  # once, when it is known how large a shard is
                 seen = progress.shards
                 needed = progress.size * (plan.shards / progress.shards - 1.0)
@@ -96,8 +96,8 @@ def _progress(console: Console, folder: Path, plan: Plan) -> Iterator[Callable[[
             note = f"{progress.shards} of {plan.shards} shards" + (f", {speed:.3g} cells/s" if speed else "")
             bar(progress.cells, note)
             tenths = _TENTHS * progress.cells // cells
-            if said < tenths < _TENTHS and not console.is_terminal:
-                said = tenths
+            if last < tenths < _TENTHS and not console.is_terminal:
+                last = tenths
                 left = (cells - progress.cells) / speed if speed else math.inf
                 time_left = f", about {left:.0f} s left" if math.isfinite(left) else ""
                 console.echo(f"{100 * tenths // _TENTHS} % of {count(cells)} cells: {note}{time_left}")

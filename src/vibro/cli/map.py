@@ -117,7 +117,9 @@ def map_command(
     outputs = Outputs(options, name, forms=MAPS, pictures=names, default=name)
     made_by = _workers(workers, outputs)
     if outputs.folder and target_speed is not None:
-        raise InputError("--speed: not told of a folder", hint="vibro map NAME.parquet --speed draws it")
+        raise InputError(
+            "--speed: cells of a folder are not counted", hint="vibro map NAME.parquet --speed draws it"
+        )
     cells, pictures = None, None
     if outputs.pictures or any(form == "xlsx" for _, form in outputs.tables.values()):
         tell_choices(view, grid.told_axes, held, console)
@@ -139,7 +141,7 @@ def map_command(
         tally = write_stored(plan, outputs, made_by, pictures)
     else:
         tally = write_sweep(grid, table, outputs, pictures, look)
-        outputs.tell_record()
+        outputs.print_record()
     code = conclude(tally, grid, console)
     if target:
         console.echo(target.text(tally.peaks.get("fastest")))

@@ -123,7 +123,7 @@ def measure_command(
             console.warn(warning)
         answer = measurement_answer(m, data, request)
         _write(outputs, answer, m, data, request)
-    outputs.tell(answer, every=every)
+    outputs.print_answer(answer, every=every)
     is_open = m.speeds is not None and m.speeds.status is Status.UNRESOLVED
     return ExitCode.UNRESOLVED if is_open else ExitCode.DONE
 

@@ -210,9 +210,9 @@ def read_arguments(
                 _refuse_slip(text)
             files.append(Path(text))
     if most is not None and len(files) > most:
-        told = " and ".join(map(str, files[:2]))
+        both = " and ".join(map(str, files[:2]))
         raise InputError(
-            f"{told}: {'one file' if most == 1 else f'{most} files'} at most",
+            f"{both}: {'one file' if most == 1 else f'{most} files'} at most",
             hint="leave one out; vibro solve and vibro drive put several side by side",
         )
     return tuple(files), given

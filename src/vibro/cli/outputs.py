@@ -7,7 +7,6 @@ import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
@@ -202,7 +201,7 @@ class Outputs:
             By form, such as ``html``: makes the text, of the pictures that a page has.
         """
         figures = draw() if self.pictures or "html" in self.texts.values() else _NOTHING
-        self.write_texts({form: partial(make, figures) for form, make in texts.items()})
+        self.write_texts(texts, figures)
         if self.tables or self.takes_stdout:
             form, made = self.csv_format, tables()
             for path, (name, _) in self.tables.items():
@@ -241,7 +240,7 @@ class Outputs:
 
         self.write(tables, draw, {**answer.content(), **more}, {"html": page, **texts})
 
-    def tell(self, answer: Answer, *, every: bool = False) -> None:
+    def print_answer(self, answer: Answer, *, every: bool = False) -> None:
         """Print an answer, unless stdout has its table."""
         if not self.takes_stdout:
             print(answer.json() if self.options.json else answer.text(every=every))
@@ -251,10 +250,14 @@ class Outputs:
         notes = [*self.options.console.warnings, *answer.notes]
         return replace(answer, notes=notes).html(pictures, shlex.join(["vibro", *self.options.argv]))
 
-    def write_texts(self, texts: Mapping[str, Callable[[], str]]) -> None:
+    def write_texts(
+        self,
+        texts: Mapping[str, Callable[[Mapping[str, Figure]], str]],
+        figures: Mapping[str, Figure] = _NOTHING,
+    ) -> None:
         """Write files of one text each, such as pages; ``texts`` makes them, by form."""
         for path, form in self.texts.items():
-            self.waiting[path].write_text(texts[form](), encoding="utf-8")
+            self.waiting[path].write_text(texts[form](figures), encoding="utf-8")
 
     def finish(self, content: Mapping[str, Any] = _NOTHING, figures: Mapping[str, Figure] = _NOTHING) -> None:
         """Write pictures and the record; on leaving all files get their names, the record last.
@@ -284,7 +287,7 @@ class Outputs:
         for path in self.records:
             self.waiting[path].write_text(json_text(self.record) + "\n", encoding="utf-8")
 
-    def tell_record(self, **more: Any) -> None:
+    def print_record(self, **more: Any) -> None:
         """Print the record as JSON, if that is wanted, and before it what the files do not say."""
         from vibro.tables.record import json_text
 
@@ -294,9 +297,9 @@ class Outputs:
 
 def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:
     """Return the path that ``-o`` gives and its form; a stem, to which endings are appended, has none."""
-    said = f"-o {given or repr(given)}"
+    option = f"-o {given or repr(given)}"
     if not given or "\0" in given:
-        raise InputError(f"{said}: no file has such a name", hint=_GIVE_A_NAME)
+        raise InputError(f"{option}: no file has such a name", hint=_GIVE_A_NAME)
     path = Path(given)
     ending = path.suffix[1:].casefold()
     if ending == "parquet" and ending in forms:
@@ -306,17 +309,19 @@ def _place(given: str, name: str, forms: Sequence[str]) -> tuple[Path, str]:
             return path / name, ""
         is_other = path.exists() and not path.is_file()
     except OSError as exc:
-        raise FileError(f"cannot use {said}: {exc.strerror or exc}", hint="choose another name") from exc
+        raise FileError(f"cannot use {option}: {exc.strerror or exc}", hint="choose another name") from exc
     if path.name in ("", "..") or path.name.casefold() in (f".{form}" for form in forms):
-        raise InputError(f"{said}: the name is missing", hint=_GIVE_A_NAME)
+        raise InputError(f"{option}: the name is missing", hint=_GIVE_A_NAME)
     if is_other:
-        raise FileError(f"{said}: it is neither a file nor a folder", hint="-o - writes the table to stdout")
+        raise FileError(
+            f"{option}: it is neither a file nor a folder", hint="-o - writes the table to stdout"
+        )
     if ending in forms:
         return path, ending
     if ending.isalpha() and ending.isascii():
         known = ", ".join(f".{form}" for form in forms)
         raise InputError(
-            f"{said}: this answer is not written as .{ending}",
+            f"{option}: this answer is not written as .{ending}",
             hint=f"it is written as {known}; a name without an ending is that of all usual files",
         )
     return path, ""

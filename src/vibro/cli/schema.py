@@ -50,7 +50,7 @@ def schema_command(
     text = json_text(schema_of(FILES[kind])) + "\n"
     options = Options(console=Console(quiet=quiet), output=output or ["-"], force=force)
     with Outputs(options, f"vibro-{kind}.schema", forms=("json",), pictures=()) as files:
-        files.write_texts({"json": lambda: text})
+        files.write_texts({"json": lambda _: text})
         files.finish()
     if files.takes_stdout:
         print(text, end="")

@@ -110,7 +110,7 @@ def simulate_command(
             lambda: {"": _figure(history, window, rows, panels, request, options.console)},
             content,
         )
-    output.tell(history_answer(history, content, every=every))
+    output.print_answer(history_answer(history, content, every=every))
     return ExitCode.DONE
 
 

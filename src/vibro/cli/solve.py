@@ -106,8 +106,11 @@ def solve_command(
         arrives = output is Output.EXACT and request.length is not None
         grid = request.grid(output, coexistence=coexist, arrivals=arrives)
         table = table_of(grid, columns, extra, needed=_NEEDS, part=part)
-        told = (WITH_ARRIVAL, *more) if arrives else more
-        whole = table_columns(grid, extra=told) if columns is None else table.columns
+        whole = (
+            table_columns(grid, extra=(WITH_ARRIVAL, *more) if arrives else more)
+            if columns is None
+            else table.columns
+        )
         runs.append(Run(request, grid, table, whole, columns is not None))
     if len(runs) == 1 and not runs[0].request.varying:
         return answer_one(runs[0], options, "vibro-solve", every=every)
@@ -141,7 +144,7 @@ def _target(text: str, options: Options, unused: Sequence[str], *, every: bool, 
         with options.console.progress("searching", None):
             answer = target_answer(request, speed, asked, hopping=hopping)
         outputs.write_answer(answer)
-    outputs.tell(answer, every=every)
+    outputs.print_answer(answer, every=every)
     return ExitCode.DONE if answer.record["met"] else ExitCode.NOT_MET
 
 

@@ -95,7 +95,7 @@ def map_stored(
         with drawn(pictures, console, tally) as figures:
             outputs.finish(content, figures)
     tell_peaks(tally, grid, console)
-    outputs.tell_record()
+    outputs.print_record()
     return ExitCode.DONE
 
 

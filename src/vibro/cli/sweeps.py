@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.answers.answer import number, uncertain
+from vibro.answers.answer import NO_BOUNCE, number, uncertain
 from vibro.cli.exit_codes import ExitCode
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError
@@ -95,7 +95,7 @@ def write_sweep(
     pictures: Pictures | None = None,
     look: Callable[[Block], None] = lambda block: None,
     more: Callable[[], Mapping[str, Any]] = dict,
-    page: Callable[[], str] | None = None,
+    page: Callable[[Mapping[str, Figure]], str] | None = None,
 ) -> Tally:
     """Solve a grid and write its table, pictures and JSON.
 
@@ -114,7 +114,7 @@ def write_sweep(
     more : callable, optional
         Returns what the record says beside, once all is solved.
     page : callable, optional
-        Makes the page about it.
+        Makes the page about it, of the pictures.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def write_sweep(
         content = sweep_record(grid, table, tally.told())
         with drawn(pictures if outputs.pictures or books else None, console, tally) as figures:
             if page is not None:
-                outputs.write_texts({"html": page})
+                outputs.write_texts({"html": page}, figures)
             outputs.finish({**content, **more()}, figures)
             if books:
                 console.echo("writing the workbook")
@@ -226,6 +226,6 @@ def conclude(tally: Tally, grid: Grid, console: Console) -> int:
             if tally.regime[regime]:
                 console.echo(f"{regime.label or NO_REGIME:>12} {tally.regime[regime] / size:7.1%}")
         if tally.regime[Regime.HOPPING] and grid.flight and grid.fixed.get("restitution") == 0.0:
-            console.echo("restitution 0: parts land without a bounce; --restitution changes that")
+            console.echo(f"{NO_BOUNCE}; --restitution changes that")
         tell_peaks(tally, grid, console)
     return ExitCode.UNRESOLVED if tally.status[Status.UNRESOLVED] else ExitCode.DONE
