@@ -35,6 +35,8 @@ _DECIMAL_COMMA = re.compile(
     r"\s*([+\u2212-]?(?:[0-9]{1,20}|[0-9]{1,3}(?:\.[0-9]{3})+)),"
     r"([0-9]{1,20}(?:[eE][+-]?[0-9]+)?\s*(?:[^\W\d_][^,:]*|[\u00b0%]|1?/[^,:]*)?)\s*"
 )
+# Of these any comma may be that of a decimal.
+_WHOLE_NUMBERS = re.compile("'[0-9]+(?:,[0-9]+)+'")
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,6 +265,8 @@ def _check_order(
     hint = "sort its values, and give each once"
     if values.size <= _HINTED:
         hint = f"write {form.format(separator.join(f'{v:.15g}' for v in np.unique(values).tolist()))}"
+        if _WHOLE_NUMBERS.fullmatch(text):
+            hint = f"decimals have a point, like 1.5; if these are whole numbers {hint}"
     raise InputError(f"{quantity.label} = {text}: the values of a list must ascend and differ", hint=hint)
 
 
@@ -315,6 +319,11 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
             hint=f"write {first}.{last}, or {other}",
         )
     items = text.split(",")
+    if ";" in text and len(text) <= _REPEATED:  # as spreadsheets write where decimals have a comma
+        raise InputError(
+            f"{quantity.label} = {shown(text)}: a list has commas between its values, and decimals have a point",
+            hint=f"write {text.replace(',', '.').replace(';', ',')}",
+        )
     if not all(map(str.strip, items)):
         raise InputError(
             f"{quantity.label} = {shown(text)}: a list with an empty item", hint="write a list like 15,20,25"

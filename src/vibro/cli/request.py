@@ -28,10 +28,10 @@ class _CommandLine(NamedTuple):
 
     @property
     def takes_one_value(self) -> tuple[str, str]:
-        return (
-            f"vibro {self.argv[0]} takes one value",
-            "vibro map takes axes; a decimal is written with a point",
-        )
+        command, *options = self.argv
+        if command == "solve" and any(option.startswith("--speed") for option in options):
+            return "vibro solve --speed takes one value", "ask for each by itself; decimals have a point"
+        return f"vibro {command} takes one value", "vibro map takes axes; decimals have a point"
 
     def name(self, quantity: Quantity) -> str:
         return quantity.options[0] if quantity.is_option else quantity.typed()

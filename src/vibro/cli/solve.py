@@ -67,7 +67,7 @@ def solve_command(
     """
     from vibro.cli.answer import Run, answer_cells, answer_one
     from vibro.cli.request import request_of
-    from vibro.quantities import STAND_RATIO, checked_number
+    from vibro.quantities import QUANTITIES, STAND_RATIO, checked_number
     from vibro.sweeps.columns import table_columns
     from vibro.sweeps.derived import (
         WITH_ACCELERATION,
@@ -115,9 +115,11 @@ def solve_command(
     if len(runs) == 1 and not runs[0].request.varying:
         return answer_one(runs[0], options, "vibro-solve", every=every)
     if (size := sum(run.grid.size for run in runs)) > _MOST_CELLS:
+        axis = next(iter(runs[0].grid.axes.values()))
+        fewer = QUANTITIES[axis.name].typed(f"{axis.values[0]:g}:{axis.values[-1]:g}:10")
         raise InputError(
             f"{size} scenes: at most {_MOST_CELLS} are listed",
-            hint="give fewer, such as -A 1:3:10, or use vibro map",
+            hint=f"give fewer, such as {fewer}, or use vibro map",
         )
     return answer_cells(runs, options, "vibro-solve")
 

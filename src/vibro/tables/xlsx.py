@@ -222,10 +222,10 @@ class Xlsx:
 
 
 def _number_format(values: Sequence[float]) -> str:
-    """Return a format that shows four digits of the largest number; what a cell holds is exact."""
-    largest = max(map(abs, values), default=0.0)
-    power = math.floor(math.log10(largest)) if largest else 0
-    if not -_DECIMALS < power < _DECIMALS:
+    """Return a format that shows four digits of most numbers; what a cell holds is exact."""
+    sizes = sorted(abs(value) for value in values if value) or [1.0]
+    power, most = (math.floor(math.log10(size)) for size in (sizes[len(sizes) // 2], sizes[-1]))
+    if not -_DECIMALS < power <= most < _DECIMALS:
         return "0.000E+00"
     return "0." + "0" * (3 - power) if power < 3 else "0"
 
