@@ -321,7 +321,7 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     items = text.split(",")
     if ";" in text and len(text) <= _REPEATED:  # as spreadsheets write where decimals have a comma
         raise InputError(
-            f"{quantity.label} = {shown(text)}: a list has commas between its values, and decimals have a point",
+            f"{quantity.label} = {shown(text)}: values are separated by commas, and decimals have a point",
             hint=f"write {text.replace(',', '.').replace(';', ',')}",
         )
     if not all(map(str.strip, items)):

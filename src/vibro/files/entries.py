@@ -15,13 +15,13 @@ import numpy as np
 
 from vibro.axes import axis_of, one_value_of, parse_axis
 from vibro.errors import MOST_TOLD, InputError, Problems, did_you_mean, shown
-from vibro.quantities import MOST_HARMONICS, STANDS_FOR, SWEPT, nearest_double
+from vibro.quantities import MOST_HARMONICS, QUANTITIES, STANDS_FOR, SWEPT, nearest_double
 from vibro.reals import real_number
 from vibro.units import ACCELERATION, ANGLE, FREQUENCY, LENGTH, PURE
 from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
@@ -234,8 +234,18 @@ def refuse_unknown(
     elif len(problems.found) >= MOST_TOLD:
         meant = ""  # the message leaves it out, and each lookup takes 0.1 ms
     else:
-        meant = "; " + (did_you_mean(word, known) or f"known are {', '.join(known)}")
+        known = [*known]
+        meant = "; " + (_in_unit(word, known) or did_you_mean(word, known) or f"known are {', '.join(known)}")
     problems.add(f"{what} {shown(word)}{meant}", "" if len(homes) == 1 else hint)
+
+
+def _in_unit(word: object, known: Sequence[str]) -> str:
+    """Say how to give a quantity in the unit of an unknown key, such as ``amplitude_m``."""
+    name, _, unit = word.rpartition("_") if isinstance(word, str) else ("", "", "")
+    quantity = QUANTITIES.get(name)
+    if quantity is None or quantity.column not in known or unit.casefold() not in quantity.kind.ratios:
+        return ""
+    return f'write {quantity.column} = "1.5{unit}", with your number'
 
 
 def _axis(quantity: Quantity, value: Any) -> AxisSpec:

@@ -17,6 +17,7 @@ class Tolerances(NamedTuple):
     # Ratio of measured and computed size, either way, from which a unit is doubted: less than 10, as a
     # sensitivity may be wrong by 10 and the motion a little smaller than computed.
     far_off: float = 7.0
+    far_angle: float = float(np.radians(20.0))  # [rad] from the scene's drive angle: sensors may be exchanged
     looked_at: int = 300  # rows in which separator and header are searched
     gap: float = 3.5  # usual steps of the time in one step: two missing rows and the rounding of times
     skipped: float = 0.05  # largest share of rows without a value

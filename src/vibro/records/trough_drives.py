@@ -147,7 +147,7 @@ def _takes_harmonics(
 
 
 def _far_off(drive: MeasuredDrive, own: Mapping[str, float]) -> list[str]:
-    """Question the sensors' units where an amplitude is far from the scene's."""
+    """Question the sensors where an amplitude, or the drive angle, is far from the scene's."""
     waves, found = drive.trough.waves, []
     columns = " and ".join(shown(wave.header) for wave in waves)
     for name in {*AMPLITUDES} & drive.quantities.keys() & own.keys():
@@ -156,4 +156,9 @@ def _far_off(drive: MeasuredDrive, own: Mapping[str, float]) -> list[str]:
             texts = dict.fromkeys(wave.sensitivity for wave in waves if wave.sensitivity)
             what = f"the {QUANTITIES[name].label} is about {rounded(float(ratio))} times the scene's"
             found.append(f"column {columns}: {what}: {doubt(' or '.join(texts))}")
+    angle, given = drive.quantities.get("drive_angle"), own.get("drive_angle")
+    if angle and given is not None and abs(angle.value - given) > TOL.far_angle:
+        here, there = (f"{QUANTITIES['drive_angle'].from_si(x):.3g} deg" for x in (angle.value, given))
+        what = f"the drive angle is {here}, the scene's {there}: does each name stand for its sensor?"
+        found.append(f"column {columns}: {what}")
     return found

@@ -473,13 +473,14 @@ def _check_combinations(specs: Specs, problems: _Problems) -> None:
     static, kinetic = (None if slot in problems.slots else specs.get(slot) for slot in pair)
     if kinetic is None:
         return
-    least, most = kinetic.values[0], ""
+    least, most, hint = kinetic.values[0], "", ""
     if kinetic.quantity.name == "friction_ratio":
         most = "in [0, 1]" if kinetic.varies and least > 1 else ""
     elif static is not None and float(least) > float(static.values[-1]):
         most = f"at most {_text(static, static.values[-1])}"
+        hint = "friction at rest is the larger one: give both, or exchange them"
     if most:
-        problems.add(f"{_text(kinetic, least)}: must be {most}", field="kinetic_friction")
+        problems.add(f"{_text(kinetic, least)}: must be {most}", hint, field="kinetic_friction")
 
 
 def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, problems: _Problems) -> None:
