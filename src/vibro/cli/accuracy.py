@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import AllOption, Options, option  # typer reads the annotations
+from vibro.cli.options import AllOption, Options, option, rare  # typer reads the annotations
 from vibro.errors import InputError
 from vibro.quantities import LINEAR, POSITIVE, Quantity, checked_number
 
@@ -42,12 +42,10 @@ _MOST_SCENES: Final = 10_000_000
 def accuracy_command(
     options: Options,
     scenes: Annotated[
-        str,
-        option("scenes", "Scenes to sample [default: 5000]; slow methods run on the first of them.", "N"),
+        str, option("scenes", "Scenes to sample [default: 5000]; slow methods run on the first of them.", "N")
     ] = str(_SCENES),
     tolerance: Annotated[
-        str,
-        option("tolerance", "Tolerated error in mean speed [A f] [default: 0.001].", "E", hidden=True),
+        str, rare("tolerance", "Tolerated error in mean speed [A f] [default: 0.001].", "E")
     ] = "0.001",
     every: AllOption = False,
 ) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Options, option
+from vibro.cli.options import Options, option, rare
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,11 +28,10 @@ def design_command(
     every: Annotated[bool, option("all", "Search other regimes too, and print all that is known.")] = False,
     digits: Annotated[
         str | None,
-        option(
+        rare(
             "digits",
             "Significant digits of settings [default: 4]; those that do not hold so have more.",
             "1...15",
-            hidden=True,
         ),
     ] = None,
 ) -> int:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import AllOption, Options, option, typed_names
+from vibro.cli.options import AllOption, Options, option, rare, typed_names
 from vibro.cli.outputs import Outputs
 from vibro.core.codes import Status
 from vibro.errors import InputError, cut, shown
@@ -41,22 +41,20 @@ def drive_command(
     every: AllOption = False,
     law: Annotated[
         str | None,
-        option(
+        rare(
             "law",
             "With --fit and without a file: the force is constant for magnets, and grows with the square of"
             " the frequency with unbalance on the trough.",
             "constant|square",
-            hidden=True,
         ),
     ] = None,
     amplitude_error: Annotated[
         str | None,
-        option(
+        rare(
             "amplitude-error",
             "With --fit: relative standard error of an amplitude [%]; else the residuals of 5 or more points"
             " give it.",
             "X",
-            hidden=True,
         ),
     ] = None,
 ) -> int:

@@ -28,8 +28,7 @@ _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the 
 def explore_command(
     options: Options,
     port: Annotated[
-        str,
-        option("port", "Port to listen on; if it is taken, the next free one.", "PORT"),
+        str, option("port", "Port to listen on; if it is taken, the next free one.", "PORT")
     ] = "8765",
     no_open: Annotated[
         bool, option("no-open", "Print the page's address without opening a browser.")

@@ -9,6 +9,7 @@ from vibro.cli.options import (
     Options,
     RegimesOnlyOption,
     option,
+    rare,
     refuse_without_flight,
     typed_names,
 )
@@ -43,16 +44,12 @@ def map_command(
     x: Annotated[str | None, option("x", "Horizontal axis of pictures.", "AXIS")] = None,
     y: Annotated[str | None, option("y", "Vertical axis of pictures.", "AXIS")] = None,
     at: Annotated[
-        list[str] | None,
-        option("at", "Value at which pictures hold an axis; repeatable.", "AXIS=X", hidden=True),
+        list[str] | None, rare("at", "Value at which pictures hold an axis; repeatable.", "AXIS=X")
     ] = None,
     show: Annotated[
         list[str] | None,
-        option(
-            "show",
-            "Draw the impact speed, or the share of time in flight, too; repeatable.",
-            "|".join(SHOWN),
-            hidden=True,
+        rare(
+            "show", "Draw the impact speed, or the share of time in flight, too; repeatable.", "|".join(SHOWN)
         ),
     ] = None,
     speed: Annotated[str | None, option("speed", "Speed to mark, and to count cells [mm/s].", "X")] = None,
@@ -63,11 +60,10 @@ def map_command(
     mass: MassOption = None,
     workers: Annotated[
         str | None,
-        option(
+        rare(
             "workers",
             "With -o NAME.parquet: number of processes, or the address of a Dask cluster.",
             "N|ADDRESS",
-            hidden=True,
         ),
     ] = None,
 ) -> int:

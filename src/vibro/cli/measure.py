@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import AllOption, Options, option
+from vibro.cli.options import AllOption, Options, option, rare
 from vibro.cli.outputs import PICTURES
 from vibro.core.codes import Status
 from vibro.errors import InputError, argument, cut, shown
@@ -37,17 +37,14 @@ _ANY_FRICTION: Final = {"static_friction": "1", "kinetic_friction": "1"}
 
 def measure_command(
     options: Options,
-    time: Annotated[str | None, option("time", "Column of the time.", "HEADER", hidden=True)] = None,
+    time: Annotated[str | None, rare("time", "Column of the time.", "HEADER")] = None,
     displacement: Annotated[
         str | None, option("displacement", "Column of a part's displacement on the trough.", "HEADER")
     ] = None,
     velocity: Annotated[str | None, option("velocity", "Column of its velocity.", "HEADER")] = None,
-    acceleration: Annotated[
-        str | None, option("acceleration", "Column of its acceleration.", "HEADER", hidden=True)
-    ] = None,
+    acceleration: Annotated[str | None, rare("acceleration", "Column of its acceleration.", "HEADER")] = None,
     friction: Annotated[
-        str | None,
-        option("friction", "Column of the friction force on it; needs --mass.", "HEADER", hidden=True),
+        str | None, rare("friction", "Column of the friction force on it; needs --mass.", "HEADER")
     ] = None,
     trough_along: Annotated[
         str | None, option("trough-along", "Column of the trough's motion along itself, forwards.", "HEADER")
@@ -56,10 +53,9 @@ def measure_command(
         str | None, option("trough-normal", "Column of that normal to it, upwards.", "HEADER")
     ] = None,
     sensitivity: Annotated[
-        list[str] | None,
-        option("sensitivity", "Of sensors in volts; of one velocity=125mm/s/V.", "100mV/g"),
+        list[str] | None, option("sensitivity", "Of sensors in volts; of one velocity=125mm/s/V.", "100mV/g")
     ] = None,
-    mass: Annotated[str | None, option("mass", "Mass of the part [kg].", "X", hidden=True)] = None,
+    mass: Annotated[str | None, rare("mass", "Mass of the part [kg].", "X")] = None,
     reverse: Annotated[
         bool, option("reverse", "The data's axis points against the conveying direction.")
     ] = False,

@@ -27,9 +27,13 @@ if TYPE_CHECKING:
 def option(
     name: str, text: str, metavar: str | None = None, *, short: str = "", hidden: bool = False, **more: Any
 ) -> Any:
-    """Declare an option, whose default its text tells; hidden ones are shown by ``--help-all``."""
+    """Declare an option, whose default its text tells."""
     names = [short, f"--{name}"] if short else [f"--{name}"]
     return typer.Option(*names, metavar=metavar, help=text, show_default=False, hidden=hidden, **more)
+
+
+#: Those that ``--help-all`` alone shows.
+rare: Final = functools.partial(option, hidden=True)
 
 
 def typed_names(**values: object) -> list[str]:
@@ -37,16 +41,13 @@ def typed_names(**values: object) -> list[str]:
     return [f"--{name.replace('_', '-')}" for name, value in values.items() if value]
 
 
-RegimesOnlyOption = Annotated[
-    bool, option("regimes-only", "Regimes, ratios and statuses alone, no speeds.", hidden=True)
-]
+RegimesOnlyOption = Annotated[bool, rare("regimes-only", "Regimes, ratios and statuses alone, no speeds.")]
 CoexistOption = Annotated[
     bool,
-    option(
+    rare(
         "coexist",
         "Search for other motions in which a hopping body could settle after a push; it takes several ms"
         " per hopping cell, of tables and of pictures. In contact they are known without a search.",
-        hidden=True,
     ),
 ]
 
@@ -91,11 +92,11 @@ def output_option(forms: Sequence[str]) -> Any:
     return Annotated[list[str] | None, option("output", text, "PATH", short="-o")]
 
 
-ForceOption = Annotated[bool, option("force", "Replace existing files.", hidden=True)]
-QuietOption = Annotated[bool, option("quiet", "Print no messages except errors.", short="-q", hidden=True)]
+ForceOption = Annotated[bool, rare("force", "Replace existing files.")]
+QuietOption = Annotated[bool, rare("quiet", "Print no messages except errors.", short="-q")]
 JsonOption = Annotated[bool, option("json", "Print the answer as JSON.")]
 AllOption = Annotated[bool, option("all", "Print all that is known.")]
-DebugOption = Annotated[bool, option("debug", "Show the traceback of an error.", hidden=True)]
+DebugOption = Annotated[bool, rare("debug", "Show the traceback of an error.")]
 SHOW_VERSION: Final = {"text": "Print the version and exit.", "callback": _print_version, "is_eager": True}
 VersionOption = Annotated[bool, option("version", **SHOW_VERSION, hidden=True)]
 HelpAllOption = Annotated[
@@ -128,18 +129,11 @@ class Options:
     own: Mapping[str, str] = field(default_factory=dict)
     pack: Annotated[
         str | None,
-        option(
-            "pack",
-            "Spring pack that is fitted: a name from [[machine.pack]] of the scene file.",
-            "NAME",
-            hidden=True,
-        ),
+        rare("pack", "Spring pack that is fitted: a name from [[machine.pack]] of the scene file.", "NAME"),
     ] = None
     output: list[str] | None = None
     json: JsonOption = False
-    decimal_comma: Annotated[
-        bool, option("decimal-comma", "Write CSV with ; and decimal commas.", hidden=True)
-    ] = False
+    decimal_comma: Annotated[bool, rare("decimal-comma", "Write CSV with ; and decimal commas.")] = False
     force: ForceOption = False
     quiet: QuietOption = False
     debug: DebugOption = False

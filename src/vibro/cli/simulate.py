@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Options, option
+from vibro.cli.options import Options, option, rare
 from vibro.errors import InputError, cut
 from vibro.quantities import START_HEIGHT, START_NORMAL_VELOCITY, START_PHASE, START_VELOCITY
 
@@ -31,32 +31,19 @@ STARTS: Final = (START_PHASE, START_VELOCITY, START_HEIGHT, START_NORMAL_VELOCIT
 def simulate_command(
     options: Options,
     cycles: Annotated[str | None, option("cycles", "Number of drive cycles [default: 3].", "N")] = None,
-    duration: Annotated[
-        str | None, option("duration", "Duration, in place of cycles [s].", "TIME", hidden=True)
-    ] = None,
+    duration: Annotated[str | None, rare("duration", "Duration, in place of cycles [s].", "TIME")] = None,
     samples: Annotated[
-        str,
-        option("samples-per-cycle", "Rows a cycle [default: 200]; an event has one more.", "N", hidden=True),
+        str, rare("samples-per-cycle", "Rows a cycle [default: 200]; an event has one more.", "N")
     ] = str(_SAMPLES),
     begin: Annotated[
         str | None,
-        option(
-            "from",
-            "Time at which the picture begins [s]; by default it shows the last 6 cycles.",
-            "TIME",
-            hidden=True,
-        ),
+        rare("from", "Time at which the picture begins [s]; by default it shows the last 6 cycles.", "TIME"),
     ] = None,
-    end: Annotated[
-        str | None, option("to", "Time at which the picture ends [s].", "TIME", hidden=True)
-    ] = None,
+    end: Annotated[str | None, rare("to", "Time at which the picture ends [s].", "TIME")] = None,
     panels: Annotated[
         str | None,
-        option(
-            "panels",
-            "Panels of the picture, from trough,forces,acceleration,velocity,position,gap.",
-            "NAMES",
-            hidden=True,
+        rare(
+            "panels", "Panels of the picture, from trough,forces,acceleration,velocity,position,gap.", "NAMES"
         ),
     ] = None,
     every: Annotated[bool, option("all", "Print all phases and every bounce.")] = False,

@@ -10,6 +10,7 @@ from vibro.cli.options import (
     Options,
     RegimesOnlyOption,
     option,
+    rare,
     refuse_without_flight,
     typed_names,
 )
@@ -41,20 +42,18 @@ _NEEDS: Final = {
 def solve_command(
     options: Options,
     speed: Annotated[
-        str | None,
-        option("speed", "Find the amplitudes that convey so fast [mm/s].", "X"),
+        str | None, option("speed", "Find the amplitudes that convey so fast [mm/s].", "X")
     ] = None,
     every: AllOption = False,
-    hopping: Annotated[bool, option("hopping", "With --speed: the part may hop.", hidden=True)] = False,
+    hopping: Annotated[bool, rare("hopping", "With --speed: the part may hop.")] = False,
     regimes_only: RegimesOnlyOption = False,
     coexist: CoexistOption = False,
     stand_ratio: Annotated[
         str | None,
-        option(
+        rare(
             "stand-ratio",
             "Half base over height of the centre of mass of a part, to tell whether it stays upright.",
             "X",
-            hidden=True,
         ),
     ] = None,
     columns: ColumnsOption = None,

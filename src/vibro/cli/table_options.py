@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final
 
-from vibro.cli.options import option
+from vibro.cli.options import rare
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,22 +17,18 @@ if TYPE_CHECKING:
 
 ColumnsOption = Annotated[
     str | None,
-    option(
+    rare(
         "columns",
         "Columns of the table, in this order, such as amplitude_mm,regime; further ones are stroke_mm,"
         " restitution, acceleration_g, speed_amplitude_exponent and strokes.",
         "NAMES",
-        hidden=True,
     ),
 ]
 PitchOption = Annotated[
-    str | None,
-    option(
-        "pitch", "Distance from one part to the next [mm], to tell parts per minute.", "LENGTH", hidden=True
-    ),
+    str | None, rare("pitch", "Distance from one part to the next [mm], to tell parts per minute.", "LENGTH")
 ]
 MassOption = Annotated[
-    str | None, option("mass", "Mass of a part [kg]; with --pitch, to tell kg per hour.", "MASS", hidden=True)
+    str | None, rare("mass", "Mass of a part [kg]; with --pitch, to tell kg per hour.", "MASS")
 ]
 #: Columns that follow from the part's pitch and mass, and what gives these.
 NEEDS_PART: Final = {"parts_per_min": "--pitch 25mm", "mass_flow_kg_h": "--pitch 25mm --mass 12g"}

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from vibro.cli.options import Options, option  # typer reads the annotations
+from vibro.cli.options import Options, option, rare  # typer reads the annotations
 from vibro.cli.table_options import ColumnsOption, table_of
 
 
 def traverse_time_command(
     options: Options,
-    sweep: Annotated[
-        bool, option("sweep", "Take the axes of the scene file's table [map].", hidden=True)
-    ] = False,
+    sweep: Annotated[bool, rare("sweep", "Take the axes of the scene file's table [map].")] = False,
     exact: Annotated[
         bool, option("exact", "In a sweep, add the exact time from rest: 20 us to 1 ms a cell.")
     ] = False,
