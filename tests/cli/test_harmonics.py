@@ -37,11 +37,8 @@ def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None
     )
     assert forth == pytest.approx(-back, rel=1e-13)
     answer = json.loads(run("solve", file, "normal=0.2", "normal_2=0.1", "--json").stdout)
-    assert [answer[f"normal_{name}"] for name in ("amplitude_mm", "amplitude_2_mm", "phase_2_deg")] == [
-        0.2,
-        0.1,
-        0,
-    ]
+    expected = {"normal_amplitude_mm": 0.2, "normal_amplitude_2_mm": 0.1, "normal_phase_2_deg": 0}
+    assert answer.items() >= expected.items()
     assert json.loads(run("solve", file, "-A", "1", "-a", "20", "--json").stdout)["amplitude_mm"] == 1
 
 

@@ -7,20 +7,11 @@ import json
 from pathlib import Path
 
 import pytest
-from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, other, rows_of
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, NUT_FILE, Run, other, rows_of
 from typer.testing import CliRunner, Result
 
 from vibro.cli.app import app
 from vibro.sweeps.columns import columns_of
-
-SCENE = """
-[scene]
-amplitude_mm = 1
-frequency_hz = 15
-drive_angle_deg = 20
-static_friction = 0.74
-kinetic_friction = 0.57
-"""
 
 
 def names() -> list[str]:
@@ -68,9 +59,7 @@ def test_the_sidecar_says_how_to_run_it_again(nut_map: tuple[Path, Result]) -> N
         "restitution": 0,
         "trough_length_mm": 600,
     }
-    assert content["axes"]["amplitude_mm"] == {
-        "count": 2, "first": 0.5, "last": 1.1, "spacing": "linear",
-    }  # fmt: skip
+    assert content["axes"]["amplitude_mm"] == {"count": 2, "first": 0.5, "last": 1.1, "spacing": "linear"}
     assert content["axes"]["frequency_hz"] == {"count": 5, "first": 10, "last": 30, "spacing": "linear"}
     assert content["cells"] == 10
     rows = rows_of((out / "nut.csv").read_text(encoding="utf-8"))
@@ -176,22 +165,8 @@ def test_a_drive_may_point_beyond_the_vertical(run: Run) -> None:
 
 
 def test_a_ratio_is_an_axis_and_a_stroke_is_its_amplitude(run: Run) -> None:
-    ratio = run(
-        "map",
-        "--stroke",
-        "1:2:3",
-        "-f",
-        "15",
-        "-a",
-        "20",
-        "--mu-s",
-        "0.4,0.8",
-        "--mu-ratio",
-        "0.5,1",
-        "-o",
-        "-",
-    )
-    rows = rows_of(ratio.stdout)
+    axes = ["--stroke", "1:2:3", "-f", "15", "-a", "20", "--mu-s", "0.4,0.8", "--mu-ratio", "0.5,1"]
+    rows = rows_of(run("map", *axes, "-o", "-").stdout)
     assert [row["amplitude_mm"] for row in rows[::4]] == ["0.5", "0.75", "1"]
     pairs = [(row["static_friction"], row["kinetic_friction"]) for row in rows[:4]]
     assert pairs == [("0.4", "0.2"), ("0.4", "0.4"), ("0.8", "0.4"), ("0.8", "0.8")]
@@ -199,7 +174,7 @@ def test_a_ratio_is_an_axis_and_a_stroke_is_its_amplitude(run: Run) -> None:
 
 def test_scene_file_and_options_merge_by_name(run: Run) -> None:
     Path("nut.toml").write_text(
-        SCENE + '\n[map]\namplitude_mm = "0.5:1.5:3"\nstatic_friction = [0.7, 0.8]\n', encoding="utf-8"
+        NUT_FILE + '\n[map]\namplitude_mm = "0.5:1.5:3"\nstatic_friction = [0.7, 0.8]\n', encoding="utf-8"
     )
     result = run("map", "nut.toml", "--mu-s", "0.75", "-a", "25", "-o", "-")
     rows = rows_of(result.stdout)

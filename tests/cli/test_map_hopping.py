@@ -5,16 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from helpers.commands import NUT, Run, other, rows_of
-
-SCENE = """
-[scene]
-amplitude_mm = 1
-frequency_hz = 15
-drive_angle_deg = 20
-static_friction = 0.74
-kinetic_friction = 0.57
-"""
+from helpers.commands import NUT, NUT_FILE, Run, other, rows_of
 
 
 def test_other_motions_are_looked_for_on_request(run: Run) -> None:
@@ -33,7 +24,7 @@ def test_the_sidecar_says_whether_other_motions_were_looked_for(run: Run) -> Non
 
 def test_restitution_is_an_axis(run: Run) -> None:
     Path("hop.toml").write_text(
-        SCENE + '\n[map]\namplitude_mm = [1, 4.5]\nrestitution = "0:0.2:3"\n', encoding="utf-8"
+        NUT_FILE + '\n[map]\namplitude_mm = [1, 4.5]\nrestitution = "0:0.2:3"\n', encoding="utf-8"
     )
     rows = rows_of(run("map", "hop.toml", "-o", "-", "--at", "restitution=0.1").stdout)
     columns = list(rows[0])

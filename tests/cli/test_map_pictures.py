@@ -59,16 +59,8 @@ FOUR = ("map", "-A", "0.5:2:3", "-f", "10:30:13", *NUT_ANGLE_AND_FRICTION[2:], "
 
 @pytest.mark.usefixtures("unsaved")
 def test_what_pictures_do_not_show_is_said(run: Run) -> None:
-    args = (
-        *FOUR[:5],
-        *FOUR[7:],
-        "-a",
-        "10:30:13",
-        "--mu-s",
-        "0.3,0.4,0.6,0.74,0.9",
-        "--trough-angle",
-        "0.0,5",
-    )
+    more = "-a 10:30:13 --mu-s 0.3,0.4,0.6,0.74,0.9 --trough-angle 0.0,5"
+    args = (*FOUR[:5], *FOUR[7:], *more.split())
     result = run(*args, "-o", "nut")
     assert [line for line in result.stderr.splitlines() if line.startswith("pictures")] == [
         "pictures: drive angle held at 20 deg; --at alpha=VALUE chooses",

@@ -46,12 +46,8 @@ def test_what_was_written_is_told(run: Run) -> None:
     again = run(*SHARDED, "--json", "-q")
     assert again.stderr == ""
     answer = json.loads(again.stdout)
-    assert (answer["folder"], answer["shards"], answer["bytes"], answer["cells"]) == (
-        "out.parquet",
-        3,
-        size,
-        9,
-    )
+    expected = {"folder": "out.parquet", "shards": 3, "bytes": size, "cells": 9}
+    assert answer.items() >= expected.items()
     for key in ("digest", "status", "regime"):
         assert answer[key] == success[key]
 

@@ -11,24 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.commands import NUT, Run, other, rows_of
+from helpers.commands import NUT, NUT_FILE, Run, other, rows_of
 
 from vibro.core.codes import Status
 from vibro.results import SteadyCycle
 from vibro.steady import solve
 
-SCENE = """
-[scene]
-amplitude_mm = 1
-frequency_hz = 15
-drive_angle_deg = 20
-static_friction = 0.74
-kinetic_friction = 0.57
-trough_length_mm = 600
-
-[map]
-amplitude_mm = [0.5, 1, 1.5]
-"""
+SCENE = NUT_FILE + "trough_length_mm = 600\n\n[map]\namplitude_mm = [0.5, 1, 1.5]\n"
 
 
 def test_a_body_that_is_conveyed_backwards_never_arrives(run: Run) -> None:

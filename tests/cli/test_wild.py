@@ -111,23 +111,8 @@ def test_commands_end_well_whatever_their_scene_file_holds(
 CELL = st.one_of(
     EXTREME, DIGITS, st.sampled_from(["", "NaN", "-", '"', "'1", "1,5", "1.5.5", "#N/A", "\x1b[2J", "0"])
 )
-HEADER = st.sampled_from(
-    [
-        "t [s]",
-        "x [mm]",
-        "x [m]",
-        "v [mm/s]",
-        "a [m/s^2]",
-        "F [N]",
-        "t [ms]",
-        "time_s",
-        "",
-        "x",
-        "1",
-        "[s]",
-        "\x07 [mm]",
-    ]
-)
+UNITS = ["t [s]", "x [mm]", "x [m]", "v [mm/s]", "a [m/s^2]", "F [N]", "t [ms]"]
+HEADER = st.sampled_from([*UNITS, "time_s", "", "x", "1", "[s]", "\x07 [mm]"])
 SIGNAL = st.sampled_from(["sine", "zeros", "ones", "ramp", "spike", "noise", "saw"])
 
 

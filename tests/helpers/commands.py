@@ -18,6 +18,15 @@ Run = Callable[..., Result]
 NUT = ("-A", "1", "-f", "15", "-a", "20", "--mu-s", "0.74", "--mu-d", "0.57")
 """The paper's scene."""
 
+NUT_FILE = """
+[scene]
+amplitude_mm = 1
+frequency_hz = 15
+drive_angle_deg = 20
+static_friction = 0.74
+kinetic_friction = 0.57
+"""
+
 NUT_ANGLE_AND_FRICTION = NUT[4:]
 
 FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
