@@ -85,11 +85,11 @@ def curve_figure(
             values = np.where(values > 0.0, values, np.nan) if picture == "traverse" else values
             values = subject.told(values, result.length)
             _draw_numbers(a, f, values, look, uncertain=subject.result == "mean_velocity")
+            shown.append(values)
+        for f, look, values in zip(fields, looks, shown, strict=True):
             point = frame.place_on(f.panel, result.operating_point)
             point[:, 1] = np.interp(point[:, 0], f.x, values)
             frame.mark_point(a, point)
-            shown.append(values)
-        for f, look, values in zip(fields, looks, shown, strict=True):
             if not bands:
                 _mark_regimes(a, f, values, look)
         _tell_unanswered(a, view, fields, shown)
