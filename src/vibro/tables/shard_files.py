@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.errors import FileError, shown
+from vibro.errors import FileError
 from vibro.files.arrow_arrays import number_array, text_array
 from vibro.tables.plan import MANIFEST, SUCCESS, Plan, read_plan, shard_name
 from vibro.tables.shards import GO_ON, Summary, chunk_sum, damaged, footer_digest
@@ -49,10 +49,7 @@ class Selection:
     @property
     def numbers(self) -> NDArray[np.intp]:
         """Their numbers in the grid, ascending."""
-        numbers = np.zeros(1, np.intp)
-        for kept, count in zip(self.indices, self.grid, strict=True):
-            numbers = (numbers[:, None] * count + kept).ravel()
-        return numbers
+        return np.ravel(np.ravel_multi_index(np.ix_(*self.indices), self.grid))
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,16 +177,11 @@ def _whole(column: Column, found: pa.ChunkedArray) -> pa.Array:
     """Return a column as one array, with the dictionary that ``arrow_table`` gives it."""
     import pyarrow as pa
 
+    whole = found.combine_chunks()
     if column.is_number or column.is_flag:
-        return found.combine_chunks()
-    chunks = [(chunk.dictionary.to_pylist(), chunk.indices.to_numpy()) for chunk in found.chunks]
-    there = sorted({texts[i] for texts, which in chunks for i in np.unique(which).tolist()})
-    texts = there if column.texts is None else list(column.texts)
+        return whole
+    there, which = whole.dictionary.to_pylist(), whole.indices.to_numpy()
+    texts = column.texts or sorted(there[i] for i in np.unique(which))
     place = {text: i for i, text in enumerate(texts)}
-    if unknown := [text for text in there if text not in place]:
-        problem = f"{column.name} = {shown(unknown[0])}: this version of vibro knows no such {column.name}"
-        raise FileError(problem, hint="read it with the version of vibro that wrote it")
-    codes = np.concatenate(
-        [np.array([place.get(t, 0) for t in told], np.int32)[which] for told, which in chunks]
-    )
+    codes = np.array([place.get(text, 0) for text in there], np.int32)[which]
     return pa.DictionaryArray.from_arrays(number_array(codes, codes.shape), text_array(texts))
