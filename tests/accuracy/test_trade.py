@@ -305,6 +305,11 @@ def test_errors_are_counted_where_they_are() -> None:
     assert found.time_us == 1e4
 
 
+def test_a_grid_without_a_scene_in_contact_has_no_trade() -> None:
+    trade = run_methods(grid(amplitude="20:30", frequency="50:60"), 10, tolerance=1e-3)
+    assert (trade.rows, trade.scenes, trade.drawn) == ((), 0, 200)
+
+
 def test_the_reference_is_the_cycle_of_another_walk() -> None:
     fields: Any = draw_scenes(grid(), 0, 60).flat()[:-1]
     stays = 0

@@ -128,7 +128,8 @@ def run_methods(
     Returns
     -------
     Trade
-        The trade-off, of fewer scenes than requested if the grid does not contain enough.
+        The trade-off, of fewer scenes than requested if the grid does not contain enough; without a row if
+        it contains none.
     """
     done = 0
 
@@ -139,6 +140,8 @@ def run_methods(
 
     sample, truth, drawn = _sample(grid, scenes, tick)
     found = sample.shape[0]
+    if not found:
+        return Trade((), NAME, 0, drawn, tolerance)
     rows = []
     for method, n in zip(methods, runs(methods, found), strict=True):
         before = done
@@ -152,25 +155,18 @@ def _sample(grid: Grid, scenes: int, tick: Tick) -> tuple[Scene, Answers, int]:
     """Draw scenes until enough of them have a steady cycle in contact."""
     parts: list[tuple[Scene, Answers]] = []
     found = drawn = 0
-    while found < scenes and drawn < _DRAWS * scenes:
+    while found < scenes and drawn < min(_DRAWS * scenes, grid.size):
         part = draw_scenes(grid, drawn, scenes)
         drawn += scenes
-        if not part.shape[0]:
-            if grid.size <= scenes:
-                break
-            continue
         answers = reference_answers(part, tick)
         cells = np.flatnonzero(np.isfinite(answers.displacement))[: scenes - found]
         found += cells.size
         parts.append(
             (take_scenes(part, cells), Answers(answers.displacement[cells], answers.regime[cells], 0.0))
         )
-    fields = {
-        name: np.concatenate([getattr(part, name) for part, _ in parts] or [np.empty(0)])
-        for name in Line._fields
-    }
-    displacement = np.concatenate([a.displacement for _, a in parts] or [np.empty(0)])
-    regime = np.concatenate([a.regime for _, a in parts] or [np.empty(0, np.int8)])
+    fields = {name: np.concatenate([getattr(part, name) for part, _ in parts]) for name in Line._fields}
+    displacement = np.concatenate([a.displacement for _, a in parts])
+    regime = np.concatenate([a.regime for _, a in parts])
     return Scene(**fields), Answers(displacement, regime, 0.0), min(drawn, grid.size)
 
 
