@@ -1,17 +1,14 @@
-"""guide/machines.md says what the program says: kinds, the table of the worked feeder, the answer shown."""
+"""guide/machines.md says what the program says: kinds, the table of the worked feeder."""
 
 from __future__ import annotations
 
-import doctest
 import math
 import re
-import shlex
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from engines import two_way
-from helpers.drawn import coarse_pictures
 from helpers.two_way_machines import Case, masses_of
 from typer.testing import CliRunner
 
@@ -22,7 +19,6 @@ from vibro.files.toml_files import read_toml
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "guide" / "machines.md").read_text(encoding="utf-8")
-TOUR = (ROOT / "docs" / "guide" / "tour.md").read_text(encoding="utf-8")
 FREQUENCIES = {"magnet": 50, "measured": 50, "unbalance": 25, "exciter": 25, "rod": 12, "crank": 10}
 BODY = {"drive_angle": math.radians(20.0), "static_friction": 0.35, "kinetic_friction": 0.28}
 SCENE = (
@@ -51,28 +47,6 @@ def test_every_table_is_a_machine_of_a_size_that_is_built(table: str, tmp_path: 
     machine = machine_of(read_toml(file)["machine"]).machine
     amplitude = float(machine.response(FREQUENCIES[kind_of(table)]).amplitude)
     assert 1e-4 < amplitude < 1e-2
-
-
-@pytest.mark.parametrize("block", blocks("console"))
-def test_the_lines_shown_are_printed(block: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
-    command, shown = block.removeprefix("$ ").split("\n", 1)
-    printed = CliRunner().invoke(app, shlex.split(command)[1:]).stdout
-    assert shown
-    assert doctest.OutputChecker().check_output(shown, printed, doctest.ELLIPSIS)
-
-
-# What the tour shows too is run by .ci/run.
-@pytest.mark.parametrize(
-    "line",
-    [line for block in blocks("bash") for line in block.splitlines() if line.partition(" -o")[0] not in TOUR],
-)
-def test_every_command_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
-    arguments = [word.replace("out/", f"{tmp_path}/") for word in shlex.split(line, comments=True)[1:]]
-    with coarse_pictures():
-        result = CliRunner().invoke(app, arguments)
-    assert result.exit_code == 0, result.stderr
 
 
 class Cell(NamedTuple):

@@ -12,12 +12,18 @@ from commands import BLOCK, DOCS, run_page, tasks
 from helpers.drawn import coarse_pictures
 
 README = DOCS.parent / "README.md"
+GUIDES = [DOCS / "guide" / name for name in ("machines.md", "measure.md")]
 TOUR = [README, DOCS / "index.md", *sorted(DOCS.glob("guide/tour*.md"))]
 
 
 @pytest.mark.skipif("VIBRO_SITE" in os.environ, reason="the build of the site has run them")
 @pytest.mark.parametrize("page", tasks(), ids=lambda page: page.stem)
 def test_commands_of_a_task_print_what_it_shows(page: Path, tmp_path: Path) -> None:
+    run_page(page, tmp_path / "page")
+
+
+@pytest.mark.parametrize("page", GUIDES, ids=lambda page: page.stem)
+def test_commands_of_a_guide_print_what_it_shows(page: Path, tmp_path: Path) -> None:
     run_page(page, tmp_path / "page")
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import re
 import runpy
-import shlex
-import shutil
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -301,24 +299,6 @@ def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
 
 
 # --- the guide ------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("number", [0, 1])
-def test_the_guide_shows_what_is_printed(run: Run, number: int) -> None:
-    shutil.copytree(EXAMPLES, "examples")
-    line, shown = re.findall(r"```console\n\$ (vibro (?:[^\n]*\\\n)*.*?)\n(.*?)```", GUIDE, re.DOTALL)[number]
-    assert len(shown.splitlines()) > 6
-    assert run(*shlex.split(line.replace("\\\n", ""))[1:], "-q").stdout == shown
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_the_commands_of_the_guide_run(run: Run) -> None:
-    shutil.copytree(EXAMPLES, "examples")
-    lines = re.findall(r"^vibro .*$", "".join(re.findall(r"```bash\n(.*?)```", GUIDE, re.DOTALL)), re.M)
-    assert len(lines) > 3
-    for line in lines:
-        result = run(*shlex.split(line, comments=True)[1:])
-        assert (result.exit_code, "warning" in result.stderr) == (0, False), result.stderr
 
 
 def test_the_sensitivities_of_the_guide_are_understood() -> None:
