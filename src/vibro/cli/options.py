@@ -332,14 +332,18 @@ def shares_options(
     @functools.wraps(run)
     def command(context: typer.Context, **values: Any) -> int:
         typed = {p.name: values.pop(p.name) for p in shared}
-        texts = [(QUANTITIES[name], text) for name in quantities for text in typed.pop(name) or ()]
+        texts = [  # of -A=0.8 without =
+            (QUANTITIES[name], text.removeprefix("="))
+            for name in quantities
+            for text in typed.pop(name) or ()
+        ]
         known = {name for parameter in context.command.params for name in parameter.opts}
         paths, named = read_arguments(typed.pop("arguments") or (), most, own_ones, known)
         given: dict[str, str] = {}
         for quantity, text in (*texts, *named):
             if quantity.name in given:
                 raise InputError(f"{quantity.label} is given twice", hint="give it once")
-            given[quantity.name] = text.removeprefix("=")  # of -A=0.8
+            given[quantity.name] = text
         beside = {name: given.pop(name) for name in own_ones if name in given}
         for name in given if not of_scene else ():
             raise InputError(f"{QUANTITIES[name].label}: not used by this command", hint="leave it out")
