@@ -63,6 +63,7 @@ def test_all_cells_are_those_of_a_sweep_that_is_held(held: Sweep, stored: Stored
         ({"frequency_hz": "900rpm", "beta": (0, 4)}, {"frequency_hz": [15], "trough_angle_deg": [0, 4]}),
         ({"alpha": [20, 85], "A": (0.2, 0.78)}, {"drive_angle_deg": [20, 85], "amplitude_mm": [0.2, 0.78]}),
         ({"amplitude": np.array([0.2, 6])}, {"amplitude_mm": [0.2, 6]}),
+        ({"stroke_mm": ["0.4", 12]}, {"amplitude_mm": [0.2, 6]}),
         ({"A": (5.42, None), "f": (None, 5)}, {"amplitude_mm": [5.42, 6], "frequency_hz": [5]}),
         ({"beta": (-9, -4), "alpha": [20.0001]}, {"trough_angle_deg": [-4], "drive_angle_deg": [20]}),
     ],

@@ -199,7 +199,7 @@ def block_sizes(chunks: object, grid: Grid, shape: Sequence[int]) -> tuple[int, 
     """
     given: dict[str, Any] = {}
     if isinstance(chunks, Mapping):
-        given = {swept_axis(grid, called, "chunks").name: size for called, size in chunks.items()}
+        given = {swept_axis(grid, called, "chunks")[0]: size for called, size in chunks.items()}
     elif chunks != "auto":
         given = dict.fromkeys(grid.axes, chunks)
     for size in given.values():

@@ -146,7 +146,7 @@ def view_of(
 
     held: dict[str, float] = {}
     for called, value in at:
-        quantity = axis_called(called, argument, strokes=True)
+        quantity = axis_called(called, argument)
         given = grid.told({quantity.name: one_value(value, quantity, argument)})
         if held.keys() & given.keys():
             raise InputError(f"{argument}: {quantity.label} is given twice", hint="give it once")
@@ -163,10 +163,10 @@ def pictures_of(grid: Grid, view: View, *, on_request: bool = True) -> list[str]
     return names if grid.output is Output.EXACT else [name for name in names if name == "regime"]
 
 
-def axis_called(called: object, argument: str, *, strokes: bool = False) -> Quantity:
-    """Find the quantity that an argument names by key, name or letter; its axis may be in strokes."""
+def axis_called(called: object, argument: str) -> Quantity:
+    """Find the quantity that an argument names by key, name or letter."""
     quantity = find_quantity(str(called))
-    if quantity is None or (quantity.name == "stroke" and not strokes):
+    if quantity is None:
         raise InputError(
             f"{argument}: {shown(called)} is no axis",
             hint=did_you_mean(called, BY_COLUMN) or "axes are called by key, such as amplitude_mm, or letter",
@@ -174,15 +174,17 @@ def axis_called(called: object, argument: str, *, strokes: bool = False) -> Quan
     return quantity
 
 
-def swept_axis(grid: Grid, called: object, argument: str) -> Axis:
-    """Find the axis of a sweep that an argument names."""
+def swept_axis(grid: Grid, called: object, argument: str) -> tuple[str, Axis]:
+    """Find the axis of a sweep that an argument names: its name there, and its values as they are called."""
     quantity = axis_called(called, argument)
-    if quantity.name not in grid.axes:
+    in_stroke = quantity.name == "stroke"
+    name = "amplitude" if in_stroke else quantity.name
+    if name not in grid.axes:
         known = ", ".join(axis.label for axis in grid.axes.values()) or "none"
         raise InputError(
             f"{argument}: {quantity.label} does not vary in this sweep", hint=f"its axes are {known}"
         )
-    return grid.axes[quantity.name]
+    return name, grid.axes[name].in_stroke if in_stroke else grid.axes[name]
 
 
 def one_value(value: object, quantity: Quantity, argument: str) -> float:

@@ -308,10 +308,10 @@ def _selection(grid: Grid, filters: Mapping[str, Any]) -> Selection:
         raise InputError(f"filters = {shown(filters)}: must be a mapping", hint='write it like {"mu_s": 0.3}')
     kept: dict[str, NDArray[np.intp]] = {}
     for called, wanted in filters.items():
-        axis = swept_axis(grid, called, "filters")
-        if axis.name in kept:
+        name, axis = swept_axis(grid, called, "filters")
+        if name in kept:
             raise InputError(f"filters: {axis.label} is given twice", hint="give it once")
-        kept[axis.name] = _kept(axis, wanted)
+        kept[name] = _kept(axis, wanted)
     indices = [kept.get(name, np.arange(len(axis))) for name, axis in grid.axes.items()]
     return Selection(grid.shape, indices)
 
