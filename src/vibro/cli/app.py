@@ -195,8 +195,7 @@ _EXIT_CODES = "\b\nExit codes:\n" + "".join(f"  {code:<3}  {code.meaning}\n" for
 
 @app.callback(invoke_without_command=True, epilog=_EXIT_CODES)
 def _vibro(
-    context: typer.Context,
-    version: Annotated[bool, option("version", **SHOW_VERSION)] = False,
+    context: typer.Context, version: Annotated[bool, option("version", **SHOW_VERSION)] = False
 ) -> None:
     """Regimes, conveying speed and traverse time of parts on vibratory conveyors."""
     if context.invoked_subcommand is None:

@@ -134,25 +134,13 @@ class Console:
         if not self.is_terminal:
             yield lambda done, note="", total=total: None
             return
+        from rich import progress as bars
         from rich.console import Console as RichConsole
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            Progress,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
 
-        columns = [
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[note]}"),
-            TimeElapsedColumn(),
-        ]
+        columns = [bars.TextColumn("{task.description}"), bars.BarColumn(), bars.MofNCompleteColumn()]
+        columns += [bars.TextColumn("{task.fields[note]}"), bars.TimeElapsedColumn()]
         if total is not None:  # of work whose amount is known, and so its pace
-            columns += [TextColumn("left"), TimeRemainingColumn()]
+            columns += [bars.TextColumn("left"), bars.TimeRemainingColumn()]
         console = RichConsole(stderr=True)
 
         def show_cursor() -> None:
@@ -162,6 +150,6 @@ class Console:
             if not console.is_dumb_terminal:
                 os.write(2, b"\r\x1b[K\x1b[?25h")
 
-        with OnEnd(show_cursor), Progress(*columns, console=console, transient=True) as bar:
+        with OnEnd(show_cursor), bars.Progress(*columns, console=console, transient=True) as bar:
             task = bar.add_task(label, total=total, note="")
             yield lambda done, note="", total=total: bar.update(task, completed=done, note=note, total=total)

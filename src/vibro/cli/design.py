@@ -61,10 +61,7 @@ def design_command(
     with Outputs(options, f"{spec.name}-design", pictures=DESIGN_PICTURES) as output:
         with console.progress("searching", None) as report:
             result = find_designs(
-                spec,
-                lambda done, total, what: report(done, what, total),
-                digits=count,
-                goal_only=not every,
+                spec, lambda done, total, what: report(done, what, total), digits=count, goal_only=not every
             )
             chosen = chosen_of(spec, result)
         question = read_toml(source)

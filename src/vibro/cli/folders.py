@@ -21,12 +21,7 @@ if TYPE_CHECKING:
 _TENTHS: Final = 10  # lines of progress where nobody watches
 
 
-def write_stored(
-    plan: Plan,
-    outputs: Outputs,
-    workers: int | str | None,
-    pictures: Pictures | None,
-) -> Tally:
+def write_stored(plan: Plan, outputs: Outputs, workers: int | str | None, pictures: Pictures | None) -> Tally:
     """Solve a sweep into a folder, and write its pictures and its record beside, if they are wanted.
 
     Parameters

@@ -14,14 +14,7 @@ from vibro.cli.options import (
     typed_names,
 )
 from vibro.cli.outputs import MAPS, Outputs
-from vibro.cli.table_options import (
-    NEEDS_PART,
-    ColumnsOption,
-    MassOption,
-    PitchOption,
-    part_of,
-    table_of,
-)
+from vibro.cli.table_options import NEEDS_PART, ColumnsOption, MassOption, PitchOption, part_of, table_of
 from vibro.cli.views import SHOWN, held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Output
 from vibro.errors import InputError

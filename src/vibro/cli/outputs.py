@@ -132,12 +132,7 @@ class Outputs:
         self.folder = path
 
     def _add(
-        self,
-        stem: Path,
-        form: str,
-        tables: Sequence[str],
-        pictures: Sequence[str],
-        alone: Path | None = None,
+        self, stem: Path, form: str, tables: Sequence[str], pictures: Sequence[str], alone: Path | None = None
     ) -> None:
         """Add the files of a form; the first table, the only picture or the record may have a name alone."""
         if form in PICTURES:

@@ -14,14 +14,7 @@ from vibro.cli.options import (
     refuse_without_flight,
     typed_names,
 )
-from vibro.cli.table_options import (
-    NEEDS_PART,
-    ColumnsOption,
-    MassOption,
-    PitchOption,
-    part_of,
-    table_of,
-)
+from vibro.cli.table_options import NEEDS_PART, ColumnsOption, MassOption, PitchOption, part_of, table_of
 from vibro.core.codes import Output
 from vibro.errors import InputError
 
@@ -33,10 +26,7 @@ _NO_MACHINE: Final = (
     "--speed asks for an amplitude, which follows from the machine; vibro map FILE setting=10:100 --speed X"
     " shows the settings that reach a speed"
 )
-_NEEDS: Final = {
-    **NEEDS_PART,
-    **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6"),
-}
+_NEEDS: Final = {**NEEDS_PART, **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6")}
 
 
 def solve_command(
