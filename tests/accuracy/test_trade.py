@@ -283,7 +283,7 @@ def test_the_advice_says_when_nothing_is_right() -> None:
 def test_errors_are_counted_where_they_are() -> None:
     """A method that is right in some scenes, and wrong in a known way in the others."""
 
-    def answer(scene: vibro.Scene, tick: object) -> Answers:
+    def answer(scene: vibro.Scene, tick: object) -> tuple[Answers, float]:
         cycle = vibro.solve(scene)
         displacement = cycle.displacement_per_cycle / scene.scale
         regime = cycle.regime.copy()
@@ -292,7 +292,7 @@ def test_errors_are_counted_where_they_are() -> None:
         displacement[moves[0]] *= 0.4  # misses half the speed
         regime[moves[1]] = vibro.Regime.NO_SLIP
         displacement[moves[2]], regime[moves[2]] = np.nan, vibro.Regime.UNDEFINED
-        return Answers(displacement, regime, 1.0)
+        return Answers(displacement, regime), 1.0
 
     method = Method("odd", "", 1.0, answer)
     result = run_methods(grid(), 100, tolerance=1e-3, methods=[method])

@@ -8,11 +8,9 @@ import os
 import sys
 import zipfile
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.plans import swept, workbook
@@ -21,12 +19,10 @@ from xlsxwriter import Workbook
 from xlsxwriter.exceptions import FileCreateError
 
 import vibro
-from vibro.axes import Axis
 from vibro.errors import FileError, InputError
 from vibro.plots.style import REGIME_COLOURS
-from vibro.sweeps.columns import Table, columns_of
+from vibro.sweeps.columns import columns_of
 from vibro.tables import xlsx
-from vibro.tables.xlsx import Xlsx, check_size
 
 MAP: dict[str, Any] = {"amplitude_mm": "0.1:3:5", "frequency_hz": "5:60:6", "trough_length_mm": 600}
 ELLIPSE: dict[str, Any] = {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.3, "frequency_hz": 30}
@@ -144,12 +140,12 @@ def test_pictures_have_sheets(tmp_path: Path) -> None:
 
 
 def test_what_exceeds_a_sheet_is_refused_or_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    grid = swept(amplitude_mm=[1, 2], frequency_hz=[15, 20])._grid
-    long = {"amplitude": Axis("amplitude", np.linspace(1, 2, 1_048_576), "linear")}
-    check_size(replace(grid, axes={"amplitude": Axis("amplitude", np.linspace(1, 2, 1_048_575), "linear")}))
-    with pytest.raises(InputError, match=r"1048576 cells: .* 1048575"):
-        Xlsx(tmp_path / "x.xlsx", tmp_path, replace(grid, axes=long), Table(columns_of()), None)
+    monkeypatch.setattr(xlsx, "_MOST_ROWS", 10)
+    with pytest.raises(InputError, match=r"10 cells: .* 9"):
+        workbook(tmp_path / "x.xlsx", swept(amplitude_mm="1:2:10"))
     assert list(tmp_path.iterdir()) == []
+    assert len(workbook(tmp_path / "x.xlsx", swept(amplitude_mm="1:2:9"))[1]) == 9
+    monkeypatch.undo()
     monkeypatch.setattr(xlsx, "_MOST_COLUMNS", 6)
     assert workbook(tmp_path / "x.xlsx", swept(**MAP))[0].sheetnames == ["Summary", "Cells"]
 

@@ -47,13 +47,10 @@ class Answers(NamedTuple):
         Displacement per drive cycle [A]; NaN without a steady cycle.
     regime : int array
         Codes of ``Regime``; UNDEFINED where the method gave up.
-    seconds : float
-        Time taken.
     """
 
     displacement: Floats
     regime: NDArray[Any]
-    seconds: float
 
 
 class Method(NamedTuple):
@@ -66,24 +63,24 @@ class Method(NamedTuple):
     share : float
         Fraction of the sample that it is run on; slow methods are run on the beginning only.
     answer : callable
-        ``answer(scene, tick)`` solves scenes of a 1-D shape. It calls ``tick()`` after each of them, or
-        not at all.
+        ``answer(scene, tick)`` solves scenes of a 1-D shape, and returns the answers and the time taken [s].
+        It calls ``tick()`` after each scene, or not at all.
     """
 
     name: str
     setting: str
     share: float
-    answer: Callable[[Scene, Tick], Answers]
+    answer: Callable[[Scene, Tick], tuple[Answers, float]]
 
 
-def answers_of(found: Sequence[Found], seconds: float) -> Answers:
+def _answers_of(found: Sequence[Found]) -> Answers:
     """Collect displacements, NaN where a method gave up, and regimes from the directions of the slides."""
     codes = {"": Regime.NO_SLIP, "F": Regime.FORWARD_SLIP, "B": Regime.BACK_SLIP, "BF": Regime.BACK_SLIP}
     regimes = [Regime.UNDEFINED if math.isnan(d) else codes["".join(sorted(slides))] for d, slides in found]
-    return Answers(np.array([displacement for displacement, _ in found]), np.array(regimes, np.int8), seconds)
+    return Answers(np.array([displacement for displacement, _ in found]), np.array(regimes, np.int8))
 
 
-def _one_by_one(simulate: Callable[[TroughBody], Found], scene: Scene, tick: Tick) -> Answers:
+def _one_by_one(simulate: Callable[[TroughBody], Found], scene: Scene, tick: Tick) -> tuple[Answers, float]:
     bodies = list(motions(scene))
     found = []
     start = time.perf_counter()
@@ -93,17 +90,17 @@ def _one_by_one(simulate: Callable[[TroughBody], Found], scene: Scene, tick: Tic
         for body in bodies:
             found.append(simulate(body))
             tick()
-    return answers_of(found, time.perf_counter() - start)
+    return _answers_of(found), time.perf_counter() - start
 
 
-def _by_steps(steps: int, scene: Scene, tick: Tick) -> Answers:
+def _by_steps(steps: int, scene: Scene, tick: Tick) -> tuple[Answers, float]:
     motion = motion_arrays(scene)
     start = time.perf_counter()
     found = simulate_by_steps(motion, steps)
-    return answers_of(found, time.perf_counter() - start)
+    return _answers_of(found), time.perf_counter() - start
 
 
-def _by_vibro(output: Output, scene: Scene, tick: Tick) -> Answers:
+def _by_vibro(output: Output, scene: Scene, tick: Tick) -> tuple[Answers, float]:
     """Solve the scenes as one batch; a few are repeated to fill it, because the solver is made for many."""
     n = scene.shape[0]
     batch = take_scenes(scene, np.arange(max(n, _BATCH)) % n)
@@ -115,7 +112,7 @@ def _by_vibro(output: Output, scene: Scene, tick: Tick) -> Answers:
     displacement = cycle.displacement_per_cycle[:n] / scene.scale
     if output is Output.REGIMES:
         displacement[:] = np.nan  # the zeros of bodies at rest are known, but no speed was computed
-    return Answers(displacement, cycle.regime[:n], min(seconds) * n / batch.shape[0])
+    return Answers(displacement, cycle.regime[:n]), min(seconds) * n / batch.shape[0]
 
 
 def reference_answers(scene: Scene, tick: Tick) -> Answers:
@@ -129,7 +126,7 @@ def reference_answers(scene: Scene, tick: Tick) -> Answers:
         displacement, slides = exact(values) if here else Found(math.nan, "")
         found.append(Found(float(displacement), slides))
         tick()
-    return answers_of(found, 0.0)
+    return _answers_of(found)
 
 
 def _events(solver: Any, rtol: float, share: float, max_step: float = np.inf) -> Method:

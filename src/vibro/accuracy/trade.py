@@ -145,15 +145,16 @@ def run_methods(
     rows = []
     for method, n in zip(methods, runs(methods, found), strict=True):
         before = done
-        answers = method.answer(take_scenes(sample, slice(n)), tick)
+        answers, seconds = method.answer(take_scenes(sample, slice(n)), tick)
         tick(n - (done - before))
-        rows.append(_row(method, answers, Answers(truth.displacement[:n], truth.regime[:n], 0.0), tolerance))
+        rows.append(_row(method, answers, seconds, Answers(*(x[:n] for x in truth)), tolerance))
     return Trade(tuple(rows), NAME, found, drawn, tolerance)
 
 
 def _sample(grid: Grid, scenes: int, tick: Tick) -> tuple[Scene, Answers, int]:
     """Draw scenes until enough of them have a steady cycle in contact."""
-    parts: list[tuple[Scene, Answers]] = []
+    samples: list[Scene] = []
+    truths: list[Answers] = []
     found = drawn = 0
     while found < scenes and drawn < min(_DRAWS * scenes, grid.size):
         part = draw_scenes(grid, drawn, scenes)
@@ -161,16 +162,14 @@ def _sample(grid: Grid, scenes: int, tick: Tick) -> tuple[Scene, Answers, int]:
         answers = reference_answers(part, tick)
         cells = np.flatnonzero(np.isfinite(answers.displacement))[: scenes - found]
         found += cells.size
-        parts.append(
-            (take_scenes(part, cells), Answers(answers.displacement[cells], answers.regime[cells], 0.0))
-        )
-    fields = {name: np.concatenate([getattr(part, name) for part, _ in parts]) for name in Line._fields}
-    displacement = np.concatenate([a.displacement for _, a in parts])
-    regime = np.concatenate([a.regime for _, a in parts])
-    return Scene(**fields), Answers(displacement, regime, 0.0), min(drawn, grid.size)
+        samples.append(take_scenes(part, cells))
+        truths.append(Answers(*(x[cells] for x in answers)))
+    fields = {name: np.concatenate([getattr(sample, name) for sample in samples]) for name in Line._fields}
+    truth = Answers(*map(np.concatenate, zip(*truths, strict=True)))
+    return Scene(**fields), truth, min(drawn, grid.size)
 
 
-def _row(method: Method, answers: Answers, truth: Answers, tolerance: float) -> Row:
+def _row(method: Method, answers: Answers, seconds: float, truth: Answers, tolerance: float) -> Row:
     n = answers.displacement.size
     answered = answers.regime != Regime.UNDEFINED
     measured = np.isfinite(answers.displacement)
@@ -181,7 +180,7 @@ def _row(method: Method, answers: Answers, truth: Answers, tolerance: float) -> 
         method.name,
         method.setting,
         n,
-        1e6 * answers.seconds / n,
+        1e6 * seconds / n,
         error_max=_quantile(error, 1.0),
         error_999=_quantile(error, 0.999),
         error_median=_quantile(error[~still], 0.5),

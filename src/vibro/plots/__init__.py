@@ -111,7 +111,6 @@ def map_figures(
     return figures
 
 
-@house_style()
 def save(figure: Figure, path: Path | IO[bytes], picture_format: str, metadata: Mapping[str, str]) -> None:
     """Write a figure to a file.
 

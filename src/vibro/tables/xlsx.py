@@ -15,7 +15,7 @@ from vibro.core.codes import Regime, Status
 from vibro.errors import FileError, InputError, how_to_install
 from vibro.plots.style import INK, REGIME_COLOURS, visible
 from vibro.plots.view import value_of
-from vibro.quantities import BY_COLUMN, as_given
+from vibro.quantities import BY_COLUMN
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -78,7 +78,9 @@ class Xlsx:
             import xlsxwriter
         except ImportError:
             raise FileError("a workbook needs XlsxWriter", hint=how_to_install("xlsx")) from None
-        check_size(grid)
+        if grid.size >= _MOST_ROWS:
+            problem = f"{grid.size} cells: a sheet of a workbook holds {_MOST_ROWS - 1}"
+            raise InputError(problem, hint="ask for fewer values, or write a folder, such as -o wide.parquet")
         self._grid, self._table, self._view = grid, table, view
         self._book = xlsxwriter.Workbook(path, {"constant_memory": True, "tmpdir": str(scratch)})
         self._book.use_zip64()
@@ -172,8 +174,7 @@ class Xlsx:
         for label, count in {**record["regime"], **record["status"]}.items():
             yield label, count, f"{count / cells:.2%}", messages.get(label, "")
         for label, cell in record["peaks"].items():
-            values = {name: cell[axis.column] for name, axis in grid.axes.items()}
-            values = as_given(values, in_stroke="stroke" in axes)
+            values = grid.told({name: cell[axis.column] for name, axis in grid.axes.items()})
             place = ", ".join(f"{axis.column} = {values[name]:.10g}" for name, axis in axes.items())
             yield label.replace("_", " "), cell["mean_velocity_mm_s"], "mm/s", place
         yield ("Columns of Cells",)
@@ -228,10 +229,3 @@ def _number_format(values: Sequence[float]) -> str:
     if not -_DECIMALS < power <= most < _DECIMALS:
         return "0.000E+00"
     return "0." + "0" * (3 - power) if power < 3 else "0"
-
-
-def check_size(grid: Grid) -> None:
-    """Refuse a grid that has more cells than a sheet has rows."""
-    if grid.size >= _MOST_ROWS:
-        problem = f"{grid.size} cells: a sheet of a workbook holds {_MOST_ROWS - 1}"
-        raise InputError(problem, hint="ask for fewer values, or write a folder, such as -o wide.parquet")
