@@ -38,7 +38,7 @@ def test_contours_keep_off_a_point_of_longer_period() -> None:
     assert not rough((30, 20), period=4.0).any()  # contours do not end in the middle of smooth numbers
 
 
-@pytest.mark.parametrize(("distance", "joined"), [(14, True), (16, False)])
+@pytest.mark.parametrize(("distance", "joined"), [(20, True), (22, False)])
 def test_contours_do_not_pass_between_such_points(distance: int, joined: bool) -> None:
     row = rough((30, 20), (30, 20 + distance))[30, 20 : 20 + distance]
     assert row.all() == joined

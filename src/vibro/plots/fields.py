@@ -47,7 +47,7 @@ BEGINS_AT: Final = {
 # would be noise. No contour passes between two such points that are less than the first width apart, nor
 # through the square of the second width around one.
 _FEW_CYCLES: Final = 4.0
-_SMOOTH_ACROSS: Final = 15
+_SMOOTH_ACROSS: Final = 21
 _SMOOTH_AROUND: Final = 5
 # Irregular motion forms single points as well as patches. A hatch extends this far from each such point,
 # which closes gaps and makes single points visible: cells without a hatch are exact.
