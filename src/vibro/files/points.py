@@ -91,24 +91,10 @@ def read_points(path: Path) -> MeasuredPoints:
             problems.add(wide, "decimal commas need semicolons between the cells")
             continue
         for name, (place, unit) in units.items():
-            quantity = _QUANTITIES[name]
             cell = cells[place] if place < len(cells) else ""
-            cell = cell.replace(",", ".") if separator != "," else cell
             with problems.taken(f"row {row}, "):
-                if not cell:
-                    raise InputError(f"{quantity.label}: the cell is empty", hint="delete that row")
-                value = nearest_double(cell, quantity)  # raises an error that names the cell
-                if cell[-1] in "0123456789.":  # without a unit of its own
-                    value = nearest_double(cell + unit, quantity)
-                value = float(quantity.to_si(value))
-                if not quantity.allows(value) or not value > 0.0:
-                    above = (
-                        "above 0 % and below 100 %"
-                        if quantity is AMPLITUDE_ERROR
-                        else f"above 0 {quantity.unit}"
-                    )
-                    raise InputError(f"{quantity.label} = {shown(cell)}: must be {above}")
-                columns[name].append(value)
+                text = cell.replace(",", ".") if separator != "," else cell
+                columns[name].append(_value(text, unit, _QUANTITIES[name]))
     problems.settle()
     if not rows:
         raise InputError(f"{path}: no rows under the header row", hint="give a row for each frequency")
@@ -116,6 +102,20 @@ def read_points(path: Path) -> MeasuredPoints:
     stroke = "stroke" in columns
     error = others[1] if AMPLITUDE_ERROR.name in columns else None
     return MeasuredPoints(frequency, others[0] / 2.0 if stroke else others[0], error, stroke)
+
+
+def _value(cell: str, unit: str, quantity: Quantity) -> float:
+    """Read a cell, in the unit of its column unless it has one of its own; return it in the SI unit."""
+    if not cell:
+        raise InputError(f"{quantity.label}: the cell is empty", hint="delete that row")
+    value = nearest_double(cell, quantity)  # raises an error that names the cell
+    if cell[-1] in "0123456789.":
+        value = nearest_double(cell + unit, quantity)
+    value = float(quantity.to_si(value))
+    if not quantity.allows(value) or not value > 0.0:
+        above = "above 0 % and below 100 %" if quantity is AMPLITUDE_ERROR else f"above 0 {quantity.unit}"
+        raise InputError(f"{quantity.label} = {shown(cell)}: must be {above}")
+    return value
 
 
 def _found(path: Path, row: int, header: list[str]) -> dict[str, tuple[int, str]]:

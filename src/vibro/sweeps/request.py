@@ -139,9 +139,9 @@ class Request:
     def doubts(self, found: Collection[str] = ()) -> list[str]:
         """Return warnings about unusual values, probably in wrong units; a colon precedes the remedy.
 
-        These are values beyond what is usual, of axes only where all of them are; else an acceleration that
-        is, which they would explain; and a trough that is shorter than the largest stroke. Quantities that
-        were measured or are asked for, by their names, are no slips.
+        Unusual are values beyond a usual range, those of an axis only if all of them are; without these, an
+        acceleration, which they would explain; and a trough that is shorter than the largest stroke. Nobody
+        mistypes the quantities in ``found``, which were measured or are asked for.
         """
         first, last = (
             as_given({name: spec.values[i] for name, spec in self.specs.items()}, in_stroke=self.in_stroke)
@@ -157,7 +157,7 @@ class Request:
         return [text for text in (*doubts.values(), self._short_trough()) if text]
 
     def _doubted_load(self) -> str:
-        """Question the acceleration of the drive, where quantities vary the least one."""
+        """Question the acceleration of the drive; of a sweep the least one."""
         moved = {} if self.motion is None else {MOTION: self.motion.motion}
         least = {name: float(spec.values[0]) for name, spec in self.specs.items()}
         if self.machine is not None:

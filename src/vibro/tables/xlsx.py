@@ -205,21 +205,26 @@ class Xlsx:
             title = f"{name}: {view.y.column} down, {view.x.column} across{'; ' if at else ''}{at}"
             self._write_row(sheet, row, (title,), self._bold)
             self._write_row(sheet, row + 1, ("", *view.x.values.tolist()), of_axes)
-            known = [cell for cell in matrix.ravel().tolist() if isinstance(cell, float)]
-            shown = self._book.add_format({"num_format": _number_format(known)})
-            first = row + 2
-            rows = zip(view.y.values.tolist(), matrix.tolist(), strict=True)
-            for row, (value, cells) in enumerate(rows, first):
-                sheet.write_number(row, 0, value, of_axes)
-                for place, cell in enumerate(cells, 1):
-                    if isinstance(cell, str):
-                        sheet.write_string(row, place, cell, styles.get(cell))
-                    elif cell is not None:
-                        sheet.write_number(row, place, cell, shown)
-            if name != "regime":
-                backwards = _BACKWARDS if known and min(known) < 0.0 else {}
-                sheet.conditional_format(first, 1, row, len(view.x), {**_COLOURS, **backwards})
-            row += 2
+            self._write_matrix(sheet, row + 2, matrix, view.y.values.tolist(), styles, of_axes)
+            row += len(view.y) + 3
+
+    def _write_matrix(
+        self, sheet: Any, first: int, matrix: NDArray[Any], y: list[float], styles: Any, of_axes: Any
+    ) -> None:
+        """Write the rows of a matrix, each after its value of y: texts in their colours, or numbers."""
+        known = [cell for cell in matrix.ravel().tolist() if isinstance(cell, float)]
+        shown = self._book.add_format({"num_format": _number_format(known)})
+        for row, (value, cells) in enumerate(zip(y, matrix.tolist(), strict=True), first):
+            sheet.write_number(row, 0, value, of_axes)
+            for place, cell in enumerate(cells, 1):
+                if isinstance(cell, str):
+                    sheet.write_string(row, place, cell, styles.get(cell))
+                elif cell is not None:
+                    sheet.write_number(row, place, cell, shown)
+        if known:
+            backwards = _BACKWARDS if min(known) < 0.0 else {}
+            last = first + len(y) - 1
+            sheet.conditional_format(first, 1, last, matrix.shape[1], {**_COLOURS, **backwards})
 
 
 def _number_format(values: Sequence[float]) -> str:
