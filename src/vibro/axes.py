@@ -313,10 +313,10 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(text) <= _REPEATED and (match := _DECIMAL_COMMA.fullmatch(text)):
         first, last = match[1].replace(".", ""), match[2]
         two = f"'{', '.join(sorted(match.groups(), key=_size))}' for two values"
-        other = f"{first}{last}" if re.match(r"[0-9]{3}(?![0-9])", last) else two  # which may part thousands
+        whole = f" {first}{last}," if re.match(r"[0-9]{3}(?![0-9])", last) else ""  # it may part thousands
         raise InputError(
             f"{quantity.label} = {shown(text)}: a decimal comma, or two values",
-            hint=f"write {first}.{last}, or {other}",
+            hint=f"write {first}.{last},{whole} or {two}",
         )
     items = text.split(",")
     if ";" in text and len(text) <= _REPEATED:  # as spreadsheets write where decimals have a comma
