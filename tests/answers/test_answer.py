@@ -35,8 +35,9 @@ def test_the_text_is_short_or_whole() -> None:
     ]
     lines = ANSWER.text().splitlines()
     assert lines[:2] == short[:2]
-    assert [line.split() for line in lines[2:4]] == [line.split() for line in short[2:]]
-    assert lines[4].split()[-1] == "-"
+    assert lines[2] == ""
+    assert [line.split() for line in lines[3:5]] == [line.split() for line in short[2:]]
+    assert lines[5].split()[-1] == "-"
     assert lines[-1] == "A note."
     assert "pattern" not in ANSWER.text()
     assert all(text in ANSWER.text(every=True) for text in ("pattern  F_", "One cycle", "74.6"))

@@ -91,18 +91,6 @@ def test_every_file_is_written(run: Run, headings: list[tuple[str, str]]) -> Non
     assert "<svg" in page
 
 
-def test_force_replaces_and_names_no_column(run: Run, tmp_path: Path) -> None:
-    path = short_study(tmp_path)
-    friction = ("--friction", "F [N]", "--mass", "0.02kg", "-o", "out.csv")
-    assert run("compare", SCENE, path, *friction).exit_code == 0
-    again = run("measure", SCENE, path, *friction)
-    assert again.exit_code == 1
-    assert "--force" in again.stderr
-    for args in ((SCENE, path, "--force"), ("--force", SCENE, path)):
-        assert run("measure", *args, *friction).exit_code == 0
-        assert json.loads(Path("out.json").read_text(encoding="utf-8"))["columns"]["friction"] == "F [N]"
-
-
 def test_the_scene_may_come_from_options_alone(
     run: Run, tmp_path: Path, headings: list[tuple[str, str]]
 ) -> None:

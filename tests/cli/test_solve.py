@@ -74,6 +74,7 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
     assert [float(row["mean_velocity_mm_s"]) for row in rows] == [c["mean_velocity_mm_s"] for c in cells]
     text = run("solve", "one.toml", "two.toml").stdout.splitlines()
     heads = [" ".join(line.split()[:2]) for line in text if line[:1].isalpha()]
+    assert "frequency 15 Hz" in run("solve", "one.toml", "two.toml", "--all").stdout
     assert heads[:3] == ["scene regime", "one forward-slip", "two hopping"]
     assert "vibro map" in run("solve", *other(NUT, "-A", "1:3:500")).stderr
     longer_than_a_name = ",".join(f"{0.001 * i:.3f}" for i in range(1, 61))

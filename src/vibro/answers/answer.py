@@ -77,7 +77,7 @@ class Table(NamedTuple):
     is_rare : bool
         Whether it is printed on request only.
     is_brief : bool
-        Whether its numbers have three digits, and their units behind them in place of the heads.
+        Whether it goes on where the facts end: its numbers have three digits, and their units behind them.
     """
 
     name: str
@@ -150,7 +150,7 @@ class Answer:
         facts = [[fact.label, fact.text] for fact in self.facts if every or not fact.is_rare]
         tables = [table for table in self.tables if every or not table.is_rare]
         parts = [aligned(facts, right=False)] if facts else []
-        if facts and tables and not tables[0].title:  # one that goes on where the facts end
+        if facts and tables and tables[0].is_brief:
             label = max(len(fact[0]) for fact in facts)
             (head, *heads), *rows = tables.pop(0).texts
             parts[0] += "\n" + aligned([[head.ljust(label), *heads], *rows])

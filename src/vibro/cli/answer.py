@@ -153,7 +153,7 @@ def _is_unknown(run: Run, block: Block, *, exactly: bool) -> bool:
     return run.grid.output is Output.EXACT and not status.answered and status is not Status.RUNAWAY
 
 
-def answer_cells(runs: Sequence[Run], options: Options, name: str) -> int:
+def answer_cells(runs: Sequence[Run], options: Options, name: str, *, every: bool) -> int:
     """Solve a few scenes and print a line for each; write their table if the options name an output.
 
     Parameters are those of ``answer_one``.
@@ -197,7 +197,7 @@ def answer_cells(runs: Sequence[Run], options: Options, name: str) -> int:
     if options.json:
         print(json.dumps(cells, indent=2, allow_nan=False))
     elif whole and not outputs.takes_stdout:
-        print(answer.text())
+        print(answer.text(every=every))
     return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
 
 

@@ -110,7 +110,7 @@ def solve_command(
             f"{size} scenes: at most {_MOST_CELLS} are listed",
             hint=f"give fewer, such as {fewer}, or use vibro map",
         )
-    return answer_cells(runs, options, "vibro-solve")
+    return answer_cells(runs, options, "vibro-solve", every=every)
 
 
 def _target(text: str, options: Options, unused: Sequence[str], *, every: bool, hopping: bool) -> int:
