@@ -223,10 +223,7 @@ def cells_answer(
         speed, error = cell["mean_velocity_mm_s"], cell.get("mean_velocity_error_mm_s") or 0.0
         means: list[Value] = [None, None]
         if speed is not None:
-            means = [
-                uncertain(x * speed, x * error) if error > 0.0 else x * speed
-                for x in (1.0, METRES_PER_MINUTE)
-            ]
+            means = [uncertain(x * speed, x * error) for x in (1.0, METRES_PER_MINUTE)]
             if error > _LEAST_CERTAIN * abs(speed):
                 found |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
         rows.append([*names, cell["regime"] or "none", *means, *map(found.get, keys)])
