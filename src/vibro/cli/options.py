@@ -275,6 +275,30 @@ def _quantity_parameter(quantity: Quantity, *, hidden: bool) -> inspect.Paramete
     return _parameter(quantity.name, None, Annotated[list[str] | None, own])
 
 
+def _shared_parameters(
+    files: str, forms: Sequence[str], first: Sequence[str], *, of_scene: bool, of_answer: bool
+) -> list[inspect.Parameter]:
+    """Make the parameters of a command that are shared: arguments, quantities, and fields of ``Options``."""
+    text = "Files; other quantities, such as gravity=3.7."
+    metavar = f"{files}{' [NAME=VALUE]...' if of_scene else ''}"
+    argument = typer.Argument(metavar=metavar, help=text, show_default=False, hidden=True)
+    left_out = {*([] if of_scene else ["pack"]), *([] if of_answer else _OF_ANSWER)}
+    kinds = {**get_type_hints(Options, include_extras=True), "output": output_option(forms)}
+    return [
+        _parameter("arguments", None, Annotated[list[str] | None, argument]),
+        *(
+            _quantity_parameter(quantity, hidden=name not in first)
+            for name, quantity in QUANTITIES.items()
+            if of_scene and quantity.is_option
+        ),
+        *(
+            _parameter(f.name, f.default, kinds[f.name])
+            for f in fields(Options)
+            if get_origin(kinds[f.name]) is Annotated and f.name not in left_out
+        ),
+    ]
+
+
 def shares_options(
     run: Callable[..., int],
     *,
@@ -312,21 +336,9 @@ def shares_options(
     callable
         Whose signature has a parameter for every shared option, as typer needs it.
     """
-    kinds = {**get_type_hints(Options, include_extras=True), "output": output_option(forms)}
-    quantities = [name for name, quantity in QUANTITIES.items() if of_scene and quantity.is_option]
-    left_out = {*([] if of_scene else ["pack"]), *([] if of_answer else _OF_ANSWER)}
+    shared = _shared_parameters(files, forms, first, of_scene=of_scene, of_answer=of_answer)
+    quantities = [p.name for p in shared if p.name in QUANTITIES]
     own_ones = {quantity.name: quantity for quantity in more}
-    metavar = f"{files}{' [NAME=VALUE]...' if of_scene else ''}"
-    argument = typer.Argument(
-        metavar=metavar, help="Files; other quantities, such as gravity=3.7.", show_default=False, hidden=True
-    )
-    shared = [_parameter("arguments", None, Annotated[list[str] | None, argument])]
-    shared += [_quantity_parameter(QUANTITIES[name], hidden=name not in first) for name in quantities]
-    shared += [
-        _parameter(f.name, f.default, kinds[f.name])
-        for f in fields(Options)
-        if get_origin(kinds[f.name]) is Annotated and f.name not in left_out
-    ]
     _, *own = inspect.signature(run, eval_str=True).parameters.values()
 
     @functools.wraps(run)

@@ -143,7 +143,7 @@ class Outputs:
             self.records[alone or _named(stem, form)] = None
         else:
             for name in tables:
-                own = alone if name == tables[0] else None
+                own = None if name else alone
                 self.tables[own or _named(stem, form, name)] = name, form
             self.records[_named(stem, "json")] = None
 
