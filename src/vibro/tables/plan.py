@@ -60,9 +60,9 @@ def unsealed(text: str | bytes) -> dict[str, Any]:
         Of any kind, if it was changed since.
     """
     content = json.loads(text)
-    if not isinstance(content, dict) or content.pop("checksum", "") != _digest(content):
+    if content.pop("checksum", "") != _digest(content):
         raise ValueError("its checksum is another one")
-    return content
+    return dict(content)
 
 
 def _digest(content: Mapping[str, Any]) -> str:
