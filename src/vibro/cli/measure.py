@@ -137,7 +137,7 @@ def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request
         return {"": comparison_figure(m.comparison, title, request.told, m.fitted)}
 
     texts = {"toml": lambda _: scene_file(m, data, request)}
-    shows = {"": "the part's signals, measured and computed"}
+    shows = {"": "The part's signals, measured and computed"}
     outputs.write_answer(answer, lambda: tables_of(m), draw, shows, texts=texts)
 
 
