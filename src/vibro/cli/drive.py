@@ -190,9 +190,10 @@ def _bands(
             continue
         try:
             FORMS["band"].read(quantity, text)  # which checks it
+            ends = ends_of(quantity, text)
         except ValueError:
             raise InputError(f"{quantity.typed(cut(text))}: must be a value or lo:hi") from None
-        low, high = bands[name] = ends_of(quantity, text)[0], ends_of(quantity, text)[-1]
+        low, high = bands[name] = ends[0], ends[-1]
         nominal = own.get(name, quantity.default)
         if nominal is None or not low <= nominal <= high:
             nominal = 0.5 * (low + high)
