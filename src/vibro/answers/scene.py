@@ -191,49 +191,50 @@ def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
 
 
 def cells_answer(
-    head: Sequence[tuple[str, str]],
-    heads: Sequence[Sequence[Any]],
-    cells: Sequence[Mapping[str, Any]],
-    given: Mapping[str, Mapping[str, float]],
+    cells: Sequence[Mapping[str, Any]], axes: Sequence[str], given: Mapping[str, Mapping[str, float]]
 ) -> Answer:
     """Make the answer about several scenes: a line for each.
 
     Parameters
     ----------
-    head : sequence of tuple of str
-        Label and unit of what tells the scenes apart.
-    heads : sequence of sequence
-        That of each scene.
     cells : sequence of mapping
-        The results of each, by column.
+        Quantities and results of each, by column; of several files its name under ``scene``.
+    axes : sequence of str
+        Names of the quantities that vary.
     given : mapping of str to mapping
         What does not vary, in the units outside, by the name of each scene file.
     """
+    heads = [("scene", "scene", "")] * ("scene" in cells[0])
+    heads += [(q.column, q.label, q.unit) for q in map(QUANTITIES.__getitem__, axes)]
     lengths = {cell.get("trough_length_mm") for cell in cells}
     statuses = {cell["status"] for cell in cells}
-    results = [("displacement_per_cycle_mm", "a cycle", "mm"), ("throw_number", "throw number", "")]
-    results += [one for one in _WHERE_ASKED if any(cell.get(one[0]) is not None for cell in cells)]
-    results += [("trough_length_mm", "length", "mm")] * (len(lengths) > 1)
-    results += [("status", "status", "")] * (statuses != {Status.OK.label})
-    keys, *labels = zip(*results, strict=True)
-    columns = [*head, ("regime", ""), ("speed", "mm/s"), ("speed", "m/min"), *zip(*labels, strict=True)]
+    columns = [
+        *heads, ("regime", "regime", ""), ("speed", "speed", "mm/s"), ("rate", "speed", "m/min"),
+        ("displacement_per_cycle_mm", "a cycle", "mm"), ("throw_number", "throw number", ""),
+    ]  # fmt: skip
+    columns += [one for one in _WHERE_ASKED if any(cell.get(one[0]) is not None for cell in cells)]
+    columns += [("trough_length_mm", "length", "mm")] * (len(lengths) > 1)
+    columns += [("status", "status", "")] * (statuses != {Status.OK.label})
     rows = []
-    for names, cell in zip(heads, cells, strict=True):
-        found = {**cell, "upright": _STANDS.get(cell.get("upright"))}
+    for cell in cells:
+        stands = _STANDS.get(cell.get("upright"))
+        found = {**cell, "regime": cell["regime"] or "none", "upright": stands}
         speed, error = cell["mean_velocity_mm_s"], cell.get("mean_velocity_error_mm_s") or 0.0
-        means: list[Value] = [None, None]
         if speed is not None:
-            means = [uncertain(x * speed, x * error) for x in (1.0, METRES_PER_MINUTE)]
+            found["speed"], found["rate"] = (
+                uncertain(x * speed, x * error) for x in (1.0, METRES_PER_MINUTE)
+            )
             if error > _LEAST_CERTAIN * abs(speed):
                 found |= dict.fromkeys(key for key, *_ in _WHERE_ASKED[:3])
-        rows.append([*names, cell["regime"] or "none", *means, *map(found.get, keys)])
+        rows.append([found.get(key) for key, *_ in columns])
     notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in statuses]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
         notes.append(NO_BOUNCE)
     if len(lengths) == 1 and None not in lengths:
         notes.append(f"traverse times are over {lengths.pop():.10g} mm")
     facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
-    return Answer(facts, [Table("scenes", columns, rows)], notes, title=", ".join(given))
+    table = Table("scenes", [(label, unit) for _, label, unit in columns], rows)
+    return Answer(facts, [table], notes, title=", ".join(given))
 
 
 def _motion(one: OneScene) -> Fact:

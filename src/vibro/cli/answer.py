@@ -17,7 +17,7 @@ from vibro.cli.sweeps import conclude, write_sweep
 from vibro.core.codes import Output, Status
 from vibro.errors import InputError
 from vibro.files.csv_tables import column_of
-from vibro.quantities import QUANTITIES, STAND_RATIO, as_given
+from vibro.quantities import STAND_RATIO
 from vibro.sweeps.derived import standing
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
@@ -159,25 +159,18 @@ def answer_cells(runs: Sequence[Run], options: Options, name: str, *, every: boo
     Parameters are those of ``answer_one``.
     """
     runs[0].refuse_text(options)
-    varying = [name for name in QUANTITIES if any(name in run.grid.told_axes for run in runs)]
-    head = [("scene", "")] * (len(runs) > 1)
-    head += [(QUANTITIES[name].label, QUANTITIES[name].unit) for name in varying]
-    heads: list[list[Any]] = []
     cells: list[dict[str, Any]] = []
     unresolved = False
     names = options.names or ["scene"]
-    for name_of, run in zip(names, runs, strict=True):
+    for file, run in zip(names, runs, strict=True):
         warn_of_machine(run.grid, options.console)
+        own = {"scene": file} if len(runs) > 1 else {}
         for block in sweep_blocks(run.grid):
             unresolved |= bool((block.cycle.status == Status.UNRESOLVED).any())
-            values = as_given(block.values, in_stroke=run.grid.in_stroke)
-            axes = [_cells(values.get(name), block) for name in varying]
-            own = {"scene": name_of} if len(runs) > 1 else {}
-            heads += [[*own.values(), *(axis[k] for axis in axes)] for k in range(block.cycle.status.size)]
             cells += [{**own, **record} for record in run.records(block)]
     whole = not runs[0].is_chosen
     given = dict(zip(names, (run.request.told for run in runs), strict=True))
-    answer = cells_answer(head, heads, cells, given) if whole else Answer(())
+    answer = cells_answer(cells, [*runs[0].grid.told_axes], given) if whole else Answer(())
     forms = TABLES if len(runs) == 1 else tuple(form for form in TABLES if form != "xlsx")
     outputs = Outputs(options, name, forms=forms, pictures=())
 
@@ -185,10 +178,7 @@ def answer_cells(runs: Sequence[Run], options: Options, name: str, *, every: boo
         return outputs.page(answer)
 
     if options.output and len(runs) == 1:
-        write_sweep(
-            runs[0].grid, runs[0].table, outputs,
-            more=lambda: {"cells": cells}, page=page,
-        )  # fmt: skip
+        write_sweep(runs[0].grid, runs[0].table, outputs, more=lambda: {"cells": cells}, page=page)
     elif options.output:
         keys = dict.fromkeys(key for cell in cells for key in cell)
         table = {key: column_of([cell.get(key) for cell in cells]) for key in keys}
@@ -199,14 +189,6 @@ def answer_cells(runs: Sequence[Run], options: Options, name: str, *, every: boo
     elif whole and not outputs.takes_stdout:
         print(answer.text(every=every))
     return ExitCode.UNRESOLVED if unresolved else ExitCode.DONE
-
-
-def _cells(values: Any, block: Block) -> list[float | None]:
-    """Return a quantity of each cell of a block; None where a scene has none."""
-    if values is None:
-        return [None] * block.cycle.status.size
-    found: list[float | None] = np.broadcast_to(values, block.shape).reshape(-1).tolist()
-    return found
 
 
 def answer_sweep(run: Run, options: Options, name: str) -> int:
