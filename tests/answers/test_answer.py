@@ -1,7 +1,9 @@
-"""Answers: three renderers of the same facts, tables and notes."""
+"""Answers: four renderers of the same facts, tables and notes."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 
@@ -49,13 +51,15 @@ def test_a_wide_table_has_its_units_below_and_no_empty_column() -> None:
     assert (heads.split()[0], units.split(), row.split()) == ("name", ["[mm]", "[g]"], ["one", "1", "2"])
 
 
-def test_json_has_all_digits_and_no_number_that_is_none() -> None:
+def test_json_and_csv_have_all_digits_and_no_number_that_is_none() -> None:
     told = json.loads(ANSWER.json())
     assert told["mean_velocity_mm_s"] == 16.26345
     assert told["next"] == [
         {"begins": "hopping", "amplitude_mm": 3.22905}, {"begins": "back slip", "amplitude_mm": None},
     ]  # fmt: skip
     assert told["notes"] == ["A note."]
+    rows = list(csv.reader(io.StringIO(ANSWER.csv("next"))))
+    assert rows == [["begins", "amplitude_mm"], ["hopping", "3.22905"], ["back slip", ""]]
 
 
 def test_the_page_has_the_figures_of_the_text() -> None:

@@ -1,7 +1,9 @@
-"""An answer: named numbers, tables and notes, written as text, JSON or a page by one renderer each."""
+"""An answer: named numbers, tables and notes, written as text, JSON, CSV or a page by one renderer each."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -170,6 +172,13 @@ class Answer:
     def json(self) -> str:
         """Write all of it as JSON; unknown numbers are null."""
         return json.dumps(self.content(), indent=2, allow_nan=False)
+
+    def csv(self, name: str) -> str:
+        """Write a table as CSV, its numbers with all digits."""
+        table = next(table for table in self.tables if table.name == name)
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([table.keys, *map(_known, table.rows)])
+        return text.getvalue()
 
     def html(self, pictures: Mapping[str, Figure] | None = None, command: str = "") -> str:
         """Write all of it as a page to print, which needs no other file.
