@@ -67,4 +67,4 @@ def unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw nothing, where pictures are not the subject: they take most of a small run's time."""
-    monkeypatch.setattr("vibro.plots.picture_names", lambda *_, **__: [])
+    monkeypatch.setattr("vibro.sweeps.solved.pictures_of", lambda *_, **__: [])

@@ -15,6 +15,7 @@ from matplotlib.path import Path as Outline
 
 from vibro import Regime, Scene
 from vibro.axes import parse_axis
+from vibro.plots import map_figures
 from vibro.plots.style import _RC
 from vibro.plots.view import choose_view
 from vibro.quantities import QUANTITIES
@@ -85,6 +86,12 @@ def sweep(
     counts = {} if points is None else dict.fromkeys(run._RESOLVED, points)
     with mock.patch.dict(run._RESOLVED, counts):
         return run.sweep_picture(Grid(axes, fixed, length, flight=flight), view.drawn, own, "a sweep")
+
+
+def pictures_of(result: SweepResult) -> dict[str, Figure]:
+    """Draw the pictures of a sweep that are drawn without being asked for."""
+    is_map = choose_view(result.axes, fixed=result.fixed).y is not None
+    return map_figures(result, ["regime"] * is_map + ["speed"] + ["traverse"] * (result.length is not None))
 
 
 def maps_of(figure: Figure) -> list[Axes]:

@@ -142,7 +142,7 @@ def files() -> dict[str, str]:
 def asked(command: str) -> Any:
     """Run a command in this folder; return its JSON, or the first and last rows of its table."""
     is_table = command.endswith("-o -")
-    with mock.patch("vibro.plots.picture_names", return_value=[]):
+    with mock.patch("vibro.sweeps.solved.pictures_of", return_value=[]):
         result = CliRunner().invoke(app, shlex.split(command) + ([] if is_table else ["--json"]))
     assert result.exit_code in {0, 3}, (command, result.output)
     if not is_table:

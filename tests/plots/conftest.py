@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 from helpers import drawn
-from helpers.drawn import OWN, sweep
+from helpers.drawn import OWN, pictures_of, sweep
 
-from vibro.plots import map_figures
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ def nut() -> SweepResult:
 
 @pytest.fixture(scope="session")
 def pictures(nut: SweepResult) -> dict[str, Figure]:
-    return map_figures(nut)
+    return pictures_of(nut)
 
 
 @pytest.fixture(scope="session")
@@ -42,7 +41,7 @@ def friction() -> SweepResult:
 @pytest.fixture(scope="session")
 def friction_pictures(friction: SweepResult) -> dict[str, Figure]:
     with drawn.unarranged():
-        return map_figures(friction)
+        return pictures_of(friction)
 
 
 @pytest.fixture(scope="session")
@@ -53,12 +52,12 @@ def climb() -> SweepResult:
 @pytest.fixture(scope="session")
 def climb_pictures(climb: SweepResult) -> dict[str, Figure]:
     with drawn.unarranged():
-        return map_figures(climb)
+        return pictures_of(climb)
 
 
 @pytest.fixture(scope="session")
 def facets() -> dict[str, Figure]:
-    return map_figures(
+    return pictures_of(
         sweep(own=OWN, points=81, amplitude="0.2:3", frequency="10:50", drive_angle="10,20,30")
     )
 
@@ -70,4 +69,4 @@ def one_axis() -> SweepResult:
 
 @pytest.fixture(scope="session")
 def line_pictures(one_axis: SweepResult) -> dict[str, Figure]:
-    return map_figures(one_axis)
+    return pictures_of(one_axis)

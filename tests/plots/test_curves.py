@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import GRAVITY, NUT, OWN, curve, legend, lightness, said, sweep, unarranged, words
+from helpers.drawn import (
+    GRAVITY,
+    NUT,
+    OWN,
+    curve,
+    legend,
+    lightness,
+    pictures_of,
+    said,
+    sweep,
+    unarranged,
+    words,
+)
 from matplotlib.colors import to_hex, to_rgb
 
 from vibro import Regime, Scene, solve
@@ -123,7 +135,7 @@ def test_a_band_without_room_for_its_name_is_in_the_legend_if_it_is_seen() -> No
 
 
 def test_what_is_special_of_a_range_is_hatched() -> None:
-    figures = map_figures(sweep(length=600, amplitude=1.5, trough_angle="-35:35"))
+    figures = pictures_of(sweep(length=600, amplitude=1.5, trough_angle="-35:35"))
     assert "runaway" in said(figures["speed"])
     (line,) = numbers(figures["traverse"].axes[1])
     assert np.nanmin(np.asarray(line.get_ydata(), float)) > 0  # nothing where the body moves backwards

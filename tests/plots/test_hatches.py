@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import legend, only_map, patch, path_of, said, sweep, words
+from helpers.drawn import legend, only_map, patch, path_of, pictures_of, said, sweep, words
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 
@@ -38,7 +38,7 @@ def test_infeasible_half_is_cut_along_its_exact_boundary(friction_pictures: dict
 
 def test_unmodelled_flight_is_hatched_but_for_the_regimes() -> None:
     result = sweep(points=121, length=600, amplitude="0.1:3", frequency="5:60", flight=False)
-    pictures = map_figures(result)
+    pictures = pictures_of(result)
     assert patch(only_map(pictures["regime"]), "flight not modelled") is None
     assert path_of(only_map(pictures["speed"]), "flight not modelled").contains_point((30, 2))
     assert "flight not modelled" in said(pictures["traverse"])
@@ -66,7 +66,7 @@ def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
     ranges: dict[str, Any] = {"amplitude": "0.1:3", "drive_angle": "5:60"}
     result = sweep(points=101, static_friction=0.4, kinetic_friction=0.02, **ranges)
     assert (result.cycle.coexists == 1).any()
-    for figure in map_figures(result).values():
+    for figure in pictures_of(result).values():
         found = patch(only_map(figure), COEXISTS_LABEL)
         assert found is not None
         assert found.get_hatch() == "..."
@@ -94,7 +94,7 @@ def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepR
     codes[300, 50] = Status.AVERAGED
     velocity = np.full(nut.shape, 0.05)
     cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
-    figures = map_figures(dataclasses.replace(nut, cycle=cycle, length=None))
+    figures = pictures_of(dataclasses.replace(nut, cycle=cycle, length=None))
     found = path_of(only_map(figures["speed"]), AVERAGED_LABEL)
     assert found.contains_points([(30, 1.3), (20, 1.3), (44.5, 1.3)]).tolist() == [True, False, False]
     amplitude, frequency = (axis.values for axis in nut.axes.values())

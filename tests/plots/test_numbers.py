@@ -16,6 +16,7 @@ from helpers.drawn import (
     maps_of,
     only_map,
     path_of,
+    pictures_of,
     said,
     scene_of,
     sweep,
@@ -183,7 +184,7 @@ def test_traverse_times(pictures: dict[str, Figure], nut: SweepResult) -> None:
     ("amplitude", "frequency", "name"), [("0.01:0.1", "5:10", "no-slip"), ("4:10", "30:50", "hopping")]
 )
 def test_a_single_regime_fills_the_map(amplitude: str, frequency: str, name: str) -> None:
-    figures = map_figures(sweep(points=121, length=600, amplitude=amplitude, frequency=frequency))
+    figures = pictures_of(sweep(points=121, length=600, amplitude=amplitude, frequency=frequency))
     assert words(only_map(figures["regime"])) == [name]
     if name == "no-slip":
         assert all(figure.axes == maps_of(figure) for figure in figures.values())  # nothing to colour

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import OWN, corners, curve, legend, maps_of, sweep, unarranged, words
+from helpers.drawn import OWN, corners, curve, legend, maps_of, pictures_of, sweep, unarranged, words
 from matplotlib.path import Path as Outline
 
-from vibro.plots import map_figures
 from vibro.plots.frame import renderer_of
 from vibro.plots.style import CURVES, house_style
 
@@ -27,14 +26,14 @@ POINT = "operating point"
 def parallel() -> dict[str, Figure]:
     """Curves that are straight, parallel and close together."""
     with unarranged():
-        return map_figures(sweep(own=OWN, points=121, amplitude="0.01:10:log", frequency="5:200:log"))
+        return pictures_of(sweep(own=OWN, points=121, amplitude="0.01:10:log", frequency="5:200:log"))
 
 
 @pytest.fixture(scope="module")
 def joined() -> dict[str, Figure]:
     """Two curves in one place."""
     ranges: dict[str, Any] = {"amplitude": "0.1:3", "drive_angle": "5:60"}
-    return map_figures(sweep(static_friction=0.4, kinetic_friction=0.02, points=121, **ranges))
+    return pictures_of(sweep(static_friction=0.4, kinetic_friction=0.02, points=121, **ranges))
 
 
 @pytest.fixture(params=["pictures", "climb_pictures", "friction_pictures", "facets", "parallel", "joined"])

@@ -9,7 +9,7 @@ from typing import IO, TYPE_CHECKING, Any, Final
 
 from vibro.plots.style import house_style, visible
 from vibro.plots.subjects import SUBJECTS
-from vibro.plots.view import View, choose_view, panels
+from vibro.plots.view import choose_view, panels
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -31,16 +31,6 @@ _KEYS: Final = {"svg": ("Description", "Date"), "pdf": ("Subject", "CreationDate
 _COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in half the time
 
 
-def picture_names(view: View, *, has_length: bool, on_request: bool = True) -> list[str]:
-    """Name the pictures of a sweep, with or without a trough length.
-
-    Those of flights are drawn on request only.
-    """
-    names = ["regime"] if view.y else []
-    names += ["speed", *(["traverse"] if has_length else [])]
-    return [*names, "impact", "flight"] if on_request else names
-
-
 def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
     """Name the results, attributes of ``SteadyCycle``, that pictures need; all others may be unknown.
 
@@ -58,7 +48,7 @@ def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
 @house_style()
 def map_figures(
     result: SweepResult,
-    names: Sequence[str] | None = None,
+    names: Sequence[str],
     *,
     x: str | None = None,
     y: str | None = None,
@@ -71,10 +61,9 @@ def map_figures(
     ----------
     result : SweepResult
         At least one axis varies; ranges that are drawn are evenly spaced, as ``sweep_picture`` has them.
-    names : sequence of str, optional
-        Pictures to draw: ``regime`` (of two ranges), ``speed``, ``traverse`` (with a length),
-        ``impact`` and ``flight`` (the share of time in it). Without it the first three, as far as there are
-        any.
+    names : sequence of str
+        Pictures to draw: ``regime`` (of two ranges), ``speed``, ``traverse`` (with a length), ``impact`` and
+        ``flight`` (the share of time in it).
     x, y : optional
         Axes of the pictures, see ``choose_view``.
     target_speed : float, optional
@@ -99,8 +88,6 @@ def map_figures(
 
     view = choose_view(result.axes, x, y, fixed=result.fixed)
     groups = [[Fields(panel) for panel in curves] for curves in panels(result, view)]
-    if names is None:
-        names = picture_names(view, has_length=result.length is not None, on_request=False)
     figures = {}
     for name in names:
         if view.y is None:

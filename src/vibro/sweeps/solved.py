@@ -156,11 +156,12 @@ def view_of(
 
 
 def pictures_of(grid: Grid, view: View, *, on_request: bool = True) -> list[str]:
-    """Name the pictures of a sweep, with those on request."""
-    from vibro.plots import picture_names
-
-    names = picture_names(view, has_length=grid.length is not None, on_request=on_request)
-    return names if grid.output is Output.EXACT else [name for name in names if name == "regime"]
+    """Name the pictures of a sweep; those of flights are drawn on request only."""
+    names = ["regime"] if view.y else []
+    if grid.output is Output.EXACT:
+        names += ["speed", *(["traverse"] if grid.length is not None else [])]
+        names += ["impact", "flight"] if on_request else []
+    return names
 
 
 def axis_called(called: object, argument: str) -> Quantity:
