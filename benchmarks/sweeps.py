@@ -234,7 +234,7 @@ def encodings(repeats: int) -> None:
     grid = grid_of(1e7)
     columns = table_of(grid).columns
     tables = [
-        arrow_table(columns, Block(grid.cells(i, i + BLOCK), grid.solve_cells(i, i + BLOCK, 1), LENGTH))
+        arrow_table(columns, Block(*grid.solve_cells(i, i + BLOCK, 1), LENGTH))
         for i in range(0, grid.size - BLOCK, grid.size // 6)
     ]
     usual = shards._encoding(tables[0].schema)

@@ -110,7 +110,7 @@ def test_cells_are_those_of_one_scene_each(tmp_path: Path) -> None:
         np.testing.assert_array_equal(part["amplitude"], amplitude[start:stop])
         for name in FIELDS.names or ():
             np.testing.assert_array_equal(operating[name], expected[name])
-        solved = grid.solve_cells(start, stop)
+        _, solved = grid.solve_cells(start, stop)
         for name, x in solved.arrays().items():
             np.testing.assert_array_equal(x, cycle.arrays()[name].reshape(-1)[start:stop])
     picked = grid.picked(np.array([5, 44, 69]))

@@ -42,7 +42,7 @@ def test_the_fastest_of_blocks_is_that_of_all_cells(grid: Grid) -> None:
     for start in range(0, grid.size, 4):
         stop = min(start + 4, grid.size)
         part = Tally()
-        part.add(Block(grid.cells(start, stop), grid.solve_cells(start, stop), None))
+        part.add(Block(*grid.solve_cells(start, stop), None))
         parts.append(part)
     for order in (parts, parts[::-1]):
         together = Tally()

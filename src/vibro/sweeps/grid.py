@@ -167,22 +167,23 @@ class Grid:
         stop: int,
         threads: int | None = None,
         progress: Callable[[int, int], None] | None = None,
-    ) -> SteadyCycle:
-        """Solve some cells in a row, as ``cells`` numbers them.
+    ) -> tuple[dict[str, Floats], SteadyCycle]:
+        """Solve some cells in a row, as ``cells`` numbers them; return their quantities too.
 
         Notes
         -----
         Groups of quantities that the inner axes share are formed once a row of these, not once a cell: whole
         rows are solved, a few cells more than asked for.
         """
+        values = self.cells(start, stop)
         inner = self._row(stop - start) if self.machine is None else 0
         if not inner:
-            return self.solve(self.cells(start, stop), threads, progress)
+            return values, self.solve(values, threads, progress)
         length = math.prod(self.shape[-inner:])
         first, last = start // length, -(-stop // length)
         cycle = self.solve(self._rows(first, last, inner), threads, progress)
         asked = slice(start - first * length, stop - first * length)
-        return replace(cycle, **{name: x.reshape(-1)[asked] for name, x in cycle.arrays().items()})
+        return values, replace(cycle, **{name: x.reshape(-1)[asked] for name, x in cycle.arrays().items()})
 
     def _row(self, cells: int) -> int:
         """Return how many of the last axes make a row worth solving whole, with an axis left over; else 0."""

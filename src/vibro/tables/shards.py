@@ -258,17 +258,14 @@ def chunk_sum(stream: BinaryIO, metadata: parquet.FileMetaData, group: int, colu
 
 
 def _solved(plan: Plan, start: int, stop: int, threads: int, running: Path) -> Block:
-    """Solve some cells in a row; operating points of a machine are found once."""
+    """Solve some cells in a row, for as long as anybody waits for them."""
 
     def look(*_: int) -> None:
         running.stat()
 
-    grid = plan.grid
     try:
-        values = grid.cells(start, stop)
-        if grid.machine is not None:
-            return Block(values, grid.solve(values, threads, look), grid.length)
-        return Block(values, grid.solve_cells(start, stop, threads, look), grid.length)
+        values, cycle = plan.grid.solve_cells(start, stop, threads, look)
+        return Block(values, cycle, plan.grid.length)
     except (OSError, MemoryError):
         raise
     except Exception as exc:
