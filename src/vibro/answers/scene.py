@@ -162,7 +162,10 @@ def scene_answer(
     title : str
         Of its page.
     """
-    facts = [_motion(one), *_traverse(one), *_speeds(one), *_asked(one, part)]
+    moves = [_motion(one), *_traverse(one)]
+    if grid.output is Output.REGIMES:
+        moves = [Fact(one.regime.label or "none", "no speed is computed")]
+    facts = [*moves, *_speeds(one), *_asked(one, part)]
     if grid.machine is not None:
         from vibro.answers.machine import machine_facts  # late: few scenes have a machine
 
@@ -230,7 +233,7 @@ def cells_answer(
     notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in statuses]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
         notes.append(NO_BOUNCE)
-    if len(lengths) == 1 and None not in lengths:
+    if len(lengths) == 1 and any(cell.get("traverse_time_s") is not None for cell in cells):
         notes.append(f"traverse times are over {lengths.pop():.10g} mm")
     facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
     table = Table("scenes", [(label, unit) for _, label, unit in columns], rows)
