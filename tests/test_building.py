@@ -30,12 +30,12 @@ needs_library = pytest.mark.skipif(not (ROOT / CORE / LIBRARY).is_file(), reason
 
 # A solver of two modules, which is soon compiled.
 SMALL = """
-from vibro.core.elementary import wrap
-
-__all__ = ["turned"]
+from vibro.core.numbers import wrap
 
 def turned(angle: float) -> float:
     return wrap(angle + 1.0)
+
+DOORS: Final = (turned,)
 """
 
 
@@ -82,7 +82,7 @@ def test_a_compiler_of_the_system_is_taken(checkout: Path, monkeypatch: pytest.M
     assert compile_solver(checkout) == ""
     library = ctypes.CDLL(str(checkout / CORE / LIBRARY))
     library.vibro_sources.restype = ctypes.c_char_p
-    assert library.vibro_sources().decode().split("\n") == [known(checkout), "elementary.py", "loop.py"]
+    assert library.vibro_sources().decode().split("\n") == [known(checkout), "loop.py", "numbers.py"]
 
 
 def test_where_there_is_no_compiler_one_is_required_if_it_is_wanted(
@@ -253,7 +253,7 @@ def hatchling(monkeypatch: pytest.MonkeyPatch, checkout: Path) -> Hatchling:
 def test_a_wheel_is_built_from_a_copy_and_its_library_is_of_its_source(
     checkout: Path, compiler: Callable[[str], None], hatchling: Hatchling, tmp_path: Path
 ) -> None:
-    source = checkout / CORE / "elementary.py"
+    source = checkout / CORE / "numbers.py"
     compiler(f"Path({str(source)!r}).open('a').write('# changed')\nout.write_bytes(source.read_bytes())")
     (checkout / CORE / LIBRARY).write_text("in use", encoding="utf-8")
     before = (checkout / CORE / LIBRARY).stat()

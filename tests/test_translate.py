@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from typing import Final, NamedTuple, TypeVar
-from vibro.core.buffers import Bytes, Doubles, Integers, doubles, integers
+from vibro.core.numbers import Bytes, Doubles, Integers, doubles, integers
 from vibro.core.codes import Mode, Pattern
 """
 # Two modules that have names in common.
@@ -418,7 +418,7 @@ class Built:
     """``PROGRAM`` as Python and compiled."""
 
     def __init__(self, folder: Path) -> None:
-        text = HEADER + f"__all__ = {[*CALLS, 'total']}\n" + PROGRAM
+        text = HEADER + PROGRAM + f"DOORS: Final = ({', '.join(CALLS)}, total)\n"
         self.folder = written(folder, loop=text, room=HEADER + ROOM)
         self.c: str = translate.translate(folder)
         self._made = types.ModuleType("loop")
@@ -456,7 +456,7 @@ class Built:
 
 def written(folder: Path, **modules: str) -> Path:
     """Write a program of the solver's buffers and codes, and of these modules."""
-    for name in ("buffers.py", "codes.py"):
+    for name in ("numbers.py", "codes.py"):
         shutil.copyfile(CORE / name, folder / name)
     for name, text in modules.items():
         (folder / f"{name}.py").write_text(text, "utf-8")
@@ -508,7 +508,7 @@ def test_records_of_buffers_are_handed_over_field_by_field(built: Built) -> None
 @needs_compiler
 def test_what_is_for_python_alone_is_left_out(built: Built) -> None:
     assert "spelt" not in built.c
-    for name in ("vibro_along", "loop_sign"):  # not listed in __all__, not exported
+    for name in ("vibro_along", "loop_sign"):  # no doors: not exported
         with pytest.raises(AttributeError):
             getattr(built.library, name)
 
@@ -546,7 +546,7 @@ def test_the_digest_is_of_names_and_texts(tmp_path: Path) -> None:
 def test_a_library_says_what_it_is_of(built: Built) -> None:
     built.library.vibro_sources.restype = ctypes.c_char_p
     digest, *names = built.library.vibro_sources().decode().split("\n")
-    assert names == ["buffers.py", "codes.py", "loop.py", "room.py"]
+    assert names == ["codes.py", "loop.py", "numbers.py", "room.py"]
     assert digest == translate.digest([built.folder / name for name in names])
 
 

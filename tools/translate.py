@@ -3,7 +3,7 @@
 The solver is written once, in Python that uses numbers, records (``NamedTuple``) and buffers alone, and
 nothing but ``math``. Its annotations say all that a C compiler has to know, so that nothing is declared
 twice: functions become static functions, records structs, and constants of modules literals. Every function
-that the module ``loop`` lists in ``__all__`` is exported, with the fields of records of buffers as arguments
+that the module ``loop`` lists in ``DOORS`` is exported, with the fields of records of buffers as arguments
 of their own.
 
 What would not mean the same in C is refused: the types of variables are fixed, a whole number in place of a
@@ -30,7 +30,7 @@ SCALARS = {"float": "double", "int": "long long", "bool": "int"}
 BUFFERS = {"Doubles": "float", "Integers": "int", "Bytes": "int"}
 ARRAYS = {"doubles": "Doubles", "integers": "Integers"}  # by the functions that make them
 _POINTERS = {"Doubles": "double *", "Integers": "long long *", "Bytes": "signed char *"}
-_DOORS = "loop"
+_LOOP = "loop"
 _NO_EFFECT, _READS, _FILLS = range(3)  # of functions on buffers
 _NUMBERS = {"float", "int", "bool", "whole"}
 _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "floor", "ceil", "copysign",
@@ -120,7 +120,7 @@ def sources(folder: Path) -> list[Path]:
                 visit(str(node.module).rpartition(".")[2])
         order.append(path)
 
-    visit(_DOORS)
+    visit(_LOOP)
     return order
 
 
@@ -184,8 +184,8 @@ class _Program:
                     functions.append(node)
                 case ast.Assign([ast.Name(name)], ast.Call(ast.Name("TypeVar"))):
                     variables.add(name)
-                case ast.Assign(targets=[ast.Name("__all__")], value=ast.List(elts=elements)):
-                    exported = {ast.literal_eval(element) for element in elements}
+                case ast.AnnAssign(target=ast.Name("DOORS"), value=ast.Tuple(elts=elements)):
+                    exported = {ast.unparse(element) for element in elements}
                 case ast.AnnAssign(target=ast.Name(name), annotation=ast.Name(kind)) if kind in BUFFERS:
                     names[name] = Value(f"(({_POINTERS[kind]})0)", kind)  # of nothing
                 case ast.AnnAssign(target=ast.Name(name), value=ast.expr() as value):
@@ -200,7 +200,7 @@ class _Program:
                     names[node.name], found = names[node.name]._replace(effect=effect), True
         for function in functions:
             self._write(_Function(self, names, function, names[function.name]))
-        if module == _DOORS:
+        if module == _LOOP:
             self.bodies += [self._door(name, names[name]) for name in sorted(exported)]
 
     def _write(self, function: _Function) -> None:

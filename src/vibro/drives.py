@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, Self, cast
 
 import numpy as np
 
-from vibro.core.buffers import ELLIPSE, HARMONICS, LINE, PIECES
+from vibro.core.numbers import ELLIPSE, HARMONICS, LINE, PIECES
 from vibro.errors import InputError
 from vibro.paths import widest
 from vibro.quantities import ELLIPTICAL, LINEAR

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.buffers import CLASSES
 from vibro.core.codes import Regime
 from vibro.core.compiled import doors
+from vibro.core.numbers import CLASSES
 from vibro.drives import Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError
 from vibro.quantities import STAND_RATIO

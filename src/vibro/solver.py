@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
-from vibro.core.buffers import (
+from vibro.core.compiled import doors
+from vibro.core.numbers import (
     BODIES,
     FIELDS,
     HARMONICS,
@@ -19,7 +20,6 @@ from vibro.core.buffers import (
     PIECES,
     ROOM,
 )
-from vibro.core.compiled import doors
 from vibro.parallel import heard, in_parallel
 
 if TYPE_CHECKING:

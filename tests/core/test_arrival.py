@@ -10,13 +10,21 @@ import pytest
 from helpers.cases import each
 from helpers.followed import ALL, CONTACT, FLIGHTS, TURN, ellipse, history_of, line, newton, walked
 
-from vibro.core import arrival
-from vibro.core.arrival import arrival_cycles
-from vibro.core.buffers import MOST_CYCLES
+from vibro.core import history
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads
-from vibro.core.history import Sections, sections_of
-from vibro.core.steps import Course, Launch, State, Step, course_of, step
+from vibro.core.drive import Loads
+from vibro.core.history import (
+    Course,
+    Launch,
+    Sections,
+    State,
+    Step,
+    arrival_cycles,
+    course_of,
+    sections_of,
+    step,
+)
+from vibro.core.numbers import MOST_CYCLES
 
 STARTS = [(0.0, 0.0), (2.0, -0.8), (-8.0, 0.5)]
 NAN, INF = math.nan, math.inf
@@ -90,7 +98,7 @@ def test_whole_cycles_are_added_at_once(
         walks += 1
         return step(course, now)
 
-    monkeypatch.setattr(arrival, "step", counted)
+    monkeypatch.setattr(history, "step", counted)
     near = _arrival(loads, restitution, length, steady=known)
     jumped, walks = walks, 0
     # to and fro, no two cycles before a settled one take the same way
@@ -98,7 +106,7 @@ def test_whole_cycles_are_added_at_once(
     assert walks < jumped + 60
     assert far - near == pytest.approx(1e6 * motion.period, rel=1e-11)
     walks = 0
-    monkeypatch.setattr(arrival, "_compare", lambda course, length, steady, at, memory: (at, False))
+    monkeypatch.setattr(history, "_compare", lambda course, length, steady, at, memory: (at, False))
     assert _arrival(loads, restitution, length, steady=known) == pytest.approx(near, rel=1e-11)
     assert jumped < walks
 
@@ -114,7 +122,7 @@ def test_the_end_of_a_slow_transient_is_summed(
     lengths = [settles + motion.advance * cycles for cycles in (100.7, 400.2, 2000.4)]
     lengths.insert(0, 0.999 * settles)
     summed = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
-    monkeypatch.setattr(arrival, "_LINEAR", 0.0)
+    monkeypatch.setattr(history, "_LINEAR", 0.0)
     settled = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
     assert summed == pytest.approx(settled, rel=1e-12)
     assert settled[3] - settled[2] == pytest.approx(1600.2, abs=1.5)
@@ -127,7 +135,7 @@ def test_a_transient_that_is_summed_may_not_have_faded_at_the_arrival(
     motion, legs = history_of(loads, 0.0, 1e9)
     lengths = [legs.position[motion.first] + motion.advance * cycles for cycles in (3.4, 50.4)]
     summed = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
-    monkeypatch.setattr(arrival, "_LINEAR", 0.0)
+    monkeypatch.setattr(history, "_LINEAR", 0.0)
     walked_to = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
     assert summed == pytest.approx(walked_to, rel=1e-12)
 
@@ -275,7 +283,7 @@ def test_ways_without_end_are_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
     near = _arrival(loads, 0.0, 0.9 * MOST_CYCLES * motion.advance, steady=motion.advance)
     assert near == pytest.approx(0.9 * MOST_CYCLES, rel=1e-14)
     assert math.isnan(_arrival(loads, 0.0, 1.1 * MOST_CYCLES * motion.advance, steady=motion.advance))
-    monkeypatch.setattr(arrival, "_MOST_LEGS", 60)
+    monkeypatch.setattr(history, "_MOST_LEGS", 60)
     slow = line(1.5, 20.0, 0.3, 0.01)
     assert math.isnan(_arrival(slow, 0.0, 1e6))
 
@@ -286,7 +294,7 @@ def test_a_start_that_does_not_come_again_is_not_waited_for(monkeypatch: pytest.
     motion, legs = history_of(loads, 0.0, 1e9, velocity=-0.8)
     assert legs.mode[0] == Mode.BACK
     assert Mode.BACK not in [legs.mode[i] for i in range(motion.first, motion.number)]
-    monkeypatch.setattr(arrival, "_MOST_LEGS", 60)
+    monkeypatch.setattr(history, "_MOST_LEGS", 60)
     found = _arrival(loads, 0.0, 1e6 * motion.advance, velocity=-0.8, steady=motion.advance)
     assert found == pytest.approx(1e6, rel=1e-5)
 

@@ -10,25 +10,21 @@ import statistics
 import pytest
 from helpers.hopping_bodies import FLIGHTS, HOPS, ellipse, line, unit, walker
 
-from vibro.core import averages as averages_module
-from vibro.core.averages import (
-    Bodies,
-    Means,
-    _balance,
-    _slide,
-    _variances,
-    _with_single_bounces,
-    averages,
-)
-from vibro.core.bounces import single_bounce
-from vibro.core.buffers import BODIES, doubles, integers
+from vibro.core import hops as averages_module
 from vibro.core.codes import Status
-from vibro.core.drives import Loads, along_cosine
-from vibro.core.flight import sinusoidal
+from vibro.core.drive import Loads, along_cosine
+from vibro.core.flight import single_bounce, sinusoidal
+from vibro.core.hops import Bodies, Means, _balance, _slide, _variances, _with_single_bounces, averages, fly
 from vibro.core.legs import track_of
-from vibro.core.orbits import hopping_cycle, orbit_from
-from vibro.core.return_map import release, return_map, with_same_ground_speed, write_hop
-from vibro.core.samples import fly
+from vibro.core.numbers import BODIES, doubles, integers
+from vibro.core.return_map import (
+    hopping_cycle,
+    orbit_from,
+    release,
+    return_map,
+    with_same_ground_speed,
+    write_hop,
+)
 
 TURN = 2.0 * math.pi
 LIST = list(range(BODIES))

@@ -9,19 +9,25 @@ import numpy as np
 import pytest
 from helpers.cases import each
 
-from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, _close, _near_repeat, bounces, single_bounce
-from vibro.core.buffers import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.flight import (
     BOUNCE,
+    MOST_FLIGHTS,
     Bed,
+    Bounces,
     Covariance,
     Flight,
+    Flights,
+    _close,
+    _near_repeat,
     after_landing,
+    bounces,
     flight,
     propagate,
+    single_bounce,
     sinusoidal,
     tangent_map,
 )
+from vibro.core.numbers import LONGEST_CYCLE, MOST_BOUNCES
 
 TURN = 2.0 * math.pi
 BYTES = 8 * (MOST_BOUNCES + LONGEST_CYCLE)
@@ -229,7 +235,7 @@ def test_newtons_iteration_converges_quadratically() -> None:
         return flight(bed, phase, speed)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.core.bounces.flight", counted)
+        patch.setattr("vibro.core.flight.flight", counted)
         for phase, speed in ((0.01, 0.0), (0.0, 0.01), (-0.01, 0.01)):
             FLIGHTS.phase[20], FLIGHTS.speed[20], steps = at.phase + phase, at.speed + speed, 0
             assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, 1) == (1, 2)

@@ -13,9 +13,7 @@ from helpers.solver_doors import compiled, plain
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibro.core.boxes import AXES, Box, speed_at
-from vibro.core.branches import Cover, _rise, _sink, cover
-from vibro.core.comparison import least_speed
+from vibro.core.boxes import AXES, Box, Cover, _rise, _sink, cover, least_speed, speed_at
 
 LOW = [1.3, 0.33, 0.0, 0.0, 0.0, 0.6, 0.45]
 HIGH = [1.5, 0.37, 0.0, 0.0, 0.03, 0.8, 0.6]

@@ -7,17 +7,13 @@ import math
 import pytest
 from helpers.hopping_bodies import FLIGHTS, HOPS, line
 
-from vibro.core import averages as averages_module
-from vibro.core import captures as captures_module
-from vibro.core.averages import Means, _with_captures
-from vibro.core.bounces import Bounces, bounces
-from vibro.core.captures import Captures, captures
+from vibro.core import hops as averages_module
+from vibro.core import hops as captures_module
 from vibro.core.codes import Status
-from vibro.core.flight import bed_of
+from vibro.core.flight import Bounces, bed_of, bounces
+from vibro.core.hops import Captures, Means, _with_captures, captures, kick
 from vibro.core.legs import track_of
-from vibro.core.orbits import hopping_cycle, orbit_from
-from vibro.core.return_map import write_hops
-from vibro.core.samples import kick
+from vibro.core.return_map import hopping_cycle, orbit_from, write_hops
 
 TURN = 2.0 * math.pi
 BODIES = 8

@@ -20,7 +20,7 @@ from helpers.waves import (
 )
 
 from vibro.core.cells import behind, find_nodes, largest, next_event, number_of_nodes
-from vibro.core.elementary import TURN
+from vibro.core.numbers import TURN
 from vibro.core.waves import FORCE, Mix, Waves, nodes_of
 
 EPS = 2.0**-52

@@ -7,16 +7,23 @@ import math
 import pytest
 from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
 
-from vibro.core import coexistence as coexistence_module
-from vibro.core.bounces import bounces, single_bounce
+from vibro.core import attractors as coexistence_module
+from vibro.core.attractors import _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
 from vibro.core.codes import Status
-from vibro.core.coexistence import _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
-from vibro.core.drives import Loads, directions, line_loads, weight_over_load
-from vibro.core.flight import sinusoidal
-from vibro.core.hopping import enter, hopping
+from vibro.core.drive import Loads, directions, line_loads, weight_over_load
+from vibro.core.flight import bounces, single_bounce, sinusoidal
+from vibro.core.hops import enter, hopping
 from vibro.core.legs import track_of
-from vibro.core.orbits import HoppingCycle, Orbit, cycle_from, differ, hopping_cycle
-from vibro.core.return_map import Return, return_map, write_hop
+from vibro.core.return_map import (
+    HoppingCycle,
+    Orbit,
+    Return,
+    cycle_from,
+    differ,
+    hopping_cycle,
+    return_map,
+    write_hop,
+)
 
 TURN = 2.0 * math.pi
 

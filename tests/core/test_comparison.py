@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import Scene
-from vibro.core.boxes import AXES, Box
-from vibro.core.comparison import least_speed
+from vibro.core.boxes import AXES, Box, least_speed
 
 INF = math.inf
 ROUNDING = 1e-14  # of the trough's largest speed

@@ -322,7 +322,7 @@ def test_a_library_of_its_source_is_loaded(folder: Path) -> None:
     assert load().compiled
 
 
-@pytest.mark.parametrize("name", ["slide.py", "loop.py", "codes.py"])
+@pytest.mark.parametrize("name", ["slides.py", "loop.py", "codes.py"])
 def test_a_library_of_another_source_is_refused(folder: Path, name: str) -> None:
     source = folder / name
     source.write_bytes(source.read_bytes() + b"\n")

@@ -28,16 +28,9 @@ from helpers.two_axis_scenes import rotated
 
 from vibro.core import contact as module
 from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
-from vibro.core.contact import (
-    Steady,
-    outlasts_back,
-    pair_of,
-    ratio_of,
-    regime_alone,
-    steady_cycle,
-)
-from vibro.core.drives import Loads, directions, line_loads, mirrored
-from vibro.core.windows import Thresholds, phase_offset, thresholds
+from vibro.core.contact import Steady, outlasts_back, pair_of, ratio_of, regime_alone, steady_cycle
+from vibro.core.drive import Loads, directions, line_loads, mirrored
+from vibro.core.slides import Thresholds, phase_offset, thresholds
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -192,7 +185,7 @@ def test_a_slide_that_never_ends_is_no_cycle() -> None:
 
 
 def test_a_slide_whose_refinement_does_not_settle_is_unresolved(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.core.slide._SETTLED", -1.0)
+    monkeypatch.setattr("vibro.core.slides._SETTLED", -1.0)
     seen = set()
     for weight in (0.9, 1.1, 0.85, 0.74, 0.7):
         for back in (1.0, -1.0):

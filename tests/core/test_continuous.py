@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 from helpers.contact_loads import EPS, MP, TURN, Exact, heavier, line, random_ellipses, random_lines
 
-from vibro.core import continuous as module
-from vibro.core.continuous import (
+from vibro.core import contact as module
+from vibro.core.contact import (
     ContinuousSliding,
     continuous_motion,
     continuous_sliding,
@@ -19,8 +19,8 @@ from vibro.core.continuous import (
     middle_phase,
     no_cycle,
 )
-from vibro.core.drives import Loads, mirrored
-from vibro.core.windows import Start, resting_start, thresholds
+from vibro.core.drive import Loads, mirrored
+from vibro.core.slides import Start, resting_start, thresholds
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -9,12 +9,11 @@ import pytest
 from helpers.contact_loads import MP, TURN, Exact, ellipse, line, random_loads
 
 from vibro.core.codes import PATTERNS, Pattern, Status
-from vibro.core.contact import steady_cycle
-from vibro.core.cycle_slides import CycleSlides, SlideLeg, cycle_slides, no_leg
-from vibro.core.windows import thresholds
+from vibro.core.contact import CycleSlides, SlideLeg, cycle_slides, no_leg, steady_cycle
+from vibro.core.slides import thresholds
 
 if TYPE_CHECKING:
-    from vibro.core.drives import Loads
+    from vibro.core.drive import Loads
 
 # Direction of each slide, and whether it starts from rest, in the order of the pattern.
 SLIDES = {

@@ -16,10 +16,9 @@ from helpers.scenes import at_load, loads_of
 
 from vibro import Scene, critical_loads, solve
 from vibro.core.codes import PATTERNS, Pattern, Status
-from vibro.core.contact import Steady, steady_cycle
-from vibro.core.derivatives import Change, displacement_rate, load_slope
-from vibro.core.drives import Loads
-from vibro.core.windows import thresholds
+from vibro.core.contact import Change, Steady, displacement_rate, load_slope, steady_cycle
+from vibro.core.drive import Loads
+from vibro.core.slides import thresholds
 from vibro.slopes import Gradient, displacement_gradient, slides_of
 from vibro.slopes import load_slope as load_slope_of
 

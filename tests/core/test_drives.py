@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from vibro.core.drives import (
+from vibro.core.drive import (
     Directions,
     along_cosine,
     along_sine,

@@ -12,8 +12,8 @@ from helpers.cases import each
 from mpmath import mp, mpf
 from scipy.integrate import quad
 
-from vibro.core import elementary
-from vibro.core.elementary import (
+from vibro.core import numbers
+from vibro.core.numbers import (
     free_motion,
     hypotenuse,
     positive_part,
@@ -32,10 +32,10 @@ EPS = 2.0**-52
 
 
 def test_constants() -> None:
-    assert (math.pi, 2 * math.pi, math.pi / 2) == (elementary.PI, elementary.TURN, elementary.QUARTER)
-    assert (elementary.EPS, elementary.FEW_ULP, elementary.NOISE) == (EPS, 4 * EPS, 16 * EPS)
-    assert math.inf == elementary.INF
-    assert math.isnan(elementary.NAN)
+    assert (math.pi, 2 * math.pi, math.pi / 2) == (numbers.PI, numbers.TURN, numbers.QUARTER)
+    assert (numbers.EPS, numbers.FEW_ULP, numbers.NOISE) == (EPS, 4 * EPS, 16 * EPS)
+    assert math.inf == numbers.INF
+    assert math.isnan(numbers.NAN)
 
 
 def test_phases_are_reduced_to_one_turn() -> None:

@@ -10,8 +10,7 @@ import pytest
 from helpers.solver_boxes import box_of
 from helpers.solver_doors import compiled, plain
 
-from vibro.core.boxes import AXES, Box, speed_at
-from vibro.core.evolution import Population, evolve
+from vibro.core.boxes import AXES, Box, Population, evolve, speed_at
 
 SIZE = 32
 LOW = [1.0, 0.33, 0.0, 0.0, 0.0, 0.6, 0.45]

@@ -25,9 +25,20 @@ from helpers.followed import (
 
 from vibro.core import history
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads
-from vibro.core.history import Followed, Legs, Sections, follow_legs, is_section, sections_of
-from vibro.core.steps import Launch, State, course_of, starting, step
+from vibro.core.drive import Loads
+from vibro.core.history import (
+    Followed,
+    Launch,
+    Legs,
+    Sections,
+    State,
+    course_of,
+    follow_legs,
+    is_section,
+    sections_of,
+    starting,
+    step,
+)
 
 INF = math.inf
 STARTS = [(0.0, 0.0), (2.0, -0.8), (-8.0, 0.5)]

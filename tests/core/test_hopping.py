@@ -9,15 +9,13 @@ from engines.two_axis_walk import NeverEndsError, NeverSettlesError
 from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, lift_off, line, walked
 from helpers.reference_tables import read_rows
 
-from vibro.core import hopping as hopping_module
-from vibro.core.averages import Means
-from vibro.core.bounces import Bounces, bounces
-from vibro.core.buffers import MOST_THROW
+from vibro.core import hops as hopping_module
 from vibro.core.codes import IRREGULAR, Status, spelt_text
-from vibro.core.drives import Loads, directions, line_loads, weight_over_load
-from vibro.core.flight import sinusoidal
-from vibro.core.hopping import Hopping, enter, hopping
+from vibro.core.drive import Loads, directions, line_loads, weight_over_load
+from vibro.core.flight import Bounces, bounces, sinusoidal
+from vibro.core.hops import Hopping, Means, enter, hopping
 from vibro.core.legs import Track, track_of
+from vibro.core.numbers import MOST_THROW
 from vibro.core.return_map import release, return_map
 
 TURN = 2.0 * math.pi

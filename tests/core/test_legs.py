@@ -11,16 +11,9 @@ import pytest
 from helpers.cases import each
 
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
-from vibro.core.elementary import until
-from vibro.core.legs import (
-    Forcing,
-    contact_leg,
-    forcing,
-    mode_of,
-    slide_from_speed,
-    track_of,
-)
+from vibro.core.drive import Loads, directions, ellipse_loads, line_loads
+from vibro.core.legs import Forcing, contact_leg, forcing, mode_of, slide_from_speed, track_of
+from vibro.core.numbers import until
 
 TURN = 2.0 * math.pi
 EPS = 2.0**-52

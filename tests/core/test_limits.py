@@ -19,13 +19,13 @@ from vibro.core import limits as module
 from vibro.core.codes import Pattern, Regime, Status
 from vibro.core.contact import Steady, steady_cycle
 from vibro.core.limits import CriticalLoads, critical_loads, tipping_load
-from vibro.core.windows import thresholds
+from vibro.core.slides import thresholds
 from vibro.limits import critical_loads_of_lines, tipping_load_of_lines, transitions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from vibro.core.drives import Loads
+    from vibro.core.drive import Loads
 
 NEAR = 1e-9
 

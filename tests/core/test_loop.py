@@ -14,18 +14,24 @@ from helpers.solver_doors import plain
 import vibro
 from vibro import Regime, Scene, Status
 from vibro.core import loop
-from vibro.core.bounces import Flights
+from vibro.core.attractors import coexisting
 from vibro.core.codes import IRREGULAR, SPELT_PATTERNS, Model
-from vibro.core.coexistence import coexisting
 from vibro.core.compiled import Doors, doors
-from vibro.core.contact import ratio_of, regime_alone, steady_cycle
-from vibro.core.cycle_slides import cycle_slides
-from vibro.core.derivatives import Change, displacement_rate, load_slope
-from vibro.core.hopping import hopping
+from vibro.core.contact import (
+    Change,
+    cycle_slides,
+    displacement_rate,
+    load_slope,
+    ratio_of,
+    regime_alone,
+    steady_cycle,
+)
+from vibro.core.flight import Flights
+from vibro.core.hops import hopping
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.return_map import Hops
 from vibro.core.scenes import Place, Scenes, seek, unit_point_at
-from vibro.core.windows import thresholds
+from vibro.core.slides import thresholds
 from vibro.drives import Line
 from vibro.results.steady import RESULTS
 from vibro.slopes import Gradient, displacement_gradient, slides_of
@@ -297,5 +303,5 @@ def test_gradients_and_slides_go_to_their_fields(scene: Scene) -> None:
 
 
 def test_all_doors_are_functions() -> None:
-    assert len(loop.__all__) == len(set(loop.__all__))
-    assert all(callable(getattr(loop, name)) for name in loop.__all__)
+    assert len(loop.DOORS) == len(set(loop.DOORS))
+    assert all(callable(door) for door in loop.DOORS)

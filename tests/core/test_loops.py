@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 import vibro.core
-from vibro.core.buffers import HARMONICS, MIXES, ROOM
 from vibro.core.cells import largest
 from vibro.core.codes import Regime, Status
 from vibro.core.contact import Steady
-from vibro.core.drives import wave_loads
+from vibro.core.drive import wave_loads
+from vibro.core.numbers import HARMONICS, MIXES, ROOM
+from vibro.core.slides import thresholds
 from vibro.core.wave_cycle import wave_classes, wave_cycle
 from vibro.core.waves import Mix, Waves, prepare_cells, read_harmonic, tabulate, with_bounds
-from vibro.core.windows import thresholds
 
 FILES = sorted(Path(vibro.core.__path__[0]).glob("*.py"))
 

@@ -9,16 +9,14 @@ import numpy as np
 import pytest
 from helpers.followed import FLIGHTS, LAST, TURN, load_along, load_normal, newton, room, view
 
-from vibro.core.arrival import arrival_cycles
-from vibro.core.buffers import ELLIPSE as ELLIPSES
-from vibro.core.buffers import EXTREME, Moments
-from vibro.core.buffers import LINE as LINES
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads
-from vibro.core.history import Legs, sections_of
-from vibro.core.motions import Cycle, arrivals, followed, history, moments
+from vibro.core.drive import Loads
+from vibro.core.history import Launch, Legs, State, arrival_cycles, course_of, sections_of
+from vibro.core.loop import Cycle, arrivals, followed, history, moments
+from vibro.core.numbers import ELLIPSE as ELLIPSES
+from vibro.core.numbers import EXTREME, Moments
+from vibro.core.numbers import LINE as LINES
 from vibro.core.scenes import Place, Scenes, point_at, seek
-from vibro.core.steps import Launch, State, course_of
 
 PLACE = Place(view(np.zeros(10, np.int64)), view(np.zeros(1)), view(np.zeros(1, np.int64)))
 LINE = {

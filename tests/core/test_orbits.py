@@ -9,12 +9,12 @@ import pytest
 from helpers.cases import each
 from helpers.hopping_bodies import FLIGHTS, HOPS, Drawn, draw, ellipse, line
 
-from vibro.core import orbits
+from vibro.core import return_map
 from vibro.core.codes import Status, spelt_text
-from vibro.core.drives import Loads
-from vibro.core.hopping import enter
+from vibro.core.drive import Loads
+from vibro.core.hops import enter
 from vibro.core.legs import Track, track_of
-from vibro.core.orbits import (
+from vibro.core.return_map import (
     ROUNDING,
     HoppingCycle,
     Orbit,
@@ -23,10 +23,10 @@ from vibro.core.orbits import (
     has_stop,
     hopping_cycle,
     orbit_from,
+    release,
     stopping,
     stops_of,
 )
-from vibro.core.return_map import release
 
 TURN = 2.0 * math.pi
 EPS = 2.0**-52
@@ -251,7 +251,7 @@ def test_a_body_that_is_carried_uphill_does_not_run_away(monkeypatch: pytest.Mon
     assert begin.velocity < downhill
     assert orbit_from(cycle, HOPS, downhill).velocity == pytest.approx(home.velocity, abs=1e-12)
     none = Orbit(0.0, begin, Status.UNRESOLVED)
-    monkeypatch.setattr(orbits, "_first_stopping", lambda *arguments: none)
+    monkeypatch.setattr(return_map, "_first_stopping", lambda *arguments: none)
     assert orbit_from(cycle, HOPS, downhill).status == Status.UNRESOLVED
 
 

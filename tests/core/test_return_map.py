@@ -22,19 +22,11 @@ from helpers.hopping_bodies import (
     walker,
 )
 
-from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import IRREGULAR, MOST_LETTERS, Mode, spelt_text
-from vibro.core.drives import Loads, phase_difference, tangential_load
-from vibro.core.flight import bed_of
+from vibro.core.drive import Loads, phase_difference, tangential_load
+from vibro.core.flight import Bounces, bed_of, bounces
 from vibro.core.legs import track_of
-from vibro.core.return_map import (
-    Return,
-    _append,
-    release,
-    return_map,
-    with_same_ground_speed,
-    write_hop,
-)
+from vibro.core.return_map import Return, _append, release, return_map, with_same_ground_speed, write_hop
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

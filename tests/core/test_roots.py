@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from vibro.core.elementary import EPS, INF
-from vibro.core.roots import Value, bisected, illinois, newton
+from vibro.core.numbers import EPS, INF, Value, bisected, illinois, newton
 
 
 def cube(of: float, x: float) -> float:

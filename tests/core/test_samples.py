@@ -8,11 +8,11 @@ import math
 import pytest
 from helpers.cases import each
 
-from vibro.core.buffers import BODIES, MOST_HOPS
-from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
+from vibro.core.drive import Loads, directions, ellipse_loads, line_loads
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight
+from vibro.core.hops import BodySample, _spread, fly, kick
+from vibro.core.numbers import BODIES, MOST_HOPS
 from vibro.core.return_map import Hops, write_hop
-from vibro.core.samples import BodySample, _spread, fly, kick
 
 TURN = 2.0 * math.pi
 LENGTH = 12  # events in each half of the samples below

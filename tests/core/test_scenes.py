@@ -11,9 +11,9 @@ from helpers.scenes import loads_of
 from helpers.solver_doors import plain
 
 from vibro import Scene
-from vibro.core.buffers import HARMONICS
 from vibro.core.compiled import Doors, doors
-from vibro.core.drives import ellipse_scale
+from vibro.core.drive import ellipse_scale
+from vibro.core.numbers import HARMONICS
 from vibro.core.scenes import Place, Scenes, advance, point_at, seek, unit_point_at, visit
 from vibro.drives import Harmonics
 from vibro.solver import Grid, Scratch, over_cells

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from vibro.core import slide as module
-from vibro.core.slide import Onset, slide, start_inside
+from vibro.core import slides as module
+from vibro.core.slides import Onset, slide, start_inside
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

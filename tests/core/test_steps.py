@@ -11,8 +11,8 @@ from helpers.cases import each
 from helpers.followed import ALL, CONTACT, HOPS, TURN, ellipse, line, load_along, load_normal, newton, walked
 
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads
-from vibro.core.steps import State, Step, course_of, nearest_turn, starting, step
+from vibro.core.drive import Loads
+from vibro.core.history import State, Step, course_of, nearest_turn, starting, step
 
 STARTS = [(0.0, 0.0), (4.0, -0.8), (-8.0, 0.5)]
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from helpers.waves import coefficients_of, drawn_harmonics, drawn_pieces, harmonic_waves, piecewise_waves
 
-from vibro.core import wave_flights
+from vibro.core import flight
 from vibro.core.cells import behind, find_nodes, largest, number_of_nodes
-from vibro.core.elementary import TURN
-from vibro.core.wave_flights import fly_over_waves
-from vibro.core.wave_slides import ahead
+from vibro.core.flight import fly_over_waves
+from vibro.core.legs import ahead
+from vibro.core.numbers import TURN
 from vibro.core.waves import NORMAL, Mix, Waves, load_at, nodes_of
 
 EPS = 2.0**-52
@@ -156,7 +156,7 @@ def test_flights_take_few_pieces_however_long_they_are(
         calls += 1
         return ahead(waves, row, phase, index)
 
-    monkeypatch.setattr(wave_flights, "ahead", counted)
+    monkeypatch.setattr(flight, "ahead", counted)
     rng = np.random.default_rng(harmonics)
     worst, longest = 0, 0.0
     for i in range(60):

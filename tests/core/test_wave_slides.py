@@ -20,9 +20,9 @@ from helpers.waves import (
 
 import vibro
 from vibro.core.cells import forget_nodes, largest
-from vibro.core.drives import wave_loads
-from vibro.core.elementary import TURN
-from vibro.core.wave_slides import WaveSlide, slide_over_waves
+from vibro.core.drive import wave_loads
+from vibro.core.legs import WaveSlide, slide_over_waves
+from vibro.core.numbers import TURN
 from vibro.core.waves import KINETIC_BACK, KINETIC_FORWARD, Mix
 
 INF = math.inf

@@ -18,7 +18,7 @@ from helpers.waves import (
     piecewise_waves,
 )
 
-from vibro.core.elementary import QUARTER, TURN
+from vibro.core.numbers import QUARTER, TURN
 from vibro.core.waves import (
     Mix,
     Waves,

@@ -9,9 +9,9 @@ import pytest
 from helpers.cases import each
 from helpers.contact_loads import EPS, MP, Exact, line, random_ellipses, random_lines, random_loads
 
-from vibro.core import windows
-from vibro.core.drives import Loads, mirrored
-from vibro.core.windows import (
+from vibro.core import slides
+from vibro.core.drive import Loads, mirrored
+from vibro.core.slides import (
     Start,
     cosine_lead,
     load_amplitude,
@@ -209,7 +209,7 @@ def test_a_start_from_rest_of_an_ellipse(way: float) -> None:
         _compare(x, way)
         exact = Exact(x)
         normal = exact.n - exact.b * MP.sin(exact.window(way)[0])
-        nearly_lifted += normal < windows._NEARLY_LIFTED * exact.n
+        nearly_lifted += normal < slides._NEARLY_LIFTED * exact.n
     assert nearly_lifted > 20
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 from engines import two_axis_walk
 
-from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
+from vibro.core.drive import Loads, directions, ellipse_loads, line_loads
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,12 +7,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibro.core.bounces import Flights
-from vibro.core.buffers import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
-from vibro.core.history import Followed, LastStarts, Legs, follow_legs, sections_of
-from vibro.core.steps import Course, Launch, State, Step, course_of, starting, step
+from vibro.core.drive import Loads, directions, ellipse_loads, line_loads
+from vibro.core.flight import Flights
+from vibro.core.history import (
+    Course,
+    Followed,
+    LastStarts,
+    Launch,
+    Legs,
+    State,
+    Step,
+    course_of,
+    follow_legs,
+    sections_of,
+    starting,
+    step,
+)
+from vibro.core.numbers import LONGEST_CYCLE, MOST_BOUNCES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

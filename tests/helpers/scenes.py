@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from vibro import Scene, SteadyCycle, solve
-from vibro.core.drives import Loads, directions, ellipse_loads, ellipse_scale, line_loads, weight_over_load
+from vibro.core.drive import Loads, directions, ellipse_loads, ellipse_scale, line_loads, weight_over_load
 from vibro.drives import Ellipse, Line
 from vibro.results.steady import RESULTS
 

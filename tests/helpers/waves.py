@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibro.core.buffers import HARMONICS, MIXES, PIECES, ROOM
-from vibro.core.elementary import TURN
+from vibro.core.numbers import HARMONICS, MIXES, PIECES, ROOM, TURN
 from vibro.core.waves import Waves, prepare_cells, prepare_pieces, read_harmonic, tabulate, with_bounds
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import vibro
-from vibro.core.continuous import likely_sliding
-from vibro.core.drives import Loads
-from vibro.core.windows import resting_start, thresholds
+from vibro.core.contact import likely_sliding
+from vibro.core.drive import Loads
+from vibro.core.slides import resting_start, thresholds
 from vibro.motion.settled import cycle_phases, settled_motion
 
 if TYPE_CHECKING:

@@ -1,43 +1,177 @@
 """All cycles in which bodies were found to settle: those that coexist on one trough.
 
 In contact they are the fixed points of the return map of one turn, Eq. (36). Of bodies that hop they are
-those along the flights from rest, and along the flights to which the starts of ``coexistence.py`` lead.
+those along the flights from rest, and along the flights to which the starts of ``coexisting`` lead.
 Lengths in A, speeds in A w, normal speeds over n = cos(beta)/G [A w n], phases in radians.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-from vibro.core.bounces import Bounces, Flights, bounces, normal_multiplier
-from vibro.core.buffers import MOST_THROW, Doubles, Integers
-from vibro.core.cells import Event
+from vibro.core.cells import Event, behind, number_of_nodes
 from vibro.core.codes import Mode, Status
-from vibro.core.coexistence import OTHER, most_flights, number_of_starts, start_at
 from vibro.core.contact import without_cycle
-from vibro.core.drives import Loads, phase_difference, proved_multiplier
-from vibro.core.elementary import INF, TURN, wrap
-from vibro.core.flight import bed_of
-from vibro.core.hopping import cycle_of, enter, entered
+from vibro.core.drive import Loads, phase_difference, proved_multiplier
+from vibro.core.flight import Bed, Bounces, Flights, bed_of, bounces, normal_multiplier, single_bounce
+from vibro.core.hops import cycle_of, enter, entered
 from vibro.core.legs import next_onset, track_of
-from vibro.core.orbits import (
+from vibro.core.numbers import INF, MOST_THROW, NAN, PI, QUARTER, TURN, Doubles, Integers, wrap
+from vibro.core.return_map import (
     HoppingCycle,
+    Hops,
     Orbit,
     between,
     cycle_from,
     differ,
     has_stop,
     hopping_cycle,
+    no_hops,
     orbit_from,
+    others_on,
+    return_map,
     stopping,
     stops_of,
 )
-from vibro.core.return_map import Hops, no_hops, return_map
-from vibro.core.waves import SINE
-from vibro.core.windows import Thresholds
+from vibro.core.slides import Thresholds
+from vibro.core.waves import NORMAL, SINE, nodes_of
 
-__all__ = ["Attractors", "Survey", "list_attractors"]
+# ------------------------------------------------------------------------------
+# Other motions of a body that hops than the one from rest: where a disturbed body can settle.
+#
+# Two kinds: it slides otherwise between the same flights, or it flies otherwise. Lengths in A, speeds in A w,
+# phases in radians.
+
+_OTHER: Final = 1e-6  # [A w n] difference of the largest landing speeds of two cycles of flights
+
+# Starts from which other flights are looked for: on the cycles of one bounce each that lasts up to so many
+# turns, and on a grid of phases and speeds.
+_LONGEST: Final = 16
+_PHASES: Final = 8
+_SPEEDS: Final = 6
+_MOST_FLIGHTS: Final = 64
+
+
+def coexisting(
+    loads: Loads, restitution: float, period: float, impact: float, flights: Flights, hops: Hops
+) -> bool:
+    """Return whether other motions than that from rest were found.
+
+    Parameters
+    ----------
+    loads : Loads
+        Groups of a scene that hops.
+    restitution : float
+        e.
+    period, impact : float
+        Drive cycles of the motion from rest, NaN where it does not repeat, and its largest landing speed
+        [A w].
+    flights, hops : Flights, Hops
+        Scratch memory.
+
+    Returns
+    -------
+    bool
+        True where other relative velocities repeat with the same flights (all of them are found), or where
+        other flights repeat, of those that 64 starts lead to within 64 flights.
+    """
+    if not math.isnan(period) and _slides_otherwise(loads, restitution, flights, hops):
+        return True
+    track_of(loads, restitution)  # the zeros of the normal load
+    return _flies_otherwise(bed_of(loads), restitution, period, impact / loads.weight_normal, flights)
+
+
+def _flies_otherwise(bed: Bed, restitution: float, period: float, impact: float, flights: Flights) -> bool:
+    """Return whether other flights repeat than those from rest, whose largest landing speed is ``impact``."""
+    most = 0
+    for i in range(_number_of_starts(bed)):
+        start = _start_at(bed, restitution, i, most)
+        most += 1 if start.bounces else 0
+        leaves = not math.isnan(start.phase)
+        if leaves and _leads_elsewhere(bed, restitution, start.phase, start.speed, period, impact, flights):
+            return True
+    return False
+
+
+class _SearchStart(NamedTuple):
+    """A take-off from which other flights are looked for.
+
+    Attributes
+    ----------
+    phase, speed : float
+        Of the take-off [rad, A w n]; NaN where there is none.
+    bounces : bool
+        Whether it is on a cycle of one bounce.
+    """
+
+    phase: float
+    speed: float
+    bounces: bool
+
+
+def _number_of_starts(bed: Bed) -> int:
+    """Return how many starts there are: the lift-offs, those of one bounce, and a grid of the others."""
+    lift_offs = number_of_nodes(bed.waves, NORMAL) if bed.waves.kind != SINE else 0
+    return lift_offs + _LONGEST + _PHASES * _SPEEDS
+
+
+def _start_at(bed: Bed, restitution: float, index: int, most: int) -> _SearchStart:
+    """Return one of the starts; ``most`` is how many before it are on cycles of one bounce."""
+    i = index
+    if bed.waves.kind != SINE:
+        lift_offs = number_of_nodes(bed.waves, NORMAL)
+        if i < lift_offs:  # bodies that rest until another lift-off
+            lifts = behind(bed.waves, NORMAL, i)
+            return _SearchStart(
+                bed.waves.number[nodes_of(bed.waves, NORMAL) + i] if lifts else NAN, 0.0, False
+            )
+        i -= lift_offs
+    if i < _LONGEST:
+        bounce = single_bounce(bed, restitution, i + 1, 0)
+        # where there is no such bounce a start from the crest, with its speed, is as good as any
+        speed = TURN * (i + 1) * restitution / (1.0 + restitution)
+        return _SearchStart(bounce.phase if bounce.exists else QUARTER, speed, bounce.exists)
+    i -= _LONGEST
+    speed = (float(i // _PHASES) + 0.5) / _SPEEDS * (max(most, 1) + 0.5) * PI
+    return _SearchStart(TURN * (i % _PHASES) / _PHASES, speed, False)
+
+
+def _most_flights() -> int:
+    """Return after how many flights from a start the search ends."""
+    return _MOST_FLIGHTS
+
+
+def _leads_elsewhere(
+    bed: Bed,
+    restitution: float,
+    phase: float,
+    speed: float,
+    period: float,
+    impact: float,
+    flights: Flights,
+) -> bool:
+    """Return whether a take-off leads to flights that repeat and are not those from rest."""
+    motion = bounces(bed, restitution, flights, _MOST_FLIGHTS, phase, speed, False)
+    if not motion.repeats or (motion.rest > 0.0 and bed.waves.kind == SINE):
+        return False  # a contact leads to the motion from rest, where there is one lift-off
+    largest = 0.0
+    for row in range(motion.first, motion.first + motion.count):
+        largest = max(largest, flights.impact[row])
+    return motion.cycles != period or abs(largest - impact) > _OTHER * (1.0 + largest)
+
+
+def _slides_otherwise(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> bool:
+    """Return whether other velocities repeat with the flights from rest."""
+    track = track_of(loads, restitution)
+    entry = enter(track, restitution, flights, hops)
+    motion = entry.motion
+    if not motion.repeats:
+        return False
+    last, duration = motion.first + motion.count, TURN * motion.cycles
+    cycle = hopping_cycle(track, motion.first, last, motion.landing, motion.rest, duration)
+    home = orbit_from(cycle, hops, entry.velocity)
+    return others_on(cycle, hops, entry.velocity, home)
 
 
 class Attractors(NamedTuple):
@@ -77,7 +211,7 @@ class Attractors(NamedTuple):
     pattern: Integers
 
 
-class Survey(NamedTuple):
+class _Survey(NamedTuple):
     """What a search has found.
 
     Attributes
@@ -101,17 +235,17 @@ class Survey(NamedTuple):
 
 def list_attractors(
     loads: Loads, at: Thresholds, restitution: float, flights: Flights, hops: Hops, out: Attractors, room: int
-) -> Survey:
+) -> _Survey:
     """List the cycles of a scene, the one from rest first; ``flights`` and ``hops`` are scratch memory."""
     n, t = loads.weight_normal, abs(loads.weight_tangential)
     away = t > loads.kinetic_friction * n
     if not at.hops:
         if without_cycle(loads, at).status != Status.OK:
-            return Survey(0, False, 1, 0, away)
+            return _Survey(0, False, 1, 0, away)
         return _in_contact(loads, at, out, room, away)
     held = loads.kinetic_friction <= loads.static_friction and t < loads.static_friction * n
     if loads.static_friction == 0.0 or not held or loads.drive_normal > MOST_THROW * n:
-        return Survey(0, False, 1, 0, away)
+        return _Survey(0, False, 1, 0, away)
     track, bed = track_of(loads, restitution), bed_of(loads)
     entry = enter(track, restitution, flights, hops)
     number, most, starts, lost = 0, 0, 1, 0
@@ -124,13 +258,13 @@ def list_attractors(
     else:
         from_rest = False
         lost = 1
-    for i in range(number_of_starts(bed)):
-        start = start_at(bed, restitution, i, most)
+    for i in range(_number_of_starts(bed)):
+        start = _start_at(bed, restitution, i, most)
         most += 1 if start.bounces else 0
         if math.isnan(start.phase):
             continue
         starts += 1
-        motion = bounces(bed, restitution, flights, most_flights(), start.phase, start.speed, False)
+        motion = bounces(bed, restitution, flights, _most_flights(), start.phase, start.speed, False)
         if not motion.repeats:
             lost += 1
             continue
@@ -144,14 +278,14 @@ def list_attractors(
         normal = normal_multiplier(bed, restitution, flights, motion)
         home = orbit_from(cycle, hops, mine.velocity)
         number = _along(cycle, motion, mine.velocity, home, normal, flights, hops, out, number, room)
-    return Survey(number, from_rest, starts, lost, away)
+    return _Survey(number, from_rest, starts, lost, away)
 
 
 def _is_listed(motion: Bounces, flights: Flights, out: Attractors, number: int) -> bool:
     """Return whether flights are those of a row: of one period, with the same landing speeds."""
     largest, total = _impacts(motion, flights)
     for row in range(number):
-        near = OTHER * (1.0 + total)
+        near = _OTHER * (1.0 + total)
         same = abs(largest - out.impact[row]) <= near and abs(total - out.impacts[row]) <= near
         if same and out.period[row] == motion.cycles:
             return True
@@ -213,7 +347,7 @@ def _is_known(
     for row in range(begun, number):
         displacement = found.cycle.displacement / motion.cycles
         beside = Orbit(out.velocity[row], found.cycle, found.status)
-        same = abs(out.displacement[row] - displacement) <= OTHER
+        same = abs(out.displacement[row] - displacement) <= _OTHER
         if same and not differ(cycle, found._replace(velocity=velocity), beside):
             return True
     return False
@@ -241,7 +375,7 @@ def _write(
     return row + 1
 
 
-def _in_contact(loads: Loads, at: Thresholds, out: Attractors, room: int, away: bool) -> Survey:
+def _in_contact(loads: Loads, at: Thresholds, out: Attractors, room: int, away: bool) -> _Survey:
     """List the cycles of one turn without flights."""
     track, hops, start = track_of(loads, 0.0), no_hops(), phase_difference(loads)
     none = Bounces(True, 0, 0, 0, 1, 0.0, 0.0, 0.0)
@@ -250,7 +384,7 @@ def _in_contact(loads: Loads, at: Thresholds, out: Attractors, room: int, away: 
         out.period[0], out.multiplier[0], out.impact[0], out.impacts[0] = 1.0, 0.0, 0.0, 0.0
         out.flights[0] = 0.0
         out.pattern[0] = Mode.REST
-        return Survey(1, True, 1, 0, away)
+        return _Survey(1, True, 1, 0, away)
     ahead, behind = next_onset(track, 1.0, start), next_onset(track, -1.0, start)
     onset = ahead if loads.line or ahead.wait <= behind.wait else behind
     if not onset.wait < INF:
@@ -259,7 +393,7 @@ def _in_contact(loads: Loads, at: Thresholds, out: Attractors, room: int, away: 
     velocity = return_map(track, hops, 0, 0, start, onset.wait, 0.0).velocity
     home = orbit_from(cycle, hops, velocity)
     number = _along(cycle, none, velocity, home, 0.0, _no_flights(hops), hops, out, 0, room)
-    return Survey(number, home.status <= Status.BOUNDARY, 1, 0, away)
+    return _Survey(number, home.status <= Status.BOUNDARY, 1, 0, away)
 
 
 def _no_flights(hops: Hops) -> Flights:

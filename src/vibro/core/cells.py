@@ -12,9 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.buffers import HARMONICS
-from vibro.core.elementary import AT_EVENT, EPS, INF, TURN, until, wrap
-from vibro.core.roots import Value
+from vibro.core.numbers import AT_EVENT, EPS, HARMONICS, INF, TURN, Value, until, wrap
 from vibro.core.waves import (
     Mix,
     Waves,
@@ -29,8 +27,6 @@ from vibro.core.waves import (
     value_at_cell_begin,
     value_in_cell,
 )
-
-__all__ = ["Event", "behind", "find_nodes", "forget_nodes", "largest", "next_event", "number_of_nodes"]
 
 _VALUE_BOUND: Final = 1.0 / 384.0
 _SLOPE_BOUND: Final = 0.00801875373874480  # sqrt(3) / 216

@@ -11,26 +11,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = [
-    "IRREGULAR",
-    "LETTERS",
-    "MODELS",
-    "MOST_LETTERS",
-    "PATTERNS",
-    "PHASE_NAMES",
-    "SPELT_PATTERNS",
-    "Mode",
-    "Model",
-    "Output",
-    "Pattern",
-    "Regime",
-    "Status",
-    "is_answered",
-    "pattern_texts",
-    "spelt_code",
-    "spelt_text",
-]
-
 
 class Output(StrEnum):
     """What is computed of every cell: all results, or its regime, ratios and status only."""

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Doors", "doors", "library_path"]
 
 _FOLDER: Final = Path(__file__).parent
 

@@ -10,22 +10,15 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.averages import CAPTURED, MOST_TURNS, Bodies, spread_of, start_of
-from vibro.core.bounces import Flights, single_bounce
-from vibro.core.buffers import BODIES, doubles, integers
 from vibro.core.codes import Mode, Status
-from vibro.core.cycle_slides import SlideLeg, cycle_slides
-from vibro.core.drives import Loads, along_cosine, along_sine, free_along, free_normal, phase_difference
-from vibro.core.elementary import INF, NAN, TURN, braked, circle, hypotenuse
-from vibro.core.flight import ACCUMULATED, after_landing, bed_of, flight
-from vibro.core.hopping import cycle_of, enter, means_of
+from vibro.core.contact import SlideLeg, cycle_slides
+from vibro.core.drive import Loads, along_cosine, along_sine, free_along, free_normal, phase_difference
+from vibro.core.flight import ACCUMULATED, Flights, after_landing, bed_of, flight, single_bounce
+from vibro.core.hops import CAPTURED, MOST_TURNS, Bodies, cycle_of, enter, kick, means_of, spread_of, start_of
 from vibro.core.legs import Track, contact_leg, mode_of, track_of
-from vibro.core.orbits import hopping_cycle, orbit_from
-from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, landed, write_hop
-from vibro.core.samples import kick
+from vibro.core.numbers import BODIES, INF, NAN, TURN, braked, circle, doubles, hypotenuse, integers
+from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, hopping_cycle, landed, orbit_from, write_hop
 from vibro.core.waves import at_break
-
-__all__ = ["Reaction", "force_bound", "mean_reaction", "reaction_in_contact", "reaction_of_hops"]
 
 # [rad] Legs up to this length are integrated by Gauss's rule of eight nodes, whose terms all are as small as
 # the leg, within 4e-16 (tests/test_fillings.py). Longer ones have closed forms.

@@ -3,7 +3,7 @@
 A slide's speed is s(p) = s0 + P (cos p0 - cos p) - Q (p - p0), Eq. (23) of docs/theory, with P the
 amplitude of its forcing and Q its drag. Between a maximum of s and the minimum after it s falls, and from one
 minimum to the next it changes by -2 pi Q. So the branch with the first zero follows in closed form, and the
-zero has a proven bracket. Slides from rest in contact scenes have the sharper solution of ``slide.py``.
+zero has a proven bracket. Slides from rest in contact scenes have the sharper solution of ``slides.py``.
 
 A rounded phase does not tell on which side of an onset it lies. So each leg names the one that follows,
 instead of asking the loads at a phase again. Lengths in A, speeds in A w, phases of the normal motion in rad.
@@ -14,12 +14,26 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.cells import Event, find_nodes, forget_nodes, next_event
+from vibro.core.cells import Event, behind, find_nodes, forget_nodes, next_event, number_of_nodes
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, along_sine, beyond_friction, mix_of
-from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, until, wrap, wrap_around
-from vibro.core.roots import bisected
-from vibro.core.wave_slides import slide_over_waves
+from vibro.core.drive import Loads, along_sine, beyond_friction, mix_of
+from vibro.core.numbers import (
+    EPS,
+    HARMONICS,
+    INF,
+    NAN,
+    NOISE,
+    PI,
+    PIECES,
+    QUARTER,
+    TURN,
+    bisected,
+    free_motion,
+    until,
+    wrap,
+    wrap_around,
+)
+from vibro.core.slides import load_amplitude, own_phase
 from vibro.core.waves import (
     FORCE,
     KINETIC_BACK,
@@ -28,22 +42,273 @@ from vibro.core.waves import (
     SINE,
     STATIC_BACK,
     STATIC_FORWARD,
+    Mix,
+    Moved,
     Ride,
+    Waves,
+    depart,
+    integrals_of,
     mixed,
+    moved,
+    nodes_of,
+    place_in,
     ride,
 )
-from vibro.core.windows import load_amplitude, own_phase
 
-__all__ = [
-    "Forcing", "Leg", "SlideEnd", "Track", "contact_leg", "forcing", "mode_of", "next_lift_off",
-    "next_onset", "slide_from_speed", "track_of",
-]  # fmt: skip
+# ------------------------------------------------------------------------------
+# Slides under any periodic load: from zero to zero of what accelerates them, until the speed is lost.
+#
+# Between two zeros of the load beyond kinetic friction the speed is monotone. It is least where that load
+# begins to rise above 0: the body stops before the first such phase at which no speed would be left. Lengths
+# in A, speeds in A w, phases in radians.
+
+_STEPS: Final = 100  # of Halley's iteration with halvings, in a bracket
+_SETTLED_PHASE: Final = 0.1 * EPS  # [1] error, over the phase, that Halley's next step may have
+# [A w] Below this a difference of integrals would leave too few digits of a change of the speed.
+_SMALL: Final = 0.01
+_MOST_BEND: Final = 0.5  # [1] share of the rate that the curvature may change over a step
+# [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
+_MOST_TURNS: Final = 1e15
+# [turn] that are followed one by one: one before all but the last are skipped, one after, and rounding.
+_FOLLOWED_TURNS: Final = 64
+
+
+class Fall(NamedTuple):
+    """What falls to 0 under a load: a speed, or a height that begins with a rate.
+
+    Attributes
+    ----------
+    waves, mix : Waves, Mix
+        The load, kept by ``depart``.
+    phase, load : float
+        Start of the leg, and the load there [rad].
+    height : bool
+        Whether it is a height.
+    value, rate : float
+        At the start; the rate of a height alone.
+    """
+
+    waves: Waves
+    mix: Mix
+    phase: float
+    load: float
+    height: bool
+    value: float
+    rate: float
+
+
+def _fallen(fall: Fall, s: float) -> Moved:
+    """Integrate the load over a phase since the start."""
+    return moved(fall.waves, fall.mix, fall.phase, fall.load, s)
+
+
+class Left(NamedTuple):
+    """What is left a phase after the start, its rate, and its second derivative."""
+
+    phase: float
+    value: float
+    rate: float
+    bend: float
+
+
+def left_after(fall: Fall, s: float) -> Left:
+    """Return what is left after a phase."""
+    return _speed_now(fall, s, _fallen(fall, s))
+
+
+def _speed_now(fall: Fall, s: float, now: Moved) -> Left:
+    if fall.height:
+        return Left(s, fall.value + (fall.rate * s + now.path), fall.rate + now.velocity, now.load)
+    return Left(s, fall.value + now.velocity, now.load, now.slope)
+
+
+def _noise(waves: Waves) -> float:
+    """Return the speed, or height, that rounding may leave of none: pieces may keep a body there."""
+    return NOISE if waves.kind == PIECES else 0.0
+
+
+class Crossing(NamedTuple):
+    """Where nothing is left, and what the load has done until then."""
+
+    phase: float
+    moved: Moved
+
+
+def crossing(fall: Fall, low: Left, high: Left) -> Crossing:
+    """Find where nothing is left, between phases at which values have opposite signs, or are 0.
+
+    Halley's iteration in the bracket that its steps leave, from the zero of the cubic that is level at both
+    ends; halving where it converges slowly, next to a double zero.
+    """
+    begin, end, fell = low.phase, high.phase, low.value - high.value
+    lost = min(max(low.value / fell, 0.0), 1.0) if fell != 0.0 else 0.5
+    if lost == 1.0:  # at the end the load may have jumped, and nothing be left long before
+        lost = 0.5
+    x = begin + (end - begin) * (0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0))
+    before, least, most = end - begin, begin, end
+    now = _fallen(fall, x)
+    for _ in range(_STEPS):
+        here = _speed_now(fall, x, now)
+        # pieces may leave nothing for a while: then find where that begins
+        if (here.value > 0.0) != (fell > 0.0) or (here.rate == 0.0 and abs(here.value) <= _noise(fall.waves)):
+            most = x
+        else:
+            least = x
+        step = -here.value / here.rate if here.rate != 0.0 else INF
+        bend = -0.5 * step * here.bend
+        if abs(bend) < _MOST_BEND * abs(here.rate):
+            step *= here.rate / (here.rate - bend)
+        inside = least <= x + step <= most and abs(step) < 0.5 * before
+        if not inside:
+            step = 0.5 * (least + most) - x
+        before = abs(step)
+        x += step
+        # the next step would be of the cube of this one, over the square of the distance from a double zero,
+        # unless the load jumps
+        room = min(x - begin, end - x) if inside and fall.waves.kind == HARMONICS else 0.0
+        if before <= 4.0 * EPS * x or before * before * before <= _SETTLED_PHASE * x * room * room:
+            return Crossing(x, _onward(now, step))
+        now = _fallen(fall, x)
+    return Crossing(x, now)
+
+
+def _onward(now: Moved, s: float) -> Moved:
+    """Go on by a phase so short that the load's curvature does not matter."""
+    return Moved(
+        now.load + s * now.slope,
+        now.velocity + s * (now.load + s * now.slope / 2.0),
+        now.path + s * (now.velocity + s * (now.load / 2.0 + s * now.slope / 6.0)),
+        now.slope,
+    )
+
+
+class WaveSlide(NamedTuple):
+    """A slide: as ``_SlideEnd`` and, relative to its way, its path."""
+
+    length: float
+    stopped: bool
+    speed: float
+    top: float
+    path: float
+
+
+def first_ahead(waves: Waves, row: int, phase: float) -> int:
+    """Return the index of the first zero of a row that lies ahead of a phase in [0, 2 pi), from 0 on."""
+    return place_in(waves, nodes_of(waves, row), number_of_nodes(waves, row), phase)
+
+
+def ahead(waves: Waves, row: int, phase: float, index: int) -> float:
+    """Return how far ahead of a phase in [0, 2 pi) a zero lies; indices beyond the last count on, a turn on.
+
+    The row must not be empty.
+    """
+    count = number_of_nodes(waves, row)
+    turns = index // count
+    return waves.number[nodes_of(waves, row) + index - turns * count] - phase + TURN * turns
+
+
+def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit: float) -> WaveSlide:
+    """Follow a slide until it stops or the contact ends.
+
+    Parameters
+    ----------
+    loads : Loads
+        Groups of the scene; zeros of its load beyond kinetic friction are found when first needed.
+    way : float
+        +1.0 forward, -1.0 back.
+    phase, speed : float
+        Of its start, speed >= 0; where that is 0 the load must exceed friction [rad, A w].
+    limit : float
+        Phase from the start to the end of the contact; inf where there is none [rad].
+    """
+    waves = loads.waves
+    row = KINETIC_FORWARD if way > 0.0 else KINETIC_BACK
+    mix, phase = mix_of(loads, row), wrap(phase)
+    if number_of_nodes(waves, row) < 0:
+        _find(waves, row, mix)
+    start = depart(waves, mix, phase)
+    fall = Fall(waves, mix, phase, start.load, False, speed, 0.0)
+    count = number_of_nodes(waves, row)
+    if count == 0:
+        return _monotone(fall, limit)
+    index = first_ahead(waves, row, phase)
+    rises = behind(waves, row, index % count)
+    if speed == 0.0 and rises:
+        # rounding has put the onset in front of the phase from which the load exceeds friction
+        index, rises = index + 1, False
+    drop, noise = -TURN * mix.constant, _noise(waves)
+    low, top, least, minima = Left(0.0, speed, start.load, 0.0), speed, INF, 0
+    for _ in range(_FOLLOWED_TURNS * count):
+        far = ahead(waves, row, phase, index)
+        if far >= limit:
+            then = _fallen(fall, limit)
+            high = _speed_now(fall, limit, then)
+            if not (high.value <= noise and rises):
+                end = max(high.value, 0.0)
+                return WaveSlide(limit, False, end, max(top, high.value), speed * limit + then.path)
+        else:
+            high = _at_node(fall, row, index, far, start.integral)
+        if high.value <= noise and rises:
+            return _stopped(fall, crossing(fall, low, high), top)
+        top = max(top, high.value)
+        if rises:
+            least = min(least, high.value)
+            minima += 2
+        low, index, rises = high, index + 1, not rises
+        if minima >= count and rises and limit == INF:
+            # all minima of a turn were passed, and all maxima: each turn takes as much from them
+            if not drop > 0.0 or least / drop > _MOST_TURNS:
+                return WaveSlide(INF, False, NAN, NAN, NAN)
+            turns = float(math.floor(least / drop))
+            if turns >= 1.0:
+                index += count * int(turns)
+                low = _at_node(fall, row, index - 1, ahead(waves, row, phase, index - 1), start.integral)
+            least, minima = INF, 0
+    return WaveSlide(NAN, False, NAN, NAN, NAN)
+
+
+def _find(waves: Waves, row: int, mix: Mix) -> None:
+    """Find the zeros of a load beyond kinetic friction, and its integral there."""
+    find_nodes(waves, row, mix)
+    for i in range(number_of_nodes(waves, row)):
+        zero = waves.number[nodes_of(waves, row) + i]
+        waves.number[integrals_of(waves, row) + i] = depart(waves, mix, zero).integral
+
+
+def _at_node(fall: Fall, row: int, index: int, far: float, integral: float) -> Left:
+    """Return what is left at a zero of the load, from its integrals there and at the start."""
+    node = integrals_of(fall.waves, row) + index % number_of_nodes(fall.waves, row)
+    gain = fall.mix.constant * far + (fall.waves.number[node] - integral)
+    if abs(gain) < _SMALL:
+        gain = _fallen(fall, far).velocity
+    return Left(far, fall.value + gain, 0.0, 0.0)
+
+
+def _monotone(fall: Fall, limit: float) -> WaveSlide:
+    """Follow a slide under a load that never changes its sign."""
+    drop = -TURN * fall.mix.constant
+    if limit == INF:
+        if not drop > 0.0 or fall.value / drop > _MOST_TURNS:
+            return WaveSlide(INF, False, NAN, NAN, NAN)
+        limit = TURN * (math.floor(fall.value / drop) + 1.0)
+    then = _fallen(fall, limit)
+    high = _speed_now(fall, limit, then)
+    if high.value > 0.0:
+        path = fall.value * limit + then.path
+        return WaveSlide(limit, False, high.value, max(fall.value, high.value), path)
+    if fall.value == 0.0:
+        return WaveSlide(0.0, True, 0.0, 0.0, 0.0)
+    return _stopped(fall, crossing(fall, left_after(fall, 0.0), high), fall.value)
+
+
+def _stopped(fall: Fall, stop: Crossing, top: float) -> WaveSlide:
+    return WaveSlide(stop.phase, True, 0.0, top, fall.value * stop.phase + stop.moved.path)
+
 
 # [1] Loads beyond this stop a slide at once, and would overflow in the sums and products below.
 _MOST_LOAD: Final = 1e300
 
 # [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
-_MOST_TURNS: Final = 1e15
 
 _HALLEY_STEPS: Final = 4
 # [1] A last step below this fraction of the way from the maximum leaves rounding errors only, at double zeros
@@ -181,7 +446,7 @@ def _onset(loads: Loads, way: float) -> float:
     return wrap(math.asin(threshold / amplitude) - shift)
 
 
-class SlideEnd(NamedTuple):
+class _SlideEnd(NamedTuple):
     """End of a slide.
 
     Attributes
@@ -212,7 +477,7 @@ def _speed_loss(d: float, at: Forcing) -> float:
     return at.bend * (2.0 * half_sine * half_sine) + at.drag * (d - sine) + at.excess * sine
 
 
-def slide_from_speed(at: Forcing, phase: float, speed: float, limit: float) -> SlideEnd:
+def slide_from_speed(at: Forcing, phase: float, speed: float, limit: float) -> _SlideEnd:
     """Follow a slide until it stops or the contact ends.
 
     Parameters
@@ -255,7 +520,7 @@ def slide_from_speed(at: Forcing, phase: float, speed: float, limit: float) -> S
     high = min(fall, limit - offset)
     stopped = not endless and high > low and (high == fall or _speed_loss(high, at) >= top)
     if not stopped and limit == INF:
-        return SlideEnd(INF, False, NAN, NAN, True)
+        return _SlideEnd(INF, False, NAN, NAN, True)
     length, end_speed = limit, 0.0
     if stopped:
         length = min(offset + _zero_of_speed(at, top, low, high), limit)
@@ -266,7 +531,7 @@ def slide_from_speed(at: Forcing, phase: float, speed: float, limit: float) -> S
     highest = max(speed, end_speed)
     if last_top >= next_top:
         highest = max(highest, first_top - per_turn * (last_top if at.drag < 0.0 else next_top))
-    return SlideEnd(length, stopped, end_speed, highest, math.isfinite(length))
+    return _SlideEnd(length, stopped, end_speed, highest, math.isfinite(length))
 
 
 def _zero_of_speed(at: Forcing, top: float, low: float, high: float) -> float:
@@ -403,12 +668,12 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
     same = Mode.FORWARD if way > 0.0 else Mode.BACK
     if loads.waves.kind != SINE:
         slid = slide_over_waves(loads, way, phase, speed, limit)
-        found = SlideEnd(slid.length, slid.stopped, slid.speed, slid.top, math.isfinite(slid.length))
+        found = _SlideEnd(slid.length, slid.stopped, slid.speed, slid.top, math.isfinite(slid.length))
         if slid.length == INF:
             return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
         before, then = ride(loads.waves, phase, 0.0), ride(loads.waves, phase, slid.length)
         pressed = loads.weight_normal * slid.length + (then.velocity - before.velocity)
-        return _left(loads, found, way, slid.path, pressed, then)
+        return _lifted_off(loads, found, way, slid.path, pressed, then)
     end = slide_from_speed(at, phase, speed, limit)
     if end.length == INF:
         return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
@@ -422,10 +687,10 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
     # the impulse of the trough takes the normal speed that the body would have in flight
     impulse = -free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, 0.0, end.length).velocity
     then = _ride(loads, phase + end.length) if end.stopped else Ride(NAN, NAN, NAN)
-    return _left(loads, end, way, path, impulse, then)
+    return _lifted_off(loads, end, way, path, impulse, then)
 
 
-def _left(loads: Loads, end: SlideEnd, way: float, path: float, impulse: float, then: Ride) -> Leg:
+def _lifted_off(loads: Loads, end: _SlideEnd, way: float, path: float, impulse: float, then: Ride) -> Leg:
     """Tell what follows a slide of a path, under a normal impulse: both without their signs.
 
     ``then`` are the inertial loads at its end, of which only one that stops takes notice.

@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from vibro.core.buffers import ELLIPSE, FIELDS, HARMONICS, LINE, PIECES, Doubles, Integers
 from vibro.core.cells import largest
-from vibro.core.drives import (
+from vibro.core.drive import (
     Directions,
     Loads,
     directions,
@@ -21,10 +20,8 @@ from vibro.core.drives import (
     wave_loads,
     weight_over_load,
 )
-from vibro.core.elementary import TURN
+from vibro.core.numbers import ELLIPSE, FIELDS, HARMONICS, LINE, PIECES, TURN, Doubles, Integers
 from vibro.core.waves import Mix, Waves, prepare_cells, prepare_pieces, read_harmonic, tabulate, with_bounds
-
-__all__ = ["Place", "Point", "Scenes", "advance", "point_at", "prepare", "seek", "unit_point_at", "visit"]
 
 
 class Scenes(NamedTuple):

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vibro.core.buffers import Bytes
 from vibro.core.cells import Event, behind, number_of_nodes
 from vibro.core.codes import MOST_LETTERS, SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
-from vibro.core.drives import Loads
-from vibro.core.elementary import INF, TURN
+from vibro.core.drive import Loads
 from vibro.core.legs import next_onset, track_of
-from vibro.core.orbits import (
+from vibro.core.numbers import INF, TURN, Bytes
+from vibro.core.return_map import (
     HoppingCycle,
+    Hops,
     Orbit,
     attracts_all,
     cycle_from,
@@ -25,16 +25,16 @@ from vibro.core.orbits import (
     has_stop,
     hopping_cycle,
     is_closed,
+    no_hops,
+    no_letters,
     only_orbit,
     orbit_from,
     others_on,
+    return_map,
+    spell,
 )
-from vibro.core.return_map import Hops, no_hops, return_map
-from vibro.core.spelling import no_letters, spell
+from vibro.core.slides import Thresholds
 from vibro.core.waves import STATIC_BACK, STATIC_FORWARD, nodes_of
-from vibro.core.windows import Thresholds
-
-__all__ = ["Classes", "canonical", "wave_classes", "wave_cycle", "write_contact_letters"]
 
 _ROUNDS: Final = 4  # [cycle] after which a body is near its motion, or slow to come there
 _MOST_WEIGHT: Final = 1e50  # [1] above which bodies slip next to no friction alone, and products overflow

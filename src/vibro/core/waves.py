@@ -10,18 +10,20 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.buffers import HARMONICS, PIECES, ROOM, Doubles, Integers
-from vibro.core.elementary import FEW_ULP, INF, QUARTER, TURN, circle, wrap
-from vibro.core.roots import Value
-
-__all__ = [
-    "CELLS", "FORCE", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "SINE", "STATIC_BACK", "STATIC_FORWARD",
-    "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Waves", "at_break", "at_cell_begin",
-    "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "integrals_of", "load_at", "mixed",
-    "moved", "nodes_of", "normal_size", "one_harmonic", "part_of", "place_in", "prepare_cells",
-    "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin",
-    "value_in_cell", "with_bounds",
-]  # fmt: skip
+from vibro.core.numbers import (
+    FEW_ULP,
+    HARMONICS,
+    INF,
+    PIECES,
+    QUARTER,
+    ROOM,
+    TURN,
+    Doubles,
+    Integers,
+    Value,
+    circle,
+    wrap,
+)
 
 #: [kind] One harmonic, for which there are closed forms; the others are ``HARMONICS`` and ``PIECES``.
 SINE: Final = 0
@@ -93,7 +95,7 @@ class Mix(NamedTuple):
     normal: float
 
 
-class Curve(NamedTuple):
+class _Curve(NamedTuple):
     """A wave at a phase, its slope and its second derivative there."""
 
     value: float
@@ -101,7 +103,7 @@ class Curve(NamedTuple):
     bend: float
 
 
-class Bounds(NamedTuple):
+class _Bounds(NamedTuple):
     """Bounds of a wave, its mean included, and of its first, second and fourth derivatives within cells."""
 
     size: float
@@ -129,7 +131,7 @@ class Moved(NamedTuple):
     slope: float
 
 
-class Departure(NamedTuple):
+class _Departure(NamedTuple):
     """A mix where a leg begins, and its integral less its constant's, without a mean."""
 
     load: float
@@ -360,7 +362,7 @@ def place_in(waves: Waves, start: int, count: int, phase: float) -> int:
     return low
 
 
-def piece_of(waves: Waves, phase: float) -> int:
+def _piece_of(waves: Waves, phase: float) -> int:
     """Find the piece that a phase in [0, 2 pi] lies in; the one that begins there, at an end."""
     return place_in(waves, _table(waves) + 1, waves.size - 1, phase)
 
@@ -368,7 +370,7 @@ def piece_of(waves: Waves, phase: float) -> int:
 def _place_of(waves: Waves, phase: float) -> tuple[int, float]:
     """Return the piece that an event lies in, and how far; but for rounding it is not just before a break."""
     p, table = wrap(phase), _table(waves)
-    j = piece_of(waves, p)
+    j = _piece_of(waves, p)
     left = waves.number[table + j + 1] - p
     if left <= _AT_BREAK:
         return (j + 1) % waves.size, -left
@@ -412,16 +414,16 @@ def _mixed_piece(waves: Waves, mix: Mix, j: int, offset: float) -> Moved:
     )
 
 
-def depart(waves: Waves, mix: Mix, phase: float) -> Departure:
+def depart(waves: Waves, mix: Mix, phase: float) -> _Departure:
     """Begin a leg: keep a mix as it is seen from there, for ``moved``, and evaluate it."""
     number, h = waves.number, waves.size
     if waves.kind == PIECES:
         p = wrap(phase)
-        j = piece_of(waves, p)
+        j = _piece_of(waves, p)
         offset, sums = p - number[_table(waves) + j], _table(waves) + h + 1 + j
         here = _mixed_piece(waves, mix, j, offset)
         before = mix.along * number[sums] + mix.normal * number[sums + 2 * h]
-        return Departure(here.load, before + (here.velocity - mix.constant * offset))
+        return _Departure(here.load, before + (here.velocity - mix.constant * offset))
     first_sine, first_cosine = circle(phase)
     sine, cosine, value, integral = first_sine, first_cosine, mix.constant, 0.0
     for k in range(h):
@@ -433,7 +435,7 @@ def depart(waves: Waves, mix: Mix, phase: float) -> Departure:
         value += here_k
         integral -= order * share * across_k
         sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
-    return Departure(value, integral)
+    return _Departure(value, integral)
 
 
 def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved:
@@ -490,7 +492,7 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
     """Integrate a mix from a phase on, through the piece it lies in and all others."""
     number, count, table = waves.number, waves.size, _table(waves)
     p = wrap(phase)
-    j = piece_of(waves, p)
+    j = _piece_of(waves, p)
     offset, left = p - number[table + j], number[table + j + 1] - p
     one, two = 4 * j, 4 * (count + j)
     a1 = mix.along * number[one + 1] + mix.normal * number[two + 1]
@@ -502,7 +504,7 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
         return _polynomial(value, a1, a2, a3, s)
     own, rest, begin = _polynomial(value, a1, a2, a3, left), s - left, (j + 1) % count
     reached = _beyond(waves, j, rest)
-    end = piece_of(waves, reached)
+    end = _piece_of(waves, reached)
     beyond = reached - number[table + end]
     velocity, path = own.velocity + mix.constant * rest, own.path + own.velocity * rest
     path += 0.5 * mix.constant * rest * rest
@@ -531,7 +533,7 @@ def ride(waves: Waves, phase: float, s: float) -> Ride:
     number, size = waves.number, waves.size
     if waves.kind == PIECES:
         p = wrap(phase)
-        j = piece_of(waves, p)
+        j = _piece_of(waves, p)
         left, offset = number[_table(waves) + j + 1] - p, p - number[_table(waves) + j] + s
         if s >= left - _AT_BREAK:
             j, offset = _place_of(waves, _beyond(waves, j, s - left))
@@ -554,7 +556,7 @@ def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
     number, size = waves.number, waves.size
     if waves.kind == PIECES:
         p = wrap(phase)
-        j = piece_of(waves, p)
+        j = _piece_of(waves, p)
         table, direction = _table(waves), 1 if normal else 0
         offset, sums = p - number[table + j], table + size + 1 + direction * 2 * size
         gain = _over_piece(waves, 4 * (direction * size + j), offset)
@@ -574,7 +576,7 @@ def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
 # ---------------------------------------------------------------------------------- cells of a mix of loads
 
 
-def combine(waves: Waves, mix: Mix) -> Bounds:
+def combine(waves: Waves, mix: Mix) -> _Bounds:
     """Write the coefficients of a mix where cells read them, its constant apart for harmonics."""
     number, part = waves.number, part_of(waves)
     for i in range(part):
@@ -582,7 +584,7 @@ def combine(waves: Waves, mix: Mix) -> Bounds:
     if waves.kind == PIECES:
         for j in range(waves.size):
             number[_WAVE * part + 4 * j] = mixed(mix, number[4 * j], number[part + 4 * j])
-        return Bounds(0.0, INF, INF, 0.0)
+        return _Bounds(0.0, INF, INF, 0.0)
     h, bound, slope, bend, fourth = waves.size, abs(mix.constant), 0.0, 0.0, 0.0
     for k in range(h):
         c, order = _WAVE * part + k, float(k + 1)
@@ -591,7 +593,7 @@ def combine(waves: Waves, mix: Mix) -> Bounds:
         slope += order * size
         bend += order * order * size
         fourth += order * order * order * order * size
-    return Bounds(bound, slope, bend, fourth)
+    return _Bounds(bound, slope, bend, fourth)
 
 
 def stays_zero(waves: Waves, mix: Mix, lift: Mix) -> bool:
@@ -637,14 +639,14 @@ def at_cell_begin(waves: Waves, cell: int, mix: Mix) -> Value:
     return Value(value, mix.along * number[row + 1] + mix.normal * number[row + 3])
 
 
-def curve_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Curve:
+def curve_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> _Curve:
     """Evaluate the mix of ``combine`` within a cell, or at its end."""
     number, wave = waves.number, _WAVE * part_of(waves)
     if waves.kind == PIECES:
         c, s = wave + 4 * cell, phase - number[_table(waves) + cell]
         a1, a2, a3 = number[c + 1], number[c + 2], number[c + 3]
         value = number[c] + s * (a1 + s * (a2 + s * a3))
-        return Curve(value, a1 + s * (2.0 * a2 + s * 3.0 * a3), 2.0 * a2 + s * 6.0 * a3)
+        return _Curve(value, a1 + s * (2.0 * a2 + s * 3.0 * a3), 2.0 * a2 + s * 6.0 * a3)
     h = waves.size
     first_sine, first_cosine = circle(phase)
     sine, cosine, value, slope, bend = first_sine, first_cosine, constant, 0.0, 0.0
@@ -655,7 +657,7 @@ def curve_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Cur
         slope += order * (u * cosine - w * sine)
         bend -= order * order * here
         sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
-    return Curve(value, slope, bend)
+    return _Curve(value, slope, bend)
 
 
 def value_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Value:

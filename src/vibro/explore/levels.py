@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.buffers import MOST_THROW
 from vibro.core.codes import Regime, Status
+from vibro.core.numbers import MOST_THROW
 from vibro.drives import Ability
 from vibro.explore.controls import is_weighed
 from vibro.explore.previews import foreseen

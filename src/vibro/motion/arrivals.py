@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.buffers import EXTREME
 from vibro.core.compiled import doors
+from vibro.core.numbers import EXTREME
 from vibro.errors import Problem, SceneError
 from vibro.quantities import START_HEIGHT, START_NORMAL_VELOCITY, START_PHASE, START_VELOCITY
 from vibro.reals import NotRealError, real_number, shielded

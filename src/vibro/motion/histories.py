@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.buffers import LONGEST_CYCLE, MOST_BOUNCES, MOST_CYCLES
 from vibro.core.codes import Status
 from vibro.core.compiled import doors
-from vibro.core.elementary import TURN
+from vibro.core.numbers import LONGEST_CYCLE, MOST_BOUNCES, MOST_CYCLES, TURN
 from vibro.errors import InputError, Problem, SceneError, VibroError
 from vibro.motion.arrivals import Start, arrivals, number_of, start_of
 from vibro.quantities import CYCLES, DURATION, WAY

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode, Regime, Status
-from vibro.core.elementary import TURN
+from vibro.core.numbers import TURN
 from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.arrivals import Start

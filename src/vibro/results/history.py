@@ -21,10 +21,9 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
 
-from vibro.core.buffers import Moments
 from vibro.core.codes import LETTERS, Mode
 from vibro.core.compiled import doors
-from vibro.core.elementary import TURN
+from vibro.core.numbers import TURN, Moments
 from vibro.errors import InputError, VibroError, cut, shown
 from vibro.html_tables import amount, html_table
 from vibro.quantities import LENGTH

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.elementary import NAN, QUARTER, TURN, PathPoint, free_motion
+from vibro.core.numbers import NAN, QUARTER, TURN, PathPoint, free_motion
 from vibro.core.waves import (
     FORCE,
     NORMAL,
@@ -25,13 +25,6 @@ from vibro.core.waves import (
     one_harmonic,
     trough_at,
 )
-
-__all__ = [
-    "Directions", "Loads", "along_cosine", "along_sine", "beyond_friction", "directions", "ellipse_loads",
-    "ellipse_scale", "free_along", "free_normal", "line_loads", "mirrored", "mix_of", "normal_height",
-    "normal_load", "phase_difference", "proved_multiplier", "tangential_load", "wave_loads",
-    "weight_over_load",
-]  # fmt: skip
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
 _LEAST_WEIGHT: Final = 1e-307

@@ -6,14 +6,10 @@ Equation numbers are those of docs/theory. Lengths in A, speeds in A w, phases i
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias, TypeVar
 
-__all__ = [
-    "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "PathPoint", "braked",
-    "circle",
-    "free_motion", "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap",
-    "until", "wrap", "wrap_around",
-]  # fmt: skip
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 PI: Final = math.pi
 TURN: Final = 2.0 * math.pi  # [rad] one drive cycle
@@ -119,21 +115,21 @@ def sine_gap(x: float) -> float:
     return x * y * series_q(y)
 
 
-class Circle(NamedTuple):
+class _Circle(NamedTuple):
     """Sine and cosine of a phase."""
 
     sine: float
     cosine: float
 
 
-def circle(phase: float) -> Circle:
+def circle(phase: float) -> _Circle:
     """Return sine and cosine, both within 1.5 ulp: in half the time of the library's where that is compiled.
 
     Of the rest to the nearest quarter turn, with the polynomials of fdlibm (k_sin.c and k_cos.c, Sun
     Microsystems 1993); a phase of many turns is left to the library.
     """
     if not abs(phase) < _MOST_REDUCED:
-        return Circle(math.sin(phase), math.cos(phase))
+        return _Circle(math.sin(phase), math.cos(phase))
     quarters = int(phase * _QUARTERS_PER_RADIAN + math.copysign(0.5, phase))
     x = (phase - quarters * _QUARTER_HIGH) - quarters * _QUARTER_LOW
     y = x * x
@@ -153,7 +149,7 @@ def circle(phase: float) -> Circle:
     quarter = quarters & 3
     up = sine if quarter % 2 == 0 else cosine
     right = cosine if quarter % 2 == 0 else sine
-    return Circle(up if quarter < 2 else -up, right if quarter == 0 or quarter == 3 else -right)
+    return _Circle(up if quarter < 2 else -up, right if quarter == 0 or quarter == 3 else -right)
 
 
 class PathPoint(NamedTuple):
@@ -188,3 +184,167 @@ def free_motion(
     fall = drag * s
     path = s * (velocity - 0.5 * fall) + amplitude * (sine * versine + cosine * gap)
     return PathPoint(path, velocity + amplitude * (cosine * versine + sine * rise) - fall)
+
+
+# ------------------------------------------------------------------------------
+# Zeros of functions of one variable: by halving, by false position, and by Newton's iteration.
+#
+# Each function takes ``of``, a record that says what it is of. Which method a zero needs, and that its
+# bracket holds one, is proved where it is called.
+
+_HALVINGS: Final = 60  # from an interval of some turns, or of its end's size, down to an ulp
+_FALSE_POSITIONS: Final = 200
+_ROOT_NOISE: Final = 4.0 * 2.220446049250313e-16  # [1] of a bracket's width
+_NEWTON_STEPS: Final = 60  # monotone, quadratic but next to double zeros; few zeros need more than 8
+
+Of = TypeVar("Of")
+
+
+class Value(NamedTuple):
+    """Value of a function, and its slope there."""
+
+    value: float
+    slope: float
+
+
+class _Root(NamedTuple):
+    """Where Newton's iteration ends, and whether that is a zero."""
+
+    at: float
+    found: bool
+
+
+def bisected(
+    function: Callable[[Of, float], float], of: Of, low: float, high: float, positive: bool
+) -> float:
+    """Halve an interval at whose end a function has another sign; ``positive``: where it starts, it is."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if (function(of, middle) > 0.0) == positive:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def illinois(
+    function: Callable[[Of, float], float], of: Of, low: float, high: float, below: float, above: float
+) -> float:
+    """Solve for a zero between a value ``below`` 0 and one ``above``, at the end.
+
+    By false position that halves the weight of an end which stays.
+    """
+    x = high
+    for _ in range(_FALSE_POSITIONS):
+        if above - below <= 0.0 or high - low <= _ROOT_NOISE * high:
+            break
+        x = high - above * ((high - low) / (above - below))
+        if not low < x < high:
+            x = 0.5 * (low + high)
+        value = function(of, x)
+        if value == 0.0:
+            break
+        if value > 0.0:
+            high, above, below = x, value, 0.5 * below
+        else:
+            low, below, above = x, value, 0.5 * above
+    return x
+
+
+def newton(
+    function: Callable[[Of, float], Value], of: Of, start: float, end: float, share: float, least: float
+) -> _Root:
+    """Fall from a start to a zero, where the curvature makes steps converge from one side.
+
+    There is none where the function ceases to fall, or not before ``end``. A last step below ``least``, or a
+    ``share`` of the zero, leaves rounding errors alone.
+    """
+    x = start
+    for _ in range(_NEWTON_STEPS):
+        now = function(of, x)
+        if now.slope >= 0.0:
+            return _Root(x, False)
+        step = -now.value / now.slope
+        x += step
+        if x > end:
+            return _Root(x, False)
+        if abs(step) <= share * x + least:
+            break
+    return _Root(x, True)
+
+
+# ------------------------------------------------------------------------------
+# What is handed to the solver: flat buffers of one type of number, their sizes, kinds of drives, and limits.
+#
+# The rooms above import these from here, since they need no other source of a solver that is compiled.
+
+Doubles: TypeAlias = "memoryview[float]"
+Integers: TypeAlias = "memoryview[int]"
+Bytes: TypeAlias = "memoryview[int]"
+
+#: [kind] Drives of one harmonic, along a line or an ellipse; of several; of pieces of cubic polynomials.
+LINE: Final = 0
+ELLIPSE: Final = 1
+HARMONICS: Final = 2
+PIECES: Final = 3
+#: Fields that every scene has; each harmonic brings four more.
+FIELDS: Final = 9
+#: [1] Parts of the memory, each of which has room for the coefficients of one wave, before the tables.
+ROOM: Final = 4 + 6 + 2 + 16
+#: [row] Mixes of loads of which zeros are kept.
+MIXES: Final = 6
+#: [row] Intervals are kept of forward slip, of back slip, and of cycles without a rest.
+CLASSES: Final = 3
+#: Bodies of each scene whose samples are averaged.
+BODIES: Final = 12
+#: Most hops of such a body, short bounces included: rows that it needs.
+MOST_HOPS: Final = 10_000
+#: Flights of one scene, short bounces included; restitutions above 0.995 may need more.
+MOST_BOUNCES: Final = 8192
+#: Flights in a cycle that never rests on the trough.
+LONGEST_CYCLE: Final = 64
+#: [1] Throw number above which the phase of a landing is lost to rounding.
+MOST_THROW: Final = 1e6
+#: [1] Of so many cycles doubles hold the phase.
+MOST_CYCLES: Final = 1e15
+#: [1] Of loads and frictions, and one over the least: motions form products of up to four of them, and
+#: differences of those.
+EXTREME: Final = 1e50
+
+
+def doubles(count: int) -> memoryview[float]:
+    """Make an array of zeros; compiled it has a constant length, and ends with the function that makes it."""
+    return memoryview(bytearray(8 * count)).cast("d")
+
+
+def integers(count: int) -> memoryview[int]:
+    """Make an array of zeros, as ``doubles``."""
+    return memoryview(bytearray(8 * count)).cast("q")
+
+
+class Moments(NamedTuple):
+    """Motion and loads at moments of a history, one element each; lengths in A, speeds in A w.
+
+    Attributes
+    ----------
+    sine : Doubles
+        Of the trough's motion normal to itself.
+    trough_along, trough_normal : Doubles
+        Position of the trough.
+    path, velocity, acceleration : Doubles
+        Of the body along the trough, relative to it; ``path`` since the start of the leg.
+    inertial, normal : Doubles
+        Load along the trough, and force of the trough on the body.
+    gap : Doubles
+        Height above the trough.
+    """
+
+    sine: Doubles
+    trough_along: Doubles
+    trough_normal: Doubles
+    path: Doubles
+    velocity: Doubles
+    acceleration: Doubles
+    inertial: Doubles
+    normal: Doubles
+    gap: Doubles
