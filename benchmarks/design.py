@@ -32,15 +32,15 @@ import numpy as np
 
 import vibro
 from vibro import Regime, Scene
-from vibro.inverse import bounds
-from vibro.inverse.bands import uncertainty_set
-from vibro.inverse.bounds import slowest_in_contact
-from vibro.inverse.guarantees import BOXES
+from vibro.designs import proofs
+from vibro.designs.guarantees import BOXES
+from vibro.designs.proofs import slowest_in_contact
+from vibro.designs.spaces import uncertainty_set
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from vibro.inverse.spaces import UncertaintySet
+    from vibro.designs.spaces import UncertaintySet
 
     Row = dict[str, Any]
 
@@ -120,7 +120,7 @@ def compare_searches(count: int, seed: int) -> bool:
         behind, gaps, times = [], [], []
         for box in sought:
             took, found = seconds(partial(slowest_in_contact, box, fast=fast, boxes=BOXES))
-            with mock.patch.object(bounds, "_POPULATION", LARGE * bounds._POPULATION):
+            with mock.patch.object(proofs, "_POPULATION", LARGE * proofs._POPULATION):
                 large = slowest_in_contact(box, fast=fast, boxes=1).speeds[0]
             speed, proved = found.speeds[0], found.certificate.bound
             if math.isinf(speed):

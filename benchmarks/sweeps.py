@@ -35,7 +35,6 @@ from unittest.mock import patch
 
 from vibro.axes import parse_axis
 from vibro.files.csv_tables import CsvFormat
-from vibro.parallel import BLOCK, cores
 from vibro.quantities import BY_COLUMN, DEFAULTS, QUANTITIES
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import Table, arrow_table, columns_of
@@ -45,6 +44,7 @@ from vibro.tables.plan import Plan
 from vibro.tables.sinks import csv_sink, write_table
 from vibro.tables.stored import open_sweep
 from vibro.tables.writing import write_folder
+from vibro.threads import BLOCK, cores
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

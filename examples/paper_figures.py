@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import vibro
-from vibro.motion.trace import trace
+from vibro.motion.histories import trace
 from vibro.plots.frame import set_heading, shade
 from vibro.plots.history import history_figure, phase_bands
 from vibro.plots.style import INK, house_style, values_text

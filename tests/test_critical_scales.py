@@ -13,8 +13,8 @@ from helpers.periodic_tables import read_rows, scene_of
 
 import vibro
 from vibro import Regime, Scene, Status
+from vibro.drives import PiecewiseMotion
 from vibro.limits import stays_upright, tipping_load
-from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -20,7 +20,7 @@ from PIL import Image
 
 import vibro
 from vibro.quantities import QUANTITIES
-from vibro.results import RESULTS
+from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import columns_of
 from vibro.sweeps.derived import (
     WITH_ACCELERATION,

@@ -23,7 +23,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from vibro import Regime, Scene, Status, solve
-from vibro.waveforms import HarmonicMotion
+from vibro.drives import HarmonicMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ import pytest
 from helpers.cases import each
 
 from vibro.errors import InputError
-from vibro.friction_catalogue import Row, band_text, find, rows, static_row
+from vibro.friction import Row, band_text, find, rows, static_row
 
 
 def test_every_row_has_a_source_and_bands_that_can_be() -> None:

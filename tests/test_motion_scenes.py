@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from vibro import Motion, Scene, solve
-from vibro.drives import Ability, Ellipse, Harmonics, Line, Piecewise
-from vibro.waveforms import PiecewiseMotion
+from vibro.drives import Ability, Ellipse, Harmonics, Line, Piecewise, PiecewiseMotion
 
 REST: dict[str, Any] = {"frequency": 10.0, "static_friction": 0.4, "kinetic_friction": 0.3}
 PAIRS: list[tuple[Any, Any]] = [(1e-3, 0.0), (0.3e-3, math.radians(90.0))]

@@ -13,7 +13,7 @@ from helpers.scenes import assert_same, scene_with
 
 from vibro import Status, solve, steady
 from vibro.core.compiled import doors
-from vibro.parallel import heard, in_parallel
+from vibro.threads import heard, in_parallel
 
 
 def test_any_number_of_threads_gives_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,8 +10,8 @@ import pytest
 from helpers.cases import each
 
 from vibro import Motion, SceneError
-from vibro.records.waveforms import measured_motion
-from vibro.waveforms import MOST_PIECES, HarmonicMotion, PiecewiseMotion
+from vibro.drives import MOST_PIECES, HarmonicMotion, PiecewiseMotion
+from vibro.records.trough import measured_motion
 
 SLIP_STICK = [(0.8, 6.9), (0.2, -27.6)]
 
@@ -150,7 +150,7 @@ def test_the_reach_and_the_stroke_of_two_levels() -> None:
 
 
 def motion_at(motion: PiecewiseMotion, shares: Any) -> Any:
-    from vibro.paths import values_at
+    from vibro.drives import values_at
 
     return values_at(motion.positions, motion.breaks, shares)
 

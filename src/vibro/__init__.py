@@ -10,30 +10,28 @@ if TYPE_CHECKING:
     from typing import Any
 
     from vibro.core.codes import Regime, Status
+    from vibro.designs.design import design
+    from vibro.designs.guarantees import guarantee
+    from vibro.designs.windows import feasible_amplitudes, yield_share
+    from vibro.drives import Motion
     from vibro.errors import FileError, InputError, SceneError, VibroError
     from vibro.fillings import filling
-    from vibro.inverse.designs import design
-    from vibro.inverse.guarantees import guarantee
-    from vibro.inverse.windows import feasible_amplitudes
-    from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
     from vibro.machines.machine import Calibration, Machine
     from vibro.machines.operating import OperatingPoints, operate, operating_points
-    from vibro.motion.arrivals import arrival_time
     from vibro.motion.attractors import attractors
-    from vibro.motion.histories import simulate
-    from vibro.records.waveforms import MeasuredMotion, measured_motion
+    from vibro.motion.histories import arrival_time, simulate
+    from vibro.records.trough import MeasuredMotion, measured_motion
     from vibro.results.attractors import Attractor, Attractors
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
-    from vibro.results.filling import Filling
     from vibro.results.history import History
+    from vibro.results.operating import Filling
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
     from vibro.steady import solve
     from vibro.sweeps.whole import read_scene, sweep
     from vibro.tables.stored import open_sweep
     from vibro.tables.writing import write_sweep
-    from vibro.waveforms import Motion
 
 __all__ = [
     "Attractor",
@@ -85,14 +83,14 @@ _HOMES = {
     "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
-    "Filling": "vibro.results.filling",
+    "Filling": "vibro.results.operating",
     "Guarantee": "vibro.results.designs",
     "History": "vibro.results.history",
     "InputError": "vibro.errors",
     "Interval": "vibro.results.designs",
     "Machine": "vibro.machines.machine",
-    "MeasuredMotion": "vibro.records.waveforms",
-    "Motion": "vibro.waveforms",
+    "MeasuredMotion": "vibro.records.trough",
+    "Motion": "vibro.drives",
     "OperatingPoints": "vibro.machines.operating",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
@@ -100,14 +98,14 @@ _HOMES = {
     "Status": "vibro.core.codes",
     "SteadyCycle": "vibro.results.steady",
     "VibroError": "vibro.errors",
-    "arrival_time": "vibro.motion.arrivals",
+    "arrival_time": "vibro.motion.histories",
     "attractors": "vibro.motion.attractors",
     "critical_loads": "vibro.limits",
-    "design": "vibro.inverse.designs",
-    "feasible_amplitudes": "vibro.inverse.windows",
+    "design": "vibro.designs.design",
+    "feasible_amplitudes": "vibro.designs.windows",
     "filling": "vibro.fillings",
-    "guarantee": "vibro.inverse.guarantees",
-    "measured_motion": "vibro.records.waveforms",
+    "guarantee": "vibro.designs.guarantees",
+    "measured_motion": "vibro.records.trough",
     "open_sweep": "vibro.tables.stored",
     "operate": "vibro.machines.operating",
     "operating_points": "vibro.machines.operating",
@@ -117,7 +115,7 @@ _HOMES = {
     "sweep": "vibro.sweeps.whole",
     "transitions": "vibro.limits",
     "write_sweep": "vibro.tables.writing",
-    "yield_share": "vibro.inverse.yields",
+    "yield_share": "vibro.designs.windows",
 }
 
 

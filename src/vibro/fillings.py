@@ -13,18 +13,15 @@ from vibro.core.compiled import doors
 from vibro.drives import Ability, Ellipse, Line
 from vibro.errors import Problem, SceneError
 from vibro.reals import shielded
-from vibro.results.filling import Filling
+from vibro.results.operating import Filling
 from vibro.scene import Scene
 from vibro.slopes import speed_exponent
-from vibro.solver import Grid, Scratch, over_cells
 from vibro.steady import solve
+from vibro.threads import Grid, Scratch, over_cells
 
 if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
 
-__all__ = [
-    "TYPICAL_MACHINES", "amplitude_exponent", "filling", "filling_of", "most_mass_ratio", "path_amplitude",
-]  # fmt: skip
 
 _KINK: Final = 0.2  # [1] relative difference of both sides that shows a kink
 _DAMPING_RATIO: Final = 0.015  # [1] of steel springs in feeders

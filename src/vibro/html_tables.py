@@ -9,7 +9,6 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-__all__ = ["amount", "counts", "html_table", "in_numbers", "span"]
 
 # Notebooks align cells to the right and colour every second row; text of results is read from the left.
 _CELL: Final = "text-align: left; vertical-align: top; padding: 0.15em 0.8em 0.15em 0"

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from types import FrameType
     from typing import NoReturn
 
-__all__ = ["EXIT_CODE", "OnEnd", "end_on_signals", "ignore_signals", "tidy_up"]
 
 EXIT_CODE = 130
 

@@ -14,8 +14,8 @@ from vibro.drives import Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError
 from vibro.quantities import STAND_RATIO
 from vibro.reals import NotRealError, real_array, shielded
-from vibro.solver import Grid, lasting, over_cells
 from vibro.steady import solve
+from vibro.threads import Grid, lasting, over_cells
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,10 +26,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = [
-    "CriticalLoads", "Transition", "back_slip_of", "critical_loads", "critical_loads_of_lines",
-    "stays_upright", "tipping_load", "tipping_load_of_lines", "transitions",
-]  # fmt: skip
 
 _CLASSES: Final = ("forward slip", "back slip", "continuous sliding")
 _LOADS: Final = ("load for forward slip", "load for back slip")

@@ -23,8 +23,6 @@ from vibro.units import (
     FREQUENCY,
     IN_GRAVITIES,
     LENGTH,
-    MASS_FLOW,
-    PER_MINUTE,
     PERCENT,
     PURE,
     SPEED,
@@ -35,18 +33,6 @@ from vibro.units import MASS as _MASS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
-
-__all__ = [
-    "AMPLITUDES", "BY_COLUMN", "CYCLES", "DEFAULTS", "DRIVES", "DURATION", "EITHER_WAY", "ELLIPTICAL",
-    "HARMONIC", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "LOAD", "MACHINE", "MASS", "MASS_FLOW",
-    "MOST_HARMONICS", "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "POSITIVE", "PURE",
-    "QUANTITIES", "SCALE", "SHAKEN", "SHIFTED", "SIZES", "SPEED",
-    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_HEIGHT", "START_NORMAL_VELOCITY", "START_PHASE",
-    "START_VELOCITY", "SWEPT", "TIME", "TOLD_HARMONICS", "TROUGH_MASS", "TWO_AXIS", "WAY",
-    "ZERO_OR_MORE", "Kind", "Quantity", "as_given",
-    "catalogue_hint", "checked_number", "counted_harmonics", "drive_of", "exact_number",
-    "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
-]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -652,6 +638,6 @@ def catalogue_hint(text: str, quantity: Quantity) -> str:
     """Return what the catalogue says of friction that is given by its materials; else an empty text."""
     if quantity.name not in _CATALOGUED or not text.strip()[:1].isalpha():
         return ""
-    from vibro.friction_catalogue import number_hint
+    from vibro.friction import number_hint
 
     return number_hint(text, quantity.name)

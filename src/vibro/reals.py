@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["NotRealError", "real_array", "real_number", "shielded"]
 
 _ALLOWED: Final = "a real number or an array of real numbers"
 _A_NUMBER: Final = "one real number"

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["close_in", "sign_changes"]
 
 _NEIGHBOURS: Final = 4.0 * float(np.finfo(np.float64).eps)  # [1] relative width of a bracket that is closed
 

@@ -8,22 +8,29 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.drives import KINDS, Ellipse, Harmonics, Line, Piecewise
+from vibro.drives import (
+    KINDS,
+    Ellipse,
+    HarmonicMotion,
+    Harmonics,
+    Line,
+    Motion,
+    Piecewise,
+    PiecewiseMotion,
+    harmonic_motion,
+)
 from vibro.errors import Problem, SceneError, shown
 from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY, of_part
 from vibro.reals import NotRealError, real_array, shielded
-from vibro.waveforms import HarmonicMotion, Motion, PiecewiseMotion, harmonic_motion
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.waveforms import Pairs
+    from vibro.drives import Pairs
 
     Floats = NDArray[np.float64]
-
-__all__ = ["Fields", "Scene", "field_range", "field_text"]
 
 
 Fields = Line | Ellipse | Harmonics | Piecewise

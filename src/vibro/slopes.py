@@ -14,8 +14,8 @@ from vibro.core.codes import SPELT_PATTERNS, Pattern, Regime, Status
 from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.scene import Scene
-from vibro.solver import Grid, over_cells
 from vibro.steady import solve
+from vibro.threads import Grid, over_cells
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = [
-    "LEAST_DIFFERENCE", "Gradient", "Slides", "displacement_gradient", "load_slope", "scale_slope",
-    "slides_of", "speed_exponent",
-]  # fmt: skip
 
 #: [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.
 LEAST_DIFFERENCE: Final = 2.0**-26

@@ -11,12 +11,6 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = [
-    "ACCELERATION", "ANGLE", "CF_UNITS", "ENERGY", "FORCE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS",
-    "MASS_FLOW", "MOMENT", "PERCENT", "PER_MINUTE", "POWER", "PURE", "ROTATION", "SPEED", "STIFFNESS",
-    "TIME", "WORKING_MOMENT", "Kind",
-]  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Kind:

@@ -39,7 +39,7 @@ def html(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     file.write_text(re.sub(r'"[\d.]+:([\d.]+)"', r"\1", text), encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("vibro.sweeps.run._RESOLVED", {1: 101, 2: 21, 3: 21})
-        patch.setattr("vibro.inverse.pictured._POINTS", {False: 21, True: 21})
+        patch.setattr("vibro.designs.pictured._POINTS", {False: 21, True: 21})
         page = file.with_suffix(".html")
         result = CliRunner().invoke(app, [request.param, str(file), *args, "-q", "-o", str(page)])
     assert result.exit_code in (0, 4)

@@ -13,10 +13,10 @@ from helpers.commands import Run
 from helpers.made_records import EXAMPLES
 
 import vibro
+from vibro.designs.guarantees import certain
 from vibro.explore.state import initial_state
-from vibro.inverse.certain import certain
 from vibro.records.problem import FITTABLE
-from vibro.records.tolerances import TOL
+from vibro.records.reading import TOL
 from vibro.sweeps.whole import request_of_call
 
 PAGE = (Path(__file__).parents[2] / "docs" / "guide" / "drives.md").read_text(encoding="utf-8")
@@ -141,7 +141,7 @@ ASKED = {
     "`vibro.feasible_amplitudes`: of motions, their scale": function(
         lambda scene: vibro.feasible_amplitudes(scene, 0.01, limit=1.0)
     ),
-    "`vibro.inverse.certain`: bands of friction over a whole map": function(
+    "`vibro.designs.guarantees`: bands of friction over a whole map": function(
         lambda scene: certain(scene, static_friction=(0.38, 0.4), second_friction=(0.7, 0.8), is_ratio=True)
     ),
 }
@@ -173,8 +173,8 @@ def test_every_cell_is_what_the_program_answers(
     few = TOL._replace(weighings=1, restarts=1, most_steps=2, neighbours=2, kept=1)
     for module in ("fitting", "minimisation"):
         monkeypatch.setattr(f"vibro.records.{module}.TOL", few)
-    monkeypatch.setattr("vibro.inverse.yields._FIRST", 8)
-    monkeypatch.setattr("vibro.inverse.yields._ERROR", 1.0)
+    monkeypatch.setattr("vibro.designs.windows._FIRST", 8)
+    monkeypatch.setattr("vibro.designs.windows._ERROR", 1.0)
     lines = (EXAMPLES / "data" / "nut_trough_mv.csv").read_text(encoding="utf-8").splitlines()
     (tmp_path / RECORD).write_text("\n".join(lines[:242]) + "\n", encoding="utf-8")
     for i, text in enumerate(FILES[kind][:1] if what.startswith(OF_ONE_SCENE) else FILES[kind]):

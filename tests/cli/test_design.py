@@ -29,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("unsaved")
 def coarse() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("vibro.plots.design._RESOLVED", 41)
-        patch.setattr("vibro.inverse.pictured._POINTS", {False: 41, True: 41})
+        patch.setattr("vibro.designs.pictured._POINTS", {False: 41, True: 41})
         yield
 
 

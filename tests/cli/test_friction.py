@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from vibro.friction_catalogue import rows
+from vibro.friction import rows
 
 if TYPE_CHECKING:
     from helpers.commands import Run

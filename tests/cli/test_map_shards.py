@@ -73,7 +73,7 @@ def test_unresolved_cells_are_exit_code_3_however_often_asked(
 ) -> None:
     import vibro.sweeps.grid
     from vibro.core.codes import Status
-    from vibro.results import SteadyCycle
+    from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
     from vibro.steady import solve
 

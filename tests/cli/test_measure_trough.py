@@ -17,8 +17,8 @@ from helpers.feeders import Feeder, feeder
 from helpers.made_records import EXAMPLES, trough_record
 
 import vibro
-from vibro.records.measured_speeds import Speeds, speeds_of
-from vibro.records.signals import read_sensitivities
+from vibro.records.reading import read_sensitivities
+from vibro.records.trough import Speeds, speeds_of
 
 SCENE = EXAMPLES / "safety_nut.toml"
 NUT = EXAMPLES / "data" / "nut_trough_mv.csv"
@@ -228,7 +228,7 @@ def test_it_is_computed_on_the_fundamental_where_harmonics_do_not_matter_or_are_
 ) -> None:
     args = ("measure", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
     for change, said in ((1e-3, False), (float("nan"), True)):
-        monkeypatch.setattr("vibro.records.trough_drives.change_by_harmonics", lambda *_, x=change: x)
+        monkeypatch.setattr("vibro.records.trough.change_by_harmonics", lambda *_, x=change: x)
         result = run(*args)
         assert "along_amplitudes_mm" not in told(result)["scene"]
         assert ("the first is taken alone" in result.stderr) == said

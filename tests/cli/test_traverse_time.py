@@ -14,7 +14,7 @@ import pytest
 from helpers.commands import NUT, NUT_FILE, Run, other, rows_of
 
 from vibro.core.codes import Status
-from vibro.results import SteadyCycle
+from vibro.results.steady import SteadyCycle
 from vibro.steady import solve
 
 SCENE = NUT_FILE + "trough_length_mm = 600\n\n[map]\namplitude_mm = [0.5, 1, 1.5]\n"

@@ -35,7 +35,7 @@ from vibro.core.slides import thresholds
 from vibro.drives import Line
 from vibro.results.steady import RESULTS
 from vibro.slopes import Gradient, displacement_gradient, slides_of
-from vibro.solver import Grid, Scratch
+from vibro.threads import Grid, Scratch
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,7 +16,7 @@ from vibro.core.drive import ellipse_scale
 from vibro.core.numbers import HARMONICS
 from vibro.core.scenes import Place, Scenes, advance, point_at, seek, unit_point_at, visit
 from vibro.drives import Harmonics
-from vibro.solver import Grid, Scratch, over_cells
+from vibro.threads import Grid, Scratch, over_cells
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -196,12 +196,12 @@ def test_cells_are_run_in_ranges_with_their_progress() -> None:
 def test_the_plain_solver_runs_in_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     threads: list[int | None] = []
     monkeypatch.setattr(
-        "vibro.solver.in_parallel", lambda run, parts, number, tell, lasting: threads.append(number)
+        "vibro.threads.in_parallel", lambda run, parts, number, tell, lasting: threads.append(number)
     )
     over_cells(lambda i, j: None, 9, 4, 3)
     found = Doors(None)
     found.compiled = True
-    monkeypatch.setattr("vibro.solver.doors", lambda: found)
+    monkeypatch.setattr("vibro.threads.doors", lambda: found)
     over_cells(lambda i, j: None, 9, 4, 3)
     assert threads == [1, 3]
 

@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
+from vibro.designs.reading import read_spec
 from vibro.errors import InputError
 from vibro.files.descriptions import DESIGN_FILE, FILES, SCENE_FILE, FileKind
 from vibro.files.json_schema import VERSION, schema_of
 from vibro.files.scene_files import read_scene_file
-from vibro.friction_catalogue import rows
-from vibro.inverse.reading import read_spec
+from vibro.friction import rows
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 

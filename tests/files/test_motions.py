@@ -12,12 +12,12 @@ from helpers.cases import each
 from jsonschema import Draft202012Validator
 
 from vibro import read_scene, solve
+from vibro.drives import HarmonicMotion, PiecewiseMotion
 from vibro.files.descriptions import SCENE_FILE
 from vibro.files.json_schema import schema_of
 from vibro.files.motions import harmonic_lists
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES
-from vibro.waveforms import HarmonicMotion, PiecewiseMotion
 
 POINT = "[scene]\nfrequency_hz = 2.5\nstatic_friction = 0.3\nkinetic_friction = 0.25\n"
 STEPS = "along_steps = [[0.8, 6.9], [0.2, -27.6]]\n"

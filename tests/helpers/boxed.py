@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from vibro import Regime, Scene, SteadyCycle, solve
+from vibro.designs.proofs import back_slip_load
+from vibro.designs.questions import Drive, Goal, Question, Spec
+from vibro.designs.spaces import uncertainty_set
 from vibro.drives import Line
-from vibro.inverse.bands import uncertainty_set
-from vibro.inverse.proofs import back_slip_load
-from vibro.inverse.questions import Question
-from vibro.inverse.specs import Drive, Goal, Spec
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,7 +11,7 @@ from engines.harmonic_walk import Drive
 from vibro import Scene
 
 if TYPE_CHECKING:
-    from vibro.waveforms import Pairs
+    from vibro.drives import Pairs
 
 
 def random_harmonics(

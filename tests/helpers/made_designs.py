@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from helpers.questions import answered
 
-from vibro.inverse import designs as designs_module
+from vibro.designs import design as designs_module
 from vibro.results.designs import Design, DesignResult
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     import pytest
 
-    from vibro.inverse.specs import Spec
+    from vibro.designs.questions import Spec
 
 
 QUESTION: Final = (Path(__file__).parents[1] / "messages/files/question.toml").read_text(encoding="utf-8")

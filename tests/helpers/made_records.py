@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro.drives import Ellipse
-from vibro.records.alignment import Observation
-from vibro.records.cycles import HOPS
-from vibro.records.folding import Estimate
+from vibro.records.alignment import Estimate, Observation
+from vibro.records.problem import HOPS
 from vibro.records.reading import Record
 from vibro.records.trough import Trough, Wave
 

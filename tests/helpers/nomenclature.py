@@ -9,10 +9,9 @@ from pathlib import Path
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.core.codes import Status
-from vibro.quantities import HARMONIC, IN_GRAVITIES, MASS, QUANTITIES, SPEED, SWEPT, TIME
+from vibro.quantities import HARMONIC, MASS, QUANTITIES, SWEPT
 from vibro.results.designs import DESIGN_COLUMNS
-from vibro.results.filling import WEIGHED
-from vibro.results.operating import BENT_SPEED, MACHINE_RESULTS
+from vibro.results.operating import BENT_SPEED, MACHINE_RESULTS, WEIGHED
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
@@ -27,6 +26,7 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.scene import Scene
+from vibro.units import IN_GRAVITIES, SPEED, TIME
 
 UNITS = """\
 Options, axes of scene files and arguments of `vibro.sweep` take numbers with these units. Capital and small

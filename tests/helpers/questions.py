@@ -8,10 +8,10 @@ import tomllib
 from typing import Any
 
 from vibro import Regime
+from vibro.designs.questions import Question
+from vibro.designs.reading import read_spec
+from vibro.designs.spaces import SPACES
 from vibro.drives import Ellipse, Line
-from vibro.inverse.questions import Question
-from vibro.inverse.reading import read_spec
-from vibro.inverse.spaces import SPACES
 from vibro.quantities import QUANTITIES
 from vibro.results.designs import Design, DesignResult
 

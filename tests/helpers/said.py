@@ -11,13 +11,12 @@ from helpers.machine_files import SCENE
 from helpers.questions import changed
 
 import vibro
+from vibro.designs.reading import read_spec
 from vibro.files.points import read_points
-from vibro.inverse.reading import read_spec
 from vibro.records.alignment import Observation
 from vibro.records.fitting import fit
 from vibro.records.problem import FITTABLE
-from vibro.records.reading import Record, read_record
-from vibro.records.signals import read_sensitivities
+from vibro.records.reading import Record, read_record, read_sensitivities
 from vibro.sweeps.whole import Sweep
 
 

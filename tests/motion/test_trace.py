@@ -10,8 +10,8 @@ from helpers.made_records import FREQUENCY, PERIOD, nut
 
 import vibro
 from vibro.core.codes import PHASE_NAMES
-from vibro.motion.trace import motion_table, trace
-from vibro.results.phase_tables import phase_table
+from vibro.motion.histories import motion_table, trace
+from vibro.results.history import phase_table
 
 
 @pytest.fixture

@@ -15,9 +15,9 @@ from matplotlib.path import Path as Outline
 import vibro
 from vibro import Regime
 from vibro.answers.design import goal_text
-from vibro.inverse.designs import chosen_of
-from vibro.inverse.pictured import setting_fields, speed_band
-from vibro.inverse.reading import read_spec
+from vibro.designs.design import chosen_of
+from vibro.designs.pictured import setting_fields, speed_band
+from vibro.designs.reading import read_spec
 from vibro.plots import DESIGN_PICTURES
 from vibro.plots import design as settings_module
 from vibro.plots.design import Settings, design_figures
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Spec
+    from vibro.designs.design import Chosen
+    from vibro.designs.questions import Spec
 
     Floats = NDArray[np.float64]
 

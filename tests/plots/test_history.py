@@ -13,7 +13,7 @@ from matplotlib.patches import Polygon, Rectangle
 
 import vibro
 from vibro.errors import InputError
-from vibro.motion.trace import trace
+from vibro.motion.histories import trace
 from vibro.plots.comparison import comparison_figure
 from vibro.plots.history import PANELS, PHASE_COLOURS, choose_panels, history_figure
 from vibro.records.comparison import compare

@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.text import Annotation
 
 import vibro
-from vibro.motion.trace import trace
+from vibro.motion.histories import trace
 from vibro.plots.history import PHASE_COLOURS, choose_panels, history_figure
 
 if TYPE_CHECKING:

@@ -11,8 +11,14 @@ from helpers.made_records import FREQUENCY, NOISE, PERIOD, Walked, bowl, nut
 import vibro
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Observation, align, check_scene, computed_signals
-from vibro.records.folding import Estimate, independent_samples
+from vibro.records.alignment import (
+    Estimate,
+    Observation,
+    align,
+    check_scene,
+    computed_signals,
+    independent_samples,
+)
 from vibro.records.reading import Record
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")

@@ -14,10 +14,9 @@ from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FI
 import vibro
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Observation, align
+from vibro.records.alignment import Estimate, Observation, align, fold
 from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, _middle_of_rest, compare
 from vibro.records.fitting import fit
-from vibro.records.folding import Estimate, fold
 from vibro.records.reading import Record, read_record
 
 MASS = STUDY["MASS"]

@@ -12,7 +12,7 @@ from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, nut
 import vibro
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import computed_signals
-from vibro.records.cycles import HOPS, labels_of, scene_cycles
+from vibro.records.problem import HOPS, labels_of, scene_cycles
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
 CLIMBING: dict[str, Any] = {

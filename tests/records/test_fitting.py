@@ -24,10 +24,8 @@ from scipy.signal import lfilter
 
 import vibro
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Observation
-from vibro.records.fitting import Fit, Parameter, _profile, fit
-from vibro.records.folding import Estimate, Floats
-from vibro.records.minimisation import Minimum
+from vibro.records.alignment import Estimate, Floats, Observation
+from vibro.records.fitting import Fit, Minimum, Parameter, _profile, fit
 from vibro.records.problem import FITTABLE, Problem
 from vibro.records.reading import read_record
 from vibro.records.trough import trough_of

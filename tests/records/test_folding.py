@@ -14,7 +14,7 @@ from helpers.cases import each
 from helpers.made_records import FREQUENCY
 
 from vibro.errors import InputError
-from vibro.records.folding import Floats, detrended, fold, harmonics, independent_samples, independent_share
+from vibro.records.alignment import Floats, detrended, fold, harmonics, independent_samples, independent_share
 
 
 def clock(cycles: int = 4) -> Floats:

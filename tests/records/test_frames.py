@@ -15,11 +15,9 @@ import vibro
 from vibro.motion.settled import settled_motion
 from vibro.plots.comparison import comparison_figure
 from vibro.records.alignment import Observation, computed_signals
-from vibro.records.comparison import Comparison, Row, compare
-from vibro.records.cycles import HOPS, scene_cycles
+from vibro.records.comparison import Comparison, Row, compare, of_another_frame
 from vibro.records.fitting import fit
-from vibro.records.frames import of_another_frame
-from vibro.records.problem import Problem
+from vibro.records.problem import HOPS, Problem, scene_cycles
 
 TRIGGER = 0.0137
 CYCLES = 4  # of each record: frames are looked for in four alignments of it

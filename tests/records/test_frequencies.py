@@ -11,9 +11,8 @@ from helpers.cases import each
 from helpers.made_records import FREQUENCY, Walked, nut
 
 from vibro.motion.histories import simulate
-from vibro.records.alignment import Observation
+from vibro.records.alignment import Foreign, Observation, Repetition, foreign_frequency
 from vibro.records.comparison import compare
-from vibro.records.frequencies import Foreign, Repetition, foreign_frequency
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
 

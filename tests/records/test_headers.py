@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from helpers.cases import each
 
-from vibro.records.reading import Record, read_record
-from vibro.records.signals import read_sensitivities
+from vibro.records.reading import Record, read_record, read_sensitivities
 
 
 def read(folder: Path, header: str, row: str, *sensitivities: str, **columns: str) -> Record:

@@ -12,8 +12,7 @@ from helpers.feeders import QUIET, feeder
 from helpers.made_records import trough_record
 
 import vibro
-from vibro.records.measured_speeds import change_by_harmonics, hop_onset, speeds_of
-from vibro.records.waveforms import Motions, motion_of
+from vibro.records.trough import Motions, change_by_harmonics, hop_onset, motion_of, speeds_of
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
 

@@ -12,10 +12,12 @@ from helpers.cases import each
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from vibro.records.cycles import HOPS
-from vibro.records.fitting import _bounded, _half_width, _merged, _profile
-from vibro.records.minimisation import (
+from vibro.records.fitting import (
     Minimum,
+    _bounded,
+    _half_width,
+    _merged,
+    _profile,
     best_of,
     error_covariance,
     jacobian_at,
@@ -23,7 +25,7 @@ from vibro.records.minimisation import (
     move_to_edge,
     nearest_inside,
 )
-from vibro.records.problem import Problem, Residuals
+from vibro.records.problem import HOPS, Problem, Residuals
 
 Floats = NDArray[np.float64]
 

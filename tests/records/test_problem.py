@@ -9,10 +9,8 @@ import pytest
 from helpers.made_records import FREQUENCY, ON_ELLIPSES, Walked, bowl, nut
 
 import vibro
-from vibro.records.alignment import Observation
-from vibro.records.cycles import HOPS
-from vibro.records.folding import detrended
-from vibro.records.problem import Problem, _candidates, _variances, fittable, starts
+from vibro.records.alignment import Observation, detrended
+from vibro.records.problem import HOPS, Problem, _candidates, _variances, fittable, starts
 
 SLIP = ("static_friction", "kinetic_friction")
 TRUE = np.array([0.74, 0.57, 0.0137 * 15.0])

@@ -15,10 +15,9 @@ from vibro.errors import VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.comparison import compare
-from vibro.records.cycles import HOPS, scene_cycles
 from vibro.records.fitting import fit
-from vibro.records.problem import FITTABLE, Problem
-from vibro.records.waveforms import motion_of
+from vibro.records.problem import FITTABLE, HOPS, Problem, scene_cycles
+from vibro.records.trough import motion_of
 
 GRAVITY, FREQUENCY, RATE = 9.81, 15.0, 600.0
 ANGLE = math.radians(20.0)

@@ -9,8 +9,7 @@ import pytest
 from helpers.cases import each
 
 from vibro.errors import InputError
-from vibro.records.reading import Record, read_record
-from vibro.records.signals import read_sensitivities, rounded, signal_unit
+from vibro.records.reading import Record, read_record, read_sensitivities, rounded, signal_unit
 
 
 @each(

@@ -14,9 +14,8 @@ from helpers.made_records import FREQUENCY, PERIOD, Walked, bowl, moved, nut, tr
 
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Observation, align
+from vibro.records.alignment import Estimate, Observation, align
 from vibro.records.comparison import compare
-from vibro.records.folding import Estimate
 from vibro.records.reading import Record
 from vibro.records.trough import MeasuredDrive, Trough, Wave, spelled, trough_of
 

@@ -14,9 +14,8 @@ from helpers.made_records import EXAMPLES, trough_record
 import vibro
 from vibro.errors import InputError
 from vibro.quantities import MOST_HARMONICS
-from vibro.records.reading import Record
-from vibro.records.tolerances import TOL
-from vibro.records.waveforms import MeasuredMotion, motion_of
+from vibro.records.reading import TOL, Record
+from vibro.records.trough import MeasuredMotion, motion_of
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
 
@@ -212,7 +211,7 @@ def test_the_frequency_of_a_long_record_is_found_from_its_middle_on(monkeypatch:
     record = true.record(9, rate=800.0, density=10.0 * QUIET, seconds=240.0 / true.frequency)
     whole = motion_of(record)
     rows = record.time.size // 30
-    monkeypatch.setattr("vibro.records.waveforms.TOL", TOL._replace(frequency_rows=rows))
+    monkeypatch.setattr("vibro.records.trough.TOL", TOL._replace(frequency_rows=rows))
     by_parts = motion_of(record)
     assert by_parts.frequency == pytest.approx(whole.frequency, abs=1e-3 * whole.frequency_error)
     assert abs(whole.frequency - true.frequency) < 3.0 * whole.frequency_error

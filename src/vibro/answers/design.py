@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.answers.answer import METRES_PER_MINUTE, Answer, Fact, Table, bound, number, shown
 from vibro.core.codes import Regime
-from vibro.inverse.designs import at_most
-from vibro.inverse.rows import KINDS
-from vibro.quantities import BY_COLUMN, LEAST_SPEED, LENGTH, QUANTITIES, SPEED
+from vibro.designs.design import at_most
+from vibro.designs.rows import KINDS
+from vibro.quantities import BY_COLUMN, LEAST_SPEED, QUANTITIES
 from vibro.results.designs import DESIGN_COLUMNS
+from vibro.units import LENGTH, SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from typing import Any
 
     from vibro.answers.answer import Value
-    from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Spec
+    from vibro.designs.design import Chosen
+    from vibro.designs.questions import Spec
     from vibro.results.designs import Design, DesignResult
 
 _ALLOWED: Final = {regime.label: at_most(regime) for regime in Regime}

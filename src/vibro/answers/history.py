@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.answers.answer import Answer, Fact, Table, shown
 from vibro.core.codes import PHASE_NAMES, Regime, Status
-from vibro.quantities import LENGTH
-from vibro.results.phase_tables import phase_table, with_chains
+from vibro.results.history import phase_table, with_chains
 from vibro.steady import solve
+from vibro.units import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,20 +12,18 @@ from vibro.errors import printable
 from vibro.files.csv_tables import columns_of
 from vibro.files.motions import harmonic_lists
 from vibro.quantities import QUANTITIES, SIZES, STANDS_FOR
-from vibro.records.tolerances import TOL
-from vibro.records.trough_drives import MEASURED
+from vibro.records.reading import TOL
+from vibro.records.trough import MEASURED
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from vibro.files.csv_tables import TableColumns
+    from vibro.records.alignment import Estimate
     from vibro.records.comparison import Comparison
     from vibro.records.fitting import Fit, Parameter
-    from vibro.records.folding import Estimate
-    from vibro.records.measured_speeds import HopOnset
     from vibro.records.measurement import Measurement
-    from vibro.records.trough_drives import TroughDrive
-    from vibro.records.waveforms import MeasuredMotion
+    from vibro.records.trough import HopOnset, MeasuredMotion, TroughDrive
     from vibro.sweeps.request import Request
 
 # Kind of a figure -> its unit, and the size of that in SI units; friction is per unit mass without a mass.

@@ -12,8 +12,8 @@ from vibro.errors import InputError, SceneError
 from vibro.files.machines import machine_of
 from vibro.files.points import AMPLITUDE_ERROR, read_points
 from vibro.machines.fitting import LEAST_POINTS, POINTS_FOR_ERROR, fit_response
-from vibro.quantities import LENGTH, PERCENT, checked_number
-from vibro.units import FREQUENCY, PURE
+from vibro.quantities import checked_number
+from vibro.units import FREQUENCY, LENGTH, PERCENT, PURE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -20,16 +20,17 @@ from vibro.answers.answer import (
     uncertain,
 )
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
-from vibro.inverse.costs import changed_cycles
+from vibro.designs.design import changed_cycles
+from vibro.drives import PiecewiseMotion
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
-from vibro.quantities import LENGTH, QUANTITIES, SCALE, SIZES, SPEED, as_given, scene_fields
+from vibro.quantities import QUANTITIES, SCALE, SIZES, as_given, scene_fields
 from vibro.results.operating import OPERATING, bent
 from vibro.scene import Scene
 from vibro.slopes import LEAST_DIFFERENCE
 from vibro.sweeps.derived import WITH_ACCELERATION, WITH_BENT_SPEED, WITH_STROKE, standing, throughput
 from vibro.sweeps.weighed import weighed
-from vibro.waveforms import PiecewiseMotion
+from vibro.units import LENGTH, SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -10,8 +10,7 @@ import numpy as np
 from vibro.axes import Axis
 from vibro.core.codes import Status
 from vibro.errors import VibroError
-from vibro.motion.histories import simulate
-from vibro.motion.trace import trace
+from vibro.motion.histories import simulate, trace
 from vibro.plots import map_figures
 from vibro.plots.history import choose_panels, history_figure
 from vibro.quantities import SCALE, SWEPT

@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 import numpy as np
 
 from vibro.core.codes import Regime, Status
+from vibro.designs.guarantees import guarantee
 from vibro.errors import InputError, Problems
 from vibro.fillings import filling_of
-from vibro.inverse.guarantees import guarantee
 from vibro.limits import critical_loads
 from vibro.machines.operating import operating_points
-from vibro.quantities import LENGTH, QUANTITIES
+from vibro.quantities import QUANTITIES
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.scene import Scene
 from vibro.steady import solve
 from vibro.sweeps.machines import OF_SCENE, case_of, check_operating, operated, points_of
+from vibro.units import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

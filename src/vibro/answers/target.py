@@ -11,14 +11,15 @@ import numpy as np
 from vibro.answers.answer import METRES_PER_MINUTE, Answer, Fact, Table, bound, shown
 from vibro.answers.scene import scene_record, scene_text
 from vibro.core.codes import Regime
+from vibro.designs.guarantees import counted
+from vibro.designs.questions import MOST_DESIGN_THROW
+from vibro.designs.windows import HOPS_SAMPLED, feasible_amplitudes
 from vibro.errors import InputError
-from vibro.inverse.extremes import counted
-from vibro.inverse.questions import MOST_DESIGN_THROW
-from vibro.inverse.windows import HOPS_SAMPLED, feasible_amplitudes
 from vibro.limits import critical_loads
-from vibro.quantities import LEAST_SPEED, QUANTITIES, SCALE, SPEED, as_given, scene_fields
+from vibro.quantities import LEAST_SPEED, QUANTITIES, SCALE, as_given, scene_fields
 from vibro.scene import Scene
 from vibro.steady import solve
+from vibro.units import SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

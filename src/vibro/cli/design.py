@@ -11,9 +11,9 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from vibro.designs.design import Chosen
+    from vibro.designs.questions import Spec
     from vibro.files.csv_tables import TableColumns
-    from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Spec
     from vibro.results.designs import DesignResult
 
 #: Pictures of the page, and what they show.
@@ -44,10 +44,10 @@ def design_command(
     from vibro.answers.design import design_answer
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import whole_number
+    from vibro.designs.design import chosen_of, find_designs
+    from vibro.designs.reading import read_spec
+    from vibro.designs.rows import DIGITS, MOST_DIGITS
     from vibro.files.toml_files import read_toml
-    from vibro.inverse.designs import chosen_of, find_designs
-    from vibro.inverse.reading import read_spec
-    from vibro.inverse.rounding import DIGITS, MOST_DIGITS
     from vibro.plots import DESIGN_PICTURES
 
     console = options.console
@@ -90,7 +90,7 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
     if chosen is None:
         return {}
     from vibro.answers.design import goal_text
-    from vibro.inverse.pictured import setting_fields, speed_band
+    from vibro.designs.pictured import setting_fields, speed_band
     from vibro.plots.design import design_figures
 
     fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)

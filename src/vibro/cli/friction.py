@@ -17,7 +17,7 @@ from vibro.cli.options import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from vibro.friction_catalogue import Row
+    from vibro.friction import Row
 
 _HEADINGS: Final = ("pair", "condition", "mu_s", "mu_d", "source")
 
@@ -37,7 +37,7 @@ def friction_command(
     A band lo:hi is as wide as its source prints it. Sources that contradict each other stay side by side.
     In a question of vibro design a row is named static_friction = "steel on steel, dry, Lust".
     """
-    from vibro.friction_catalogue import find
+    from vibro.friction import find
     from vibro.tables.record import json_text
 
     found = find(" ".join(pair or ()))
@@ -59,7 +59,7 @@ def _content(row: Row) -> dict[str, Any]:
 def _print_table(found: Sequence[Row]) -> None:
     """Print the rows, and below them the notes on each source."""
     from vibro.answers.answer import aligned
-    from vibro.friction_catalogue import band_text
+    from vibro.friction import band_text
 
     cells = [
         (row.pair, row.condition, band_text(row.static_friction), band_text(row.kinetic_friction), row.source)

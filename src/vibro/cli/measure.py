@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from vibro.cli.outputs import Outputs
     from vibro.records.measurement import Measurement
     from vibro.records.reading import Record
-    from vibro.records.trough_drives import TroughDrive
+    from vibro.records.trough import TroughDrive
     from vibro.sweeps.request import Request
 
 #: Endings of what it can write.
@@ -76,8 +76,7 @@ def measure_command(
     from vibro.files.scene_files import read_scene_file
     from vibro.quantities import LOAD, MASS, checked_number
     from vibro.records.measurement import measure
-    from vibro.records.reading import read_record
-    from vibro.records.signals import read_sensitivities
+    from vibro.records.reading import read_record, read_sensitivities
 
     console = options.console
     options, data = _scene_and_record(options)
@@ -198,7 +197,7 @@ def _measured_trough(
     """
     from vibro.cli.request import read_request
     from vibro.quantities import checked_number
-    from vibro.records.trough_drives import MEASURED, trough_drive
+    from vibro.records.trough import MEASURED, trough_drive
 
     if "normal_acceleration" in {*options.given, *scene}:
         raise InputError(
@@ -236,7 +235,7 @@ def _measured_trough(
 
 def _others(request: Request) -> dict[str, float]:
     """Return the fields of a scene besides its drive [SI]."""
-    from vibro.records.trough_drives import MEASURED
+    from vibro.records.trough import MEASURED
 
     fields: dict[str, float] = scene_fields({n: x for n, x in request.fixed.items() if n not in MEASURED})
     return fields

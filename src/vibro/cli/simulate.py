@@ -102,8 +102,8 @@ def simulate_command(
 
 
 def _tables(history: History, samples: int) -> dict[str, TableColumns]:
-    from vibro.motion.trace import motion_table, trace
-    from vibro.results.phase_tables import phase_table
+    from vibro.motion.histories import motion_table, trace
+    from vibro.results.history import phase_table
 
     rows = trace(history, until=history.end, samples_per_cycle=samples)
     return {"": motion_table(history, rows), "phases": phase_table(history, history.phases)}
@@ -111,7 +111,8 @@ def _tables(history: History, samples: int) -> dict[str, TableColumns]:
 
 def _window(begin: str | None, end: str | None, cycles: float, frequency: float) -> tuple[float, float]:
     """Return when the picture begins and ends [s]."""
-    from vibro.quantities import TIME, Quantity, exact_number
+    from vibro.quantities import Quantity, exact_number
+    from vibro.units import TIME
 
     last = cycles / frequency
     if begin is None and end is None:
@@ -138,7 +139,7 @@ def _figure(
     console: Console,
 ) -> Figure:
     """Draw a part of a history."""
-    from vibro.motion.trace import trace
+    from vibro.motion.histories import trace
     from vibro.plots.history import choose_panels, history_figure
 
     since, until = window

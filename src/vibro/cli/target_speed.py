@@ -10,7 +10,7 @@ import numpy as np
 from vibro.answers.answer import number
 from vibro.cli.sweeps import count, peak_text
 from vibro.core.codes import Status
-from vibro.quantities import LENGTH
+from vibro.units import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

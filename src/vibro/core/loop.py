@@ -528,7 +528,7 @@ def _write_leg(leg: SlideLeg, out: _CycleLegs, row: int) -> None:
 
 
 class _Weights(NamedTuple):
-    """What bodies weigh to their drive, as ``vibro.results.filling.Filling`` describes it."""
+    """What bodies weigh to their drive, as ``vibro.results.operating.Filling`` describes it."""
 
     added_mass: Doubles
     added_damping: Doubles

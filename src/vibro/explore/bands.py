@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.answers.answer import number
 from vibro.core.codes import Regime
-from vibro.inverse.certain import Certain, certain
-from vibro.inverse.guarantees import guarantee
-from vibro.quantities import LENGTH, MACHINE, scene_fields
+from vibro.designs.guarantees import Certain, certain, guarantee
+from vibro.quantities import MACHINE, scene_fields
 from vibro.scene import Scene
+from vibro.units import LENGTH
 
 if TYPE_CHECKING:
+    from vibro.designs.questions import Span
     from vibro.explore.state import State
-    from vibro.inverse.specs import Span
 
 __all__ = [
     "bands_if",

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
+from vibro.designs.guarantees import Certain
 from vibro.explore.bands import certain_of, extreme_frictions, is_outside
 from vibro.explore.controls import VIEWS, is_weighed
 from vibro.explore.looks import HATCHES, STRIPES, curve_look, looks_of
 from vibro.explore.packing import pack
 from vibro.explore.words import caption_of, round_numbers, symbol_of, ticks_of, unit_of
-from vibro.inverse.certain import Certain
 from vibro.plots.fields import HIDDEN_BY, Fields, hiding_fields, zero_lines
 from vibro.plots.neighbours import fill_unknown
 from vibro.plots.scales import scale_of, time_scale

@@ -9,8 +9,7 @@ import numpy as np
 from vibro.core.codes import PHASE_NAMES
 from vibro.explore.packing import pack
 from vibro.explore.words import even_ticks
-from vibro.motion.histories import simulate
-from vibro.motion.trace import trace
+from vibro.motion.histories import simulate, trace
 from vibro.plots.history import PANELS, PHASE_COLOURS, choose_panels, most_force, panels_of, values_of
 
 if TYPE_CHECKING:

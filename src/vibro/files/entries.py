@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.axes import axis_of, one_value_of, parse_axis
+from vibro.drives import LEAST_SAMPLES, MOST_PIECES
 from vibro.errors import MOST_TOLD, InputError, Problems, did_you_mean, shown
 from vibro.quantities import MOST_HARMONICS, QUANTITIES, STANDS_FOR, SWEPT, nearest_double
 from vibro.reals import real_number
 from vibro.units import ACCELERATION, ANGLE, FREQUENCY, LENGTH, PURE
-from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from vibro.drives import Motion, harmonic_motion, sampled_motion, step_motion
 from vibro.errors import InputError, SceneError
 from vibro.quantities import HARMONIC, MOST_HARMONICS, QUANTITIES
-from vibro.waveforms import Motion, harmonic_motion, sampled_motion, step_motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

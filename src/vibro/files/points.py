@@ -9,7 +9,8 @@ import numpy as np
 
 from vibro.errors import InputError, Problems, shown
 from vibro.files.reading import read_text, rows_of
-from vibro.quantities import PERCENT, QUANTITIES, Quantity, Range, nearest_double
+from vibro.quantities import QUANTITIES, Quantity, Range, nearest_double
+from vibro.units import PERCENT
 
 if TYPE_CHECKING:
     from pathlib import Path

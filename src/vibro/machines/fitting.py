@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["LAWS", "LEAST_POINTS", "POINTS_FOR_ERROR", "Law", "ResponseFit", "fit_response"]
 
 Law = Literal["constant", "square"]
 

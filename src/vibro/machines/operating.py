@@ -9,30 +9,28 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Status, is_answered
+from vibro.drives import Motion
 from vibro.errors import InputError, shown
 from vibro.fillings import filling_of
 from vibro.limits import critical_loads_of_lines
-from vibro.machines.linear import transfer
-from vibro.machines.machine import Machine, broadcast, driven
+from vibro.machines.machine import Machine, broadcast, driven, transfer
 from vibro.quantities import QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.roots import sign_changes
 from vibro.scene import Scene
 from vibro.steady import check_switch, solve
-from vibro.waveforms import Motion
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.machines.linear import Transfer
-    from vibro.results.filling import Filling
+    from vibro.machines.machine import Transfer
+    from vibro.results.operating import Filling
 
     Floats = NDArray[np.float64]
     Complexes = NDArray[np.complex128]
     Cells = NDArray[np.int64]
 
-__all__ = ["OperatingPoints", "operate", "operating_points"]
 
 # Amplitudes that are computed: logarithms of the ratio of neighbours, and their largest number.
 _STEP: Final = 0.03

@@ -10,18 +10,16 @@ import numpy as np
 from vibro.core.codes import LETTERS, PATTERNS, spelt_text
 from vibro.core.compiled import doors
 from vibro.drives import Ability
-from vibro.long_patterns import turned
-from vibro.motion.arrivals import Start
-from vibro.motion.histories import follow_body, grid_of
+from vibro.motion.histories import Start, follow_body, grid_of
 from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors
-from vibro.solver import Scratch, lasting
+from vibro.steady import turned
+from vibro.threads import Scratch, lasting
 
 if TYPE_CHECKING:
     from vibro.scene import Scene
-    from vibro.solver import Grid
+    from vibro.threads import Grid
 
-__all__ = ["attractors"]
 
 _ROOM: Final = (
     256  # cycles; 64 starts lead to 64 lists of flights at most, nearly all of which have one cycle

@@ -12,13 +12,12 @@ from vibro.core.codes import LETTERS, Mode, Regime, Status
 from vibro.core.numbers import TURN
 from vibro.drives import Ability
 from vibro.errors import VibroError
-from vibro.motion.arrivals import Start
-from vibro.motion.histories import follow_body, is_followed, simulate
+from vibro.motion.histories import Start, follow_body, is_followed, simulate
 from vibro.reals import shielded
 from vibro.results.history import Legs
 from vibro.slopes import slides_of
-from vibro.solver import Grid
 from vibro.steady import solve
+from vibro.threads import Grid
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["CyclePhase", "SettledMotion", "cycle_phases", "settled_motion"]
 
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
 _PERIODIC: Final = 1e-6  # relative change between cycles that count as the same

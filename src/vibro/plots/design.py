@@ -18,7 +18,8 @@ from vibro.plots.layers import WHITE, MapLayers
 from vibro.plots.maps import colour_bar, place_words
 from vibro.plots.scales import Scale, even_levels
 from vibro.plots.view import Panel
-from vibro.quantities import LENGTH, QUANTITIES
+from vibro.quantities import QUANTITIES
+from vibro.units import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Spec
+    from vibro.designs.design import Chosen
+    from vibro.designs.questions import Spec
     from vibro.results.designs import SettingFields, SpeedBand
 
     Floats = NDArray[np.float64]

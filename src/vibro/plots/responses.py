@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.plots.frame import draw_zero, set_heading, settle, stack
 from vibro.plots.style import BLUE, CURVES, INK, RED, SECOND, house_style
-from vibro.quantities import LENGTH
+from vibro.units import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,15 +9,223 @@ from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
 from scipy.optimize import brentq, minimize_scalar
 
 from vibro.errors import InputError
 from vibro.motion.settled import SettledMotion
 from vibro.quantities import AMPLITUDES
-from vibro.records.folding import Estimate, Floats, Folded, detrended, fold, independent_samples
-from vibro.records.reading import Record
-from vibro.records.tolerances import TOL
+from vibro.records.reading import TOL, Record
 from vibro.scene import Scene
+
+# ------------------------------------------------------------------------------
+# The periodic part of a noisy signal: regression on the harmonics of the drive, with standard errors.
+
+Floats = NDArray[np.float64]
+
+
+class Estimate(NamedTuple):
+    """A measured value and its standard error; NaN if unknown."""
+
+    value: float
+    error: float
+
+    def scaled(self, factor: float) -> Estimate:
+        """Multiply both by a positive factor."""
+        return Estimate(self.value * factor, self.error * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class Folded:
+    """A signal as a trend and harmonics of the drive.
+
+    Attributes
+    ----------
+    frequency : float
+        Drive frequency [Hz].
+    trends : int
+        Number of coefficients of the trend: powers of (time - middle) / half.
+    middle, half : float
+        Middle and half of the record's duration [s].
+    coefficients, covariance : array
+        Coefficients of the trend, then of the cosines and of the sines; their covariance, increased for
+        noise that is correlated over several samples.
+    order : int
+        Order of the derivative of the signal that the methods return.
+    """
+
+    frequency: float
+    trends: int
+    middle: float
+    half: float
+    coefficients: Floats
+    covariance: Floats
+    order: int = 0
+
+    def trend(self, power: int) -> Estimate:
+        """Return the coefficient of a power of the time, in the signal's unit per s to that power."""
+        error = math.sqrt(self.covariance[power, power])
+        return Estimate(float(self.coefficients[power]), error).scaled(self.half**-power)
+
+    def periodic(self, time: Floats) -> Floats:
+        """Return the harmonic part of the signal at times on the record's clock [s]."""
+        return np.asarray(self._basis(time)[:, self.trends :] @ self.coefficients[self.trends :])
+
+    def fitted(self, time: Floats) -> Floats:
+        """Return trend and harmonic part of the signal at times on the record's clock [s]."""
+        return np.asarray(self._basis(time) @ self.coefficients)
+
+    def error(self, time: Floats) -> Floats:
+        """Return the standard error of ``fitted``."""
+        basis = self._basis(time)
+        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", basis, self.covariance, basis)))
+
+    def derivative(self) -> Folded:
+        """Differentiate the signal with respect to the time."""
+        return replace(self, order=self.order + 1)
+
+    def _basis(self, time: Floats) -> Floats:
+        powers = np.vander((time - self.middle) / self.half, self.trends, increasing=True)
+        for _ in range(self.order):
+            powers = np.pad(powers[:, :-1] * np.arange(1, self.trends) / self.half, ((0, 0), (1, 0)))
+        count = (self.coefficients.size - self.trends) // 2
+        return np.hstack([powers, harmonics(time, self.frequency, count, self.order)])
+
+
+def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -> Floats:
+    """Return cosines, then sines, of the harmonics of a frequency, or their derivatives, in columns."""
+    rates = math.tau * frequency * np.arange(1, count + 1)
+    angles = np.outer(time, rates) + 0.5 * math.pi * derivative
+    found = np.empty((time.size, 2 * count))  # long records take longer to copy than to evaluate
+    np.cos(angles, out=found[:, :count])
+    np.sin(angles, out=found[:, count:])
+    if derivative:
+        found *= np.tile(rates**derivative, 2)
+    return found
+
+
+def detrended(time: Floats, values: Floats, degree: int) -> Floats:
+    """Subtract the best polynomial of a degree."""
+    centred = time - time.mean()
+    return np.asarray(values - np.polyval(np.polyfit(centred, values, degree), centred))
+
+
+def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
+    """Regress a signal on a trend and the harmonics of the drive.
+
+    Parameters
+    ----------
+    time : array
+        Ascending, at least two drive cycles [s].
+    signal : array
+        Values at these times.
+    frequency : float
+        Drive frequency [Hz].
+    trends : int
+        Number of coefficients of the trend, a polynomial.
+
+    Raises
+    ------
+    InputError
+        If there are too few cycles, or too few samples a cycle.
+    """
+    span = float(time[-1] - time[0])
+    cycles, cycle = span * frequency, f"of {1e3 / frequency:.6g} ms: at least"
+    if cycles < TOL.least_cycles * (1.0 - TOL.printed):
+        short = f"the data cover {_below(cycles)} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
+        raise InputError(short, hint="record longer, or check the frequency and the unit of the time")
+    samples = (time.size - 1) / cycles * (1.0 + TOL.printed)
+    if samples < TOL.least_samples:
+        coarse = (
+            f"the data have {_below(samples)} samples a drive cycle {cycle} {TOL.least_samples} are needed"
+        )
+        raise InputError(coarse, hint="sample faster, or check the frequency and the unit of the time")
+    count = min(TOL.most_harmonics, int(TOL.of_nyquist * 0.5 * samples))
+    size, middle = trends + 2 * count, float(time[0]) + 0.5 * span
+    empty = Folded(frequency, trends, middle, 0.5 * span, np.zeros(size), np.zeros((size, size)))
+    basis = empty._basis(time)
+    # Normal equations lose digits. Harmonics are nearly orthogonal: few digits are lost, and one step of
+    # refinement restores them.
+    inverse = np.linalg.pinv(basis.T @ basis)
+    coefficients = inverse @ (basis.T @ signal)
+    coefficients += inverse @ (basis.T @ (signal - basis @ coefficients))
+    residual = signal - basis @ coefficients
+    freedom = max(1, time.size - size)
+    variance = float(residual @ residual) / freedom / independent_share(residual)
+    return replace(empty, coefficients=coefficients, covariance=np.asarray(variance * inverse))
+
+
+def independent_samples(time: Floats, residual: Floats, frequency: float) -> float:
+    """Return the effective number of independent samples of a residual.
+
+    Correlated neighbours count less. A residual that repeats in every cycle, because the model lacks it, is
+    not averaged out by more cycles: it counts as two samples for each of its strong harmonics, for any number
+    of cycles.
+
+    Parameters
+    ----------
+    time, residual : array
+        As ``time`` and ``signal`` of ``fold``.
+    frequency : float
+        Drive frequency [Hz].
+    """
+    folded = fold(time, residual, frequency, 1)
+    rest = residual - folded.fitted(time)
+    noise = float(np.var(rest))
+    powers = 0.5 * (folded.coefficients[1:].reshape(2, -1) ** 2).sum(axis=0)
+    powers[powers < TOL.significant * 2.0 * noise / time.size] = 0.0
+    total = float(powers.sum())
+    if total + noise == 0.0:
+        return float(time.size)
+    variance_of_mean = noise / (time.size * independent_share(rest))
+    if total > 0.0:
+        # the total over twice the effective number of strong harmonics
+        variance_of_mean += float(powers @ powers) / (2.0 * total)
+    return (total + noise) / variance_of_mean
+
+
+def whitening_filter(time: Floats, residual: Floats, frequency: float) -> Floats:
+    """Return the filter that makes noise white: 1, and minus the weights of the samples before.
+
+    What repeats in every cycle is no noise. The weights are those of an autoregressive process by Yule and
+    Walker's equations, whose order is that of Schwarz's criterion: white noise stays as it is. Rows that are
+    left out are not counted.
+
+    Parameters
+    ----------
+    time, residual : array
+        As ``time`` and ``signal`` of ``fold``.
+    frequency : float
+        Drive frequency [Hz].
+    """
+    rest = residual - fold(time, residual, frequency, 1).fitted(time)
+    size, most = rest.size, min(TOL.most_predecessors, rest.size // TOL.rows_of_a_predecessor)
+    covariance = np.array([rest[k:] @ rest[: size - k] for k in range(most + 1)]) / size
+    best, least = np.ones(1), 0.0
+    for order in range(1, most + 1 if covariance[0] > 0.0 else 1):
+        weights = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
+        left = 1.0 - float(weights @ covariance[1 : order + 1]) / covariance[0]
+        cost = size * math.log(max(left, TOL.rounding)) + math.log(size) * order
+        # Like ``independent_share``, never take slow noise for less than white noise of the same power.
+        if cost < least and float(weights.sum()) > 0.0:
+            best, least = np.append(1.0, -weights), cost
+    return best
+
+
+def independent_share(residual: Floats) -> float:
+    """Return the effective share of independent samples, from the correlation of neighbours."""
+    power = float(residual @ residual)
+    if power == 0.0 or residual.size < 3:
+        return 1.0
+    neighbours = float(residual[1:] @ residual[:-1]) / power
+    return min(1.0, max((1.0 - neighbours) / (1.0 + neighbours), 2.0 / residual.size))
+
+
+def _below(number: float) -> str:
+    """Write a number below a limit with at most two decimals, rounded down: it must not read as the limit."""
+    return f"{math.floor(100.0 * number + 1e-6) / 100.0:g}"
+
 
 _RANGE: Final = f"[{1.0 / TOL.largest:g}, {TOL.largest:g}]"
 _TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
@@ -334,3 +542,206 @@ def _reach(loss: Callable[[float], float], shift: float, least: float, period: f
         if abs(far) > 0.5 * abs(period):
             return 0.5 * abs(period)
     return abs(brentq(fallen, near, far, xtol=1e-6 * abs(far)))
+
+
+# ------------------------------------------------------------------------------
+# Frequency at which signals repeat, its standard error, and whether it differs from that of the drive.
+
+Places = NDArray[np.intp]
+
+# Of each signal the powers of 2 pi f that turn its spectrum into that of a velocity. There the fundamental
+# stands out: jumps of an acceleration have strong harmonics, a displacement drifts.
+_TO_VELOCITY: Final = {"displacement": 1, "velocity": 0, "acceleration": -1, "friction": -1}
+
+
+class Repetition:
+    """Regression of signals on the harmonics of a trial frequency, an offset and a slow drift.
+
+    Parameters
+    ----------
+    time : array, shape (N,)
+        Ascending [s].
+    signals : mapping of str to array
+        In any units.
+    powers : mapping of str to int
+        Power of the frequency by which the spectrum of each is multiplied to find the largest wave.
+
+    Attributes
+    ----------
+    span : float
+        Length of the record [s].
+    alive : bool array
+        Which of the signals vibrate by more than rounding; the others are left out.
+    """
+
+    def __init__(self, time: Floats, signals: Mapping[str, Floats], powers: Mapping[str, int]) -> None:
+        self.span = float(np.ptp(time))
+        self._rate = (time.size - 1) / self.span
+        self._time = time - 0.5 * float(time[0] + time[-1])
+        self._trend = np.vander(self._time / (0.5 * self.span), 2, increasing=True)
+        columns = np.array([values / (np.abs(values).max() or 1.0) for values in signals.values()]).T
+        left = columns - self._trend @ np.linalg.lstsq(self._trend, columns, rcond=None)[0]
+        self.alive = np.abs(left).max(axis=0) > TOL.rounded
+        self._signals = left[:, self.alive]
+        self._powers = np.array([powers[name] for name in signals])[self.alive]
+        self._power = np.einsum("ij,ij->j", self._signals, self._signals)
+
+    def fundamental(self) -> Estimate | None:
+        """Find the drive frequency, of which the largest wave is a harmonic, mostly the first; or None."""
+        if math.isnan(self._peak):
+            return None
+        found = self._near(self._peak)
+        lower = [found.value / n for n in range(2, TOL.lowest_fraction + 1)]
+        shares = {
+            f: self.share(f)
+            for f in lower
+            if f * self.span >= TOL.least_cycles and self._adds(f, found.value)
+        }
+        # A fraction of the fundamental explains as much as the fundamental: take the highest of the best.
+        best = next((f for f, share in shares.items() if share > max(shares.values()) - TOL.missing), None)
+        # Near the wave of another machine a fraction may explain little beside the harmonics that it adds to:
+        # try the largest wave itself after it.
+        for candidate in ([] if best is None else [self._near(best)]) + [found]:
+            share = self.share(candidate.value)
+            # A wave of another machine in the residual leaves few independent samples, and no gain is clear:
+            # a large share over many cycles is enough.
+            clear = share >= TOL.most_share and candidate.value * self.span >= TOL.many_cycles
+            if share >= TOL.least_share and (clear or self.explains_more(candidate.value)):
+                return candidate
+        return None
+
+    def share(self, frequency: float) -> float:
+        """Return the share of the power that a frequency explains, of the signal that it explains best."""
+        return float((1.0 - self._squares(frequency) / self._power).max(initial=0.0))
+
+    def explains_more(self, one: float, other: float | None = None) -> bool:
+        """Whether a frequency explains more than another, or than none, beyond noise.
+
+        Noise raises the likelihood too, the more the more frequencies are tried.
+        """
+        less = self._power if other is None else self._squares(other)
+        gain = 0.5 * float(self._counts(one) @ np.log(less / self._squares(one)))
+        return gain > TOL.clear + math.log(self._time.size)
+
+    @cached_property
+    def _peak(self) -> float:
+        """Frequency of the largest wave; NaN where no wave can be resolved [Hz]."""
+        size = TOL.padding * self._time.size
+        even = np.linspace(self._time[0], self._time[-1], self._time.size)
+        frequency = np.fft.rfftfreq(size, 1.0 / self._rate)
+        sought = (frequency * self.span >= TOL.least_cycles) & (frequency * TOL.coarsest <= self._rate)
+        if not sought.any() or not self.alive.any():
+            return math.nan
+        columns = [np.interp(even, self._time, column) for column in self._signals.T]
+        waves = np.abs(np.fft.rfft(columns, size, axis=1)[:, sought]) ** 2
+        shaped = waves * frequency[sought] ** (2.0 * self._powers[:, None])
+        total = (shaped / np.maximum(shaped.sum(axis=1, keepdims=True), np.finfo(float).tiny)).sum(axis=0)
+        return float(frequency[sought][np.argmax(total)])
+
+    def _near(self, frequency: float) -> Estimate:
+        """Refine a frequency to the one of least misfit, with its standard error [Hz]."""
+        step = 1.0 / self.span
+        grid = frequency + TOL.near_peak * step * np.linspace(-1.0, 1.0, 9)
+        tried = np.array([self._squares(f) for f in grid])
+        place = int(np.argmin(np.log(tried).sum(axis=1)))
+        # Noise in a harmonic that the signal lacks would shift the frequency, the more the higher it is: use
+        # those that stand out.
+        noise = 2.0 * tried[place] / self._power / self._time.size
+        real = (self._powers_of_waves(float(grid[place])) > TOL.significant * noise).any(axis=1)
+        which = np.flatnonzero(real) if real.any() else np.array([0])
+        best = minimize_scalar(
+            lambda f: float((self._squares(f, which) / tried[place]).sum()),
+            bounds=(grid[max(place - 1, 0)], grid[min(place + 1, grid.size - 1)]),
+            method="bounded",
+            options={"xatol": 1e-6 * step},
+        )
+        found, h = float(best.x), TOL.curvature_step * step
+        before, least, after = (self._squares(found + shift, which) for shift in (-h, 0.0, h))
+        bend = (after + before - 2.0 * least) / (2.0 * h * h)
+        certainty = float((self._counts(found) * bend / least).sum())
+        return Estimate(found, 1.0 / math.sqrt(certainty) if certainty > 0.0 else math.inf)
+
+    def _adds(self, lower: float, largest: float) -> bool:
+        """Whether a lower frequency has a wave of its own, and explains more than the largest wave."""
+        own, other = (float(self._powers_of_waves(f)[0].max()) for f in (lower, largest))
+        return own > max(TOL.missing, TOL.own_wave * other) and self.explains_more(lower, largest)
+
+    def _regression(self, frequency: float, which: Places | None = None) -> tuple[Floats, Floats]:
+        """Return coefficients of the trend and of all harmonics, or some, and the residuals, (N, signals).
+
+        The harmonics end at a frequency that is the same for all that are tried. Residuals are scaled up for
+        the number of coefficients.
+        """
+        top = min(TOL.explained_up_to * self._peak, 0.5 * TOL.of_nyquist * self._rate)
+        most = min(TOL.most_harmonics, self._time.size // 6)
+        count = max(1, min(most, int(top / frequency * (1.0 + TOL.printed))))
+        which = np.arange(count) if which is None else which
+        count = int(which[-1]) + 1
+        waves = harmonics(self._time, frequency, count)[:, np.concatenate([which, count + which])]
+        basis = np.hstack([self._trend, waves])
+        # Normal equations are quick, and accurate enough where waves are nearly orthogonal. The ridge keeps
+        # them solvable where waves are indistinguishable.
+        ridge = TOL.rounding * self._time.size * np.eye(basis.shape[1])
+        coefficients = np.linalg.solve(basis.T @ basis + ridge, basis.T @ self._signals)
+        scale = math.sqrt(self._time.size / (self._time.size - basis.shape[1]))
+        return np.asarray(coefficients, np.float64), (self._signals - basis @ coefficients) * scale
+
+    def _powers_of_waves(self, frequency: float) -> Floats:
+        """Return the power of each harmonic over that of the signal, shape (harmonics, signals)."""
+        waves = self._regression(frequency)[0][2:]
+        cosines, sines = np.split(0.5 * self._time.size * waves**2, 2)
+        return np.asarray((cosines + sines) / self._power)
+
+    def _squares(self, frequency: float, which: Places | None = None) -> Floats:
+        """Sum the squares of the residuals of each signal."""
+        left = self._regression(frequency, which)[1]
+        return np.asarray(np.einsum("ij,ij->j", left, left) + TOL.rounding * self._power)
+
+    def _counts(self, frequency: float) -> Floats:
+        """Return the effective number of independent samples in the residuals of each signal."""
+        return np.array([left.size * independent_share(left) for left in self._regression(frequency)[1].T])
+
+
+class Foreign(NamedTuple):
+    """A frequency at which data repeat, and which differs from that of the drive.
+
+    Attributes
+    ----------
+    frequency : Estimate
+        [Hz].
+    cycles : int
+        Drive cycles in one period of the data; 0 if they are no whole number.
+    """
+
+    frequency: Estimate
+    cycles: int
+
+
+def foreign_frequency(observation: Observation) -> Foreign | None:
+    """Find the frequency at which a record repeats, if that clearly differs from the drive's.
+
+    It must explain more than noise could, and lie beyond its own uncertainty. If it is a multiple of the
+    drive's, the drive's own wave must be missing from the record.
+
+    Parameters
+    ----------
+    observation : Observation
+        The record, with the frequency that the drive should have.
+    """
+    part, drive = observation.middle, observation.frequency
+    signals = Repetition(part.time, part.signals, _TO_VELOCITY)
+    found = signals.fundamental()
+    if found is None:
+        return None
+    apart = max(TOL.drifted / signals.span, TOL.sigmas * found.error)
+    if abs(found.value - drive) <= apart:
+        return None
+    multiple = round(found.value / drive)
+    if multiple > 1 and abs(found.value - multiple * drive) <= multiple * apart:
+        odd = signals.share(drive) - signals.share(found.value)
+        return Foreign(found, 0) if odd < TOL.missing * signals.share(found.value) else None
+    if not signals.explains_more(found.value, drive):
+        return None
+    cycles = round(drive / found.value)
+    whole = 1 < cycles <= TOL.most_cycles and abs(cycles * found.value - drive) <= cycles * apart
+    return Foreign(found, cycles if whole else 0)

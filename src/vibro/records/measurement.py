@@ -9,10 +9,8 @@ from vibro.errors import InputError, VibroError
 from vibro.records.alignment import Observation
 from vibro.records.comparison import Comparison, compare
 from vibro.records.fitting import Fit, check_names, fit
-from vibro.records.measured_speeds import HopOnset, Speeds, hop_onset, speeds_of
 from vibro.records.reading import Record
-from vibro.records.trough_drives import TroughDrive
-from vibro.records.waveforms import MeasuredMotion
+from vibro.records.trough import HopOnset, MeasuredMotion, Speeds, TroughDrive, hop_onset, speeds_of
 from vibro.scene import Scene
 
 

@@ -13,17 +13,673 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibro.errors import InputError, cut, shown
+from vibro.errors import InputError, argument, cut, did_you_mean, shown
 from vibro.files.reading import read_text, rows_of
-from vibro.records.folding import Floats
-from vibro.records.headers import Columns, Header, Wanted, columns_of
-from vibro.records.signals import DERIVATIVES, SIGNALS, TROUGH, Sensitivity
-from vibro.records.tolerances import TOL
+from vibro.records.alignment import Floats
+from vibro.units import LENGTH, SPEED
+
+# ------------------------------------------------------------------------------
+# Limits, steps and thresholds of the analysis of records, each with its unit and reason.
+
+
+class Tolerances(NamedTuple):
+    """Limits, steps and thresholds; shares or factors if no unit is given."""
+
+    # --- reading --------------------------------------------------------------------------------------
+    # Largest value in a record, or in a scene that is compared with one [SI]; the smallest in a scene is its
+    # inverse. Fourth powers are summed over the rows and must stay far below the largest double.
+    largest: float = 1e20
+    # Ratio of measured and computed size, either way, from which a unit is doubted: less than 10, as a
+    # sensitivity may be wrong by 10 and the motion a little smaller than computed.
+    far_off: float = 7.0
+    far_angle: float = float(np.radians(20.0))  # [rad] from the scene's drive angle: sensors may be exchanged
+    looked_at: int = 300  # rows in which separator and header are searched
+    gap: float = 3.5  # usual steps of the time in one step: two missing rows and the rounding of times
+    skipped: float = 0.05  # largest share of rows without a value
+    cells_named: int = 5  # bad cells of a column, or rows, that a message names
+    headers_named: int = 12  # headers that a message names
+
+    # --- harmonic regression --------------------------------------------------------------------------
+    # Relative: times are rounded when they are written. Cycles and samples may fall short of a whole number
+    # by as much, or 40 samples a cycle would resolve 17 or 18 harmonics depending on the last digit.
+    printed: float = 1e-6
+    least_cycles: float = 2.0  # cycles of any wave in the record
+    least_samples: int = 8  # samples a drive cycle
+    # The velocity of a slide has kinks, whose harmonics fall off quadratically: more of them do not help.
+    most_harmonics: int = 24
+    of_nyquist: float = 0.9  # of half the sampling rate, at which a harmonic cannot be resolved
+    # Power of a harmonic over the mean power of noise in it; noise exceeds this in 3 of 10 000 harmonics.
+    significant: float = 8.0
+
+    # --- frequency of a record ------------------------------------------------------------------------
+    coarsest: float = 4.0  # samples in a cycle of the largest wave
+    explained_up_to: float = 8.0  # highest harmonic over the frequency of the largest wave
+    padding: int = 4  # of the spectrum, so that its peaks lie within an eighth of 1/T
+    near_peak: float = 0.6  # [1/T] largest distance of the best frequency from the peak
+    curvature_step: float = 0.02  # [1/T] the phase at the end of the record changes by 3.6 deg
+    lowest_fraction: int = 6  # highest harmonic that may be the largest wave
+    rounded: float = 1e-6  # of a signal's largest value: smaller deviations from its trend are rounding
+    # Of a power: the ridge of a regression, and the least residual. Of the amplitude of the drive: the least
+    # standard deviation of a residual. Of a quantity: the least step.
+    rounding: float = 1e-12
+    # Gain of the log-likelihood: 5 sigma, besides the logarithm of the number of frequencies that are tried.
+    clear: float = 12.5
+    own_wave: float = 0.1  # least power of a fundamental over that of the largest wave
+    least_share: float = 0.3  # of a signal's power that a frequency must explain
+    most_share: float = 0.8  # of a signal's power: noise explains less,
+    many_cycles: float = 5.0  # if there are so many cycles
+    missing: float = 0.05  # of the power: a wave with less counts as missing
+    drifted: float = 0.05  # cycles by which drive and data may drift apart over the record
+    sigmas: float = 4.0  # standard errors by which two frequencies, or clocks, differ at least
+    most_cycles: int = 8  # drive cycles after which a body that hops may repeat its motion
+
+    # --- alignment ------------------------------------------------------------------------------------
+    shifts: int = 512  # shifts in a cycle at which the search begins
+    # Least misfit of a signal over its size. A signal that fits exactly would outweigh all others.
+    least_misfit: float = 1e-9
+    # Range of the log-likelihoods per sample below which all positions in the cycle fit equally well.
+    flat: float = 1e-3
+    # Only the middle of long records is searched: errors are far below the sample time with so many rows,
+    searched_rows: int = 6000
+    searched_cycles: float = 4.0  # and at least so many cycles
+    searched: float = 0.05  # [cycles] to each side of the rough result,
+    searched_steps: int = 41  # in so many steps
+    # Standard errors above which a wave stands out, an ellipse is no line, and a rival position does not fit.
+    likely_sigmas: float = 3.0
+
+    # --- accelerations of the trough ------------------------------------------------------------------
+    few_harmonics: float = 0.1  # root mean square of harmonics over the fundamental's: warn of more
+    much_rest: float = 0.3  # the same of the residual
+    channel_phase: float = 2.0  # [deg] phase that two channels may add, so that a line seems an ellipse
+    digits: int = 2  # digits that are written below the first one of the error
+    usual_acceleration: float = 50.0  # [m/s^2] conveyors hardly vibrate with more
+    # Of a motion: the phase of a smaller component does not matter, and the motion cannot be scaled from it.
+    least_component: float = 1e-3
+
+    # --- harmonics of the trough's motion -------------------------------------------------------------
+    motion_harmonics: int = 16  # that are tested
+    of_sampling: float = 0.45  # of the sampling rate: the highest of them, with the band beside it
+    band: float = 0.35  # of the drive's frequency, to each side of a harmonic: noise there is that in it
+    # Two bins to each side of a harmonic, of which two channels need more than one for their covariance.
+    motion_cycles: float = 6.0
+    about: float = 1e-3  # by which cycles and samples may fall short, as the frequency is measured
+    usual_samples: float = 40.0  # a cycle, which show 16 harmonics
+    by_chance: float = 1e-3  # probability by which noise passes for a harmonic
+    frequency_rows: int = 40_000  # in the middle of a record in which its frequency is searched,
+    frequency_growth: int = 4  # and growth of that part from one refinement to the next
+    frequency_rounds: int = 8  # of Gauss and Newton's method; two are usual,
+    frequency_step: float = 0.1  # [1/T] largest step of it, as the first frequency is better
+    frequency_close: float = 1e-7  # of that step: the last one
+    clip_band: float = 0.002  # of a signal's range, beside its ends
+    # Rows at an end over those in the band: 2.4 of a sine of whole digits, 5.3 of a flatter crest.
+    clip_ratio: float = 8.0
+
+    harmonics_matter: float = 1e-3  # of the speed: a smaller change by harmonics is left out of a comparison
+    draws: int = 200  # of the noise: their standard deviation is known to 5 %
+    gain: float = 0.02  # usual errors of calibration: of a sensitivity,
+    tilt: float = float(np.radians(1.0))  # [rad] of the way that sensors are put on,
+    delay: float = 50e-6  # [s] and of the time between two channels
+
+    # --- comparison -----------------------------------------------------------------------------------
+    slide_level: float = 0.1  # of a slide's computed peak speed, at its start and end
+    fine: int = 4096  # points a cycle at which folded signals are searched
+    curve: int = 1001  # points of a smooth curve
+    proposed: float = 0.01  # [cycles] drift of a proposed frequency from the data over the record
+    # Of what the given frame leaves: less, and the other one is likely. Wrong friction makes it 0.3.
+    other_frame_gain: float = 0.25
+    # Of the trough's motion: what may be left in the other frame then, of the computed motion
+    other_frame_left: float = 0.3
+    # and of a part at rest, as a part with little friction that slides moves much like the trough.
+    rest_left: float = 0.1
+    clocks_apart: float = 0.02  # [cycles] least difference of the clocks of trough and body to warn of
+    inverted: float = 0.06  # [cycles] distance of that from half a cycle if a sensor is inverted
+
+    # --- residuals of a fit ---------------------------------------------------------------------------
+    jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
+    least_scale: float = 1e-3  # of the greatest value that is tried: least size of a quantity
+    most_predecessors: int = 8  # samples on which the noise of one may depend,
+    rows_of_a_predecessor: int = 30  # and rows for each of them
+    random_share: float = 0.1  # of the power of a residual that must change from cycle to cycle, for jitter
+    variance_rounds: int = 3  # regressions of the variances, each weighted by the last one
+    least_jitter_variance: float = 1e-3  # of the mean variance
+    jitter_gain: float = 6.0  # twice the gain of log-likelihood: 2.4 sigma, for one more parameter
+    most_tried: int = 20_000  # scenes of the first grid; a random part of a larger one
+    most_hopping: int = 40  # scenes with flights, each of which takes as long as a hundred others
+    rough_shifts: int = 128  # shifts in a cycle at which each of these is compared
+    starts: int = 3  # starts of the search in each pattern
+    at_once: int = 512  # scenes in memory
+
+    # --- Levenberg-Marquardt --------------------------------------------------------------------------
+    # Relative step of derivatives: the model's noise is 1e-15, its curvature of order 1. It is also the error
+    # of edges.
+    step: float = 1e-6
+    edge_step: float = 1e-4  # the same along an edge, whose position has the error above
+    idle: float = 1e-6  # of the largest effect of a coordinate: less is rounding, and becomes 0
+    dampings: tuple[float, ...] = (1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0)  # of the normalised equations
+    light_dampings: tuple[float, ...] = tuple(np.geomspace(1e-7, 1e-2, 11).tolist())  # if accelerated
+    accelerated: float = 10.0  # [variances] predicted decrease above which geodesic acceleration pays
+    acceleration_step: float = 0.1  # of a step, for its second derivative: h of the paper
+    most_steps: int = 40
+    fair: float = 0.3  # of the decrease that a whole step predicts: after less, edges are searched
+    patience: float = 5.0  # steps with the decrease of the last one in which a search must reach its aim
+    edge_places: int = 65  # points between which an edge is searched, in each round
+    edge_rounds: int = 6  # largest number of rounds
+    distances: tuple[float, float, int] = (1e-7, 0.5, 60)  # relative, at which a pattern is searched
+    enough: float = 2e-3  # [variances] decrease of the sum of squares below which a search ends,
+    rough: float = 1.0  # and a first one
+
+    # --- fit ------------------------------------------------------------------------------------------
+    confidence: float = 0.95
+    # [variances] A pattern that fits worse by this is excluded: 4 sigma. Another pattern may have values far
+    # away: excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
+    excluded: float = 16.0
+    stands_out: float = 25.0  # [variances] by which a motion must fit better than rest: 5 sigma
+    explained: float = 1.1  # largest sum of squares over the number of samples of an explained record
+    better: float = 0.1  # of the threshold: a point better than the best by this starts another search,
+    restarts: int = 3  # so often
+    settled_errors: float = 0.1  # [standard errors of a drive] by which another weighing may move them,
+    weighings: int = 3  # and how often that and the weights are found anew
+    neighbours: int = 400  # points around a minimum at which other patterns are searched,
+    widest: float = 4.0  # up to so many standard deviations,
+    farthest_neighbour: float = 0.3  # and up to this relative distance
+    across: tuple[float, float, int] = (1e-5, 0.3, 40)  # relative distances beyond an edge, for the same
+    kept: int = 24  # points of each of both that are kept for a pattern
+    wide: float = 0.6  # half an interval over its estimate, at most: 30 % of standard error
+    at_bound: float = 1e-3  # relative distance from a bound of the search at which an interval has no end
+    close: float = 0.03  # of the threshold: error of the misfit at an end of an interval
+    narrow: float = 0.02  # of the distance to the estimate: error of an end at an edge of a pattern
+    first_step: float = 0.02  # relative, to the end of an interval, if the derivatives give none,
+    most_step: float = 0.5  # and the greatest if they give one
+    tries: int = 24  # points that are tried for one end
+    apart: float = 0.02  # of the hull: intervals closer to each other are united
+    unknown: float = 0.3  # relative standard error above which a combination is unknown
+    group_share: float = 0.05  # of an unknown combination: a quantity with less is not part of it
+    at_limit: float = 1e-4  # of the range that is tried: distance of an estimate at its limit
+
+
+TOL: Final = Tolerances()
+
+
+# ------------------------------------------------------------------------------
+# Signals of a record: their names, their units as programs spell them, the sensitivities of voltages.
+
+#: Kind of a unit, a key of ``SIGNAL_UNITS``, and its size in SI units.
+Unit = tuple[str, float]
+#: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.
+SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
+#: Motions of the trough that it may hold: along the trough's surface, and normal to it.
+TROUGH: Final = ("trough_along", "trough_normal")
+#: Kinds of unit that a motion of the trough may have, with the derivatives from each to the acceleration.
+DERIVATIVES: Final[Mapping[str, int]] = {"acceleration": 0, "velocity": 1, "displacement": 2}
+#: Kind of unit of each column; of the trough's the usual one.
+KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *SIGNALS)} | {
+    "friction": "force",
+    **dict.fromkeys(TROUGH, "acceleration"),
+}
+
+
+def _per_time(suffix: str) -> dict[str, float]:
+    return {f"{unit}{suffix}": float(size / 1000) for unit, size in LENGTH.sizes.items()}
+
+
+# Units of each kind, and their sizes in SI units; hints use the first one.
+SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\u00b5s": 1e-6, "min": 60.0},
+    "displacement": _per_time(""),
+    "velocity": {unit: float(size / 1000) for unit, size in SPEED.sizes.items()},
+    "acceleration": {"m/s^2": 1.0, "g": 9.80665} | _per_time("/s^2"),
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
+    "voltage": {"V": 1.0, "mV": 1e-3},
+}
+_BY_NAME: Final = {
+    unit.casefold().replace("^", ""): (kind, size)
+    for kind, sizes in SIGNAL_UNITS.items()
+    for unit, size in sizes.items()
+}
+# Spellings of MATLAB, SolidWorks and the column names of vibro.
+_SPELLINGS: Final = (
+    (r"seconds?|sec", "s"),
+    (r"newtons?", "n"),
+    (r"volts?", "v"),
+    (r"\u00b2", "2"),
+    (r"[\s\u00b7.*^]", ""),
+    (r"(?<=[mn])_(?=s)", "/"),
+)
+
+
+def signal_unit(text: str) -> Unit | None:
+    """Return the kind and the size of a unit.
+
+    Parameters
+    ----------
+    text : str
+        A unit such as ``mm``, ``mm/sec**2``, ``m_s2``, ``newton`` or ``mV``.
+
+    Returns
+    -------
+    Unit or None
+        None if the text is no unit of a signal.
+    """
+    if text == "v":  # a velocity's name, not a volt
+        return None
+    name = text.casefold()
+    for spelling, plain in _SPELLINGS:
+        name = re.sub(spelling, plain, name)
+    return _BY_NAME.get(name)
+
+
+def doubt(sensitivity: str) -> str:
+    """Question the sensitivity of a signal of the wrong size, or its unit if it has no sensitivity."""
+    return f"is its sensitivity {sensitivity} right?" if sensitivity else "is its unit right?"
+
+
+def rounded(ratio: float) -> str:
+    """Write a ratio to two digits, such as 1000, not 1e+03."""
+    return f"{float(f'{ratio:.2g}'):g}"
+
+
+def kinds_of(role: str) -> tuple[str, ...]:
+    """Return the kinds of unit that a column may have, the usual one first."""
+    return tuple(DERIVATIVES) if role in TROUGH else (KINDS[role],)
+
+
+def _a(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+#: A usual sensitivity for each kind of signal.
+EXAMPLES: Final[Mapping[str, str]] = {
+    "displacement": "2V/mm",
+    "velocity": "20mV/mm/s",
+    "acceleration": "100mV/g",
+    "force": "50mV/N",
+}
+
+
+class Sensitivity(NamedTuple):
+    """Sensitivity of a sensor whose voltage is in a record.
+
+    Attributes
+    ----------
+    text : str
+        The sensitivity as typed.
+    role : str
+        Column that it is for, a key of ``KINDS``; empty for every voltage of its kind.
+    kind : str
+        Kind of unit that the sensor measures, a key of ``SIGNAL_UNITS``.
+    per_volt : float
+        Value of one volt, in the SI unit of the kind; negative for a sensor that points the other way.
+    """
+
+    text: str
+    role: str
+    kind: str
+    per_volt: float
+
+    @property
+    def served(self) -> str:
+        """The argument that names its column, or the kind of signal in words."""
+        return self.role or _a(self.kind)
+
+    def serves(self, role: str) -> bool:
+        """Whether it applies to a voltage in the column of a signal."""
+        return self.role == role if self.role else self.kind == KINDS[role]
+
+
+# Possessive quantifiers: the time for a text is proportional to its length, not to the square of it.
+_NUMBER: Final = r"[+-]?+(?:(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+|(?i:nan|inf))"
+_SENSITIVITY: Final = re.compile(rf"({_NUMBER})\s*+([^\W\d].*|\(.*)")
+_DECIMAL_COMMA: Final = re.compile(r"([+-]?[0-9]{1,20}),([0-9].{0,20})")
+_HINT: Final = f"write it like {', '.join(EXAMPLES.values())} or 125mm/s/V"
+
+
+def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
+    """Read the sensitivities of sensors whose voltages a record holds.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        Sensitivities such as ``100mV/g``, ``-10.2 mV/(m/s²)`` or ``2mm/V``: the unit gives the kind of signal
+        that each applies to. ``trough-along=101.3mV/g`` applies to that column alone.
+
+    Raises
+    ------
+    InputError
+        If one is no sensitivity, is 0, not finite or beyond 1e-20 to 1e20 in SI units; or if two apply to the
+        same column or kind.
+    """
+    found: list[Sensitivity] = []
+    for text in texts:
+        one = _sensitivity(text)
+        for other in found:
+            if one.served == other.served:
+                both = f"{_given(other.text)} and {_given(one.text)}: each is for {one.served}"
+                hint = f"say which column each is for: {_given('trough-along=100mV/g')}"
+                raise InputError(both, hint=hint)
+        found.append(one)
+    return tuple(found)
+
+
+def _given(text: str) -> str:
+    """Write a sensitivity as it is given."""
+    return argument("sensitivity", cut(text))
+
+
+def _sensitivity(text: str) -> Sensitivity:
+    name, equals, value = text.rpartition("=")
+    role = name.strip().removeprefix("--").replace("-", "_").casefold()
+    said = _given(text)
+    if equals and (role not in KINDS or role == "time"):
+        known = ", ".join(r.replace("_", "-") for r in KINDS if r != "time")
+        raise InputError(f"{said}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
+    value = value.strip()
+    match = _SENSITIVITY.fullmatch(value)
+    if match is None:
+        comma = _DECIMAL_COMMA.fullmatch(value)
+        hint = f"write a decimal point: {comma[1]}.{comma[2]}" if comma and comma[2].isprintable() else _HINT
+        raise InputError(f"{said}: not a number with a unit", hint=hint)
+    number, unit_text = float(match[1]), match[2].strip()
+    unit = _unit(unit_text)
+    if unit is None:
+        raise InputError(f"{said}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
+    kind, size, inverse = unit
+    if role and kind not in kinds_of(role):
+        other = f"{said}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(kinds_of(role)))}"
+        raise InputError(other, hint=f"write it like {EXAMPLES[KINDS[role]]}")
+    if number == 0.0 or not math.isfinite(number):
+        raise InputError(f"{said}: must be finite and not 0", hint=_HINT)
+    per_volt = number * size if inverse else size / number
+    if not 1.0 / TOL.largest <= abs(per_volt) <= TOL.largest:
+        raise InputError(f"{said}: 1 V would be {per_volt:g} in SI units, which is beyond any sensor")
+    return Sensitivity(text.strip(), role, kind, per_volt)
+
+
+def _unit(text: str) -> tuple[str, float, bool] | None:
+    """Read the unit of a sensitivity: ``mV/g``, or inverse ``mm/V``.
+
+    Returns the kind of signal, the size of its unit over that of the voltage, both in SI units, and whether
+    it is inverse.
+    """
+    plain = re.sub(r"\s+(?:per|pro)\s+", "/", text)
+    volt, _, measured = plain.partition("/")
+    inverse = (signal_unit(volt.strip()) or "")[:1] != ("voltage",)
+    if inverse:
+        measured, _, volt = plain.rpartition("/")
+    of_volt, of_signal = signal_unit(volt.strip()), signal_unit(measured.strip().strip("()[]").strip())
+    if of_volt is None or of_volt[0] != "voltage" or of_signal is None or of_signal[0] not in EXAMPLES:
+        return None
+    return of_signal[0], of_signal[1] / of_volt[1], inverse
+
+
+# ------------------------------------------------------------------------------
+# Find the columns of a table that hold the signals, by their units or by the names that a user gives.
+
+# Words in a header that decide between columns whose units are of the same kind.
+_WORDS: Final = {
+    role: re.compile(rf"(?:{words})(?:[\W_\d].*)?", re.IGNORECASE)
+    for role, words in (
+        ("time", r"time|zeit|t"),
+        ("displacement", r"displacement|position|weg|relative.*|x|xi|s"),
+        ("velocity", r"velocity|speed|geschwindigkeit|relative.*|v|vx"),
+        ("acceleration", r"acceleration|beschleunigung|relative.*|a|ax"),
+        ("friction", r"friction|friction force|reibkraft|f"),
+    )
+}
+_BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
+_IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
+_OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
+
+
+class Header(NamedTuple):
+    """Header of a column: its place and text, the name and the unit in that, and the unit's kind and size."""
+
+    place: int
+    text: str
+    name: str
+    stated: str
+    unit: Unit | None
+
+
+class Wanted(NamedTuple):
+    """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages.
+
+    Signals of the body are needed unless ``body`` is false: then motions of the trough are.
+    """
+
+    headers: Mapping[str, str]
+    sensitivities: Sequence[Sensitivity] = ()
+    body: bool = True
+
+
+class Column(NamedTuple):
+    """Column of a signal: its header, kind and size of its unit in SI units, sensitivity of a voltage."""
+
+    header: Header
+    kind: str
+    size: float
+    sensitivity: Sensitivity | None = None
+
+
+#: Columns by the keys of ``KINDS``.
+Columns = dict[str, Column]
+
+
+def _headers(above: list[list[str]]) -> list[Header]:
+    """Read the header row, the last one of ``above``, and a row of units under it if there is one."""
+    texts = above[-1]
+    units = [text.strip("[]()") for text in texts]
+    if len(above) > 1 and len(above[-2]) == len(units) and all(signal_unit(unit) for unit in units if unit):
+        texts = [f"{name} [{unit}]" if unit else name for name, unit in zip(above[-2], units, strict=True)]
+    headers = []
+    for place, text in enumerate(texts):
+        name, unit = _split(text)
+        headers.append(Header(place, text, name, unit, signal_unit(unit) if unit else _unit_at_end(name)))
+    return headers
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Split ``X [mm]``, ``X in mm`` or ``X/mm`` into name and unit."""
+    if match := _BRACKETS.fullmatch(text):
+        name = match[1].removesuffix("/")
+        if name == match[1]:
+            return name, match[2].strip()
+        parts = name.rstrip(), match[2].strip()
+        return parts if signal_unit(parts[1]) is None or _is_quotient(*parts) else (text, "")
+    if signal_unit(text):  # m / s is a unit
+        return text, ""
+    if (match := _IN.fullmatch(text)) and signal_unit(match[2].strip()):
+        return match[1], match[2].strip()
+    match = _OVER.fullmatch(text)
+    return (match[1], match[2].strip()) if match and _is_quotient(match[1], match[2].strip()) else (text, "")
+
+
+def _is_quotient(name: str, unit_text: str) -> bool:
+    """Whether a text is the name of a signal over its unit, as ``s/mm``, unlike ``N/mm`` and ``Weg/s``."""
+    unit = signal_unit(unit_text)
+    if unit is None:
+        return False
+    kinds = [KINDS[role] for role, word in _WORDS.items() if word.fullmatch(name)]
+    return unit[0] in (*kinds, "voltage") if kinds else signal_unit(name) is None
+
+
+def _unit_at_end(name: str) -> Unit | None:
+    """Return the unit at the end of a name in vibro's own tables, such as ``velocity_mm_s``."""
+    words = name.split("_")
+    for count in (2, 1):
+        if len(words) > count and (unit := signal_unit("_".join(words[-count:]))):
+            return unit
+    return None
+
+
+def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
+    """Find the columns of the signals.
+
+    Parameters
+    ----------
+    path : Path
+        Name of the file, for messages.
+    above : list of list of str
+        Rows above the first one of data; the last one is the header row, or a row of units under it.
+    wanted : Wanted
+        Columns that a user names. If no signal of the body is among them, every other column whose unit is
+        unambiguous is taken too. Voltages and motions of the trough must be named, and so must a signal of
+        the body that has the kind of one of the trough: it may as well be another one of the trough.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, ambiguous, without a unit, or named twice; if a voltage lacks a sensitivity,
+        or a sensitivity a voltage.
+    """
+    headers = _headers(above)
+    problems, hints, found = list[str](), list[str](), Columns()
+    # A user who names one signal wants no others; the time is always needed.
+    named_one = any(role in wanted.headers for role in SIGNALS)
+    sought = ("time",) if named_one or not wanted.body else ("time", *SIGNALS)
+    named = [role for role in KINDS if role in wanted.headers]
+    for role in dict.fromkeys([*named, *sought]):
+        try:
+            if role in wanted.headers:
+                found[role] = _named(path, headers, role, wanted)
+            else:
+                taken = {column.header.place for column in found.values()}
+                if KINDS[role] not in {found[name].kind for name in TROUGH if name in found}:
+                    found |= _detected(path, [h for h in headers if h.place not in taken], role)
+        except InputError as exc:
+            if role in SIGNALS and role not in wanted.headers and not found.keys().isdisjoint(TROUGH):
+                continue  # the trough alone is measured too
+            problems += exc.raw[0]
+            hints += [exc.raw[1]]
+    if not problems and "time" not in found:
+        problems.append(f"{path}: no column of time found among {_list(headers)}")
+        hints.append(f"name it, with its unit: {argument('time', 't [s]')}")
+    if not problems and found.keys().isdisjoint((*SIGNALS, *TROUGH) if wanted.body else TROUGH):
+        what = "signal found" if wanted.body else "motion of the trough named"
+        problems.append(f"{path}: no {what} among {_list(headers)}")
+        hints.append(_name_one(headers, wanted))
+    if problems:
+        raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
+    _check_use(path, headers, found, wanted)
+    return {role: found[role] for role in KINDS if role in found}
+
+
+def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
+    """Refuse a column that is given as two signals, and a sensitivity that no voltage uses."""
+    for column in columns.values():
+        same = [role for role, other in columns.items() if other.header == column.header]
+        if len(same) > 1:
+            names = " and as ".join(role.replace("_", " ") for role in same)
+            raise InputError(f"{path}: column {shown(column.header.text)} is given as {names}")
+    used = [column.sensitivity for column in columns.values()]
+    for sensitivity in wanted.sensitivities:
+        if sensitivity not in used:
+            role = sensitivity.role or next(name for name in SIGNALS if KINDS[name] == sensitivity.kind)
+            read = [column.header for column in columns.values()]
+            free = [header.text for header in _voltages(headers) if header not in read]
+            hint = f"name the column: {argument(role, free[0])}" if free else "leave it out"
+            said = f"{path}: no column that is read as {role.replace('_', ' ')}"
+            raise InputError(
+                f"{said} is a voltage for {argument('sensitivity', sensitivity.text)}", hint=hint
+            )
+
+
+def _voltages(headers: list[Header]) -> list[Header]:
+    return [header for header in headers if header.unit and header.unit[0] == "voltage"]
+
+
+def _name_one(headers: list[Header], wanted: Wanted) -> str:
+    """Show how to name a signal, with a sensitivity if the table holds a voltage."""
+    if not wanted.body:
+        sensitivities = {"voltage": f" {argument('sensitivity', EXAMPLES['acceleration'])}"}
+        of_kind = {header.unit[0]: header for header in reversed(headers) if header.unit}
+        for kind in ("voltage", *DERIVATIVES):
+            if kind in of_kind:
+                example = f"{argument('trough_along', of_kind[kind].text)}{sensitivities.get(kind, '')}"
+                return f"name one or both, along and normal to the trough: {example}"
+        both = argument("trough_along", "ax [m/s^2]"), argument("trough_normal", "ay [m/s^2]")
+        return f"name one or both, with the unit: {both[0]} {both[1]}"
+    for header in _voltages(headers):
+        role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
+        name = argument(role, header.text)
+        if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
+            return f"name the voltage: {name}"
+        example = EXAMPLES[KINDS[role]]
+        return f"name one, and the sensitivity of its sensor: {name} {argument('sensitivity', example)}"
+    return f"name one, with its unit: {argument('displacement', 'X [mm]')}"
+
+
+def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
+    """Find the column that a user names; its unit is the one in its header, or else in the user's name."""
+    key = wanted.headers[role].strip()
+    name, unit_text = _split(key)
+    found = (
+        [h for h in headers if h.text == key]
+        or [h for h in headers if h.text.casefold() == key.casefold()]
+        or [h for h in headers if h.name.casefold() == name.casefold() and not (unit_text and h.stated)]
+    )
+    kind = KINDS[role]
+    if not found:
+        hint = did_you_mean(key, (h.text for h in headers)) or "write it as the header row does"
+        missing = f"{path}: no column {shown(key)} for {role}; its columns are {_list(headers)}"
+        raise InputError(missing, hint=hint)
+    if len(found) > 1:
+        several = f"{path}: {len(found)} columns are called {shown(key)}"
+        raise InputError(several, hint="give them different names in the file")
+    (header,) = found
+    unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
+    if unit is not None and unit[0] in kinds_of(role):
+        return Column(header, *unit)
+    said, example = f"{path}: column {shown(header.text)} for {role}", EXAMPLES.get(kind)
+    if unit is not None and unit[0] == "voltage" and example:
+        serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
+        if serving:
+            # A sensitivity of this column has priority over one of its kind.
+            sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
+            return Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity)
+        what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
+        idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
+        if (other := next(idle, None)) is not None:
+            given = argument("sensitivity", other.text)
+            what = f"{given} is a sensitivity of {other.kind}, one of {kind} is needed"
+            if other.kind == kind:
+                what = f"{given} is for {other.served}, for which no column is named"
+                column = argument(other.role, "HEADER")
+                hint = f"name that column too, {column}, and give this sensor's sensitivity:"
+                example = f"{role.replace('_', '-')}={example}"
+        raise InputError(f"{said}: {what}", hint=f"{hint} {argument('sensitivity', example)}")
+    stated = unit_text or header.stated
+    kinds = " or ".join(kinds_of(role))
+    problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
+    voltage = f", or mV and V with {argument('sensitivity', example)}" if example else ""
+    usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
+    named = argument(role, f"{header.name} [{usual}]")
+    hint = f"write the unit in brackets: {named}; units of {kind} are {units}"
+    raise InputError(f"{said}: {problem}", hint=hint + voltage)
+
+
+def _detected(path: Path, headers: list[Header], role: str) -> Columns:
+    """Find the column whose unit fits, among several the one whose name fits; empty if there is none."""
+    fitting = [Column(h, *h.unit) for h in headers if h.unit and h.unit[0] == KINDS[role]]
+    if len(fitting) > 1:
+        fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
+    if len(fitting) > 1:
+        several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
+        first = fitting[0].header.text
+        own = f" of a part, {argument('trough_along', first)} of the trough" if role in DERIVATIVES else ""
+        raise InputError(several, hint=f"choose: {argument(role, first)}{own}")
+    return {role: fitting[0]} if fitting else {}
+
+
+def _list(headers: Sequence[Header]) -> str:
+    texts = [shown(h.text) for h in headers if h.text]
+    more = len(texts) - TOL.headers_named
+    return ", ".join(texts[: TOL.headers_named]) + (f" and {more} more" if more > 0 else "")
+
 
 Flags = NDArray[np.bool_]
 
 # Possessive quantifiers: the time for a cell is proportional to its length.
-_NUMBER: Final = re.compile(r"[+-]?+(?:[0-9]++[.,]?+[0-9]*+|[.,][0-9]++)(?:[eE][+-]?+[0-9]++)?+")
+_DECIMAL: Final = re.compile(r"[+-]?+(?:[0-9]++[.,]?+[0-9]*+|[.,][0-9]++)(?:[eE][+-]?+[0-9]++)?+")
 # What programs write instead of a number: without a value, and after an error.
 _NO_VALUE: Final = re.compile(r"[+-]?nan|#?n/?a|null|none|[-?*]+", re.IGNORECASE)
 _WRONG: Final = re.compile(r"[+-]?inf(inity)?|error|overflow|#.*", re.IGNORECASE)
@@ -82,7 +738,7 @@ class _Table(NamedTuple):
         bad = np.zeros(values.size, np.bool_)
         for i, (_, cells) in enumerate(self.rows):
             cell = cells[header.place]
-            if _NUMBER.fullmatch(cell) and ("," in cell) <= self.decimal_comma:
+            if _DECIMAL.fullmatch(cell) and ("," in cell) <= self.decimal_comma:
                 values[i] = float(cell.replace(",", ".")) * unit
                 bad[i] = not abs(values[i]) <= TOL.largest
             else:
@@ -178,7 +834,7 @@ def read_record(
 def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
     """Return the index of the first row with at least as many numbers as most rows have."""
     looked_at = [cells for _, cells in rows[: TOL.looked_at]]
-    counts = [sum(_NUMBER.fullmatch(cell) is not None for cell in cells) for cells in looked_at]
+    counts = [sum(_DECIMAL.fullmatch(cell) is not None for cell in cells) for cells in looked_at]
     usual = Counter(count for count in counts if count > 1).most_common(1)
     return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
 
@@ -217,7 +873,7 @@ def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int
     try:
         return len(higher), columns_of(path, above, wanted)
     except InputError:
-        patterns = (_NUMBER, _NO_VALUE, _WRONG)
+        patterns = (_DECIMAL, _NO_VALUE, _WRONG)
         if not higher or not any(p.fullmatch(cell) for cell in lowest for p in patterns):
             raise
     return _header_row(path, higher, wanted)

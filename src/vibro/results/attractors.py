@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, overload
 
 from vibro.errors import cut
 from vibro.html_tables import amount
-from vibro.quantities import LENGTH, SPEED
+from vibro.units import LENGTH, SPEED
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = ["Attractor", "Attractors"]
 
 
 @dataclass(frozen=True, kw_only=True)

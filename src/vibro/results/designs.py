@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from vibro.quantities import BY_COLUMN, QUANTITIES, SPEED
+from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.units import SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,18 +18,6 @@ if TYPE_CHECKING:
     from vibro.core.codes import Regime
 
     Floats = NDArray[np.float64]
-
-__all__ = [
-    "DESIGN_COLUMNS",
-    "Certificate",
-    "Design",
-    "DesignColumn",
-    "DesignResult",
-    "Guarantee",
-    "Interval",
-    "SettingFields",
-    "SpeedBand",
-]
 
 
 class Interval(NamedTuple):

@@ -2,18 +2,114 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.quantities import LENGTH, PERCENT, SPEED
-from vibro.results.filling import DAMPING_SHARE, MASS_SHARE
 from vibro.results.steady import Result
+from vibro.units import ENERGY, FORCE, LENGTH, PERCENT, POWER, SPEED
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from vibro.results.sweep import Block
 
-__all__ = ["BENT_SPEED", "FIELDS", "MACHINE_RESULTS", "OPERATING", "WARNED_HARMONIC", "bent"]
+    Floats = NDArray[np.float64]
+
+# ------------------------------------------------------------------------------
+# What lies in a trough, as its drive feels it: shares of added mass and damping, energy, second harmonic.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Filling:
+    """Steady force of the filling on its trough, per kg of filling; returned by ``vibro.filling``.
+
+    At the drive frequency a filling of mass m acts on the trough like the complex mass ``m * share``, with
+    ``share = added_mass_share - 1j * added_damping_share``. Arrays have the scene's shape. They hold NaN
+    where the motion has no steady state, and means over many cycles where it is irregular (status
+    ``AVERAGED``).
+
+    Attributes
+    ----------
+    added_mass_share, added_damping_share : float array
+        Shares lambda and delta of the filling's mass that act as added mass and as added damping [1].
+    added_mass_share_error, added_damping_share_error : float array
+        Their standard errors; 0 where the motion repeats [1].
+    energy_per_cycle : float array
+        Energy that the filling takes from the drive in a drive cycle [J/kg].
+    second_harmonic : complex array
+        Second harmonic of the force along the drive's line over m A w^2: the force is the imaginary part of
+        ``m A w^2 second_harmonic exp(2j w t)``, with the trough at ``A sin(w t)``. For an ellipse, the size
+        of the second harmonic of the force over that of the trough's motion [1].
+    bound : float array
+        Upper bound on ``abs(share)`` and on the size of every other harmonic [1].
+    status : int8 array
+        Code of the ``Status`` of the motion.
+    """
+
+    added_mass_share: Floats
+    added_damping_share: Floats
+    added_mass_share_error: Floats
+    added_damping_share_error: Floats
+    energy_per_cycle: Floats
+    second_harmonic: NDArray[np.complex128]
+    bound: Floats
+    status: NDArray[np.int8]
+
+    @property
+    def share(self) -> Any:
+        """Complex share ``added_mass_share - 1j * added_damping_share`` [1]."""
+        return self.added_mass_share - 1j * self.added_damping_share
+
+
+#: Columns of the shares, beside a machine too.
+MASS_SHARE: Final = Result(
+    name="added_mass_share",
+    meaning="share of the filling's mass that acts as mass of the trough",
+    symbol=r"\lambda",
+    column="added_mass_share",
+)
+DAMPING_SHARE: Final = Result(
+    name="added_damping_share",
+    meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
+    symbol="δ",
+    column="added_damping_share",
+)
+#: Columns about a filling whose mass is given, and whose trough moves as the scene says.
+WEIGHED: Final = (
+    MASS_SHARE,
+    Result(
+        name="added_mass_share_error",
+        meaning="standard error of that share where it is a mean over many cycles, else 0",
+        column="added_mass_share_error",
+    ),
+    DAMPING_SHARE,
+    Result(
+        name="added_damping_share_error",
+        meaning="standard error of that share where it is a mean over many cycles, else 0",
+        column="added_damping_share_error",
+    ),
+    Result(
+        name="bound",
+        meaning="bound of both shares together, by the filling's weight alone",
+        column="share_bound",
+    ),
+    Result(
+        name="energy",
+        meaning="energy that the filling takes from the drive in a cycle",
+        kind=ENERGY,
+        column="energy_per_cycle_j",
+    ),
+    Result(name="power", meaning="power that the filling takes from the drive", kind=POWER, column="power_w"),
+    Result(
+        name="second_harmonic_force",
+        meaning="amplitude of the filling's force on the trough at twice the frequency, along the drive",
+        kind=FORCE,
+        column="second_harmonic_force_n",
+    ),
+)
+
 
 #: Key of a block's values under which these results are, as one array of ``FIELDS``, in SI units.
 OPERATING: Final = "operating"

@@ -12,8 +12,9 @@ import numpy as np
 
 from vibro.core.codes import MODELS, Regime, Status, pattern_texts
 from vibro.errors import Problem, SceneError
-from vibro.quantities import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, SPEED, TIME, WAY, Kind
+from vibro.quantities import WAY
 from vibro.reals import NotRealError, real_array, shielded
+from vibro.units import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, SPEED, TIME, Kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -22,26 +23,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Codes = NDArray[np.int8]
-
-__all__ = [
-    "ACCELERATION",
-    "ARRIVAL_TIME",
-    "DERIVED",
-    "LARGEST_MULTIPLIER",
-    "MASS_RATE",
-    "NO_REGIME",
-    "PARTS_RATE",
-    "RESULTS",
-    "SPEED_EXPONENT",
-    "STROKES",
-    "TIPPING_LOAD_RATIO",
-    "TRAVERSE_TIME",
-    "UPRIGHT",
-    "Result",
-    "SteadyCycle",
-    "lengths_of",
-    "summary",
-]
 
 
 #: What people read where a body has no regime.

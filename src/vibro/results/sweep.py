@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.quantities import QUANTITIES, SIZES, SPEED, scene_fields
+from vibro.quantities import QUANTITIES, SIZES, scene_fields
 from vibro.scene import Scene
+from vibro.units import SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Block", "Column", "Peak", "SweepResult", "at_rest", "cell_values", "peaks", "where_motion_begins"]
 
 # The load grows with the first three; critical loads depend on none of these.
 _LAST_MOVES_FIRST: Final = ("amplitude", "stroke", "frequency", "restitution")

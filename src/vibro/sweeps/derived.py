@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.limits import stays_upright, tipping_load
-from vibro.quantities import LENGTH, MASS, PITCH, QUANTITIES, SPEED
+from vibro.quantities import MASS, PITCH, QUANTITIES
 from vibro.results.operating import BENT_SPEED
 from vibro.results.steady import (
     ACCELERATION,
@@ -27,6 +27,7 @@ from vibro.results.sweep import Block, Column
 from vibro.slopes import speed_exponent
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.machines import bent_speed
+from vibro.units import LENGTH, SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

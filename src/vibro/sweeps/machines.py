@@ -9,10 +9,11 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
 from vibro.errors import InputError
-from vibro.quantities import LENGTH, MACHINE, QUANTITIES
+from vibro.quantities import MACHINE, QUANTITIES
 from vibro.results.operating import FIELDS, OPERATING
 from vibro.results.steady import RESULTS
 from vibro.steady import solve
+from vibro.units import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -10,12 +10,12 @@ import numpy as np
 from vibro.axes import Axis
 from vibro.drives import Ability
 from vibro.limits import critical_loads
-from vibro.motion.arrivals import arrival_time
-from vibro.parallel import BLOCK, cores, grid_blocks, within
+from vibro.motion.histories import arrival_time
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.results.sweep import Block, SweepResult
 from vibro.sweeps.grid import scene_of
+from vibro.threads import BLOCK, cores, grid_blocks, within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence

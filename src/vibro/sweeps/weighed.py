@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.fillings import TYPICAL_MACHINES, filling_of, most_mass_ratio, path_amplitude
-from vibro.quantities import MASS, PERCENT, TROUGH_MASS
-from vibro.results.filling import WEIGHED
+from vibro.quantities import MASS, TROUGH_MASS
+from vibro.results.operating import WEIGHED
 from vibro.results.sweep import Column
 from vibro.sweeps.derived import column_of, constant
 from vibro.sweeps.grid import scene_of
+from vibro.units import PERCENT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-    from vibro.results.filling import Filling
+    from vibro.results.operating import Filling
     from vibro.results.sweep import Block
 
     Floats = NDArray[np.float64]

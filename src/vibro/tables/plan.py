@@ -19,12 +19,12 @@ from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
-from vibro.parallel import BLOCK
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, table_columns
 from vibro.sweeps.derived import throughput
 from vibro.sweeps.grid import GIVEN_IN, Grid
 from vibro.tables.record import sweep_record
+from vibro.threads import BLOCK
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

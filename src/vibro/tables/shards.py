@@ -22,13 +22,13 @@ import numpy as np
 
 from vibro.errors import FileError, VibroError, cut, how_to_install
 from vibro.interrupts import OnEnd
-from vibro.parallel import BLOCK, cores
 from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.tally import Tally
 from vibro.tables.files import hidden_folder
 from vibro.tables.plan import made_by, sealed, shard_name, unsealed
+from vibro.threads import BLOCK, cores
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

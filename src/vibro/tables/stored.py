@@ -16,7 +16,7 @@ from vibro.axes import axis_of
 from vibro.errors import FileError, InputError, how_to_install, shown
 from vibro.html_tables import amount, in_numbers
 from vibro.plots.view import index_of
-from vibro.quantities import QUANTITIES, SPEED
+from vibro.quantities import QUANTITIES
 from vibro.reals import shielded
 from vibro.results.steady import NO_REGIME, RESULTS
 from vibro.sweeps.columns import frame_of, named
@@ -24,6 +24,7 @@ from vibro.sweeps.datasets import TEXT, block_sizes, check_xarray, dataset, resu
 from vibro.sweeps.run import solved_picture
 from vibro.sweeps.solved import SolvedGrid, check_memory, one_value, swept_axis
 from vibro.tables.shard_files import Selection, ShardFiles, open_shards
+from vibro.units import SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence

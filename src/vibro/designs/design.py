@@ -1,0 +1,376 @@
+"""Answer a question of inverse design: ``vibro.design``."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.designs.machine_drives import covering, find_covered
+from vibro.designs.proofs import first_ratio, last_ratio
+from vibro.designs.questions import Question
+from vibro.designs.reading import read_spec
+from vibro.designs.rows import DIGITS, KINDS, MOST_DIGITS, SEARCHED
+from vibro.drives import Ability
+from vibro.errors import InputError, Problem, SceneError, shown
+from vibro.reals import shielded
+from vibro.results.designs import Design, DesignResult
+from vibro.scene import Scene
+from vibro.slopes import displacement_gradient
+from vibro.steady import solve
+from vibro.units import SPEED
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Iterator, Mapping
+
+    from vibro.designs.questions import Drive, Spec
+    from vibro.designs.rows import Finder
+    from vibro.designs.spaces import AnySetting, UncertaintySet
+    from vibro.results.steady import SteadyCycle
+
+# ------------------------------------------------------------------------------
+# What small changes of each input do to the mean speed: as derivatives, and as solved again.
+
+_STEP: Final = 1e-5  # [1, rad] step of the finite differences
+_CHANGED: Final = 0.01  # [1] an input is raised by this share of it, or an angle by 1 deg
+_RAISED: Final = 0.1  # [1] and the whole drive by this share
+# Slopes below and above a setting differ by less than this share of the larger one where the speed is smooth.
+_SMOOTH: Final = 0.05
+_JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
+# Inputs of a scene, and whether each is an angle, of which 1 % may be too small a change.
+_OF_LINES: Final = {
+    "amplitude": False, "frequency": False, "drive_angle": False, "static_friction": False,
+    "kinetic_friction": False, "trough_angle": True,
+}  # fmt: skip
+_OF_MOTIONS: Final = {
+    "motion_scale": False, "frequency": False, "static_friction": False, "kinetic_friction": False,
+    "trough_angle": True,
+}  # fmt: skip
+_OF_ELLIPSES: Final = {
+    "along_amplitude": False, "normal_amplitude": False, "normal_phase": True, "frequency": False,
+    "static_friction": False, "kinetic_friction": False, "trough_angle": True,
+}  # fmt: skip
+
+
+def speed_costs(scene: Scene) -> dict[str, float | str]:
+    """Return by how many percent the mean speed changes for a small change of each input.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point, of shape ().
+
+    Returns
+    -------
+    dict of str to float or str
+        ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
+        1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
+        instead of amplitude and drive angle, given motions ``motion_scale``. ``trough_angle_deg`` and
+        ``normal_phase_deg``: change for 1 deg more, since 1 % of an angle near 0 is nothing. Positive
+        values mean faster, also for a body that is conveyed backwards [%]. A text says why there is no
+        number: the body rests, is not conveyed, runs away or hops irregularly, or its speed jumps or bends at
+        the scene.
+
+    Raises
+    ------
+    SceneError
+        If the scene is more than one operating point.
+
+    Notes
+    -----
+    Lines in contact use the closed form, Eq. (51), which holds within the pattern of the scene, not across
+    the jumps where slip begins or back slip enters. Other drives and bodies that hop use finite differences,
+    and have a number where these agree below and above the scene.
+    """
+    is_line, inputs = _inputs(scene)
+    names = {name: name + "_deg" * is_angle for name, is_angle in inputs.items()}
+    cycle = solve(scene)
+    if why := _why_none(cycle):
+        return dict.fromkeys(names.values(), why)
+    if not is_line or cycle.regime == Regime.HOPPING:
+        return {key: _difference(scene, name, inputs[name]) for name, key in names.items()}
+    displacement = float(cycle.displacement_per_cycle / scene.scale)
+    gradient = displacement_gradient(scene, cycle.pattern_code)
+    change = {name: float(slope) / displacement for name, slope in gradient._asdict().items()}
+    angles_and_frictions = ("drive_angle", "static_friction", "kinetic_friction")
+    return {
+        "amplitude": 1.0 + change["log_load"],
+        "frequency": 1.0 + 2.0 * change["log_load"],
+        **{name: change[name] * float(getattr(scene, name)) for name in angles_and_frictions},
+        "trough_angle_deg": 100.0 * math.radians(change["trough_angle"]),
+    }
+
+
+def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
+    """Solve a scene, and again with a little more of each input, and with more of the whole drive.
+
+    Derivatives hold within the pattern of a scene. Where bodies hop, 1 % leads into other patterns; and where
+    they rest, hop irregularly or stand beside a threshold, there is no derivative at all.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point, of shape ().
+
+    Returns
+    -------
+    names : list of str
+        Inputs that are changed, as ``speed_costs`` names them: by 1 %, those that end in ``_deg`` by 1 deg.
+        The last one is ``drive``: its amplitudes are 10 % larger.
+    cycle : SteadyCycle
+        Of shape (1 + len(names),): the scene itself is first. Cells that cannot be are infeasible.
+
+    Raises
+    ------
+    SceneError
+        If the scene is more than one operating point.
+    """
+    is_line, inputs = _inputs(scene)
+    given = _fields(scene)
+    along = ["amplitude"] if is_line else ["along_amplitude", "normal_amplitude"]
+    drive = along if scene.motion is None else ["motion_scale"]
+    changed = {name: np.full(len(inputs) + 2, given[name]) for name in [*inputs, *drive]}
+    for cell, (name, is_angle) in enumerate(inputs.items(), 1):
+        changed[name][cell] += math.radians(1.0) if is_angle else _CHANGED * given[name]
+    for name in drive:
+        changed[name][-1] *= 1.0 + _RAISED
+    names = [name + "_deg" * is_angle for name, is_angle in inputs.items()]
+    return [*names, "drive"], solve(Scene.computed(**{**given, **changed}))
+
+
+def _inputs(scene: Scene) -> tuple[bool, Mapping[str, bool]]:
+    """Return whether a drive moves along a line, and its inputs: whether each is an angle."""
+    if scene.shape:
+        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    is_line = scene.arrays().can(Ability.PROOF)
+    return is_line, _OF_LINES if is_line else _OF_ELLIPSES if scene.motion is None else _OF_MOTIONS
+
+
+def _fields(scene: Scene) -> dict[str, Any]:
+    """Return the fields of a scene as ``Scene`` takes them."""
+    members = scene.arrays().members()
+    fields: dict[str, Any] = {known: float(x) for field, known, x in members if field == known}
+    return fields if scene.motion is None else {**fields, "motion": scene.motion}
+
+
+def _why_none(cycle: SteadyCycle) -> str:
+    """Return why the speed of a cycle has no sensitivities; empty where it may have some."""
+    status = Status(int(cycle.status))
+    if status is Status.AVERAGED:
+        return "hops: irregular"
+    if not status.answered:
+        return "runs away" if status is Status.RUNAWAY else f"no speed: {status.label}"
+    if cycle.regime == Regime.NO_SLIP:
+        return "rests: no speed to change"
+    return "" if cycle.mean_velocity != 0.0 else "slides to and fro: no speed to change"
+
+
+def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
+    """Return the change of the speed with one input by finite differences, or why it is not smooth there."""
+    fields = _fields(scene)
+    value = fields[name]
+    step = _STEP if is_angle else _STEP * value
+    cycle = solve(Scene.computed(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
+    # at mu_d = mu_s both slopes are taken on the side that can be
+    possible = np.asarray(cycle.status) != Status.INFEASIBLE
+    first = 1 if possible[1] and possible[3] else 0 if possible[1] else 2
+    at, speed = slice(first, first + 3), np.asarray(cycle.mean_velocity)
+    if np.any(np.asarray(cycle.status)[at] == Status.AVERAGED):
+        return "hops: irregular"
+    below, above = np.diff(speed[at]) / (_STEP * speed[2])
+    steepest = max(abs(below), abs(above))
+    if not steepest <= _JUMP:
+        return "jumps here"
+    if abs(above - below) > _SMOOTH * max(steepest, 1.0):
+        return "bends here"
+    slope = float(above + below) / 2.0
+    return 100.0 * math.radians(slope) if is_angle else slope
+
+
+# A design, its setting, and the amplitudes that it covers.
+_Row = tuple[Design, tuple[float, ...] | None, tuple[float, float] | None]
+_REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
+
+
+@shielded
+def design(
+    spec: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    digits: int = DIGITS,
+    only: Literal["goal"] | None = None,
+) -> DesignResult:
+    """Find the drive settings that guarantee a speed for every part within given tolerances.
+
+    Parameters
+    ----------
+    spec : path or mapping
+        A design file in TOML, or a mapping with the same keys, those of :doc:`/reference/design-files`.
+    digits : int, optional
+        Significant digits of settings, from 1 to 15. A setting that would lose its guarantee by rounding has
+        more.
+    only : {"goal"}, optional
+        ``"goal"`` leaves out designs within other regimes than the goal's highest one.
+
+    Returns
+    -------
+    DesignResult
+        The gentlest (least acceleration), the fastest and the safest design of every drive within the goal's
+        highest regime; then those within forward-slip, back-slip and hopping, as far as these differ from it.
+
+    Raises
+    ------
+    InputError
+        If the question or an argument is invalid; the message lists all problems.
+    FileError
+        If the file cannot be read.
+
+    Examples
+    --------
+    >>> import vibro
+    >>> result = vibro.design({
+    ...     "scene": {"static_friction": "0.7:0.78", "kinetic_friction": "0.5:0.6"},
+    ...     "drive": [{"amplitude_mm": 3, "frequency_hz": "10:30", "drive_angle_deg": "5:45"}],
+    ...     "goal": {"speed_mm_s": 30, "highest_regime": "forward-slip"},
+    ... }, only="goal")
+    >>> gentlest = result.designs[0]
+    >>> print(result.met, f"{gentlest.acceleration_g:.4f} g, {gentlest.amplitude_mm} mm")
+    True 0.9658 g, 2.4 mm
+    """
+    if only not in (None, "goal"):
+        raise InputError(f"only = {shown(only)}: must be 'goal' or None")
+    return find_designs(read_spec(spec), digits=checked_digits("digits", digits), goal_only=only is not None)
+
+
+def at_most(regime: Regime) -> str:
+    """Say what a highest regime allows."""
+    return "hopping allowed" if regime is Regime.HOPPING else f"{regime.label} at most"
+
+
+def checked_digits(name: str, digits: object) -> int:
+    """Return a number of digits; raises InputError, which calls it by a name, if it is none."""
+    if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MOST_DIGITS:
+        raise InputError(f"{name} = {shown(digits)}: must be a whole number from 1 to {MOST_DIGITS}")
+    return digits
+
+
+def find_designs(
+    spec: Spec,
+    tell: Callable[[int, int, str], None] = lambda *_: None,
+    *,
+    digits: int = DIGITS,
+    goal_only: bool = False,
+) -> DesignResult:
+    """Find the designs of a checked question.
+
+    ``tell(done, total, what)`` reports how many searches are done, and what is searched. With ``goal_only``
+    the designs of other regimes are left out.
+    """
+    highest = spec.goal.highest_regime
+    # designs of lower regimes are candidates for those of the goal's
+    regimes = [regime for regime in _REGIMES if regime <= highest or not goal_only]
+    total = len(spec.drives) * len(regimes) * len(KINDS)
+    finders: dict[tuple[str, Regime], dict[str, Finder]] = {}
+
+    def search(drive: Drive, regime: Regime) -> None:
+        done, where = len(finders) * len(KINDS), at_most(regime)
+        calmer = finders.get((drive.name, Regime(regime - 1)), {})
+        finders[drive.name, regime] = find_covered(
+            Question(spec, drive, regime),
+            calmer,
+            digits,
+            lambda kind: tell(done + SEARCHED.index(kind), total, f"{drive.name}: {kind}, {where}"),
+        )
+
+    def rows(drive: Drive, regime: Regime) -> Iterator[_Row]:
+        for kind in KINDS:
+            finder = finders[drive.name, regime][kind]
+            machine = finder.question.drive.machine
+            setting = finder.found[kind].setting if kind in finder.found else None
+            yield finder.row(kind), setting, None if machine is None else machine.covered
+
+    found: list[_Row] = []
+    for drive in spec.drives:
+        for regime in regimes:
+            if regime <= highest:
+                search(drive, regime)
+        found += rows(drive, highest)
+    for drive in spec.drives if not goal_only else ():
+        for regime in regimes:
+            if regime > highest:
+                search(drive, regime)
+            if regime is not highest:
+                found += rows(drive, regime)
+    tell(total, total, "")
+    designs, settings, covered = zip(*found, strict=True)
+    met = any(
+        d.highest_regime == highest.label and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(spec.goal.speed)
+        for d in designs
+    )
+    return DesignResult(met, designs, settings, covered if any(covered) else ())
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The design that pictures and margins show.
+
+    Attributes
+    ----------
+    drive : Drive
+        Its drive.
+    design : Design
+        Within the goal's regime the safest of all drives; the gentlest without uncertainty, and the
+        fastest where no drive meets the goal.
+    setting : Setting or Scaled
+        In SI units and radians.
+    loads : dict of str to float
+        Load of the setting over the critical load of the first, or the last, body [1].
+    costs : dict of str to float or str
+        Change of the nominal speed for a change of 1 % (angles: 1 deg) of each input, by field [%]; why there
+        is none, if so.
+    """
+
+    drive: Drive
+    design: Design
+    setting: AnySetting
+    loads: dict[str, float]
+    costs: dict[str, float | str]
+
+
+def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
+    """Return the design that the report shows; None if no design guarantees any speed."""
+    highest = spec.goal.highest_regime
+    # without uncertainty no design is safer than another, and the safest would be the drive's limit
+    wanted = "fastest" if not result.met else "safest" if spec.has_bands else "gentlest"
+    covered = result.covered or (None,) * len(result.designs)
+    rows = [
+        (d, setting, covering(drive, interval) if interval else drive)
+        for drive in spec.drives
+        for d, setting, interval in zip(result.designs, result.settings, covered, strict=True)
+        if (d.drive, d.highest_regime, d.design) == (drive.name, highest.label, wanted) and setting
+    ]
+    if not rows:
+        return None
+
+    def merit(row: tuple[Design, tuple[float, ...], Drive]) -> tuple[float, float]:
+        design, speed = row[0], row[0].speed_min_mm_s or 0.0
+        return (-(design.acceleration_g or 0.0) if wanted == "gentlest" else design.margin or 0.0), speed
+
+    best, values, drive = max(rows, key=merit)
+    question, setting = Question(spec, drive, highest), drive.space.settings._make(values)
+    costs = speed_costs(question.nominal_scene(setting))
+    if drive.machine is not None and drive.machine.natural_frequency is not None:
+        costs["frequency"] = "changes the amplitude too"
+    return Chosen(drive, best, setting, _loads(question.box(setting)), costs)
+
+
+def _loads(box: UncertaintySet) -> dict[str, float]:
+    """Return the load over the critical loads of the first body to slip back or hop and the last to start."""
+    return {
+        "the first part slips back": first_ratio(box, Regime.BACK_SLIP),
+        "the first part hops": first_ratio(box, Regime.HOPPING),
+        "the last part starts": last_ratio(box, Regime.FORWARD_SLIP),
+    }

@@ -1,0 +1,593 @@
+"""Machines as drives of a design question: the amplitude that each setting gives, empty and full.
+
+A machine with one spring pack at one frequency is a drive along a line. Of an empty trough the amplitude is
+in proportion to the setting; voltage and filling make an interval of it. The drive has the middle of that
+interval as its amplitude, and half of its width as drift, so that searches and guarantees are those of any
+other drive.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.designs.guarantees import counted
+from vibro.designs.proofs import corners
+from vibro.designs.questions import Drive
+from vibro.designs.rows import DIGITS, KINDS, SEARCHED, Finder, Rounded, best_of, find, finder_of, rounded
+from vibro.designs.search import sobol
+from vibro.designs.spaces import inside, off
+from vibro.drives import Line
+from vibro.machines.operating import operate
+from vibro.quantities import QUANTITIES
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.designs.questions import Question, Span
+    from vibro.designs.spaces import Setting
+    from vibro.files.entries import Table
+    from vibro.files.machines import GivenMachine
+    from vibro.machines.machine import Machine, Response
+
+    Floats = NDArray[np.float64]
+
+_EMPTY: Final = (0.0, 0.0)
+_LEVELS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the band of filling
+_NEAR: Final = 2.0  # damping ratios from resonance within which damping decides much of the amplitude
+_DRAWN: Final = 8  # base-2 logarithm of the number of samples that are drawn evenly
+_SHARES: Final = ("added_mass_share", "added_damping_share")
+_SEED: Final = 20
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachineDrive:
+    """A machine with one spring pack, and what its amplitude depends on.
+
+    Attributes
+    ----------
+    machine : Machine
+        With this pack.
+    pack : str
+        Name of the pack; empty of a machine with one.
+    natural_frequency : float or None
+        Of the empty machine [Hz]; None of machines without one.
+    frequency : float
+        At which it is driven [Hz]; where its amplitude does not depend on it, any of the frequencies.
+    settings : pair of float
+        That may be chosen, over 100 % [1].
+    voltage : pair of float
+        Band of the voltage over the nominal one [1].
+    filling : pair of float
+        Band of the mass in the trough [kg].
+    shares : mapping of str to pair of float
+        Bands of ``added_mass_share`` and ``added_damping_share``, where they are given [1].
+    acceleration : float
+        Largest acceleration of the empty trough over g [1]; inf without a limit.
+    covered : pair of float
+        Smallest and largest amplitude that voltage and filling make, over that of the empty trough at the
+        middle voltage, which designs cover [1].
+    ended_by : str
+        What keeps settings from being larger: ``limit``, ``gap``, ``hop`` or ``back slip``.
+    """
+
+    machine: Machine
+    pack: str = ""
+    natural_frequency: float | None = None
+    frequency: float
+    settings: Span = (0.0, 1.0)
+    voltage: Span = (1.0, 1.0)
+    filling: Span = _EMPTY
+    shares: Mapping[str, Span] = field(default_factory=dict)
+    acceleration: float = math.inf
+    covered: Span = (1.0, 1.0)
+    ended_by: str = "limit"
+
+    @cached_property
+    def full_amplitude(self) -> float:
+        """Amplitude of the empty trough at 100 % and the middle voltage [m]."""
+        voltage = 0.5 * sum(self.voltage)
+        return float(self.machine.response(self.frequency, setting=1.0, voltage=voltage).amplitude)
+
+    @cached_property
+    def amplitude(self) -> float:
+        """Amplitude in the middle of the covered interval, at 100 % [m]."""
+        return self.middle * self.full_amplitude
+
+    @property
+    def middle(self) -> float:
+        """Middle of the covered interval [1]."""
+        return 0.5 * sum(self.covered)
+
+    def doubt(self, name: str) -> str:
+        """Return a warning if the drive is near resonance, else an empty text; ``name`` is the drive's."""
+        natural, zeta = self.natural_frequency, self.machine.damping_ratio
+        if natural is None or abs(self.frequency / natural - 1.0) > _NEAR * zeta:
+            return ""
+        return (
+            f"{name}: {self.frequency:.6g} Hz is within {_NEAR:g} damping ratios of the resonance at "
+            f"{natural:.6g} Hz, where the amplitude depends much on damping; exchange springs"
+        )
+
+    @property
+    def drift(self) -> float:
+        """Deviation of the amplitude from that middle, either way, over it [1]."""
+        low, high = self.covered
+        return (high - low) / (high + low)
+
+    @property
+    def is_filled(self) -> bool:
+        """Whether anything lies in its trough, so that its amplitude depends on the parts."""
+        return self.filling[1] > 0.0
+
+    @staticmethod
+    def is_tuned(machine: Machine) -> bool:
+        """Whether springs make the amplitude depend on the frequency; a crank and soft mounts do not."""
+        return 0.0 < machine.natural_frequency < math.inf
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether its amplitude at a setting is the same at all frequencies and for all parts."""
+        return self.natural_frequency is None and not self.is_filled
+
+    @property
+    def has_bands(self) -> bool:
+        """Whether its amplitude at a setting is an interval."""
+        return self.voltage[0] < self.voltage[1] or self.is_filled
+
+
+def covering(drive: Drive, covered: Span, most: float = math.inf, ended_by: str = "gap") -> Drive:
+    """Return the drive of the same machine whose designs cover another interval of amplitudes.
+
+    ``most`` is the largest setting [1], where that of the machine is too large, and ``ended_by`` tells why.
+    """
+    assert drive.machine is not None
+    low, high = drive.machine.settings
+    if most < high:
+        high = rounded(100.0 * most, DIGITS, down=True) / 100.0
+    else:
+        ended_by = drive.machine.ended_by
+    machine = replace(drive.machine, covered=covered, settings=(low, high), ended_by=ended_by)
+    low, high = (setting * machine.amplitude for setting in machine.settings)
+    choices = {**drive.choices, "amplitude": ((low, high),)}
+    return replace(
+        drive, machine=machine, choices=choices, acceleration=machine.acceleration * machine.middle
+    )
+
+
+class Met(NamedTuple):
+    """Amplitudes that a machine has at a setting, over that of its empty trough at the middle voltage.
+
+    Attributes
+    ----------
+    low, high : float
+        Smallest and largest one; NaN where the motion of some filling is unknown [1].
+    number : int
+        Largest number of operating points at one setting, voltage, filling and friction.
+    most_setting : float
+        Setting up to which trough and counter mass do not strike each other, about: their relative amplitude
+        is nearly in proportion to it; inf without a gap [1].
+    strikes : bool
+        Whether they do strike each other.
+    second_harmonic : float
+        Largest second harmonic that the filling puts on the trough, over its amplitude [1].
+    speed : float
+        Least mean speed of the samples with that harmonic in the trough's motion [m/s].
+    regime : Regime
+        Highest one of them.
+    throw_number : float
+        Largest one of them [1].
+    """
+
+    low: float
+    high: float
+    number: int
+    most_setting: float = math.inf
+    strikes: bool = False
+    second_harmonic: float = 0.0
+    speed: float = math.inf
+    regime: Regime = Regime.NO_SLIP
+    throw_number: float = 0.0
+
+
+def amplitudes_met(question: Question, setting: Setting) -> Met:
+    """Return the amplitudes at a setting of a machine's drive, over all bands and drifts.
+
+    Parameters
+    ----------
+    question : Question
+        Of the machine's drive.
+    setting : Setting
+        Nominal motion of the trough; its amplitude is the middle of the covered interval.
+
+    Notes
+    -----
+    The interval is that of samples: voltages at both ends of their band, fillings at ends and between, parts
+    at the corners and in the middle of the bands of friction and angles; and as many drawn evenly from all.
+    """
+    machine = question.drive.machine
+    assert machine is not None
+    drift = question.spec.drift
+    share = float(question.space.amplitude(setting)) / machine.amplitude
+    settings = share * np.unique([1.0 - drift.amplitude, 1.0, 1.0 + drift.amplitude])
+    frequencies = _around(float(setting.frequency), drift.frequency, machine.natural_frequency)
+    box = question.box(setting)
+    bands = [_span(x) for x in (settings, frequencies, machine.voltage, machine.filling)]
+    bands += [machine.shares[name] for name in _SHARES if name in machine.shares]
+    levels = [settings, frequencies, np.unique(machine.voltage), _levels(machine.filling)]
+    levels += [np.unique(span) for span in bands[4:]]
+    varies = box.varies & (np.array(box.axes) != "load")
+    parts = np.hstack([corners(varies), np.full((len(box.axes), 1), 0.5)])[:, : 1 + 2 ** varies.sum()]
+    grid = np.meshgrid(*levels, np.arange(parts.shape[1]), indexing="ij")
+    *values, which = (x.ravel() for x in grid)
+    coordinates = parts[:, which]
+    drawn = sobol(len(bands) + len(box.axes), _DRAWN, _SEED)
+    values = [
+        np.append(known, inside(span, share))
+        for known, span, share in zip(values, bands, drawn, strict=False)
+    ]
+    coordinates = np.hstack([coordinates, drawn[len(bands) :]])
+    scale, f, voltage, filling, *shares = values
+    points = box.points(coordinates)
+    given: dict[str, Any] = dict(zip(_SHARES, shares, strict=False))
+    found = operate(
+        machine.machine,
+        frequency=f,
+        drive_angle=points.shape[0],
+        static_friction=points.static_friction,
+        kinetic_friction=points.kinetic_friction,
+        trough_angle=points.trough_angle,
+        gravity=question.spec.gravity,
+        restitution=question.spec.restitution,
+        setting=scale,
+        voltage=voltage,
+        filling=filling,
+        allow_strikes=True,
+        **given,
+    )
+    # the amplitude of an empty trough is in proportion to the setting
+    empty = scale * machine.full_amplitude
+    low, high = (np.asarray(x) / empty for x in (found.amplitude_low, found.amplitude_high))
+    most = scale * machine.machine.gap / np.asarray(found.relative_amplitude)
+    met = Met(
+        float(low.min()),
+        float(high.max()),
+        int(np.max(found.number)),
+        float(np.min(most[np.isfinite(most)], initial=math.inf)),
+        bool(np.any(found.strikes)),
+    )
+    if not met.low > 0.0:
+        return met
+    cycle = solve(found.scene_with_second_harmonic)
+    return met._replace(
+        second_harmonic=float(np.nan_to_num(found.second_harmonic).max()),
+        speed=float(np.fmin.reduce(counted(cycle, fast=False))),
+        regime=Regime(int(cycle.regime.max())),
+        throw_number=float(cycle.throw_number.max()),
+    )
+
+
+def most_setting(machine: MachineDrive, drift: float) -> float:
+    """Return the setting at which trough and counter mass of an empty machine strike each other [1].
+
+    Parameters
+    ----------
+    machine : MachineDrive
+        The machine.
+    drift : float
+        Of the frequency, either way [1].
+    """
+    return float(machine.machine.gap / np.max(_empty(machine, drift).relative_amplitude))
+
+
+def empty_band(machine: MachineDrive, drift: float) -> Span:
+    """Return the smallest and the largest amplitude of an empty trough, over that at the middle voltage.
+
+    Parameters
+    ----------
+    machine : MachineDrive
+        The machine.
+    drift : float
+        Of the frequency, either way [1].
+    """
+    ratios = np.asarray(_empty(machine, drift).amplitude) / machine.full_amplitude
+    return float(ratios.min()), float(ratios.max())
+
+
+def _empty(machine: MachineDrive, drift: float) -> Response:
+    """Return the empty machine's motion over the drift of its frequency and the band of its voltage."""
+    frequencies = _around(machine.frequency, drift, machine.natural_frequency)
+    return machine.machine.response(frequencies[:, None], voltage=np.array(machine.voltage))
+
+
+def _around(frequency: float, drift: float, resonance: float | None) -> Floats:
+    """Return a frequency with both ends of its drift, and resonance, where the drift passes it [Hz]."""
+    low, high = off(frequency, drift)
+    ends = (
+        [low, frequency, high] if resonance is None else [low, frequency, high, np.clip(resonance, low, high)]
+    )
+    return np.unique(np.array(ends, np.float64))
+
+
+def _span(values: Any) -> Span:
+    return float(min(values)), float(max(values))
+
+
+def _levels(span: Span) -> Floats:
+    return np.unique(inside(span, np.array(_LEVELS)))
+
+
+# ------------------------------------------------------------------------------
+# Find the designs of a machine whose amplitude depends on what lies in its trough.
+#
+# What a filling weighs depends on the motion, and so does the interval of amplitudes at one setting. A design
+# is found for an interval that is assumed, and holds where that covers the amplitudes that are met at its
+# setting. If it does not, the interval of those is assumed, and the design is sought again.
+
+_ROUNDS: Final = 8
+_WIDE: Final = 1.1  # [1] of the width that is needed, above which a narrower interval is tried
+_BELOW: Final = 0.999  # of the setting at which masses strike each other, or bodies begin to hop
+_STEP: Final = 1.02  # by which settings are lowered at least where bodies slip back or hop
+# What ends the settings of a design that a second harmonic brings beyond a regime.
+_BEYOND: Final = {Regime.FORWARD_SLIP: "back slip", Regime.BACK_SLIP: "hop"}
+# Room at both ends beyond samples: a share of the interval's width [1], and of its upper end [1].
+_ROOM: Final = (0.02, 1e-3)
+
+
+class _Held(NamedTuple):
+    """A design that holds with the filling, and the finder of its interval."""
+
+    finder: Finder
+    found: Rounded
+
+
+def find_covered(
+    question: Question,
+    calmer: Mapping[str, Finder],
+    digits: int = DIGITS,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Finder]:
+    """Find the designs of a drive, of a filled machine those whose amplitudes are covered.
+
+    Parameters
+    ----------
+    question : Question
+        Drive, goal and bands.
+    calmer : mapping of str to Finder
+        Designs within a lower regime, which are candidates here too; empty without any.
+    digits : int, optional
+        Of printed settings.
+    tell : callable, optional
+        ``tell(kind)`` says which design is searched.
+
+    Returns
+    -------
+    dict of str to Finder
+        The finder of every kind of design, which has it, if it exists. Of a filled machine each has its own
+        drive, which covers the amplitudes at that design.
+    """
+    machine = question.drive.machine
+    if machine is None or not machine.is_filled:
+        found = calmer["fastest"].found if calmer else {}
+        return dict.fromkeys(KINDS, find(question, found, digits, tell))
+    if calmer:
+        same = {kind: replace(question, drive=one.question.drive) for kind, one in calmer.items()}
+        new = {kind: finder_of(one, digits) for kind, one in same.items()}
+        if not any(one.optimiser.has_more() for one in new.values()):
+            return {
+                kind: replace(one, found=calmer[kind].found, refused=calmer[kind].refused)
+                for kind, one in new.items()
+            }
+    return _Settled(question, calmer, digits, tell).finders()
+
+
+class _Settled:
+    """Finds each design for the interval of amplitudes at its own setting."""
+
+    def __init__(
+        self, question: Question, calmer: Mapping[str, Finder], digits: int, tell: Callable[[str], None]
+    ) -> None:
+        self._question, self._calmer, self._digits, self._tell = question, calmer, digits, tell
+        self._refused: set[str] = set()
+
+    def finders(self) -> dict[str, Finder]:
+        """Return the finder of every kind of design."""
+        held: dict[str, _Held] = {}
+        start = self._question
+        for kind in SEARCHED:
+            if "fastest" in held:
+                start = held["fastest"].finder.question
+            if (one := self._settle(kind, start)) is not None:
+                held[kind] = one
+        for kind, finder in self._calmer.items():
+            if kind in finder.found:
+                question = replace(self._question, drive=finder.question.drive)
+                held[f"{kind} before"] = _Held(finder_of(question, self._digits), finder.found[kind])
+        return {kind: self._best(kind, list(held.values())) for kind in KINDS}
+
+    def _best(self, kind: str, held: list[_Held]) -> Finder:
+        """Return the finder with the best design of a kind; only the fastest may miss the goal."""
+        target = self._question.spec.goal.speed
+        able = [one for one in held if kind == "fastest" or one.found.guarantee.speed_min >= target]
+        if not able:
+            return replace(finder_of(self._question, self._digits), refused=frozenset(self._refused))
+        best = max(able, key=lambda one: best_of(kind, one.finder.question, one.found))
+        return replace(best.finder, found={kind: best.found}, refused=frozenset())
+
+    def _settle(self, kind: str, question: Question) -> _Held | None:
+        """Find a design whose interval holds the amplitudes at its setting, and little more."""
+        best: _Held | None = None
+        narrow: Span | None = None  # does not cover the amplitudes of its design
+        wide: Span | None = None  # covers it, or leaves no design
+        for _ in range(_ROUNDS):
+            finder, machine = find(question, {}, self._digits, self._tell, until=kind), question.drive.machine
+            found = finder.found.get(kind)
+            assert machine is not None
+            covered, most, ended_by = machine.covered, math.inf, "gap"
+            if found is None:
+                if narrow is None:
+                    return best
+                wide, covered = covered, _middle(covered, narrow)
+            else:
+                met = amplitudes_met(question, found.setting)
+                most = _most_setting(question, found, met)
+                if met.regime > question.highest:
+                    ended_by = _BEYOND[question.highest]
+                if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
+                    break
+                needed = _hull(met) if met.low > 0.0 else covered
+                if covered[0] <= met.low <= met.high <= covered[1] and math.isinf(most):
+                    if met.speed < min(found.guarantee.speed_min, question.spec.goal.speed):
+                        break
+                    one = _Held(finder, replace(found, met=met))
+                    best = max(filter(None, (best, one)), key=lambda x: best_of(kind, question, x.found))
+                    if covered[1] - covered[0] <= _WIDE * (needed[1] - needed[0]):
+                        return best
+                    wide, covered = covered, _middle(covered, needed)
+                else:
+                    narrow, covered = covered, needed if wide is None else _middle(covered, wide)
+            question = replace(question, drive=covering(question.drive, covered, most, ended_by))
+        if best is None:
+            self._refused.add(kind)
+        return best
+
+
+def _most_setting(question: Question, found: Rounded, met: Met) -> float:
+    """Return the setting to try where that of a design is too large, about; inf where it is not [1].
+
+    It is where masses strike each other, or where the second harmonic, of which the search knows nothing,
+    brings bodies into a regime that the goal forbids.
+    """
+    machine, least = question.drive.machine, math.inf
+    assert machine is not None
+    if met.strikes:
+        least = _BELOW * met.most_setting
+    if met.regime > question.highest:
+        setting = float(question.space.amplitude(found.setting)) / machine.amplitude
+        least = min(least, _BELOW * setting / max(met.throw_number, _STEP))
+    return least
+
+
+def _hull(met: Met) -> Span:
+    """Return an interval around the amplitudes of a design, with some room at its ends."""
+    room = _ROOM[0] * (met.high - met.low) + _ROOM[1] * met.high
+    return max(met.low - room, (1.0 - _ROOM[0]) * met.low), met.high + room
+
+
+def _middle(one: Span, other: Span) -> Span:
+    return 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])
+
+
+# ------------------------------------------------------------------------------
+# Read the machine of a ``[[drive]]``, and expand it into drives: one for each spring pack and frequency.
+
+_FIXED: Final = ("crank", "rod")  # kinds whose setting is their crank's radius
+_OWN: Final = "own springs"
+
+
+def machine_drives(table: Table, given: GivenMachine, usual_name: str, drift: float) -> list[Drive]:
+    """Return the drives of a machine.
+
+    Parameters
+    ----------
+    table : Table
+        ``[[drive]]`` with the machine's keys.
+    given : GivenMachine
+        The machine.
+    usual_name : str
+        Of a drive without a name.
+    drift : float
+        Of the frequency, either way [1].
+
+    Returns
+    -------
+    list of Drive
+        Drives with different names; empty if the table has problems.
+    """
+    packs = _packs(given)
+    frequencies = _frequencies(table, given.machine)
+    if frequencies is None:
+        return []
+    name = table.values.get("name", usual_name)
+    drives = []
+    for pack, machine in packs.items():
+        for spans in frequencies:
+            parts = [pack, f"{spans[0][0]:.15g} Hz" if len(frequencies) > 1 else ""]
+            which = ", ".join(filter(None, parts))
+            told = f"{name} ({which})" if which else name
+            if (drive := _drive(table, given, machine, spans, drift, told, pack)) is None:
+                return []
+            drives.append(drive)
+    return drives
+
+
+def _packs(given: GivenMachine) -> dict[str, Machine]:
+    """Return the machine with each of its spring packs by name; its own springs have none, if alone."""
+    if not given.packs:
+        return {"": given.machine}
+    own = given.machine.natural_frequency
+    springs = given.packs if own in given.packs.values() else {_OWN: own, **given.packs}
+    return {name: given.machine.with_natural_frequency(f0) for name, f0 in springs.items()}
+
+
+def _frequencies(table: Table, machine: Machine) -> list[tuple[Span, ...]] | None:
+    """Return the frequencies of each drive: all of them, or one, where the amplitude depends on it."""
+    spans: tuple[Span, ...] | None = table.values.get("frequency")
+    if spans is None:
+        return None
+    if not MachineDrive.is_tuned(machine):
+        return [spans]
+    if any(low < high for low, high in spans):
+        key = "mount_hz" if machine.kind == "unbalance" else "natural_hz"
+        why = f"a range, but the amplitude of a machine with {key} changes with the frequency"
+        table.refuse("frequency_hz", why, "frequency_hz: give the frequencies that may be chosen: [45, 50]")
+        return None
+    return [(span,) for span in spans]
+
+
+def _drive(
+    table: Table,
+    given: GivenMachine,
+    machine: Machine,
+    spans: tuple[Span, ...],
+    drift: float,
+    name: str,
+    pack: str,
+) -> Drive | None:
+    values = table.values
+    usual = (1.0, 1.0) if given.kind in _FIXED else (0.0, 1.0)
+    low, high = (
+        float(QUANTITIES["voltage"].to_si(x)) for x in given.bands.get("voltage", (given.own["voltage"],) * 2)
+    )
+    tuned = MachineDrive.is_tuned(machine)
+    drive = MachineDrive(
+        machine=machine,
+        pack=pack,
+        natural_frequency=machine.natural_frequency if tuned else None,
+        frequency=spans[0][0],
+        settings=values.get("setting", usual),
+        voltage=(low, high),
+        filling=given.bands.get("filling", (given.own["filling"],) * 2),
+        shares=given.shares,
+        acceleration=values.get("acceleration", math.inf),
+    )
+    if not math.isfinite(drive.full_amplitude):
+        hint = "give damping_ratio, or another frequency"
+        table.refuse("frequency_hz", "it is the resonance, and the machine has no damping", hint)
+        return None
+    most = most_setting(drive, drift)
+    if most < drive.settings[0]:
+        why = f"trough and counter mass strike each other above {100.0 * most:.4g} %"
+        table.refuse("setting_percent", why, 'setting_percent: allow less, such as "10:50"')
+        return None
+    drive = replace(drive, covered=empty_band(drive, drift))
+    choices = {"amplitude": (), "frequency": spans, "drive_angle": values.get("drive_angle", ())}
+    return covering(Drive(name, Line, choices, machine=drive), drive.covered, most)

@@ -1,0 +1,513 @@
+"""A question about one drive within a regime: the uncertainty sets of its settings, and their speeds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.designs.guarantees import ANY_LANDING, Landings, counted
+from vibro.designs.proofs import change_loads
+from vibro.designs.spaces import SPACES, TOLERANCES, MotionSpace, UncertaintySet, cut, off
+from vibro.limits import stays_upright
+from vibro.quantities import LOAD, QUANTITIES, STANDARD_GRAVITY
+from vibro.roots import close_in
+from vibro.scene import Scene
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.designs.machine_drives import MachineDrive
+    from vibro.designs.spaces import AnySetting, Ends, Points, Space
+    from vibro.drives import Ellipse, Harmonics, Line, Motion, Piecewise
+
+    Floats = NDArray[np.float64]
+    Bools = NDArray[np.bool_]
+
+# ------------------------------------------------------------------------------
+# Questions of inverse design: bands of parts and trough, the choices of the drives, the goal.
+
+#: Both ends of a closed interval.
+Span = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive and what may be chosen of it; limits hold for nominal values.
+
+    Attributes
+    ----------
+    name : str
+        For tables.
+    kind : type
+        ``Line`` or ``Ellipse``, or that of its motion.
+    choices : mapping of str to tuple of pairs of float
+        Of every knob (``Space.knobs``) the ranges to choose from, each with its ends, equal for a single
+        value [SI]. Of the frequency and of the drive angle of a line there may be several.
+    acceleration : float
+        Largest acceleration along the path over g [1]; inf without a limit.
+    in_stroke : bool
+        Whether the amplitude of a line was given as its stroke, which texts then contain.
+    motion : Motion or None
+        Of a drive that is a given motion.
+    machine : MachineDrive or None
+        The machine from whose setting the amplitude follows; texts contain the setting.
+    """
+
+    name: str
+    kind: type[Line | Ellipse | Harmonics | Piecewise]
+    choices: Mapping[str, tuple[Span, ...]]
+    acceleration: float = math.inf
+    in_stroke: bool = False
+    motion: Motion | None = None
+    machine: MachineDrive | None = None
+
+    @cached_property
+    def space(self) -> Space:
+        """Space of its settings."""
+        return SPACES[self.kind] if self.motion is None else MotionSpace.of(self.motion)
+
+    @property
+    def frequency(self) -> tuple[Span, ...]:
+        """All ranges of its frequency [Hz]."""
+        return self.choices["frequency"]
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Names of the printed quantities of its variables: a stroke or a setting for the amplitude."""
+        size = "setting" if self.machine is not None else "stroke" if self.in_stroke else "amplitude"
+        return tuple(size if knob == "amplitude" else knob for knob in self.space.knobs)
+
+    @property
+    def told_per_amplitude(self) -> float:
+        """Ratio of the printed size, a stroke or an amplitude, to the amplitude [1]."""
+        return 2.0 if self.in_stroke else 1.0
+
+    def scale(self, knob: str) -> float:
+        """Ratio of what is told of a knob to the knob [1]; of a machine's amplitude its setting [1/m]."""
+        if knob != "amplitude":
+            return 1.0
+        return self.told_per_amplitude if self.machine is None else 1.0 / self.machine.amplitude
+
+    def span(self, knob: str) -> Span:
+        """Return the range of a knob that has one [SI]."""
+        (span,) = self.choices[knob]
+        return span
+
+    def nearest(self, knob: str, value: float) -> Span:
+        """Return the range of a knob that holds a value, or is the nearest to it [SI]."""
+        return min(self.choices[knob], key=lambda span: max(span[0] - value, value - span[1]))
+
+    @property
+    def accelerations(self) -> Span:
+        """Largest acceleration of its gentlest and of its hardest setting, its limit aside [m/s^2].
+
+        That of an ellipse is at least this for any phase: its larger amplitude's.
+        """
+        sizes = [self.span(knob) for knob in self.space.sizes]
+        slow = min((low for low, _ in self.frequency), default=0.0)
+        quick = max((high for _, high in self.frequency), default=0.0)
+        least, most = max(low for low, _ in sizes), max(high for _, high in sizes)
+        gentle, hard = self.space.load_at(least, slow, 1.0), self.space.load_at(most, quick, 1.0)
+        return float(gentle), float(hard)
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Largest deviations of the drive and the trough from their nominal values, either way.
+
+    Attributes
+    ----------
+    amplitude, frequency : float
+        Relative to the nominal value [1]; all amplitudes drift together.
+    drive_angle, trough_angle, normal_phase : float
+        [rad].
+    """
+
+    amplitude: float = 0.0
+    frequency: float = 0.0
+    drive_angle: float = 0.0
+    trough_angle: float = 0.0
+    normal_phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Goal that a design must guarantee.
+
+    Attributes
+    ----------
+    speed : float
+        Least mean speed [m/s].
+    highest_regime : Regime
+        Highest regime that may occur.
+    impact_speed : float
+        Largest speed of impacts normal to the trough, where bodies hop [m/s].
+    flight_fraction : float
+        Largest share of the time in flight.
+    """
+
+    speed: float
+    highest_regime: Regime = Regime.BACK_SLIP
+    impact_speed: float = math.inf
+    flight_fraction: float = math.inf
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A checked question.
+
+    Attributes
+    ----------
+    bands : mapping of str to pair of float
+        Bands of parts and trough, by field: static_friction, kinetic_friction or friction_ratio, and
+        trough_angle, without drift; both ends are equal where a value is known [1, rad].
+    drives : tuple of Drive
+        Drives to choose from.
+    goal : Goal
+        Goal of the design.
+    drift : Drift
+        Deviations of drive and trough.
+    length : float or None
+        Of the trough [m].
+    gravity, restitution : float
+        As in ``Scene``.
+    stand_ratio : float
+        Half base over height of the centre of mass of a part that must stay upright; inf where it need not.
+    name : str
+        Name of the file without its suffix; empty without a file.
+    """
+
+    bands: Mapping[str, Span]
+    drives: tuple[Drive, ...]
+    goal: Goal
+    drift: Drift = field(default_factory=Drift)
+    length: float | None = None
+    gravity: float = STANDARD_GRAVITY
+    restitution: float = 0.0
+    stand_ratio: float = math.inf
+    name: str = ""
+
+    def doubts(self) -> list[str]:
+        """Return warnings about ranges that are possible, but as a whole likely slips of units."""
+        told = [QUANTITIES[name].doubt(*_outside(name, (span,))) for name, span in self.bands.items()]
+        for drive in self.drives:
+            for name, knob in zip(drive.told, drive.space.knobs, strict=True):
+                told.append(QUANTITIES[name].doubt(*_outside(name, drive.choices[knob], drive.scale(knob))))
+            if drive.machine is not None:
+                told.append(drive.machine.doubt(drive.name))
+            gentle = float(f"{drive.accelerations[0] / self.gravity:.4g}")
+            told.append(LOAD.doubt(gentle, gentle))
+        return [text for text in dict.fromkeys(told) if text]
+
+    @property
+    def has_bands(self) -> bool:
+        """Whether any band has a width or any quantity drifts."""
+        machines = [drive.machine for drive in self.drives if drive.machine is not None]
+        return (
+            self.drift != Drift()
+            or any(low < high for low, high in self.bands.values())
+            or any(machine.has_bands for machine in machines)
+        )
+
+
+def _outside(name: str, spans: Sequence[Span], scale: float = 1.0) -> Span:
+    """Return the ends of ranges in the unit outside, as they were given."""
+    ends = (min(low for low, _ in spans), max(high for _, high in spans))
+    first, last = (float(f"{float(QUANTITIES[name].from_si(scale * end)):.15g}") for end in ends)
+    return first, last
+
+
+_RIGHT_ANGLE: Final = 0.5 * math.pi
+#: [1] Throw number up to which hopping settings are searched: beyond, flights last many cycles, and landings
+#: damage parts and drive.
+MOST_DESIGN_THROW: Final = 10.0
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question about one drive within a regime.
+
+    Attributes
+    ----------
+    spec : Spec
+        The whole question.
+    drive : Drive
+        The drive.
+    highest : Regime
+        Highest regime that may occur.
+    """
+
+    spec: Spec
+    drive: Drive
+    highest: Regime
+
+    @property
+    def space(self) -> Space:
+        """Space of the drive's settings."""
+        return self.drive.space
+
+    @property
+    def flies(self) -> bool:
+        """Whether bodies may hop."""
+        return self.highest is Regime.HOPPING
+
+    @cached_property
+    def drift(self) -> Drift:
+        """Deviations of drive and trough; voltage and filling of a machine add to that of the amplitude."""
+        drift, machine = self.spec.drift, self.drive.machine
+        if machine is None:
+            return drift
+        return replace(drift, amplitude=(1.0 + drift.amplitude) * (1.0 + machine.drift) - 1.0)
+
+    @property
+    def landings(self) -> Landings:
+        """Limits on landings."""
+        goal = self.spec.goal
+        return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else ANY_LANDING
+
+    def box(self, setting: AnySetting, scale: Floats | float = 1.0) -> UncertaintySet:
+        """Return the uncertainty set of a setting, or of several where these are arrays of shape (m, 1).
+
+        Parameters
+        ----------
+        setting : AnySetting
+            Nominal values.
+        scale : float or array
+            Factor on all bands and drifts about their middles; bands are cut at impossible values.
+        """
+        bands, drift = self.spec.bands, self.drift
+        is_ratio = "friction_ratio" in bands
+        low, high = bands["trough_angle"]
+        short, most = TOLERANCES.short, 1.0 if is_ratio else math.inf
+        trough = cut(
+            _scaled((low - drift.trough_angle, high + drift.trough_angle), scale),
+            short - _RIGHT_ANGLE,
+            _RIGHT_ANGLE - short,
+        )
+        second = _scaled(bands["friction_ratio" if is_ratio else "kinetic_friction"], scale)
+        factor, shape = self.space.band(setting, drift, scale, _RIGHT_ANGLE - short - trough[1])
+        return UncertaintySet(
+            space=self.space,
+            factor=factor,
+            frequency=off(setting.frequency, drift.frequency * scale),
+            shape=shape,
+            trough_angle=trough,
+            static_friction=cut(_scaled(bands["static_friction"], scale), 0.0, math.inf),
+            second_friction=cut(second, 0.0, most),
+            is_ratio=is_ratio,
+            gravity=self.spec.gravity,
+            restitution=self.spec.restitution,
+        )
+
+    def load(self, setting: AnySetting) -> Floats:
+        """Nominal load of a setting: the largest acceleration along its path over g [1]."""
+        return self.space.load(setting, self.spec.gravity)
+
+    def nominal_scene(self, setting: AnySetting) -> Scene:
+        """Return the scene of a setting in the middle of all bands."""
+        box = self.box(setting, 0.0)
+        points = box.points(np.full((len(box.axes), *np.shape(setting[0])), 0.5))
+        return box.scene(points, fast=False)
+
+    def growth(self, scale: Floats | float) -> Floats | float:
+        """Return the ratio of the largest load in a box to the nominal one."""
+        drift = self.drift
+        return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** self.space.power
+
+    def hardest_impacts(
+        self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float = 1.0
+    ) -> Floats:
+        """Return the largest impact speed of scenarios at each of some settings, 1-D; 0 where none lands."""
+        boxes, points = self._bodies(setting, scenarios, scale)
+        # at one load landings are hardest at the lowest frequency
+        cycle = solve(boxes.scene(points, fast=True), flight=self.flies)
+        return np.asarray(np.nanmax(cycle.impact_velocity, axis=1, initial=0.0))
+
+    def speeds(self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
+        """Speeds of scenarios at settings, 1-D, of shape (settings, scenarios).
+
+        -inf where a body breaks a constraint; NaN where its speed is unknown and it is left out.
+        """
+        boxes, points = self._bodies(setting, scenarios, scale)
+        scene = boxes.scene(points, fast=False)
+        cycle = solve(scene, flight=self.flies)
+        bad = self.landings.broken(boxes, points, cycle)
+        if not self.space.proves:  # for lines the limits on the load have excluded these already
+            bad |= np.asarray(cycle.regime) > self.highest
+            if math.isfinite(self.spec.stand_ratio):
+                bad |= stays_upright(scene, self.spec.stand_ratio) != 1
+        return np.where(bad, -np.inf, counted(cycle, fast=False))
+
+    def _bodies(
+        self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float
+    ) -> tuple[UncertaintySet, Points]:
+        """Return the uncertainty sets of settings, 1-D, and the scenarios of each."""
+        columns = setting._make(np.reshape(x, (-1, 1)) for x in setting)
+        boxes = self.box(columns, np.reshape(scale, (-1, 1)))
+        return boxes, boxes.points(scenarios.at(boxes))
+
+
+def _scaled(band: Span, scale: Any) -> Ends:
+    """Scale a band about its middle; a scale of 1 keeps it to the last bit."""
+    low, high = band
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    plain = np.equal(scale, 1.0)
+    return np.where(plain, low, middle - half * scale), np.where(plain, high, middle + half * scale)
+
+
+# ------------------------------------------------------------------------------
+# Scenarios: bodies that represent an uncertainty set.
+#
+# A design is optimal for some scenarios; a body that turns out to be slower joins them. Where the speed drops
+# as back slip enters, the slowest body is just past the drop. The drop moves with the setting, so that such a
+# scenario has no fixed place in the unit cube: it is moved to the drop of every box.
+
+_FIXED: Final = -1  # in place of an axis: the body has a fixed place
+_LOAD: Final = 0  # the axis of the load
+# Axes along which back slip enters once; frictions first, since their bands are the widest.
+_ALONG: Final = ("static_friction", "second_friction", "drive_angle")
+_LOADS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's band at which slowest bodies join
+_PAST: Final = 1.0 + TOLERANCES.past_drop
+_SECTIONS: Final = 3  # of its bracket that are computed in one call
+_WIDTH: Final = 2.0**-40  # [share of a band] to which a drop is found; ``past_drop`` is a thousand times that
+
+
+class Scenarios(NamedTuple):
+    """Bodies of an uncertainty set.
+
+    Attributes
+    ----------
+    coordinates : (axes, n) array
+        Unit-cube coordinates.
+    axes : (n,) array
+        Index of the band along which a body keeps to the point where back slip has just entered; -1 for
+        bodies at fixed coordinates.
+    ratios : (n,) array
+        Of bodies that keep to a load, that over the load at which back slip enters: past it the speed may
+        fall for a while.
+    """
+
+    coordinates: Floats
+    axes: NDArray[np.intp]
+    ratios: Floats
+
+    @classmethod
+    def fixed(cls, coordinates: Floats) -> Scenarios:
+        """Return bodies at fixed places."""
+        return cls(coordinates, np.full(coordinates.shape[1], _FIXED), np.ones(coordinates.shape[1]))
+
+    @property
+    def size(self) -> int:
+        """Number of bodies."""
+        return int(self.coordinates.shape[1])
+
+    def joined(self, box: UncertaintySet, coordinates: Floats) -> Scenarios:
+        """Add bodies of a single box; those just past a drop follow it from now on."""
+        if not coordinates.shape[1]:
+            return self
+        axes = np.array([_drop_axis(box, coordinates[:, [i]]) for i in range(coordinates.shape[1])])
+        points = box.points(coordinates)
+        ratios = points.load / (entry_loads(box, points) * _PAST)
+        inside = (axes == _FIXED) & (coordinates[_LOAD] > 0.0) & (coordinates[_LOAD] < 1.0)
+        axes[inside & (ratios >= 1.0)] = _LOAD
+        known = set(self._keys())
+        new = Scenarios(coordinates, axes, np.where(axes == _LOAD, ratios, 1.0))
+        fresh = [i for i, key in enumerate(new._keys()) if key not in known]
+        return Scenarios(
+            np.hstack([self.coordinates, coordinates[:, fresh]]),
+            np.append(self.axes, axes[fresh]),
+            np.append(self.ratios, new.ratios[fresh]),
+        )
+
+    def _keys(self) -> list[tuple[float, ...]]:
+        coordinates = np.round(self.coordinates, TOLERANCES.digits)
+        moving = np.flatnonzero(self.axes != _FIXED)
+        coordinates[self.axes[moving], moving] = 0.0
+        ratios = np.round(self.ratios, TOLERANCES.digits)
+        columns = zip(self.axes.tolist(), ratios.tolist(), coordinates.T.tolist(), strict=True)
+        return [(axis, ratio, *share) for axis, ratio, share in columns]
+
+    def at(self, boxes: UncertaintySet) -> Floats:
+        """Return the coordinates of all bodies in m boxes, of shape (axes, m, n)."""
+        ends = np.broadcast_shapes(*(np.shape(end) for span in boxes.spans for end in span))
+        coordinates = np.repeat(self.coordinates[:, None, :], ends[0], axis=1)
+        moving = np.flatnonzero((self.axes != _FIXED) & (self.axes != _LOAD))
+        if moving.size:
+            coordinates[:, :, moving] = _moved_to_drops(boxes, coordinates[:, :, moving], self.axes[moving])
+        loaded = np.flatnonzero(self.axes == _LOAD)
+        if loaded.size:
+            low, high = boxes.load
+            entries = entry_loads(boxes, boxes.points(coordinates[:, :, loaded])) * _PAST
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = (self.ratios[loaded] * entries - low) / (high - low)
+            coordinates[_LOAD][:, loaded] = np.clip(np.nan_to_num(share, nan=1.0), 0.0, 1.0)
+        return coordinates
+
+
+def at_loads(box: UncertaintySet, coordinates: Floats, own: float) -> Floats:
+    """Return bodies of a single box at loads over the whole band, and at a share of it of their own."""
+    loads = np.append(_LOADS, own) if box.varies[_LOAD] else np.zeros(1)
+    bodies = np.repeat(coordinates, loads.size, axis=1)
+    bodies[_LOAD] = np.tile(loads, coordinates.shape[1])
+    return bodies
+
+
+def entry_loads(boxes: UncertaintySet, points: Points) -> Floats:
+    """Return the loads at which back slip enters at points; inf where it never does, or is not known."""
+    scene = boxes.scene(points, fast=False)
+    entry = points.load * change_loads(scene).get("back_slip", np.inf) / scene.load
+    return np.nan_to_num(entry, nan=np.inf, posinf=np.inf)
+
+
+def _moved_to_drops(boxes: UncertaintySet, coordinates: Floats, axes: NDArray[np.intp]) -> Floats:
+    """Move bodies along their axes to where back slip has just entered, if it does."""
+    bodies = np.arange(coordinates.shape[2])
+
+    def moved(to: Floats) -> Floats:
+        """Put each body of each box at some values, of shape (bodies, boxes, values)."""
+        count = to.shape[2]
+        there = np.repeat(coordinates, count, axis=2)
+        values = np.moveaxis(to, 2, 1).reshape(there.shape[2], to.shape[1])
+        there[np.repeat(axes, count), :, np.arange(there.shape[2])] = values
+        return there
+
+    def slips(to: Floats) -> Bools:
+        slip = _slips_back(boxes, boxes.points(moved(to)))
+        return np.moveaxis(slip.reshape(to.shape[1], bodies.size, to.shape[2]), 0, 1)
+
+    ends = np.broadcast_to((0.0, 1.0), (*coordinates.shape[:0:-1], 2))
+    first, last = np.moveaxis(slips(ends), 2, 0)
+    slipping, other = np.where(first, 0.0, 1.0), np.where(first, 1.0, 0.0)
+    slipping, other = close_in(
+        lambda x: np.where(slips(x), 1.0, -1.0), slipping, other, absolute=_WIDTH, sections=_SECTIONS
+    )
+    # stay clear of the drop itself, where rounding decides the side
+    slipping = slipping + TOLERANCES.past_drop * ((last & ~first) - slipping)
+    return moved(np.where(first == last, coordinates[axes, :, bodies], slipping)[..., None])
+
+
+def _drop_axis(box: UncertaintySet, coordinates: Floats) -> int:
+    """Return the axis along which back slip enters at a body of a single box; -1 without one."""
+    for axis in map(box.axes.index, _ALONG[: 3 if _ALONG[2] in box.axes else 2]):
+        if not box.varies[axis]:
+            continue
+        beside = np.repeat(coordinates, 2, axis=1)
+        beside[axis] = np.clip(beside[axis] + TOLERANCES.drop * np.array([-1.0, 1.0]), 0.0, 1.0)
+        below, above = _slips_back(box, box.points(beside))
+        if below != above:
+            return axis
+    return _FIXED
+
+
+def _slips_back(boxes: UncertaintySet, points: Points) -> Bools:
+    """Return which bodies slip back or hop."""
+    scene = boxes.scene(points, fast=False)
+    return np.asarray(solve(scene, output="regimes").regime >= Regime.BACK_SLIP)

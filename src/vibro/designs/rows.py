@@ -1,0 +1,472 @@
+"""Find the designs of one drive within one regime, rounded so that they hold as printed; make table rows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from functools import cache
+from itertools import islice, product
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.designs.guarantees import guarantee_of
+from vibro.designs.optima import EllipseOptimiser, Found, LineOptimiser, MotionOptimiser
+from vibro.designs.spaces import TOLERANCES
+from vibro.designs.windows import window_of
+from vibro.drives import Ellipse, Harmonics, Line, Piecewise
+from vibro.quantities import QUANTITIES
+from vibro.results.designs import Design
+from vibro.steady import solve
+from vibro.units import SPEED
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from vibro.designs.machine_drives import Met
+    from vibro.designs.optima import Exchange, Optimum
+    from vibro.designs.questions import Drive, Question, Span
+    from vibro.designs.spaces import AnySetting
+
+# ------------------------------------------------------------------------------
+# Round settings to few digits in users' units.
+
+#: Digits of printed settings: one unit of the last of four is at most 0.1 % of a value, as fine as a person
+#: sets a drive.
+DIGITS: Final = 4
+#: Digits that reproduce every value that a user gives.
+MOST_DIGITS: Final = 15
+_MORE: Final = (5, 6, 7, 9, 12, MOST_DIGITS)  # where a setting with fewer does not hold
+_NUDGES: Final = 4  # steps of the last digit that knobs may be moved
+# [1] Distance from an end that is none: above the rounding of an optimum there, below all digits chosen.
+_AT_END: Final = 1e-9
+
+
+def more_digits(digits: int) -> list[int]:
+    """Return numbers of digits to try in turn until a setting holds."""
+    return [digits, *(more for more in _MORE if more > digits)]
+
+
+def roundings(drive: Drive, setting: AnySetting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
+    """Return settings rounded to some digits in the units and quantities of the user, the nearest first.
+
+    Every knob stays within its nearest range. Amplitudes keep the load at the rounded frequency, up to some
+    steps inwards: upwards or downwards.
+    """
+    turned = {knob: float(x) for knob, x in drive.space.turned(setting).items()}
+    names = dict(zip(turned, drive.told, strict=True))
+    scales = {knob: drive.scale(knob) for knob in turned}
+    values = {knob: float(QUANTITIES[names[knob]].from_si(x * scales[knob])) for knob, x in turned.items()}
+    nearest_ends = {knob: drive.nearest(knob, x) for knob, x in turned.items()}
+    ends = {knob: (low * scales[knob], high * scales[knob]) for knob, (low, high) in nearest_ends.items()}
+
+    def kept(knob: str, value: float) -> float:
+        return within(value, names[knob], ends[knob], digits)
+
+    # where two constraints meet, one knob beside the optimum may leave room between them for the others
+    beside = {
+        knob: [kept(knob, x) for x in (values[knob], *_beside(values[knob], digits))]
+        for knob in turned
+        if knob not in drive.space.sizes
+    }
+    sizes, step = [knob for knob in turned if knob not in beside], 1 if up else -1
+    nudges = [*product(range(-step, step * _NUDGES, step), repeat=len(sizes))]
+    seen = set()
+    for others in product(*map(dict.fromkeys, beside.values())):
+        printed = dict.fromkeys(turned, 0.0) | dict(zip(beside, others, strict=True))
+        growth = (values["frequency"] / printed["frequency"]) ** drive.space.power
+        for steps in nudges:
+            for knob, n in zip(sizes, steps, strict=True):
+                printed[knob] = kept(knob, moved(values[knob] * growth, digits, n, up=up))
+            found = tuple(printed.values())
+            if found not in seen:
+                seen.add(found)
+                yield found
+
+
+def _beside(value: float, digits: int) -> Iterator[float]:
+    """Return values some steps of the last digit above and below, the nearest first."""
+    size = abs(value)
+    for n in range(1, _NUDGES):
+        for steps in (n, -n):
+            yield math.copysign(moved(size, digits, steps, up=False), value)
+
+
+def setting_of(drive: Drive, printed: tuple[float, ...]) -> AnySetting:
+    """Return the setting of knobs as they are printed."""
+    told = zip(drive.space.knobs, drive.told, printed, strict=True)
+    knobs = {knob: QUANTITIES[name].to_si(x) / drive.scale(knob) for knob, name, x in told}
+    return drive.space.setting(**knobs)
+
+
+def within(value: float, name: str, ends: Span, digits: int) -> float:
+    """Round a value in users' units, but not beyond its range, whose ends are kept as they were given.
+
+    One that may be 0 has no more decimals than a value from 10 to 100 with that many digits.
+    """
+    quantity = QUANTITIES[name]
+    low, high = (nearest(float(quantity.from_si(end)), MOST_DIGITS) for end in ends)
+    for end in (low, high):
+        if math.isclose(value, end, rel_tol=_AT_END):
+            return end
+    value = nearest(value, digits)
+    if quantity.allowed.low < 0.0:
+        value = round(value, digits - 2)
+    return min(max(value, low), high)
+
+
+def rounded(value: float, digits: int, *, down: bool) -> float:
+    """Round to so many digits in one direction."""
+    rounding = ROUND_FLOOR if down else ROUND_CEILING
+    return float(Context(prec=digits, rounding=rounding).create_decimal(repr(value)))
+
+
+def nearest(value: float, digits: int) -> float:
+    """Round to so many digits."""
+    return float(f"{value:.{digits}g}")
+
+
+def moved(value: float, digits: int, steps: int, *, up: bool) -> float:
+    """Round a value up or down to some digits, then move it by some steps of the last one."""
+    if value == 0.0:
+        return value
+    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    count = math.ceil(value / unit) if up else math.floor(value / unit)
+    return (count + steps) * unit
+
+
+KINDS: Final = ("gentlest", "fastest", "safest")
+#: The same in the order in which they are searched.
+SEARCHED: Final = ("fastest", "gentlest", "safest")
+_MISSED: Final = 8  # roundings of one number of digits whose guarantee may miss a speed
+_MARGINS: Final = 4  # roundings of one number of digits whose margin is searched
+_COARSEST: Final = 1e-5  # relative: above the resolution of all margins in contact
+_LOWERED: Final = 10  # steps of the last digit by which the frequency of the nearest drive may be lowered
+_OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
+    Line: LineOptimiser,
+    Ellipse: EllipseOptimiser,
+    Harmonics: MotionOptimiser,
+    Piecewise: MotionOptimiser,
+}
+
+
+@dataclass(frozen=True)
+class Rounded(Found):
+    """A setting as it is printed, and the optimum that was rounded.
+
+    Of a filled machine with its amplitudes and other numbers over all fillings.
+    """
+
+    optimum: Optimum | None = None
+    met: Met | None = None
+
+
+@dataclass(frozen=True)
+class Finder:
+    """Finds the designs of a question, and writes them as rows.
+
+    Attributes
+    ----------
+    question : Question
+        Drive, goal and bands.
+    optimiser : Exchange
+        Finds optimal settings; it keeps the scenarios that it met.
+    found : mapping of str to Rounded
+        The designs by their kind; those that do not exist are left out.
+    digits : int
+        Of printed settings; there are more where a setting with fewer does not hold.
+    refused : frozenset of str
+        Designs of a machine that are left out, as its filling makes unknown or other amplitudes there.
+    """
+
+    question: Question
+    optimiser: Exchange
+    found: Mapping[str, Rounded]
+    digits: int = DIGITS
+    refused: frozenset[str] = frozenset()
+
+    @property
+    def target(self) -> float:
+        """Target speed [m/s]."""
+        return self.question.spec.goal.speed
+
+    def set_by(self, kind: str) -> str | None:
+        """Return the active constraint of a design; without a design only the fastest has one."""
+        machine, by = self.question.drive.machine, self._set_by(kind)
+        return machine.ended_by if by == "limit" and machine is not None else by
+
+    def _set_by(self, kind: str) -> str | None:
+        found, optimiser = self.found.get(kind), self.optimiser
+        if kind in self.refused:
+            return "filling"
+        if found is None:
+            return optimiser.first_cap() if kind == "fastest" else None
+        if kind == "safest" and found.margin:
+            return optimiser.limit(found, found.margin)
+        # an optimum is at its constraint, from which rounding moves the setting
+        setting, speed = found.optimum or (found.setting, found.guarantee.speed_min)
+        best = replace(found, setting=setting)
+        if kind != "gentlest":
+            return optimiser.limit(best, 1.0)
+        if speed <= self.target * (1.0 + TOLERANCES.at):
+            return "speed"
+        least = optimiser.least_set_by(best)
+        # where parts hop, the speed may jump past the target
+        return "speed" if least == "onset" and self.question.box(setting).may_hop else least
+
+    def row(self, kind: str) -> Design:
+        """Return a design as a row of a table; without a design the row has only what prevents it."""
+        found, question = self.found.get(kind), self.question
+        row = Design(
+            drive=question.drive.name,
+            highest_regime=question.highest.label,
+            design=kind,
+            set_by=self.set_by(kind),
+        )
+        if found is None:
+            return row
+        g, length, drive = found.guarantee, question.spec.length, question.drive
+        columns = (QUANTITIES[name].column for name in drive.told)
+        settings: dict[str, Any] = dict(zip(columns, found.printed, strict=True))
+        row = replace(row, **settings, **self._of_machine(found))
+        speed, size, unit = g.speed_min, "stroke" if drive.in_stroke else "amplitude", "_mm"
+        if drive.motion is not None:
+            size, unit = "motion_scale", ""
+        needed = self._nearest_drive(found, row.nominal or 0.0, settings["frequency_hz"])
+        sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed{unit}": needed[1]}
+        # what voltage and filling make of another amplitude is not covered
+        if (drive.machine is None or not drive.machine.is_filled) and (window := window_of(question, found)):
+            told = QUANTITIES[size]
+            low, high = (float(told.from_si(drive.told_per_amplitude * end)) for end in window[:2])
+            sizes |= {f"{size}_low{unit}": low, "low_set_by": window.low_set_by}
+            sizes |= {f"{size}_high{unit}": high, "high_set_by": window.high_set_by}
+        return replace(
+            row,
+            **sizes,
+            acceleration_g=float(question.load(found.setting)),
+            speed_min_mm_s=_mm(speed),
+            speed_proved_mm_s=_mm(g.proved_min),
+            speed_nominal_mm_s=_mm(float(solve(question.nominal_scene(found.setting)).mean_velocity)),
+            speed_max_mm_s=_mm(g.speed_max),
+            traverse_time_max_s=length / speed if length is not None and speed > 0.0 else None,
+            margin=found.margin,
+            throw_number_max=question.box(found.setting).throw_number,
+            proof=g.proof_min,
+            coexists=g.coexists,
+            samples=g.samples,
+            excluded=g.excluded,
+        )
+
+    def _of_machine(self, found: Rounded) -> dict[str, Any]:
+        """Return the columns of a machine: its spring pack, and its amplitudes at a setting."""
+        machine = self.question.drive.machine
+        if machine is None:
+            return {}
+        amplitude = float(self.question.space.amplitude(found.setting))
+        empty, met = amplitude / machine.middle, found.met
+        more: dict[str, Any] = {}
+        if met is not None:
+            more = {
+                "operating_points": met.number,
+                "second_harmonic_percent": 100.0 * met.second_harmonic,
+                "speed_second_harmonic_mm_s": _mm(met.speed),
+            }
+        return {
+            "pack": machine.pack or None,
+            "natural_hz": machine.natural_frequency,
+            "amplitude_mm": _mm(amplitude),
+            "amplitude_empty_mm": _mm(empty),
+            "amplitude_least_mm": _mm(machine.covered[0] * empty),
+            "amplitude_most_mm": _mm(machine.covered[1] * empty),
+            **more,
+        }
+
+    def designs(
+        self,
+        calmer: Mapping[str, Rounded],
+        tell: Callable[[str], None] = lambda _: None,
+        until: str = SEARCHED[-1],
+    ) -> dict[str, Rounded]:
+        """Find the designs, by their kind; ``tell(kind)`` reports the search, ``until`` is the last kind."""
+        if not self.optimiser.has_more():
+            return dict(calmer)
+        tell("fastest")
+        fastest = self._best("fastest", self._fastest(), calmer)
+        if fastest is None:
+            return {}
+        if fastest.guarantee.speed_min < self.target or until == "fastest":
+            return {"fastest": fastest}
+        tell("gentlest")
+        gentlest = self._best("gentlest", self._least_acceleration(), calmer, fastest)
+        assert gentlest is not None
+        if until == "gentlest":
+            return {"fastest": fastest, "gentlest": gentlest}
+        tell("safest")
+        if self.question.spec.has_bands:
+            safest = self._best("safest", self._safest(), calmer, fastest, gentlest)
+        else:
+            safest = fastest
+        assert safest is not None
+        # A search with sampled bodies may miss the best setting, and another of these may be better.
+        fastest = max(fastest, gentlest, safest, key=lambda design: design.guarantee.speed_min)
+        gentlest = min(
+            gentlest, fastest, safest, key=lambda design: float(self.question.load(design.setting))
+        )
+        return {"fastest": fastest, "gentlest": gentlest, "safest": safest}
+
+    def _fastest(self) -> Rounded | None:
+        """Return the fastest setting that holds as printed.
+
+        Few digits might lose speed, as it drops just past the load at which back slip enters, and even the
+        goal. So roundings that keep the goal and nearly all of the speed are taken first.
+        """
+        optimum = self.optimiser.fastest()
+        speed = 0.0 if optimum is None else max(optimum.speed, 0.0)
+        for nearly in (True, False):
+            goal = self.target if nearly and speed >= self.target else 0.0
+            for digits in more_digits(self.digits):
+                least = max(goal, speed * (1.0 - 10.0 ** (2 - digits))) if nearly else 0.0
+                for found in self._rounded(optimum, digits, least, goal, up=False):
+                    return found
+        return None
+
+    def _safest(self) -> Rounded | None:
+        """Return the setting of the largest margin that holds as printed, with nearly that margin."""
+        optimum, best = self.optimiser.safest(self.target), None
+        if optimum is None:
+            return None
+        widest = self.optimiser.margin(optimum.setting, self.target) or 0.0
+        for digits in more_digits(self.digits):
+            for found in islice(self._rounded(optimum, digits, self.target, self.target, up=False), _MARGINS):
+                best = self._best("safest", found, {}, *filter(None, [best]))
+                if best and (best.margin or 0.0) >= widest * (1.0 - max(10.0 ** (2 - digits), _COARSEST)):
+                    return best
+        return best
+
+    def _rounded(
+        self, optimum: Optimum | None, digits: int, least: float, target: float, *, up: bool
+    ) -> Iterator[Rounded]:
+        """Yield the roundings whose scenarios reach one speed, and whose guarantee reaches another."""
+        if optimum is None:
+            return
+        drive, missed = self.question.drive, 0
+        for printed in roundings(drive, optimum.setting, digits, up=up):
+            setting = setting_of(drive, printed)
+            if not self.optimiser.holds(setting, least) or not self.optimiser.is_allowed(setting):
+                continue
+            found = Rounded(setting, printed, guarantee_of(self.question.box(setting)), optimum=optimum)
+            if found.guarantee.speed_min >= target and self.optimiser.keeps_to_regime(found):
+                yield found
+            else:
+                missed += 1
+            if missed == _MISSED:
+                return
+
+    def _least_acceleration(self) -> Rounded | None:
+        """Return the least-acceleration setting that holds as printed.
+
+        Where the speed just reaches the target and back slip just enters, no rounded setting may hold. Then
+        the optimum for a slightly higher target is rounded: by about as much as the rounding changes it, or
+        in the end by whatever it takes.
+        """
+        best = cache(lambda surplus: self.optimiser.least_acceleration(self.target * (1.0 + surplus)))
+        ladder = more_digits(self.digits)
+        for digits in ladder:
+            step = 10.0 ** (1 - digits)
+            for surplus in self.optimiser.surpluses:
+                if not surplus or step <= surplus <= 10.0 * step or digits == ladder[-1]:
+                    for found in self._rounded(best(surplus), digits, self.target, self.target, up=True):
+                        return replace(found, optimum=best(0.0))
+        return None
+
+    def _best(
+        self, kind: str, new: Rounded | None, calmer: Mapping[str, Rounded], *others: Rounded
+    ) -> Rounded | None:
+        """Return the best of some designs, with its margin; None without any."""
+        known = [found for found in (new, calmer.get(kind), *others) if found is not None]
+        if kind == "safest":
+            known = [self._with_margin(found) for found in known]
+        if not known:
+            return None
+        return self._with_margin(max(known, key=lambda found: best_of(kind, self.question, found)))
+
+    def _with_margin(self, found: Rounded) -> Rounded:
+        """Add the margin of a design: at least 1 where it meets the goal."""
+        if found.optimiser is self.optimiser or not self.question.spec.has_bands:
+            return found
+        margin = self.optimiser.margin(found.setting, self.target)
+        if found.guarantee.speed_min >= self.target:  # a margin within a lower regime holds here too
+            margin = max(margin or 1.0, found.margin or 1.0, 1.0)
+        return replace(found, margin=margin, optimiser=self.optimiser)
+
+    def _nearest_drive(
+        self, found: Rounded, size: float, frequency: float
+    ) -> tuple[float, float] | tuple[None, None]:
+        """Return frequency and amplitude, or stroke, of the nearest drive that meets the goal [Hz, mm].
+
+        At one load the speed is proportional to 1/f. The amplitude is rounded down, so that the load is not
+        exceeded, and the frequency is lowered until the goal is met. None if the goal is met already, if the
+        drive conveys nothing, and if parts would land too hard.
+        """
+        speed, power = found.guarantee.speed_min, self.question.space.power
+        # another frequency changes a machine's amplitude, but on soft mounts
+        machine = self.question.drive.machine
+        if speed >= self.target or not speed > 0.0 or (machine is not None and not machine.is_plain):
+            return None, None
+        for digits in more_digits(self.digits):
+            for steps in range(_LOWERED):
+                needed = nearest(moved(frequency * speed / self.target, digits, -steps, up=False), digits)
+                larger = rounded(size * (frequency / needed) ** power, digits, down=True)
+                # a lower load is slower, and mostly by more than its own share
+                if speed * larger * needed ** (power - 1) < self.target * size * frequency ** (power - 1):
+                    continue
+                setting = found.setting.scaled(larger / size)._replace(frequency=needed)
+                box = self.question.box(setting)
+                if self.question.landings.worst(box).size:
+                    return None, None
+                if guarantee_of(box).speed_min >= self.target:
+                    return needed, larger
+        return None, None
+
+
+def best_of(kind: str, question: Question, found: Rounded) -> float:
+    """Return the merit of a design: the best of a kind has the largest."""
+    if kind == "fastest":
+        return found.guarantee.speed_min
+    return -float(question.load(found.setting)) if kind == "gentlest" else found.margin or 0.0
+
+
+def find(
+    question: Question,
+    calmer: Mapping[str, Rounded],
+    digits: int = DIGITS,
+    tell: Callable[[str], None] = lambda _: None,
+    *,
+    until: str = SEARCHED[-1],
+) -> Finder:
+    """Find the gentlest, the fastest and the safest setting that hold as they are printed.
+
+    Parameters
+    ----------
+    question : Question
+        Drive, goal and bands.
+    calmer : mapping of str to Rounded
+        The designs within a lower regime, which are candidates here too.
+    digits : int, optional
+        Of printed settings.
+    tell : callable, optional
+        ``tell(kind)`` says which design is searched.
+    until : str, optional
+        Kind of design that is searched last, in the order of ``SEARCHED``.
+    """
+    finder = finder_of(question, digits)
+    return replace(finder, found=finder.designs(calmer, tell, until))
+
+
+def finder_of(question: Question, digits: int = DIGITS) -> Finder:
+    """Return the finder of a question, without designs."""
+    return Finder(question, _OPTIMISERS[question.drive.kind](question), {}, digits)
+
+
+def _mm(value: float) -> float | None:
+    """Convert a length or a speed to users' units; None if it is not finite."""
+    return float(SPEED.from_si(value)) if math.isfinite(value) else None

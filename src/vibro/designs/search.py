@@ -1,0 +1,195 @@
+"""Search numerically for first crossings, and for minima in a unit cube."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.roots import close_in
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+_OVERHANG: Final = 0.1  # trial points this far outside are moved to the face, where optima often are
+_SETTLED: Final = 1e-12  # relative spread of the population at which the search ends
+_WORST: Final = 1e30  # largest cost: the spread of a population must be finite
+
+_KEPT: Final = 8  # best points, around which more are sampled
+_AROUND: Final = 0.1  # standard deviation of these in the first round
+_CLOSER: Final = 0.4  # factor on it from round to round
+
+_SECTIONS: Final = 7  # of a bracket that are computed in one call
+_PEAK: Final = 17  # points around a peak between two points of the grid
+
+
+def first_crossing(
+    value: Callable[[NDArray[np.intp], Floats], Floats],
+    grid: Floats,
+    target: float,
+    *,
+    climbs: int,
+    relative: float,
+) -> Floats:
+    """Return the least argument at which each function reaches a target.
+
+    Parameters
+    ----------
+    value : callable
+        ``value(rows, x)`` returns the values of the functions ``rows`` at x, 1-D.
+    grid : (m, n) array
+        Arguments of each of m functions, ascending, close enough together that it has one peak at most
+        between two neighbours of one; both sides of its jumps are among them.
+    target : float
+        What is to be reached.
+    climbs : int
+        Rounds of looking closer at peaks, each by a factor of 8.
+    relative : float
+        Width to which arguments are found, of them.
+
+    Returns
+    -------
+    (m,) array
+        At the argument the target is reached; inf where it never is.
+
+    Notes
+    -----
+    A target that is reached on a peak alone is reached between points of a grid that all miss it: every peak
+    before the first point that reaches it is climbed.
+    """
+    rows, columns = np.indices(grid.shape)
+    values = value(rows.ravel(), grid.ravel()).reshape(grid.shape)
+    holds = values >= target
+    last = grid.shape[1] - 1
+    first = np.where(holds.any(axis=1), np.argmax(holds, axis=1), last + 1)
+    places = np.arange(len(grid))
+    reached = first <= last
+    high = np.where(reached, grid[places, np.minimum(first, last)], np.inf)
+    low = grid[places, np.clip(first - 1, 0, last)]
+
+    is_peak = (columns > 0) & (columns < first[:, None]) & (values > 0.0)
+    is_peak[:, 1:] &= values[:, 1:] >= values[:, :-1]
+    is_peak[:, :-1] &= values[:, :-1] >= values[:, 1:]
+    row, column = np.nonzero(is_peak)
+    start, end = grid[row, column - 1], grid[row, np.minimum(column + 1, last)]
+    for _ in range(climbs if row.size else 0):
+        x = np.linspace(start, end, _PEAK, axis=-1)
+        near = value(np.repeat(row, _PEAK), x.ravel()).reshape(x.shape)
+        for i in np.flatnonzero(near.max(axis=1, initial=-np.inf) >= target):
+            j = int(np.argmax(near[i] >= target))
+            if x[i, j] < high[row[i]]:
+                high[row[i]], low[row[i]] = x[i, j], x[i, max(j - 1, 0)]
+        best, peaks = np.argmax(near, axis=1), np.arange(len(row))
+        start = x[peaks, np.maximum(best - 1, 0)]
+        end = x[peaks, np.minimum(best + 1, _PEAK - 1)]
+
+    known = np.flatnonzero(np.isfinite(high))
+    high[known], _ = close_in(
+        lambda x: (value(np.repeat(known, _SECTIONS), x.ravel()) - target).reshape(x.shape),
+        high[known],
+        low[known],
+        relative=relative,
+        sections=_SECTIONS,
+    )
+    return high
+
+
+def sobol(dimensions: int, logarithm: int, seed: int) -> Floats:
+    """Return scrambled Sobol points in the unit cube, of shape (dimensions, 2**logarithm)."""
+    from scipy.stats import qmc  # late: it takes a fifth of a second to load
+
+    points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(logarithm)
+    return np.asarray(points.T)
+
+
+def placed(free: NDArray[np.bool_], x: Floats) -> Floats:
+    """Return points of the whole cube, of shape (axes, n), from those of its free axes; 0 elsewhere."""
+    coordinates = np.zeros((len(free), x.shape[1]))
+    coordinates[free] = x
+    return coordinates
+
+
+def evolve(
+    cost: Callable[[Floats], Floats], first: Floats, *, generations: int, seed: int
+) -> tuple[Floats, float]:
+    """Minimise a function over the unit cube.
+
+    Parameters
+    ----------
+    cost : callable
+        Of points of shape (d, n); returns n costs, NaN where a point does not count.
+    first : (d, n) array
+        The first population.
+    generations : int
+        After which the search ends at the latest.
+    seed : int
+        Of the search.
+
+    Returns
+    -------
+    point, cost : (d, 1) array, float
+        The best point that was met.
+    """
+    from scipy.optimize import Bounds, differential_evolution  # late: it takes a fifth of a second to load
+
+    def inside(x: Floats) -> Floats:
+        return np.clip(x, 0.0, 1.0)
+
+    def bounded(x: Floats, /) -> Floats:
+        costs = np.clip(cost(inside(x)), -_WORST, _WORST)
+        return np.where(np.isnan(costs), _WORST, costs)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # the spread of the population may overflow
+        found = differential_evolution(
+            bounded,  # type: ignore[arg-type]  # vectorised
+            Bounds(np.full(len(first), -_OVERHANG), np.full(len(first), 1.0 + _OVERHANG)),
+            init=first.T,
+            maxiter=generations,
+            tol=_SETTLED,
+            rng=np.random.default_rng(seed),
+            polish=False,
+            updating="deferred",
+            vectorized=True,
+        )
+    return inside(found.x[:, None]), float(found.fun)
+
+
+def scatter(
+    cost: Callable[[Floats], Floats], first: Floats, *, more: int, rounds: int, seed: int
+) -> tuple[Floats, float]:
+    """Minimise a discontinuous function over the unit cube, by samples.
+
+    Parameters
+    ----------
+    cost : callable
+        As for ``evolve``.
+    first : (d, n) array
+        The first points.
+    more, rounds : int
+        Number of further points in each round, which lie closer and closer around the best.
+    seed : int
+        Of these.
+
+    Returns
+    -------
+    point, cost : (d, 1) array, float
+        The best point; NaN for its cost where none counts.
+    """
+    rng = np.random.default_rng(seed)
+    points, costs = first, cost(first)
+    for n in range(rounds + 1):
+        order = np.argsort(costs)[:_KEPT]  # NaN last
+        points, costs = points[:, order], costs[order]
+        if n == rounds or not len(first):
+            break
+        around = np.repeat(points, -(-more // order.size), axis=1)
+        around += _AROUND * _CLOSER**n * rng.standard_normal(around.shape)
+        around = np.clip(around, 0.0, 1.0)
+        points, costs = np.hstack([points, around]), np.append(costs, cost(around))
+    return points[:, :1], float(costs[0])

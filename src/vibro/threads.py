@@ -1,0 +1,323 @@
+"""Passes grids of scenes to the compiled solver: as buffers with strides, in ranges, on several threads."""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+from collections import deque
+from threading import Thread, current_thread, main_thread
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+import numpy as np
+
+from vibro.core.compiled import doors
+from vibro.core.numbers import (
+    BODIES,
+    FIELDS,
+    HARMONICS,
+    LONGEST_CYCLE,
+    MIXES,
+    MOST_BOUNCES,
+    MOST_HOPS,
+    PIECES,
+    ROOM,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.drives import Drive
+
+    Floats = NDArray[np.float64]
+
+# ------------------------------------------------------------------------------
+# Work in blocks on all cores: cuts a grid into blocks, and runs them on several threads.
+
+# [cells] Few enough that temporaries stay near a core, many enough that threads seldom wait for each other
+# between two NumPy calls (benchmarks/kernel.py).
+BLOCK: Final = 131_072
+
+# [s] How long an interrupt may go unnoticed: on Windows a wait without an end ignores it.
+_PATIENCE: Final = 0.1
+
+
+def cores() -> int:
+    """Return how many threads share the work."""
+    return os.cpu_count() or 1
+
+
+def grid_blocks(shape: tuple[int, ...], size: int) -> Iterator[tuple[slice, ...]]:
+    """Cut a grid into slabs of at most ``size`` cells, in the order of its cells."""
+    if 0 in shape:
+        return
+    inner = 1
+    axis = len(shape)
+    while axis > 0 and inner * shape[axis - 1] <= size:
+        axis -= 1
+        inner *= shape[axis]
+    if axis == 0:
+        yield (slice(None),) * len(shape)
+        return
+    rows = max(1, size // inner)
+    rest = (slice(None),) * (len(shape) - axis)
+    for outer in np.ndindex(*shape[: axis - 1]):
+        fixed = tuple(slice(i, i + 1) for i in outer)
+        for start in range(0, shape[axis - 1], rows):
+            yield (*fixed, slice(start, start + rows), *rest)
+
+
+def within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...]:
+    """Restrict a block of a grid to a field that broadcasts against it."""
+    return tuple(slice(None) if n == 1 else part for part, n in zip(block, shape, strict=True))
+
+
+_R = TypeVar("_R")
+
+
+def heard(run: Callable[[], _R]) -> _R:
+    """Run a call that may last in another thread, so that this one hears signals.
+
+    A compiled function holds off the handlers of signals until it returns. After an interrupt it runs on to
+    its end: what it writes to must live as long as ``run``.
+    """
+    if current_thread() is not main_thread():
+        return run()
+    found: list[_R] = []
+    failures: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            found.append(run())
+        except BaseException as exc:
+            failures.append(exc)
+
+    thread = Thread(target=work, daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(_PATIENCE)
+    if failures:
+        raise failures[0]
+    return found[0]
+
+
+def in_parallel(
+    run: Callable[[Any], None],
+    parts: Sequence[Any],
+    threads: int | None = None,
+    done: Callable[[int], None] | None = None,
+    *,
+    lasting: bool = False,
+) -> None:
+    """Run parts on several threads; after an interrupt the others end with the part they are at.
+
+    Parameters
+    ----------
+    run : callable
+        Called with each part; the calling thread works too.
+    parts : sequence
+        In the order in which they are begun.
+    threads : int, optional
+        How many share the work; without, one a core.
+    done : callable, optional
+        Called in the calling thread, after each part that it has run, with the number of parts that are done.
+    lasting : bool
+        Whether a part may take long: then it is ``heard``, and an interrupt does not wait for it.
+    """
+    given = run
+
+    def run_heard(part: Any) -> None:
+        heard(lambda: given(part))
+
+    run = run_heard if lasting else given
+    number = min(cores() if threads is None else threads, len(parts))
+    if number < 2:
+        for count, part in enumerate(parts, 1):
+            run(part)
+            if done:
+                done(count)
+        return
+    left = deque(parts)
+    failures: list[BaseException] = []
+    finished: list[None] = []
+
+    def work(tell: Callable[[int], None] | None = None) -> None:
+        while True:
+            try:
+                part = left.popleft()
+            except IndexError:  # none left; another thread may have taken the last
+                return
+            run(part)
+            finished.append(None)
+            if tell:
+                tell(len(finished))
+
+    def work_along() -> None:
+        try:
+            work()
+        except BaseException as exc:
+            failures.append(exc)
+            left.clear()
+
+    others = [Thread(target=work_along, daemon=True) for _ in range(number - 1)]
+    try:
+        for thread in others:
+            thread.start()
+        work(done)
+        for thread in others:
+            while thread.is_alive():
+                thread.join(_PATIENCE)
+                if done:
+                    done(len(finished))
+    finally:
+        left.clear()
+        for thread in others:  # their buffers may not outlive this call, but for those of parts that last
+            if thread.ident is not None:
+                thread.join(_PATIENCE if lasting else None)
+    if failures:
+        raise failures[0]
+
+
+_QUICK: Final = 64  # [1] most harmonics, or pieces, of which one cell takes less than 0.2 s in any call
+_ONE: Final = np.ones(())
+
+
+class Grid:
+    """Scenes as the solver reads them.
+
+    Parameters
+    ----------
+    fields : Drive
+        Fields of a scene; they broadcast against each other without copies.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Common shape of the fields.
+    size : int
+        Number of cells.
+    cost : int
+        Number of harmonics, or of pieces, with which the time that a cell takes grows.
+    """
+
+    def __init__(self, fields: Drive) -> None:
+        arrays, kind, breaks, pieces, unit = fields.columns()
+        ndims = {x.ndim for x in arrays}
+        count = len(arrays)
+        if ndims == {0}:  # one scene: one small buffer
+            self.shape: tuple[int, ...] = ()
+            self.size, axes = 1, 1
+            self._kept: tuple[Any, ...] = (np.array(arrays).reshape(count, 1),)
+            buffers = doors().rows(self._kept[0])
+            sizes, strides = _ONE_CELL, _NO_STRIDES if count == FIELDS else np.zeros(count, np.int64)
+        else:
+            self.shape = np.broadcast_shapes(*(x.shape for x in arrays))
+            self.size, axes = math.prod(self.shape), len(self.shape)
+            self._kept = tuple(np.ascontiguousarray(x, np.float64) for x in arrays)
+            buffers = tuple(doors().row(x) if x.size else doors().row(_ONE) for x in self._kept)
+            sizes = np.array(self.shape, np.int64)
+            strides = np.array([_strides(x.shape, axes) for x in arrays], np.int64).T.copy()
+        self._sizes, self._strides, self._axes, self._count = sizes, strides, axes, count
+        further, starts, size, most = _NOTHING, _NO_STARTS, 0, 0.0
+        self.cost = 1
+        if kind == HARMONICS:
+            size = (count - FIELDS) // 4
+            starts = np.cumsum([0, *(x.size for x in arrays[FIELDS:-1])], dtype=np.int64)
+            further = np.concatenate([np.asarray(x, np.float64).reshape(-1) for x in arrays[FIELDS:]])
+        elif kind == PIECES:
+            size, most = breaks.size - 1, unit
+        self.hold(further, starts, breaks, pieces)
+        self.scenes: Any = (
+            *buffers[:FIELDS],
+            *(doors().row(x) for x in (further, starts, sizes, strides)),
+            axes,
+            kind,
+            size,
+            most,
+        )
+        self._memory = _NO_MEMORY
+        if kind in (HARMONICS, PIECES):
+            self.cost = size
+            part, table = (2 * size, 8 * size * size) if kind == HARMONICS else (4 * size, 5 * size + 1)
+            self._memory = np.empty(ROOM * part + table), np.empty(2 * MIXES, np.int64)
+            doors().prepare(self.scenes, (np.empty(0, np.int64), *self._memory), breaks, pieces)
+
+    def hold(self, *arrays: NDArray[Any]) -> None:
+        """Keep arrays alive that threads write to by their addresses, even after a second interrupt."""
+        self._kept += arrays
+
+    def place(self) -> tuple[NDArray[Any], ...]:
+        """Make room for the place of a thread, and for the waves of a scene."""
+        numbers, marks = self._memory
+        return np.empty(self._axes + self._count, np.int64), numbers.copy(), marks.copy()
+
+
+_ONE_CELL: Final = np.ones(1, np.int64)
+_NO_STRIDES: Final = np.zeros(FIELDS, np.int64)
+_NOTHING: Final = np.ones(1)
+_NO_STARTS: Final = np.zeros(1, np.int64)
+_NO_MEMORY: Final = (np.empty(1), np.empty(1, np.int64))
+
+
+def _strides(shape: tuple[int, ...], axes: int) -> list[int]:
+    """Strides in numbers along the axes of the grid; 0 where one value serves all."""
+    strides, step = [0] * axes, 1
+    for i in range(1, len(shape) + 1):
+        if shape[-i] != 1:
+            strides[-i] = step
+        step *= shape[-i]
+    return strides
+
+
+class Scratch(threading.local):
+    """Room for the flights of one scene, one a thread, made when it is first needed."""
+
+    def __init__(self) -> None:
+        self.flights = doors().rows(np.empty((8, MOST_BOUNCES + LONGEST_CYCLE)))
+        self.hops = doors().rows(np.empty((8, BODIES * MOST_HOPS)))
+
+
+def lasting(run: Callable[[], _R]) -> _R:
+    """Run a call of the compiled solver that may last, and hear signals meanwhile, as ``heard``."""
+    return heard(run) if doors().compiled else run()
+
+
+def over_cells(
+    run: Callable[[int, int], Any],
+    size: int,
+    step: int,
+    threads: int | None,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    cost: int = 1,
+) -> None:
+    """Run over all cells, a range at a time, on several threads if the solver is compiled.
+
+    Parameters
+    ----------
+    run : callable
+        Called with the begin and the end of each range.
+    size, step : int
+        Number of cells, and of those of a range, where they cost 1.
+    threads : int, optional
+        How many share the work; without, one a core.
+    progress : callable, optional
+        Called in this thread with the number of cells that are done, and of all.
+    cost : int
+        Of a cell, as that of the grid.
+    """
+    step, is_long = max(1, step // cost), cost > _QUICK and doors().compiled
+    if size <= step and progress is None and not is_long:
+        if size:
+            run(0, size)
+        return
+    parts = [(begin, min(begin + step, size)) for begin in range(0, size, step)]
+
+    def tell(done: int) -> None:
+        if progress:
+            progress(min(done * step, size), size)
+
+    number = threads if doors().compiled else 1
+    in_parallel(lambda part: run(*part), parts, number, tell, lasting=is_long)

@@ -1,0 +1,257 @@
+"""Extreme bodies: how speeds and landings count, and which of the frequencies of a load is taken."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.scenes import replaced, scene_with
+
+import vibro
+from vibro import Regime, Scene, Status
+from vibro.designs import guarantees, proofs
+from vibro.designs.guarantees import (
+    ANY_LANDING,
+    BRIEF,
+    Landings,
+    Seen,
+    counted,
+    least_of,
+    look_around,
+    sampled,
+    searched,
+    speeds_of,
+    taken,
+)
+from vibro.designs.spaces import uncertainty_set
+
+INF, NAN = math.inf, math.nan
+HOPPING = {"amplitude": (8e-3, 12e-3), "frequency": (12.0, 15.0)}
+
+
+def cycle(**fields: Any) -> Any:
+    """Cycles of which only some fields are known."""
+    return SimpleNamespace(**{name: np.array(values) for name, values in fields.items()})
+
+
+@pytest.mark.parametrize(
+    ("status", "speed", "slow", "fast"),
+    [
+        (Status.OK, 0.5, 0.5, 0.5),
+        (Status.BOUNDARY, 0.5, 0.5, 0.5),
+        (Status.AVERAGED, 0.5, 0.2, 0.8),  # three errors of 0.1
+        (Status.RUNAWAY, NAN, -INF, INF),
+        (Status.INDETERMINATE, NAN, -INF, INF),
+        (Status.INFEASIBLE, NAN, -INF, INF),
+        (Status.FLIGHT_NOT_MODELLED, NAN, NAN, NAN),
+        (Status.UNRESOLVED, NAN, NAN, NAN),
+    ],
+)
+def test_speeds_count_by_their_status(status: Status, speed: float, slow: float, fast: float) -> None:
+    found = cycle(status=[status], mean_velocity=[speed], mean_velocity_error=[0.1])
+    assert counted(found, fast=False) == pytest.approx([slow], nan_ok=True)
+    assert counted(found, fast=True) == pytest.approx([fast], nan_ok=True)
+
+
+def test_the_least_speed_of_a_row_leaves_out_the_unknown() -> None:
+    rows = np.array([[NAN, 1.0, 2.0], [NAN, NAN, NAN], [3.0, -INF, NAN], [-1.0, 4.0, 0.0]])
+    assert least_of(rows).tolist() == [1.0, -INF, -INF, -1.0]
+
+
+def test_seen_events_are_kept() -> None:
+    seen = Seen()
+    seen.add(cycle(regime=[Regime.NO_SLIP, -1, Regime.BACK_SLIP], coexists=[0, 1]))
+    seen.add(cycle(regime=[Regime.FORWARD_SLIP], coexists=[0, -1]))
+    assert seen.regimes == {Regime.NO_SLIP, Regime.FORWARD_SLIP, Regime.BACK_SLIP}
+    assert seen.coexists
+    seen = Seen()
+    seen.add(cycle(regime=[Regime.NO_SLIP], coexists=[-1]))
+    assert (seen.coexists, seen.excluded) == (False, 0)
+
+
+@pytest.mark.parametrize(("highest", "beyond"), [(Regime.FORWARD_SLIP, True), (Regime.BACK_SLIP, False)])
+def test_bodies_beyond_the_highest_regime_count_as_extreme(highest: Regime, beyond: bool) -> None:
+    scene = scene_with(amplitude=2e-3)
+    assert vibro.solve(scene).regime == Regime.BACK_SLIP
+    for fast, extreme in ((False, -INF), (True, INF)):
+        speed = float(speeds_of(scene, fast=fast, flight=False, highest=highest))
+        assert speed == (extreme if beyond else float(vibro.solve(scene).mean_velocity))
+
+
+def test_limits_on_landings() -> None:
+    assert Landings(2.0, 0.5).scaled(0.5) == (1.0, 0.25)
+    assert Landings(2.0, INF).limited
+    assert Landings(INF, 0.5).limited
+    assert not ANY_LANDING.limited
+    assert ANY_LANDING == (INF, INF)
+
+
+@pytest.mark.parametrize(
+    ("impact", "flight", "exceeds"),
+    [(1.0, 0.5, False), (1.001, 0.5, True), (1.0, 0.501, True), (0.0, 0.0, False), (NAN, NAN, False)],
+)
+def test_a_landing_at_its_limit_is_allowed(impact: float, flight: float, exceeds: bool) -> None:
+    found = cycle(impact_velocity=[impact], flight_fraction=[flight])
+    assert Landings(1.0, 0.5).exceeded(found).tolist() == [exceeds]
+
+
+@pytest.mark.parametrize("banded", [("amplitude", "frequency"), ("amplitude",), ("frequency",)])
+def test_landings_of_a_load_are_those_of_the_fastest_body(banded: tuple[str, ...]) -> None:
+    """Where amplitude and frequency both vary one load has harder landings than its slowest body's."""
+    box = uncertainty_set(scene_with(amplitude=10e-3, frequency=13.0), {k: HOPPING[k] for k in banded})
+    points = box.points(np.full((5, 1), 0.5))
+    slow, fast = (vibro.solve(box.scene(points, fast=which)) for which in (False, True))
+    soft, hard = float(slow.impact_velocity[0]), float(fast.impact_velocity[0])
+    both = len(banded) == 2
+    assert (hard > soft * 1.01) is both
+    assert Landings(impact_speed=hard * 0.999).broken(box, points, slow).tolist() == [True]
+    assert Landings(impact_speed=hard * 1.001).broken(box, points, slow).tolist() == [False]
+    assert ANY_LANDING.broken(box, points, slow).tolist() == [False]
+
+
+@pytest.mark.parametrize("name", ["impact_speed", "flight_fraction"])
+def test_the_worst_landing_is_that_of_the_body_beyond_its_limit_by_most(name: str) -> None:
+    """Of one amplitude the highest frequency throws highest, and longest."""
+    box = uncertainty_set(scene_with(amplitude=10e-3), {"frequency": (10.0, 12.0)})
+    fast = vibro.solve(scene_with(amplitude=10e-3, frequency=12.0))
+    hardest = float({"impact_speed": fast.impact_velocity, "flight_fraction": fast.flight_fraction}[name])
+    worst = Landings(**{name: 0.9 * hardest}).worst(box)
+    assert worst.tolist() == [[1.0], [0.0], [0.0], [0.0], [0.0]]
+    assert Landings(**{name: hardest}).worst(box).shape == (5, 0)  # at the limit is not beyond it
+    assert ANY_LANDING.worst(box).shape == (5, 0)
+
+
+def test_a_box_in_contact_has_no_landings() -> None:
+    box = uncertainty_set(scene_with(), {"static_friction": (0.6, 0.74)})
+    assert Landings(1e-9, 1e-9).worst(box).shape == (5, 0)
+
+
+def test_the_hardest_landing_may_lie_inside_a_band() -> None:
+    """Samples find harder landings than both ends of the frequencies have."""
+    steps = np.linspace(14.0, 18.0, 401)
+    hardness = np.asarray(vibro.solve(scene_with(amplitude=10e-3, frequency=steps)).impact_velocity)
+    inside, ends = np.nanmax(hardness), max(hardness[0], hardness[-1])
+    assert inside > ends * 1.02  # or the test shows nothing
+    box = uncertainty_set(scene_with(amplitude=10e-3), {"frequency": (14.0, 18.0)})
+    worst = Landings(impact_speed=0.5 * (inside + ends)).worst(box)
+    assert worst.shape == (5, 1)
+    assert 0.0 < worst[0, 0] < 1.0
+
+
+@pytest.mark.parametrize("conveys", ["forward", "backward"])
+@pytest.mark.parametrize("fast", [False, True])
+def test_of_the_frequencies_of_a_load_the_extreme_one_is_taken(conveys: str, fast: bool) -> None:
+    """Speeds go with 1/f: backward, down a climb, the lowest frequency is the slowest."""
+    back: dict[str, Any] = {"drive_angle": 0.05, "trough_angle": 0.3, "kinetic_friction": 0.5}
+    scene = scene_with(**({} if conveys == "forward" else back))
+    box = uncertainty_set(scene, {"amplitude": (1.4e-3, 2.2e-3), "frequency": (12.0, 15.0)})
+    share = np.array([[0.5], [0.0], [0.0], [0.0], [0.0]])
+    weight = float(box.points(share).load[0]) * 9.81 / (2.0 * math.pi) ** 2
+    frequency = np.linspace(math.sqrt(weight / 2.2e-3), 15.0, 9)
+    speeds = vibro.solve(replaced(scene, amplitude=weight / frequency**2, frequency=frequency)).mean_velocity
+    assert np.all(speeds > 0.0) if conveys == "forward" else np.all(speeds < 0.0)
+    found = taken(box, share, fast=fast, flight=False, seen=Seen())
+    assert found.speed == pytest.approx(np.max(speeds) if fast else np.min(speeds), rel=1e-9)
+    assert float(np.ravel(vibro.solve(found.scene).mean_velocity)[0]) == found.speed
+    every = np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    best, _ = searched(box, fast=fast, boxes=BRIEF, seen=Seen())
+    ends = [taken(box, every[:, [i]], fast=fast, flight=False, seen=Seen()).speed for i in range(2)]
+    extreme = max(found.speed, *ends) if fast else min(found.speed, *ends)
+    assert (best.speed >= extreme - 1e-12) if fast else (best.speed <= extreme + 1e-12)
+
+
+def test_forward_slip_is_seen_at_the_angle_of_friction_alone() -> None:
+    """The onset load is least where tan(alpha) = mu_s: mu_s / sqrt(1 + mu_s^2), within 1e-5 rad of it."""
+    least = 0.5 / math.sqrt(1.25) * (1.0 + 1e-11)
+    amplitude = least * 9.81 / (2.0 * math.pi * 15.0) ** 2
+    scene = scene_with(amplitude=amplitude, static_friction=0.5, kinetic_friction=0.4)
+    seen = Seen()
+    look_around(uncertainty_set(scene, {"drive_angle": (0.2, 1.0)}), seen)
+    assert seen.regimes == {Regime.NO_SLIP, Regime.FORWARD_SLIP}
+
+
+def test_a_regime_between_the_corners_is_seen_beside_their_critical_loads() -> None:
+    """Loads from below the onset to beyond the hop hold all regimes, though corners have two alone."""
+    seen = Seen()
+    look_around(uncertainty_set(scene_with(), {"amplitude": (1e-4, 5e-3)}), seen)
+    regimes = {Regime.NO_SLIP, Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING}
+    assert seen.regimes == regimes
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("least", "runs"), [(0.249327, True), (0.249329, False)])
+def test_parts_run_away_where_the_trough_is_steeper_than_kinetic_friction(
+    side: float, least: float, runs: bool
+) -> None:
+    """tan 14 deg = 0.249328, up or down."""
+    trough = sorted((side * math.radians(14.0), -side * math.radians(5.0)))
+    scene = scene_with(static_friction=0.4, kinetic_friction=0.3)
+    box = uncertainty_set(scene, {"kinetic_friction": (least, 0.3), "trough_angle": tuple(trough)})
+    assert proofs._may_run_away(box) is runs
+
+
+@pytest.mark.parametrize("fast", [False, True])
+def test_hops_without_a_speed_are_excluded_and_counted(fast: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every sampled call in which all bodies hop has one unknown speed here."""
+    calls = []
+
+    def speeds(scene: Scene, **_: Any) -> Any:
+        values = np.linspace(1.0, 2.0, int(np.prod(scene.shape)))
+        if values.size > 1:
+            calls.append(values.size)
+            values[0] = NAN
+        return values
+
+    monkeypatch.setattr(guarantees, "speeds_of", speeds)
+    seen = Seen()
+    box = uncertainty_set(scene_with(amplitude=6e-3), {"static_friction": (0.6, 0.74)})
+    found = sampled(box, fast=fast, seen=seen)
+    assert seen.excluded == len(calls) == 4
+    assert calls == [2 + 2**11, 2**7, 2**7, 2**7]
+    assert math.isfinite(found.speed)
+
+
+def test_bouncing_bodies_are_sampled_less(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+
+    def speeds(scene: Scene, **_: Any) -> Any:
+        calls.append(int(np.prod(scene.shape)))
+        return np.full(calls[-1], NAN)
+
+    monkeypatch.setattr(guarantees, "speeds_of", speeds)
+    scene = scene_with(amplitude=6e-3, restitution=0.3)
+    found = sampled(uncertainty_set(scene, {"static_friction": (0.6, 0.74)}), fast=False, seen=Seen())
+    assert math.isnan(found.speed)
+    assert calls == [2 + 2**9, 2**7, 2**7, 2**7]
+
+
+@pytest.mark.parametrize("fast", [False, True])
+def test_the_slowest_body_is_on_the_steepest_trough(fast: bool) -> None:
+    """Where parts slip back, but none runs away: beside a grid of frictions and troughs."""
+    scene, troughs = scene_with(amplitude=2e-3), (-0.02, 0.03)
+    bands: dict[str, Any] = {"trough_angle": troughs, "static_friction": (0.7, 0.78)}
+    best, _ = searched(uncertainty_set(scene, bands), fast=fast, boxes=BRIEF, seen=Seen())
+    assert best.coordinates[2].tolist() == [0.0 if fast else 1.0]
+    friction, trough = np.meshgrid(np.linspace(0.7, 0.78, 201), np.linspace(*troughs, 21))
+    speeds = vibro.solve(replaced(scene, static_friction=friction, trough_angle=trough)).mean_velocity
+    extreme = float(np.max(speeds) if fast else np.min(speeds))
+    assert best.speed == pytest.approx(extreme, rel=1e-6)
+
+
+def test_samples_are_even_bodies_that_hop_and_whose_speed_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of others nothing is known, and the chance of a slower one is told by those that are."""
+    box = uncertainty_set(scene_with(amplitude=4e-3), {"static_friction": (0.7, 0.78)})
+    seen = Seen()
+    sampled(box, fast=False, seen=seen)
+    assert (seen.samples, seen.excluded) == (2**11, 0)
+
+    def half(scene: Scene, **_: Any) -> Any:
+        friction = np.asarray(scene.static_friction)
+        return np.where(friction < 0.74, np.nan, friction)
+
+    monkeypatch.setattr(guarantees, "speeds_of", half)
+    sampled(box, fast=False, seen=seen)
+    assert seen.samples == pytest.approx(2**10, abs=4)

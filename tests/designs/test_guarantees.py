@@ -1,0 +1,409 @@
+"""Guarantees over boxes of bands: never beaten by a sample, and where corners are not enough."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+from helpers.boxed import Boxed, boxes, tolerance
+from helpers.draws import examples
+from helpers.scenes import replaced, scene_with
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+import vibro
+from vibro import Regime, Status
+from vibro.designs import guarantees, windows
+from vibro.designs.guarantees import Landings
+from vibro.designs.spaces import uncertainty_set
+from vibro.designs.windows import _cut
+from vibro.results.designs import Guarantee
+
+BANDED = (
+    "amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle",
+)  # fmt: skip
+
+
+def deg(low: float, high: float) -> tuple[float, float]:
+    return math.radians(low), math.radians(high)
+
+
+def about(value: float, percent: float) -> tuple[float, float]:
+    return value * (1 - percent / 100), value * (1 + percent / 100)
+
+
+def at(place: Any, factor: float = 1.0) -> float:
+    """Solve where a guarantee says that an end is, its amplitude times a factor."""
+    fields = dict(place)
+    fields["amplitude"] *= factor
+    return float(vibro.solve(vibro.Scene(**fields)).mean_velocity)
+
+
+def assert_not_beaten(box: Boxed, found: Guarantee) -> None:
+    """Compare with samples of the box, and with the places that are said to have the ends."""
+    cycle = box.samples()
+    slack = tolerance(found)
+    low, high = found.speed_min, found.speed_max
+    assert low - slack * abs(low) <= np.min(cycle.mean_velocity)
+    assert np.max(cycle.mean_velocity) <= high + slack * abs(high)
+    assert {Regime(code) for code in np.unique(cycle.regime)} <= found.regimes
+    for end, place, limit in ((low, found.min_at, found.min_limit), (high, found.max_at, found.max_limit)):
+        sides = [1 - 1e-9, 1 + 1e-9] if limit else [1.0]
+        assert min(abs(at(place, side) - end) for side in sides) <= 1e-4 * abs(end) * bool(limit)
+        for name in BANDED:
+            if name == "kinetic_friction" and "friction_ratio" in box.bands:
+                continue
+            ends = box.span(name)
+            assert ends[0] <= place[name] <= ends[1], name
+
+
+@examples(20)
+@given(boxes(most_load=0.999))
+def test_a_box_without_width_is_a_scene(box: Boxed) -> None:
+    cycle = vibro.solve(box.scene)
+    bands = {
+        name: (float(value),) * 2 for name, value in box.scene.arrays()._asdict().items() if name in BANDED
+    }
+    for found in (vibro.guarantee(box.scene), vibro.guarantee(box.scene, **bands)):
+        assert found.speed_min == found.speed_max == float(cycle.mean_velocity)
+        assert found.regimes == {Regime(int(cycle.regime))}
+        assert (found.proof_min, found.proof_max, found.min_limit, found.max_limit) == ("corners",) * 2 + (
+            "",
+        ) * 2
+        assert found.min_at == found.max_at == {n: float(x) for n, x in box.scene.arrays()._asdict().items()}
+
+
+@examples(15)
+@given(boxes(forward=True, drifts=True))
+def test_no_sample_beats_corners(box: Boxed) -> None:
+    found = vibro.guarantee(box.scene, **box.bands)
+    assert {found.proof_min, found.proof_max} <= {"corners", "proved"}
+    assert max(found.regimes) <= Regime.FORWARD_SLIP
+    assert_not_beaten(box, found)
+
+
+@examples(6)
+@given(boxes())
+def test_no_sample_beats_searches(box: Boxed) -> None:
+    assert_not_beaten(box, vibro.guarantee(box.scene, **box.bands))
+
+
+@pytest.mark.parametrize("trough", [3.0, -3.0], ids=["climbing", "declining"])
+def test_no_sample_beats_a_box_of_everything(trough: float) -> None:
+    scene = scene_with(amplitude=1.1e-3)
+    bands = {
+        "amplitude": about(1.1e-3, 5),
+        "frequency": about(15, 1),
+        "drive_angle": deg(19, 21),
+        "trough_angle": deg(trough - 0.5, trough + 0.5),
+        "static_friction": (0.6, 0.8),
+        "friction_ratio": (0.7, 0.9),
+    }
+    found = vibro.guarantee(scene, **bands)
+    assert found.proof_min == found.proof_max == "proved"
+    assert_not_beaten(Boxed(scene, bands), found)
+
+
+@examples(15)
+@given(boxes(forward=True, drifts=True), st.floats(1.0, 3.0))
+def test_wider_bands_never_help(box: Boxed, factor: float) -> None:
+    wider = {}
+    for name, (low, high) in box.bands.items():
+        more = 0.05 * (factor - 1) * (high - low)
+        most = 1.0 if name == "friction_ratio" else math.inf
+        wider[name] = (low - more, min(high + more, most))
+    inner, outer = (vibro.guarantee(box.scene, **bands) for bands in (box.bands, wider))
+    slack = 1e-6 * abs(inner.speed_min), 1e-6 * abs(inner.speed_max)
+    assert outer.speed_min <= inner.speed_min + slack[0]
+    assert outer.speed_max >= inner.speed_max - slack[1]
+    assert outer.regimes >= inner.regimes
+
+
+def test_bands_that_grow_together_never_help_where_parts_slip_back() -> None:
+    scene = scene_with(amplitude=1.195e-3)
+    found = [
+        vibro.guarantee(
+            scene,
+            static_friction=about(0.74, 10 * share),
+            amplitude=about(1.195e-3, share),
+        )
+        for share in (0.0, 0.3, 1.0)
+    ]
+    for inner, outer in pairwise(found):
+        assert outer.speed_min <= inner.speed_min * (1 + 1e-6)
+        assert outer.speed_max >= inner.speed_max * (1 - 1e-6)
+        assert outer.regimes >= inner.regimes
+
+
+@examples(15)
+@given(boxes(forward=True, drifts=True), st.floats(0.2, 5.0))
+def test_speeds_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
+    small, large = (
+        vibro.guarantee(
+            replaced(box.scene, amplitude=box.scene.scale / k**2, frequency=box.scene.frequency * k),
+            **(box.bands | {"amplitude": tuple(end / k**2 for end in box.span("amplitude"))}),
+        )
+        for k in (1.0, scale)
+    )
+    assert large.speed_min * scale == pytest.approx(small.speed_min, rel=1e-8, abs=1e-12)
+    assert large.speed_max * scale == pytest.approx(small.speed_max, rel=1e-8, abs=1e-12)
+
+
+@pytest.mark.parametrize("trough", [3.0, -3.0], ids=["climbing", "declining"])
+def test_corners_find_what_a_search_finds(trough: float) -> None:
+    scene = scene_with(amplitude=0.9e-3, trough_angle=math.radians(trough))
+    bands = {
+        "amplitude": about(0.9e-3, 1),
+        "static_friction": (0.7, 0.8),
+        "friction_ratio": (0.7, 0.8),
+    }
+    quick = vibro.guarantee(scene, **bands)
+    assert quick.proof_min == "corners"
+    with mock.patch.object(guarantees, "is_braked", return_value=False):  # so that it has to search
+        slow = vibro.guarantee(scene, **bands)
+    assert slow.proof_min == slow.proof_max == "proved"
+    assert quick.speed_min == pytest.approx(slow.speed_min, rel=1e-9)
+    assert quick.speed_max == pytest.approx(slow.speed_max, rel=1e-9)
+
+
+def test_the_fastest_drive_angle_may_lie_inside_its_band() -> None:
+    """Slip of a weak drive, which starts only about atan(mu_s)."""
+    mu_s = 0.5
+    onset = mu_s / math.hypot(1.0, mu_s)
+    amplitude = 1.001 * onset * 9.81 / (2 * math.pi * 15) ** 2
+    scene = scene_with(amplitude=amplitude, static_friction=mu_s, kinetic_friction=0.3)
+    found = vibro.guarantee(scene, drive_angle=deg(5, 60))
+    angles = np.radians(np.linspace(5, 60, 200001))
+    fastest = np.max(vibro.solve(replaced(scene, drive_angle=angles)).mean_velocity)
+    assert found.speed_min == 0.0
+    assert fastest <= found.speed_max * (1 + 1e-9)
+    assert found.speed_max == pytest.approx(fastest, rel=1e-6)
+    assert found.proof_max == "proved"
+    assert found.regimes == {Regime.NO_SLIP, Regime.FORWARD_SLIP}
+
+
+class TestWhereCornersAreNotEnough:
+    """The counterexamples, with their printed digits; [mm/s]."""
+
+    def speeds(self, **changes: Any) -> list[float]:
+        return [1e3 * float(v) for v in vibro.solve(scene_with(**changes)).mean_velocity]
+
+    def test_more_amplitude_is_slower(self) -> None:
+        assert self.speeds(amplitude=[1.1904e-3, 1.1941e-3]) == pytest.approx([27.194, 27.046], abs=5e-4)
+        found = vibro.guarantee(scene_with(amplitude=1.195e-3), amplitude=about(1.195e-3, 1))
+        corners = self.speeds(amplitude=np.array(about(1.195e-3, 1)))
+        assert corners == pytest.approx([28.522, 27.290], abs=5e-4)
+        assert 1e3 * found.speed_min == pytest.approx(27.0464, abs=5e-5)
+        assert 1e3 * found.speed_max == pytest.approx(29.0414, abs=5e-5)
+        assert 1e3 * found.max_at["amplitude"] == pytest.approx(1.190300, abs=2e-6)
+        assert found.max_limit == "from below the load at which back slip begins"
+        assert found.min_limit == ""
+        assert 1e3 * at(found.max_at, 1 - 1e-9) == pytest.approx(29.0414, abs=5e-5)
+        assert 1e3 * at(found.max_at, 1 + 1e-6) < 27.3
+
+    def test_more_static_friction_is_faster(self) -> None:
+        speeds = self.speeds(amplitude=1.25e-3, static_friction=np.array([0.70, 0.74]))
+        assert speeds == pytest.approx([27.731, 28.781], abs=5e-4)
+        found = vibro.guarantee(scene_with(amplitude=1.25e-3), static_friction=(0.70, 0.74))
+        assert 1e3 * found.speed_max >= 28.7805
+
+    def test_more_kinetic_friction_is_faster(self) -> None:
+        fields = {"amplitude": 2e-3, "static_friction": 0.4}
+        speeds = self.speeds(**fields, kinetic_friction=np.array([0.25, 0.35]))
+        assert speeds == pytest.approx([34.615, 47.070], abs=5e-4)
+        found = vibro.guarantee(scene_with(**fields, kinetic_friction=0.3), kinetic_friction=(0.25, 0.35))
+        assert 1e3 * found.speed_min <= 34.6155
+
+    def test_the_slowest_friction_lies_inside_on_a_decline(self) -> None:
+        fields = {
+            "amplitude": 0.9e-3,
+            "frequency": 18.0,
+            "drive_angle": math.radians(28),
+            "trough_angle": math.radians(-2),
+        }
+        mu_s, ratio = (x.ravel() for x in np.meshgrid([0.36, 0.62], [0.41, 0.48]))
+        corners = self.speeds(**fields, static_friction=mu_s, kinetic_friction=mu_s * ratio)
+        assert min(corners) == pytest.approx(41.1554, abs=5e-5)
+        found = vibro.guarantee(
+            scene_with(**fields), static_friction=(0.36, 0.62), friction_ratio=(0.41, 0.48)
+        )
+        assert 1e3 * found.speed_min == pytest.approx(41.1333, abs=5e-5)
+
+    def test_a_jump_at_back_slip_is_a_third_of_the_speed(self) -> None:
+        fields = {
+            "amplitude": 0.9e-3,
+            "frequency": 18.0,
+            "drive_angle": math.radians(28),
+            "trough_angle": math.radians(-2),
+            "static_friction": 0.62,
+        }
+        assert self.speeds(**fields, kinetic_friction=np.array([0.17, 0.18])) == pytest.approx(
+            [66.6, 43.0], abs=0.05
+        )
+
+
+def test_where_a_part_runs_away_nothing_is_guaranteed() -> None:
+    scene = scene_with(static_friction=0.3, kinetic_friction=0.15)
+    boxes_of_parts: list[dict[str, Any]] = [
+        {"trough_angle": deg(-10, -10)},
+        {"trough_angle": deg(-10, -5)},
+        {"trough_angle": deg(-5, -5), "kinetic_friction": (0.05, 0.15)},
+        {"trough_angle": deg(10, 20)},
+        {"trough_angle": deg(10, 20), "static_friction": (0.2, 0.3)},
+    ]
+    for bands in boxes_of_parts:
+        found = vibro.guarantee(scene, **bands)
+        assert (found.speed_min, found.speed_max) == (-math.inf, math.inf), bands
+        assert vibro.feasible_amplitudes(scene, 0.01, **bands) == []
+
+
+def test_steep_drives_never_slip_back() -> None:
+    """Where mu_s tan(alpha) >= 1 the loads of back slip are infinite."""
+    found = vibro.guarantee(
+        scene_with(drive_angle=math.radians(60), static_friction=0.7, kinetic_friction=0.5),
+        static_friction=(0.6, 0.7),
+    )
+    assert found.proof_min == found.proof_max == "corners"
+    assert found.regimes == {Regime.FORWARD_SLIP}
+
+
+def test_very_steep_climbs_are_not_left_to_corners() -> None:
+    """Where mu_s tan(beta) > 1 a steeper trough may be faster."""
+    scene = scene_with(amplitude=1.25e-3, drive_angle=math.radians(22))
+    bands = {"static_friction": (2.26, 2.37), "friction_ratio": (0.53, 0.56), "trough_angle": deg(60.4, 61.5)}
+    assert_not_beaten(Boxed(scene, bands), vibro.guarantee(scene, **bands))
+
+
+def test_hopping_is_sampled() -> None:
+    scene = scene_with(amplitude=4e-3)
+    bands = {"static_friction": (0.5, 0.8), "friction_ratio": (0.7, 0.9)}
+    found = vibro.guarantee(scene, **bands)
+    assert found.proof_min == found.proof_max == "sampled"
+    assert found.regimes == {Regime.HOPPING}
+    cycle = Boxed(scene, bands).samples(9)
+    known = np.isfinite(cycle.mean_velocity)
+    error = np.where(cycle.status == Status.AVERAGED, cycle.mean_velocity_error, 0.0)
+    # samples, so that others may be a little slower or faster
+    width = found.speed_max - found.speed_min
+    assert found.speed_min <= np.min((cycle.mean_velocity - 3 * error)[known]) + 0.02 * width
+    assert found.speed_max >= np.max((cycle.mean_velocity + 3 * error)[known]) - 0.02 * width
+
+
+def test_landings_are_hardest_at_the_lowest_frequency_of_a_load() -> None:
+    """Inside the band of the load, where amplitude and frequency may make up for each other."""
+    bands = {"amplitude": (8e-3, 11.5e-3), "frequency": (12.0, 15.0)}
+    scene = scene_with()
+    amplitude, frequency = np.meshgrid(*(np.linspace(*bands[name], 41) for name in bands))
+    cycle = vibro.solve(replaced(scene, amplitude=amplitude, frequency=frequency))
+    hardest, box = float(np.nanmax(cycle.impact_velocity)), uncertainty_set(scene, bands)
+    assert Landings(impact_speed=0.98 * hardest).worst(box).size
+    assert not Landings(impact_speed=1.01 * hardest).worst(box).size
+
+
+def test_means_count_with_three_errors_to_their_disadvantage() -> None:
+    scene = scene_with(amplitude=6.489e-3, restitution=0.3)
+    cycle, found = vibro.solve(scene), vibro.guarantee(scene)
+    assert cycle.status == Status.AVERAGED
+    mean, error = float(cycle.mean_velocity), float(cycle.mean_velocity_error)
+    assert error > 0
+    assert (found.speed_min, found.speed_max) == (mean - 3 * error, mean + 3 * error)
+
+
+def test_yields_of_certain_things() -> None:
+    bands = {"static_friction": (0.7, 0.78), "kinetic_friction": (0.5, 0.6)}
+    found = vibro.guarantee(scene_with(), **bands)
+    for speed, regime, share in (
+        (found.speed_min * 0.999, "back-slip", 1.0),
+        (found.speed_max * 1.001, "back-slip", 0.0),
+        (found.speed_min * 0.999, "forward-slip", 1.0),
+    ):
+        found_share, error = vibro.yield_share(scene_with(), speed, highest_regime=regime, **bands)
+        assert found_share == share
+        assert 0.0 < error < 1e-5  # a sliver of a sample's size may have been missed
+    back = scene_with(amplitude=2e-3)
+    assert vibro.yield_share(back, 1e-3, highest_regime="forward-slip", **bands)[0] == 0.0
+
+
+def test_the_error_of_a_yield_is_that_of_the_mean_of_its_scrambles(monkeypatch: pytest.MonkeyPatch) -> None:
+    shares = 0.5 + 1e-4 * np.arange(8)
+    monkeypatch.setattr(windows, "_share", lambda *args: float(shares[args[-1]]))
+    share, error = vibro.yield_share(scene_with(), 0.01, highest_regime="back-slip")
+    assert share == pytest.approx(0.50035, rel=1e-12)
+    assert error == pytest.approx(1e-4 * math.sqrt(6.0 / 8.0), rel=1e-9)  # of 8 numbers in a row
+
+
+@pytest.mark.parametrize("amplitude", [3e-4, 1e-3])
+def test_nothing_is_guaranteed_where_some_part_runs_away(amplitude: float) -> None:
+    """Down 14 degrees, parts of mu_d below 0.249 slide for ever; those above convey at 17 to 95 mm/s."""
+    scene = scene_with(
+        amplitude=amplitude, static_friction=0.4, kinetic_friction=0.2, trough_angle=math.radians(-14.0)
+    )
+    found = vibro.guarantee(scene, kinetic_friction=(0.15, 0.3))
+    assert (found.speed_min, found.speed_max) == (-math.inf, math.inf)
+    assert (found.proof_min, found.proof_max) == ("proved", "proved")
+    assert (found.proved_min, found.proved_max) == (-math.inf, math.inf)
+    held = vibro.guarantee(scene, kinetic_friction=(0.26, 0.3))
+    assert 0.0 < held.speed_min < held.speed_max < math.inf
+
+
+@pytest.mark.parametrize(("static", "kinetic"), [((0.2, 0.8), (0.3, 0.5)), ((0.4, 0.6), (0.1, 0.9))])
+def test_parts_of_a_yield_are_uniform_where_friction_can_be(static: Any, kinetic: Any) -> None:
+    """Beside samples of the whole rectangle, of which those with mu_d > mu_s are thrown away."""
+    scene = scene_with(static_friction=static[1], kinetic_friction=kinetic[0])
+    box = uncertainty_set(scene, {"static_friction": static, "kinetic_friction": kinetic})
+    mu_s, mu_d = _cut(box, *qmc.Sobol(2, rng=np.random.default_rng(0)).random_base2(16).T)
+    x, y = qmc.Sobol(2, rng=np.random.default_rng(1)).random_base2(17).T
+    x, y = static[0] + x * (static[1] - static[0]), kinetic[0] + y * (kinetic[1] - kinetic[0])
+    shares = np.linspace(0.05, 0.95, 19)
+    for drawn, truth in ((mu_s, x[y <= x]), (mu_d, y[y <= x]), (mu_s - mu_d, (x - y)[y <= x])):
+        np.testing.assert_allclose(np.quantile(drawn, shares), np.quantile(truth, shares), atol=1e-3)
+
+
+@pytest.mark.parametrize(("angles", "slowest"), [((40.0, 60.0), 60.0), ((8.0, 20.0), 8.0)])
+def test_either_end_of_the_drive_angles_may_be_the_slowest(
+    angles: tuple[float, float], slowest: float
+) -> None:
+    """The speed rises with the drive angle, then falls."""
+    scene = scene_with(amplitude=0.8e-3, drive_angle=math.radians(angles[0]))
+    found = vibro.guarantee(scene, drive_angle=deg(*angles), static_friction=(0.7, 0.74))
+    assert found.proof_min == "proved"
+    assert math.degrees(found.min_at["drive_angle"]) == pytest.approx(slowest)
+    steps = np.radians(np.linspace(*angles, 21))
+    speeds = vibro.solve(replaced(scene, drive_angle=steps)).mean_velocity
+    assert found.speed_min == pytest.approx(np.min(speeds), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "angle", "restitution", "amplitude"),
+    [(44.0, 34.7, 0.37, 0.507e-3)],
+)
+def test_bouncing_parts_of_other_samples_keep_to_a_sampled_guarantee(
+    frequency: float, angle: float, restitution: float, amplitude: float
+) -> None:
+    """Of 160 samples, in place of 896, the guaranteed speed was 20 % too high."""
+    bands = {
+        "amplitude": (0.98 * amplitude, 1.02 * amplitude),
+        "drive_angle": (math.radians(angle - 1.0), math.radians(angle + 1.0)),
+        "static_friction": (0.35, 0.47),
+        "friction_ratio": (0.8, 0.95),
+    }
+    scene = scene_with(
+        amplitude=amplitude, frequency=frequency, drive_angle=math.radians(angle), static_friction=0.47,
+        kinetic_friction=0.3, restitution=restitution,
+    )  # fmt: skip
+    found = vibro.guarantee(scene, **bands)
+    assert found.proof_min == found.proof_max == "sampled"
+    shares = np.random.default_rng(0).random((4, 1024))
+    values = {
+        name: low + share * (high - low)
+        for (name, (low, high)), share in zip(bands.items(), shares, strict=True)
+    }
+    values["kinetic_friction"] = values.pop("friction_ratio") * values["static_friction"]
+    speeds = vibro.solve(replaced(scene, **values)).mean_velocity
+    assert np.nanmin(speeds) >= found.speed_min
+    assert np.nanmax(speeds) <= found.speed_max

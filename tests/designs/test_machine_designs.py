@@ -1,0 +1,517 @@
+"""Machines as drives of questions: expansion into plain drives, and designs that hold with a full trough."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import vibro
+from vibro import Calibration, Machine, Regime
+from vibro.cli.app import app
+from vibro.designs import machine_drives, optima
+from vibro.designs.design import chosen_of, find_designs
+from vibro.designs.machine_drives import Met, amplitudes_met
+from vibro.designs.pictured import setting_fields, speed_band
+from vibro.designs.questions import Question
+from vibro.designs.reading import read_spec
+from vibro.designs.rows import find
+from vibro.errors import InputError
+from vibro.plots.design import design_figures
+
+if TYPE_CHECKING:
+    from vibro.results.designs import Design, DesignResult
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "design_machine.toml"
+PARTS = {"static_friction": "0.32:0.38", "kinetic_friction": "0.26:0.30"}
+#: Worked feeder of docs/guide/machines.md, 0.35 mm at 50 Hz below resonance.
+FEEDER: dict[str, Any] = {
+    "name": "feeder", "kind": "magnet", "trough_mass_kg": 6, "counter_mass_kg": 12, "damping_ratio": 0.015,
+    "natural_hz": 50 / 0.9, "calibration": {"amplitude_mm": 0.35, "frequency_hz": 50}, "frequency_hz": 50,
+    "drive_angle_deg": 20,
+}  # fmt: skip
+#: 1 mm at 100 %, so that settings in percent have the digits of amplitudes.
+MOTORS: dict[str, Any] = {
+    "name": "motors", "kind": "unbalance", "vibrating_mass_kg": 100, "static_moment_kg_mm": 50, "motors": 2,
+    "frequency_hz": "20:30", "drive_angle_deg": "10:40", "acceleration_g": 3,
+}  # fmt: skip
+
+
+def asked(
+    drive: dict[str, Any], speed: float = 8.0, regime: str = "back-slip", **tables: Any
+) -> dict[str, Any]:
+    goal = {"speed_mm_s": speed, "highest_regime": regime}
+    return {"scene": PARTS, "drive": [drive], "goal": goal, **tables}
+
+
+def without(drive: dict[str, Any], *keys: str, **more: Any) -> dict[str, Any]:
+    return {key: value for key, value in (drive | more).items() if key not in keys}
+
+
+def design_of(result: DesignResult, kind: str, drive: str = "") -> Design:
+    return next(d for d in result.designs if d.design == kind and (not drive or d.drive == drive))
+
+
+GUARANTEED = (
+    "amplitude_mm", "frequency_hz", "drive_angle_deg", "acceleration_g", "speed_min_mm_s",
+    "speed_proved_mm_s", "speed_nominal_mm_s", "speed_max_mm_s", "margin", "throw_number_max",
+)  # fmt: skip
+
+
+def assert_same(found: DesignResult, by_hand: DesignResult) -> None:
+    assert found.met == by_hand.met
+    for one, other in zip(found.designs, by_hand.designs, strict=True):
+        assert (one.design, one.highest_regime, one.set_by, one.proof) == (
+            other.design,
+            other.highest_regime,
+            other.set_by,
+            other.proof,
+        )
+        for name in GUARANTEED:
+            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-9), name
+
+
+@pytest.fixture(autouse=True)
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Search fewer settings: few suffice here."""
+    monkeypatch.setattr(
+        optima, "_LINE_IN_CONTACT", replace(optima._LINE_IN_CONTACT, loads=33, generations=20)
+    )
+
+
+@pytest.fixture
+def fastest_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Search the fastest design of a full trough alone: the two others take twice as long."""
+    monkeypatch.setattr(machine_drives, "SEARCHED", ("fastest",))
+
+
+def test_unbalance_on_soft_mounts_is_a_drive_of_its_static_moment_over_its_mass() -> None:
+    # 2 x 50 kg mm over 100 kg: 1 mm
+    line = {
+        "name": "motors",
+        "amplitude_mm": 1,
+        **{k: v for k, v in MOTORS.items() if "_hz" in k or "_deg" in k},
+    }
+    found, by_hand = (
+        vibro.design(asked(drive | {"drive_angle_deg": 30, "frequency_hz": 25}, 20.0), only="goal")
+        for drive in (MOTORS, line | {"acceleration_g": 3})
+    )
+    assert_same(found, by_hand)
+    assert found.met
+    for one, other in zip(found.designs, by_hand.designs, strict=True):
+        assert one.setting_percent == pytest.approx(100.0 * (other.amplitude_mm or 0.0), rel=1e-12)
+        assert one.amplitude_empty_mm == pytest.approx(one.amplitude_mm, rel=1e-12)
+        assert (one.pack, one.natural_hz, one.operating_points) == (None, None, None)
+        assert one.window == pytest.approx(other.window, rel=1e-9)
+
+
+def test_voltage_makes_an_interval_of_the_amplitude_of_an_empty_trough() -> None:
+    # the force goes with the square of the voltage: 0.81 to 1.21, or 1.01 and 19.8 % either way
+    drift = 100.0 * 0.20 / 1.01
+    line = {"amplitude_mm": 0.35 * 1.01, "frequency_hz": 50, "drive_angle_deg": 20}
+    machine = without(FEEDER, "name", voltage_percent="90:110")
+    found, by_hand = (
+        find(Question(spec, spec.drives[0], Regime.BACK_SLIP), {}, 12, until="gentlest")
+        for spec in map(
+            read_spec, (asked(machine, 6.0), asked(line, 6.0, drift={"amplitude_percent": drift}))
+        )
+    )
+    for one, other in ((found.row(kind), by_hand.row(kind)) for kind in ("fastest", "gentlest")):
+        for name in GUARANTEED:
+            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-8), name
+        assert one.amplitude_least_mm == pytest.approx(0.81 * (one.amplitude_empty_mm or 0.0), rel=1e-12)
+        assert one.amplitude_most_mm == pytest.approx(1.21 * (one.amplitude_empty_mm or 0.0), rel=1e-12)
+        assert one.setting_percent == pytest.approx(100.0 * (one.amplitude_empty_mm or 0.0) / 0.35, rel=1e-12)
+
+
+def test_a_drift_of_the_frequency_passes_resonance() -> None:
+    drive = without(FEEDER, natural_hz=50.2)
+    (tuned,) = read_spec(asked(drive, drift={"frequency_percent": 1})).drives
+    machine = Machine.magnet(
+        trough_mass=6, counter_mass=12, natural_frequency=50.2, damping_ratio=0.015,
+        calibration=Calibration(0.35e-3, 50),
+    )  # fmt: skip
+    seen = machine.response(np.linspace(49.5, 50.5, 2001)).amplitude / 0.35e-3
+    assert tuned.machine is not None
+    low, high = tuned.machine.covered
+    assert low == pytest.approx(seen.min(), rel=1e-9)
+    assert high == pytest.approx(seen.max(), rel=1e-3)
+
+
+@pytest.mark.usefixtures("fastest_alone")
+def test_a_filled_design_holds_at_every_filling_and_voltage() -> None:
+    drive = FEEDER | {"natural_hz": 50 / 1.05, "voltage_percent": "95:105", "filling_kg": "0:2"}
+    question = asked(drive, 5.0, drift={"amplitude_percent": 1})
+    result = vibro.design(question, only="goal")
+    assert result.met
+    machine = Machine.magnet(
+        trough_mass=6, counter_mass=12, natural_frequency=50 / 1.05, damping_ratio=0.015,
+        calibration=Calibration(0.35e-3, 50),
+    )  # fmt: skip
+    rng = np.random.default_rng(33)
+    for design in result.designs:
+        assert design.setting_percent is not None
+        setting = design.setting_percent / 100.0
+        empty = machine.response(50.0, setting=setting).amplitude
+        assert design.amplitude_empty_mm == pytest.approx(1e3 * empty, rel=1e-9)
+        static, kinetic = rng.uniform(0.32, 0.38, 200), rng.uniform(0.26, 0.30, 200)
+        points = vibro.operate(
+            machine, frequency=50.0, drive_angle=math.radians(20), static_friction=static,
+            kinetic_friction=kinetic, setting=setting, voltage=rng.uniform(0.95, 1.05, 200),
+            filling=rng.uniform(0.0, 2.0, 200),
+        )  # fmt: skip
+        assert design.amplitude_least_mm is not None
+        assert design.amplitude_most_mm is not None
+        assert design.amplitude_least_mm <= 1e3 * points.amplitude_low.min()
+        assert 1e3 * points.amplitude_high.max() <= design.amplitude_most_mm
+        # what is covered is no wider than it need be, by a tenth
+        met = 1e3 * (points.amplitude_high.max() - points.amplitude_low.min())
+        assert design.amplitude_most_mm - design.amplitude_least_mm <= 1.6 * met
+        cycle = vibro.solve(points.scene)
+        assert cycle.regime.max() <= Regime.BACK_SLIP
+        assert design.speed_min_mm_s is not None
+        assert 1e3 * cycle.mean_velocity.min() >= design.speed_min_mm_s >= 5.0
+        # and by the public guarantee, over the amplitudes that were met
+        scene = vibro.Scene(
+            amplitude=empty, frequency=50, drive_angle=math.radians(20), static_friction=0.35,
+            kinetic_friction=0.28,
+        )  # fmt: skip
+        bands = {"static_friction": (0.32, 0.38), "kinetic_friction": (0.26, 0.30)}
+        span = (0.99 * points.amplitude_low.min(), 1.01 * points.amplitude_high.max())
+        assert 1e3 * vibro.guarantee(scene, amplitude=span, **bands).speed_min >= 5.0
+
+
+@pytest.mark.usefixtures("fastest_alone")
+def test_a_filling_prefers_springs_below_resonance() -> None:
+    packs = [{"name": "stiff", "natural_hz": 50 / 0.9}, {"name": "soft", "natural_hz": 50 / 1.1}]
+    drive = FEEDER | {"pack": packs}
+    full = vibro.design(asked(drive | {"filling_kg": "0:2"}, 8.0), only="goal")
+
+    def fastest(result: DesignResult, pack: str) -> float:
+        design = design_of(result, "fastest", f"feeder ({pack})")
+        assert design.pack == pack
+        assert design.speed_min_mm_s is not None
+        return design.speed_min_mm_s
+
+    # an empty trough may be set to any amplitude with both, up to where parts hop
+    empty = read_spec(asked(drive, 8.0))
+    stiff, soft = (
+        find(Question(empty, pack, Regime.BACK_SLIP), {}, until="fastest").row("fastest").speed_min_mm_s
+        for pack in empty.drives
+    )
+    assert stiff == pytest.approx(soft, rel=2e-3)
+    assert stiff is not None
+    assert fastest(full, "soft") < fastest(full, "stiff") < stiff
+    chosen = chosen_of(read_spec(asked(drive | {"filling_kg": "0:2"}, 8.0)), full)
+    assert chosen is not None
+    assert chosen.design.pack == "stiff"
+    assert chosen.drive.machine is not None
+    low, high = chosen.drive.machine.covered
+    assert chosen.design.amplitude_most_mm == pytest.approx(high * (chosen.design.amplitude_empty_mm or 0.0))
+    assert low < 1.0 < high
+
+
+@pytest.mark.usefixtures("fastest_alone")
+def test_no_design_is_told_whose_amplitudes_are_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine_drives, "amplitudes_met", lambda *_: Met(math.nan, math.nan, 0))
+    spec = read_spec(asked(FEEDER | {"filling_kg": "0:2"}, 5.0))
+    result = find_designs(spec, goal_only=True)
+    assert not result.met
+    assert all(design.setting_percent is None for design in result.designs)
+    assert design_of(result, "fastest").set_by == "filling"
+    assert chosen_of(spec, result) is None
+
+
+@pytest.mark.usefixtures("fastest_alone")
+def test_an_interval_is_sought_that_holds_what_is_met(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The stiffer the assumed interval, the further apart are the amplitudes that are met."""
+    seen: list[tuple[float, float]] = []
+
+    def met(question: Question, _: Any) -> Met:
+        assert question.drive.machine is not None
+        low, high = question.drive.machine.covered
+        seen.append((low, high))
+        return Met(0.5 + 0.3 * low, 1.4 - 0.2 * high, 1)
+
+    monkeypatch.setattr(machine_drives, "amplitudes_met", met)
+    result = find_designs(read_spec(asked(FEEDER | {"filling_kg": "0:2"}, 3.0)), goal_only=True)
+    design = design_of(result, "fastest")
+    assert design.amplitude_empty_mm is not None
+    assert design.operating_points == 1
+    low = (design.amplitude_least_mm or 0.0) / design.amplitude_empty_mm
+    high = (design.amplitude_most_mm or 0.0) / design.amplitude_empty_mm
+    # fixed points: 0.5 / 0.7, 1.4 / 1.2
+    assert low <= 0.5 + 0.3 * low
+    assert high >= 1.4 - 0.2 * high
+    assert (low, high) == pytest.approx((0.5 / 0.7, 1.4 / 1.2), rel=0.03)
+    assert seen[0] == (1.0, 1.0)
+
+
+@pytest.mark.usefixtures("fastest_alone")
+def test_masses_must_not_strike_each_other() -> None:
+    machine = Machine.magnet(
+        trough_mass=6, counter_mass=12, natural_frequency=50 / 0.9, damping_ratio=0.015,
+        calibration=Calibration(0.35e-3, 50),
+    )  # fmt: skip
+    relative = machine.response(50.0).relative_amplitude
+    (empty,) = read_spec(asked(FEEDER | {"gap_mm": 500 * relative})).drives
+    assert empty.machine is not None
+    assert empty.machine.settings[1] == pytest.approx(0.5, rel=1e-12)
+    with pytest.raises(InputError, match="50 %"):
+        read_spec(asked(FEEDER | {"gap_mm": 500 * relative, "setting_percent": "60:100"}))
+    drive = FEEDER | {"gap_mm": 600 * relative, "filling_kg": "0:2"}
+    design = design_of(vibro.design(asked(drive, 3.0), only="goal"), "fastest")
+    assert design.setting_percent is not None
+    free = design_of(vibro.design(asked(FEEDER | {"filling_kg": "0:2"}, 3.0), only="goal"), "fastest")
+    assert free.setting_percent is not None
+    assert design.setting_percent < min(60.0, free.setting_percent)
+    points = vibro.operate(
+        machine, frequency=50.0, drive_angle=math.radians(20), static_friction=[0.32, 0.38],
+        kinetic_friction=0.28, setting=design.setting_percent / 100.0, filling=2.0,
+    )  # fmt: skip
+    assert points.relative_amplitude.max() <= 0.6 * relative
+    assert points.relative_amplitude.max() >= 0.55 * relative
+    assert design.set_by == "gap"
+
+
+def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    drive = FEEDER | {"voltage_percent": "90:110", "filling_kg": "1:2"}
+    spec = read_spec(asked(drive, drift={"amplitude_percent": 2, "frequency_percent": 0.5}))
+    question = Question(spec, spec.drives[0], Regime.BACK_SLIP)
+    calls: list[dict[str, Any]] = []
+
+    def noted(machine: Machine, **given: Any) -> Any:
+        calls.append(given)
+        return vibro.operate(machine, **given)
+
+    monkeypatch.setattr(machine_drives, "operate", noted)
+    machine = spec.drives[0].machine
+    assert machine is not None
+    angle = math.radians(20)
+    setting = question.space.setting(amplitude=0.5 * machine.amplitude, frequency=50.0, drive_angle=angle)
+    met = amplitudes_met(question, setting)
+    (given,) = calls
+    ends = {
+        "setting": (0.49, 0.51), "voltage": (0.9, 1.1), "filling": (1.0, 2.0), "frequency": (49.75, 50.25),
+        "static_friction": (0.32, 0.38), "kinetic_friction": (0.26, 0.30),
+    }  # fmt: skip
+    for name, span in ends.items():
+        assert (given[name].min(), given[name].max()) == pytest.approx(span, rel=1e-12), name
+    assert 0.0 < met.low < met.high
+    points = vibro.operate(machine.machine, **given)
+    ratio = points.amplitude / (given["setting"] * machine.full_amplitude)
+    assert met.low <= ratio.min()
+    assert ratio.max() <= met.high
+
+
+@pytest.mark.parametrize(
+    ("ratio", "followed", "by_sine", "within"),
+    [(1.05, -0.490, -0.558, 0.02), (0.95, 0.453, 0.347, 0.04), (1.10, -0.23, -0.342, 0.04)],
+)
+def test_the_second_harmonic_explains_what_two_way_stepping_finds(
+    ratio: float, followed: float, by_sine: float, within: float
+) -> None:
+    """Worked feeder with 4 kg: change of its speed, as followed in time (benchmarks/filling.py)."""
+    scene = {"static_friction": 0.35, "kinetic_friction": 0.28}
+    drive = FEEDER | {"natural_hz": 50 / ratio, "filling_kg": 4}
+    spec = read_spec({**asked(drive), "scene": scene})
+    question = Question(spec, spec.drives[0], Regime.HOPPING)
+    machine = spec.drives[0].machine
+    assert machine is not None
+    setting = question.space.setting(
+        amplitude=machine.amplitude, frequency=50.0, drive_angle=math.radians(20)
+    )
+    met = amplitudes_met(question, setting)
+    empty = float(vibro.solve(question.nominal_scene(setting)).mean_velocity)
+    full = replace(machine, covered=(met.low, met.high)).amplitude
+    sine = question.space.setting(amplitude=full, frequency=50.0, drive_angle=math.radians(20))
+    without_it = float(vibro.solve(question.nominal_scene(sine)).mean_velocity) / empty - 1.0
+    assert without_it == pytest.approx(by_sine, abs=2e-3)
+    assert met.speed / empty - 1.0 == pytest.approx(followed, abs=within)
+    assert met.second_harmonic > 0.01
+
+
+@pytest.mark.usefixtures("fastest_alone")
+def test_settings_are_lowered_where_the_second_harmonic_makes_parts_hop(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried: list[float] = []
+
+    def met(question: Question, setting: Any) -> Met:
+        machine = question.drive.machine
+        assert machine is not None
+        share = float(question.space.amplitude(setting)) / machine.amplitude
+        tried.append(share)
+        hops = share > 0.4
+        return Met(
+            0.99,
+            1.01,
+            1,
+            speed=1.0,
+            regime=Regime.HOPPING if hops else Regime.BACK_SLIP,
+            throw_number=share / 0.4,
+        )
+
+    monkeypatch.setattr(machine_drives, "amplitudes_met", met)
+    spec = read_spec(asked(FEEDER | {"filling_kg": "0:2"}, 3.0))
+    design = design_of(find_designs(spec, goal_only=True), "fastest")
+    assert max(tried) > 0.6
+    assert design.setting_percent == pytest.approx(40.0, rel=5e-3)
+    assert design.setting_percent is not None
+    assert design.setting_percent <= 40.0
+    assert design.set_by == "hop"
+    monkeypatch.setattr(machine_drives, "amplitudes_met", lambda *_: Met(0.99, 1.01, 1, speed=0.0))
+    slow = design_of(find_designs(spec, goal_only=True), "fastest")
+    assert (slow.setting_percent, slow.set_by) == (None, "filling")
+
+
+@pytest.mark.usefixtures("fastest_alone")
+def test_given_shares_replace_those_that_are_computed() -> None:
+    drive = FEEDER | {"filling_kg": 2, "added_mass_share": "0.1:0.25"}
+    design = design_of(vibro.design(asked(drive, 5.0), only="goal"), "fastest")
+    machine = Machine.magnet(
+        trough_mass=6, counter_mass=12, natural_frequency=50 / 0.9, damping_ratio=0.015,
+        calibration=Calibration(0.35e-3, 50),
+    )  # fmt: skip
+    seen = machine.response(50.0, added_mass=2.0 * np.array([0.1, 0.25])).amplitude / 0.35e-3
+    least, most = (
+        (size or 0.0) / (design.amplitude_empty_mm or 1.0)
+        for size in (design.amplitude_least_mm, design.amplitude_most_mm)
+    )
+    assert least <= seen.min()
+    assert seen.max() <= most
+    assert most - least == pytest.approx(seen[1] - seen[0], rel=0.2)
+
+
+def test_packs_and_frequencies_are_drives_with_names_of_their_own() -> None:
+    packs = [{"name": "6 leaves", "natural_hz": 55.6}, {"name": "4 leaves", "natural_hz": 45.4}]
+    drive = FEEDER | {"natural_hz": 55.6, "pack": packs, "frequency_hz": [40, 60]}
+    drives = read_spec(asked(drive)).drives
+    assert [one.name for one in drives] == [
+        "feeder (6 leaves, 40 Hz)",
+        "feeder (6 leaves, 60 Hz)",
+        "feeder (4 leaves, 40 Hz)",
+        "feeder (4 leaves, 60 Hz)",
+    ]
+    others = read_spec(asked(drive | {"natural_hz": 50.0, "frequency_hz": 40})).drives
+    assert others[0].name == "feeder (own springs)"
+    assert [one.machine.natural_frequency for one in others if one.machine] == [50.0, 55.6, 45.4]
+
+
+def test_settings_that_may_be_chosen() -> None:
+    for given, settings in ((80, (0.0, 0.8)), ("20:60", (0.2, 0.6)), (None, (0.0, 1.0))):
+        drive = without(FEEDER, *([] if given else ["setting_percent"]), setting_percent=given)
+        (one,) = read_spec(asked(drive)).drives
+        assert one.span("amplitude") == pytest.approx([0.35e-3 * s for s in settings], rel=1e-12)
+    crank = {"kind": "crank", "crank_radius_mm": 0.3, "frequency_hz": "20:30", "drive_angle_deg": 20}
+    (one,) = read_spec(asked(crank)).drives
+    assert one.choices["amplitude"] == ((0.3e-3, 0.3e-3),)
+    assert one.frequency == ((20.0, 30.0),)
+
+
+def test_resonance_is_doubted() -> None:
+    near, far = (read_spec(asked(FEEDER | {"natural_hz": f0})).doubts() for f0 in (51.0, 55.6))
+    assert any("damping" in text for text in near)
+    assert not far
+
+
+def test_a_machine_without_bands_or_filling_is_certain() -> None:
+    scene = {"static_friction": 0.35, "kinetic_friction": 0.28}
+    spec = read_spec({**asked(FEEDER), "scene": scene})
+    assert not spec.has_bands
+    assert replace(spec).drives[0].machine is not None
+    for more in ({"voltage_percent": "90:110"}, {"filling_kg": "0:1"}):
+        assert read_spec({**asked(FEEDER | more), "scene": scene}).has_bands
+
+
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.plots.design._RESOLVED", 41)
+    monkeypatch.setattr("vibro.designs.pictured._POINTS", {False: 41, True: 41})
+
+
+def test_the_example_is_answered_in_settings_on_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("vibro.cli.design._figures", lambda *_: {})  # drawn below
+    run = CliRunner().invoke(app, ["design", str(EXAMPLE), "-o", f"{tmp_path}/"])
+    assert run.exit_code == 0, run.output
+    optima = [" ".join(line.split()) for line in run.stdout.splitlines()]
+    assert optima[1] == "met by feeder (6 leaves)"
+    assert any(
+        line.startswith("design feeder (6 leaves), safest: setting 67.")
+        and line.endswith("frequency 50 Hz, drive angle 20 deg")
+        for line in optima
+    )
+    assert any(
+        line.startswith("amplitude 0.2") and line.endswith("over voltage and filling") for line in optima
+    )
+    assert any(
+        line.startswith("filling: speeds hold from the least to the most amplitude") for line in optima
+    )
+    answer = json.loads((tmp_path / "design_machine-design.json").read_text(encoding="utf-8"))
+    columns = {
+        "setting_percent",
+        "pack",
+        "natural_hz",
+        "amplitude_empty_mm",
+        "amplitude_mm",
+        "drive_angle_deg",
+    }
+    assert columns <= answer["columns"].keys()
+    assert answer["columns"]["setting_percent"] == "%"
+    designs = {(d["pack"], d["design"]): d for d in answer["designs"] if d["setting_percent"] is not None}
+    assert designs.keys() == {("7 leaves", "fastest"), ("4 leaves", "fastest")} | {
+        ("6 leaves", kind) for kind in ("gentlest", "fastest", "safest")
+    }
+    # faster than without it, as a full feeder is below resonance
+    assert 12.7 < designs["6 leaves", "safest"]["speed_second_harmonic_mm_s"] < 13.0
+    assert {row["nominal_speed_percent"] for row in answer["costs"]} >= {"changes the amplitude too"}
+    # as examples/design_machine.toml and docs/guide/design.md say
+    speeds = {key: design["speed_min_mm_s"] for key, design in designs.items()}
+    assert speeds["7 leaves", "fastest"] == pytest.approx(10.0, abs=0.05)
+    assert speeds["4 leaves", "fastest"] == pytest.approx(11.2, abs=0.05)
+    assert speeds["6 leaves", "fastest"] == pytest.approx(13.1, abs=0.05)
+    settings = [designs["6 leaves", kind]["setting_percent"] for kind in ("gentlest", "fastest")]
+    assert settings == pytest.approx([63.6, 69.2], abs=0.1)
+    assert designs["7 leaves", "fastest"]["set_by"] == "limit"
+    assert designs["4 leaves", "fastest"]["set_by"] == "hop"
+    with (tmp_path / "design_machine-design.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["pack"] for row in rows if row["setting_percent"]] == [pack for pack, _ in designs]
+    assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".json"}
+
+
+@pytest.mark.usefixtures("coarse")
+def test_a_goal_that_no_pack_meets_says_what_misses(tmp_path: Path) -> None:
+    path = tmp_path / "feeder.toml"
+    text = EXAMPLE.read_text(encoding="utf-8").replace("speed_mm_s = 12", "speed_mm_s = 20")
+    text = re.sub(r'\n.*"[74] leaves".*', "", text)
+    path.write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(app, ["design", str(path)])
+    assert run.exit_code == 4, run.output
+    optima = [" ".join(line.split()) for line in run.stdout.splitlines()]
+    assert optima[1] == "met by no drive"
+    # a machine's amplitude changes with its frequency, so that no other drive is near
+    assert "design guaranteed [mm/s] set by" in optima
+    row = r"feeder \(6 leaves\) [\d.]+ (limit|hop)"
+    assert sum(re.fullmatch(row, line) is not None for line in optima) == 1
+    assert any(line.startswith("closest feeder (6 leaves), fastest") for line in optima)
+
+
+@pytest.mark.usefixtures("coarse", "fastest_alone")
+def test_a_picture_of_a_filled_machine_tells_of_its_design_alone() -> None:
+    spec = read_spec(asked(FEEDER | {"filling_kg": "0:1"}, 6.0))
+    chosen = chosen_of(spec, find_designs(spec, goal_only=True))
+    assert chosen is not None
+    figures = design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen), "")
+    for name, part in (("speed", "meets"), ("band", "window")):
+        assert part not in {artist.get_gid() for artist in figures[name].findobj()}

@@ -1,0 +1,409 @@
+"""Questions, their uncertainty sets and scenarios, beside what a short calculation gives."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from design import RANDOM_DRIVES, random_question
+from helpers.questions import answered
+
+import vibro
+from vibro import Regime
+from vibro.designs import machine_drives
+from vibro.designs.design import chosen_of, find_designs
+from vibro.designs.guarantees import guarantee_of
+from vibro.designs.optima import EllipseOptimiser, Found, LineOptimiser
+from vibro.designs.proofs import corners
+from vibro.designs.questions import MOST_DESIGN_THROW, Question, Scenarios
+from vibro.designs.reading import read_spec
+from vibro.designs.rows import KINDS
+from vibro.designs.spaces import SPACES, Setting
+from vibro.results.designs import Design
+
+LINE: dict[str, Any] = {
+    "scene": {"static_friction": "0.66:0.82", "friction_ratio": 0.77},
+    "drive": [{"amplitude_mm": "0.5:3", "frequency_hz": 15, "drive_angle_deg": "10:40"}],
+    "drift": {"amplitude_percent": 2, "frequency_percent": 1, "drive_angle_deg": 0.5},
+    "goal": {"speed_mm_s": 5},
+}
+ELLIPSE: dict[str, Any] = {
+    **LINE,
+    "drive": [
+        {"along_amplitude_mm": "0.1:1", "normal_amplitude_mm": "0.05:0.2", "normal_phase_deg": "-90:0",
+         "frequency_hz": 25},
+    ],
+    "drift": {"amplitude_percent": 2, "frequency_percent": 1, "normal_phase_deg": 3},
+}  # fmt: skip
+
+
+def asked(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> Question:
+    spec = read_spec(question)
+    return Question(spec, spec.drives[0], highest)
+
+
+def line(amplitude: float, angle_deg: float = 20.0, frequency: float = 15.0) -> Setting:
+    space = SPACES[asked(LINE).drive.kind]
+    return space.setting(amplitude=amplitude, frequency=frequency, drive_angle=math.radians(angle_deg))
+
+
+@pytest.mark.parametrize("scale", [0.0, 0.5, 1.0, 3.0])
+def test_every_drift_is_scaled(scale: float) -> None:
+    box = asked(LINE).box(line(1e-3), scale)
+    for (low, high), value, share in (
+        (box.factor, 1e-3, 0.02), (box.frequency, 15.0, 0.01),
+        (box.shape["drive_angle"], math.radians(20.0), 0.5 / 20.0), (box.static_friction, 0.74, 0.08 / 0.74),
+    ):  # fmt: skip
+        assert (low, high) == pytest.approx((value * (1 - share * scale), value * (1 + share * scale)))
+    setting = Setting(5e-4, 1e-4, -0.5, 25.0)
+    ellipse = asked(ELLIPSE).box(setting, scale)
+    assert ellipse.frequency == pytest.approx((25.0 * (1 - 0.01 * scale), 25.0 * (1 + 0.01 * scale)))
+    drift = math.radians(3.0) * scale
+    assert ellipse.shape["normal_phase"] == pytest.approx((-0.5 - drift, -0.5 + drift))
+    assert ellipse.factor == pytest.approx((1 - 0.02 * scale, 1 + 0.02 * scale))
+
+
+def test_a_margin_ends_where_bands_exceed_the_regime() -> None:
+    optimiser = LineOptimiser(asked(LINE, Regime.FORWARD_SLIP))
+    fastest = optimiser.fastest()
+    assert fastest is not None
+    assert optimiser.margin(fastest.setting, 1e-6) == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("normal", "set_by"), [(2e-4, "limit"), (1.5e-4, "speed")])
+def test_a_normal_amplitude_at_its_end_is_a_limit(normal: float, set_by: str) -> None:
+    question = asked(ELLIPSE)
+    setting = Setting(5e-4, normal, math.radians(-50.0), 25.0)
+    found = Found(setting, (), guarantee_of(question.box(setting)))
+    assert EllipseOptimiser(question).limit(found, 1.0) == set_by
+
+
+@pytest.mark.parametrize("amplitude", [1.19e-3, 1.195e-3, 1.2e-3])
+def test_a_scenario_on_a_drop_stays_just_past_it(amplitude: float) -> None:
+    """Back slip enters at some static friction of the band, which moves with the amplitude."""
+    question = asked({**LINE, "drift": {}})
+    box = question.box(line(1.195e-3))
+    assert box.axes[3] == "static_friction"
+    shares = np.full((5, 20001), 0.0)
+    shares[3] = np.linspace(0.0, 1.0, 20001)
+    regimes = vibro.solve(box.scene(box.points(shares), fast=False)).regime
+    (drop,) = np.flatnonzero(regimes[1:] != regimes[:-1])
+    at = np.zeros((5, 1))
+    low, high = shares[3, drop], shares[3, drop + 1]
+    for _ in range(40):
+        at[3] = 0.5 * (low + high)
+        slips = vibro.solve(box.scene(box.points(at), fast=False)).regime[0] == regimes[drop]
+        low, high = (float(at[3, 0]), high) if slips else (low, float(at[3, 0]))
+    scenarios = Scenarios.fixed(corners(box.varies)).joined(box, at)
+    assert scenarios.axes[-1] == 3
+    moved = question.box(Setting(*(np.full((1, 1), float(x)) for x in line(amplitude))))
+    there = scenarios.at(moved)[:, 0, -1:]
+    found = {}
+    for step in (0.0, 1e-6, -1e-6):
+        beside = there.copy()
+        beside[3] += step
+        cycle = vibro.solve(moved.scene(moved.points(beside[:, None, :]), fast=False))
+        found[step] = int(cycle.regime.item())
+    assert found[0.0] == Regime.BACK_SLIP
+    assert {found[-1e-6], found[1e-6]} == {Regime.FORWARD_SLIP, Regime.BACK_SLIP}
+
+
+def test_loads_of_the_chosen_design_are_of_the_first_and_the_last_part() -> None:
+    spec = read_spec({**LINE, "drive": [{"amplitude_mm": 1, "frequency_hz": 15, "drive_angle_deg": 20}]})
+    chosen = chosen_of(spec, find_designs(spec, goal_only=True))
+    assert chosen is not None
+    box = asked(LINE).box(chosen.setting)
+    grid = np.array(np.meshgrid(*[[0.0, 0.5, 1.0]] * 5)).reshape(5, -1)
+    scene = box.scene(box.points(grid), fast=False)
+    loads = vibro.critical_loads(scene)
+    ratios = {name: scene.load / load for name, load in loads._asdict().items()}
+    assert chosen.loads["the first part slips back"] == pytest.approx(np.max(ratios["back_slip"]), rel=1e-9)
+    assert chosen.loads["the first part hops"] == pytest.approx(np.max(ratios["hop"]), rel=1e-9)
+    assert chosen.loads["the last part starts"] == pytest.approx(np.min(ratios["forward_onset"]), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("scene", "scale", "field", "ends"),
+    [
+        ({"friction_ratio": "0.8:1"}, 2.0, "second_friction", (0.7, 1.0)),  # mu_d <= mu_s
+        ({"friction_ratio": "0.2:0.8"}, 2.0, "second_friction", (0.0, 1.0)),
+        ({"kinetic_friction": "0.8:1.2"}, 2.0, "second_friction", (0.6, 1.4)),
+        ({"kinetic_friction": "0.2:1.2"}, 2.0, "second_friction", (0.0, 1.7)),
+        ({"static_friction": "0.1:0.5"}, 2.0, "static_friction", (0.0, 0.7)),
+        ({"static_friction": "1.1:1.5"}, 2.0, "static_friction", (0.9, 1.7)),
+    ],
+)
+def test_scaled_frictions_are_cut_where_they_cannot_be(
+    scene: dict[str, Any], scale: float, field: str, ends: tuple[float, float]
+) -> None:
+    given = {"static_friction": "1.3:1.5"} | ({} if "kinetic_friction" in scene else {"friction_ratio": 0.77})
+    box = asked({**LINE, "scene": given | scene}).box(line(1e-3), scale)
+    assert [float(end) for end in getattr(box, field)] == pytest.approx(ends)
+    assert box.is_ratio is ("kinetic_friction" not in scene)
+
+
+@pytest.mark.parametrize(
+    ("trough", "scale", "ends"),
+    [
+        ("2:4", 0.0, (3.0, 3.0)),
+        ("2:4", 1.0, (1.5, 4.5)),
+        ("2:4", 2.0, (0.0, 6.0)),
+        ("-20:4", 10.0, (-90.0, 90.0)),
+    ],
+)
+def test_the_band_of_the_trough_takes_its_drift(trough: str, scale: float, ends: tuple[float, float]) -> None:
+    """Half a degree either way; a millionth of a radian is left to the right angle."""
+    content = {
+        **LINE,
+        "scene": {**LINE["scene"], "trough_angle_deg": trough},
+        "drift": {"trough_angle_deg": 0.5},
+    }
+    box = asked(content).box(line(1e-3), scale)
+    assert [math.degrees(end) for end in box.trough_angle] == pytest.approx(ends, abs=1e-4)
+    assert all(abs(end) <= 0.5 * math.pi - 1e-6 for end in box.trough_angle)
+
+
+def test_bands_of_a_scale_of_one_are_kept_to_the_last_bit() -> None:
+    """0.5 (0.1 + 0.7) - 0.5 (0.7 - 0.1) is not 0.1 in doubles."""
+    content = {**LINE, "scene": {"static_friction": "0.1:0.7", "friction_ratio": "0.1:0.7"}}
+    for scale in (1.0, np.ones((1, 1))):
+        box = asked(content).box(line(1e-3), scale)
+        for band in (box.static_friction, box.second_friction):
+            assert [float(np.ravel(end)[0]) for end in band] == [0.1, 0.7]
+
+
+@pytest.mark.parametrize(("scale", "growth"), [(0.0, 1.0), (1.0, 1.02 * 1.01**2), (3.0, 1.06 * 1.03**2)])
+def test_the_largest_load_grows_with_both_drifts(scale: float, growth: float) -> None:
+    question = asked(LINE)
+    assert question.growth(scale) == pytest.approx(growth)
+    most = question.box(line(1e-3), scale).load[1]
+    assert float(most) == pytest.approx(growth * float(question.load(line(1e-3))))
+
+
+def test_constants_of_a_question_are_those_of_its_scenes() -> None:
+    moon = asked({**LINE, "scene": {**LINE["scene"], "gravity_m_s2": 1.62, "restitution": 0.3}})
+    scene = moon.nominal_scene(line(1e-3))
+    assert (float(scene.gravity), float(scene.restitution)) == (1.62, 0.3)
+    assert float(moon.load(line(1e-3))) == pytest.approx(1e-3 * (2 * math.pi * 15.0) ** 2 / 1.62)
+
+
+def test_the_nominal_scene_is_in_the_middle_of_all_bands() -> None:
+    content = {
+        **LINE,
+        "scene": {"static_friction": "0.6:0.8", "friction_ratio": "0.7:0.9", "trough_angle_deg": "1:3"},
+    }
+    fields = asked(content).nominal_scene(line(1e-3)).arrays()._asdict()
+    expected = {
+        "amplitude": 1e-3, "frequency": 15.0, "drive_angle": math.radians(20.0), "static_friction": 0.7,
+        "kinetic_friction": 0.56, "trough_angle": math.radians(2.0), "gravity": 9.81, "restitution": 0.0,
+    }  # fmt: skip
+    assert {name: float(value) for name, value in fields.items()} == pytest.approx(expected)
+    several = asked(content).nominal_scene(Setting(*(np.array([x, x]) for x in line(1e-3))))
+    assert several.shape == (2,)
+
+
+@pytest.mark.parametrize(("highest", "limited"), [(Regime.BACK_SLIP, False), (Regime.HOPPING, True)])
+def test_limits_on_landings_count_where_parts_may_hop(highest: Regime, limited: bool) -> None:
+    goal = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 100, "flight_fraction": 0.4}
+    landings = asked({**LINE, "goal": goal}, highest).landings
+    assert landings == ((0.1, 0.4) if limited else (math.inf, math.inf))
+    assert MOST_DESIGN_THROW == 10.0
+
+
+@pytest.mark.parametrize(
+    ("setting", "highest", "part", "allowed"),
+    [
+        (Setting(2e-4, 2e-4, -0.5, 25.0), Regime.FORWARD_SLIP, None, True),
+        (Setting(1.5e-3, 1e-4, -0.5, 25.0), Regime.FORWARD_SLIP, None, False),  # slips back
+        (Setting(1.5e-3, 1e-4, -0.5, 25.0), Regime.BACK_SLIP, None, True),
+        (Setting(6e-4, 4.5e-4, -0.5, 25.0), Regime.BACK_SLIP, None, False),  # hops
+        (Setting(6e-4, 4.5e-4, -0.5, 25.0), Regime.HOPPING, None, True),
+        (Setting(6e-4, 4.5e-4, -0.5, 25.0), Regime.HOPPING, 9.0, False),  # may land on an edge
+        (Setting(6e-4, 1e-4, -0.5, 25.0), Regime.BACK_SLIP, 9.0, True),
+        (Setting(1.5e-3, 1e-4, -0.5, 25.0), Regime.BACK_SLIP, 1.0, False),  # tips
+    ],
+)
+def test_bodies_of_an_ellipse_that_break_a_constraint_are_slowest(
+    setting: Setting, highest: Regime, part: float | None, allowed: bool
+) -> None:
+    upright = {} if part is None else {"part": {"half_base_mm": part, "centre_height_mm": 10}}
+    scene = {"static_friction": 0.4, "kinetic_friction": 0.36}
+    question = asked({**ELLIPSE, "scene": scene, "drift": {}} | upright, highest)
+    one = Setting(*(np.array([x]) for x in setting))
+    box = question.box(setting)
+    speeds = question.speeds(one, Scenarios.fixed(corners(box.varies)))
+    solved = float(vibro.solve(question.nominal_scene(setting)).mean_velocity)
+    assert speeds.tolist() == [[solved if allowed else -math.inf]]
+
+
+def test_a_hard_landing_breaks_a_constraint() -> None:
+    scene = {"static_friction": 0.4, "kinetic_friction": 0.36}
+    drive = [{"amplitude_mm": "0.5:9", "frequency_hz": 15, "drive_angle_deg": 20}]
+    free = asked({**LINE, "scene": scene, "drive": drive, "drift": {}}, Regime.HOPPING)
+    hardest = 1e3 * float(vibro.solve(free.nominal_scene(line(6e-3))).impact_velocity)
+    one = Setting(*(np.array([float(x)]) for x in line(6e-3)))
+    for factor, allowed in ((1.001, True), (0.999, False)):
+        goal = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": factor * hardest}
+        question = asked({"scene": scene, "drive": drive, "goal": goal}, Regime.HOPPING)
+        speeds = question.speeds(one, Scenarios.fixed(np.zeros((5, 1))))
+        assert bool(np.isfinite(speeds[0, 0])) is allowed
+
+
+class Known:
+    """A finder that finds designs of known speeds, and records what it is given."""
+
+    def __init__(self, speeds: dict[tuple[str, Regime], float]) -> None:
+        self.speeds = speeds
+        self.asked: list[Any] = []
+
+    def __call__(self, question: Question, calmer: Any, digits: int, tell: Any) -> Any:
+        place = question.drive.name, question.highest
+        tell("gentlest")
+        self.asked.append((*place, dict(calmer)))
+        speed = self.speeds.get(place)
+        bounds: Any = None
+        found = Found(line(1e-3 * (1 + question.highest)), (), bounds)
+        designs = {} if speed is None else dict.fromkeys(KINDS, found)
+
+        def row(kind: str) -> Design:
+            return Design(drive=place[0], highest_regime=place[1].label, design=kind, speed_min_mm_s=speed)
+
+        return SimpleNamespace(question=question, found=designs, row=row)
+
+
+TWO = {**LINE, "drive": [{**LINE["drive"][0], "name": name} for name in "ab"]}
+
+
+REGIMES = [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING]
+
+
+def test_every_regime_takes_over_the_designs_of_the_lower_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
+    monkeypatch.setattr(machine_drives, "find", known)
+    result = find_designs(read_spec(TWO))
+    calmer = {(name, regime): found for name, regime, found in known.asked}
+    assert len(calmer) == len(known.asked) == 6
+    for name in "ab":  # a drive begins anew
+        assert [bool(calmer[name, regime]) for regime in REGIMES] == [False, False, True]
+    amplitude = calmer["a", Regime.HOPPING]["safest"].setting[0] / line(1e-3)[0]
+    assert amplitude == pytest.approx(3.0)
+    assert not result.met
+
+
+def test_the_goals_regime_is_searched_and_told_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside lower ones, whose designs are candidates; designs of each regime come with their settings."""
+    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
+    monkeypatch.setattr(machine_drives, "find", known)
+    progress: list[tuple[int, int, str]] = []
+    result = find_designs(read_spec(TWO), lambda *done: progress.append(done))
+    low, goal, high = REGIMES
+    searched = [("a", low), ("a", goal), ("b", low), ("b", goal), ("a", high), ("b", high)]
+    assert [(name, highest) for name, highest, _ in known.asked] == searched
+    words = {low: "forward-slip at most", goal: "back-slip at most", high: "hopping allowed"}
+    assert progress == [
+        *(
+            (3 * i + 1, 18, f"{name}: gentlest, {words[highest]}")
+            for i, (name, highest) in enumerate(searched)
+        ),
+        (18, 18, ""),
+    ]
+    told = [("a", goal), ("b", goal), ("a", low), ("a", high), ("b", low), ("b", high)]
+    assert [(d.drive, d.highest_regime, d.design) for d in result.designs] == [
+        (name, highest.label, kind) for name, highest in told for kind in KINDS
+    ]
+    settings = [None if s is None else s[0] / line(1e-3)[0] for s in result.settings]
+    sizes = {low: None, goal: 3.0, high: 4.0}
+    assert settings == pytest.approx([sizes[highest] for _, highest in told for _ in KINDS])
+
+
+@pytest.mark.parametrize(("goal", "searched"), [("forward-slip", 1), ("back-slip", 2), ("hopping", 3)])
+def test_other_regimes_than_the_goals_can_be_left_out(
+    goal: str, searched: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES})
+    monkeypatch.setattr(machine_drives, "find", known)
+    spec = read_spec({**TWO, "goal": {"speed_mm_s": 5, "highest_regime": goal}})
+    progress: list[Any] = []
+    result = find_designs(spec, lambda *done: progress.append(done), goal_only=True)
+    assert {d.highest_regime for d in result.designs} == {goal}
+    assert len(result.designs) == len(result.settings) == 6
+    assert [highest for _, highest, _ in known.asked] == REGIMES[:searched] * 2
+    assert {total for _, total, _ in progress} == {6 * searched}
+
+
+@pytest.mark.parametrize(
+    ("speeds", "met"),
+    [
+        ({("b", Regime.BACK_SLIP): 5.0}, True),  # just the goal
+        ({("b", Regime.BACK_SLIP): 5.0 * (1 - 1e-12)}, False),
+        ({("a", Regime.HOPPING): 9.0}, False),  # its own highest regime is back slip
+        ({("a", Regime.FORWARD_SLIP): 9.0}, False),
+        ({}, False),
+    ],
+)
+def test_a_goal_is_met_within_its_regime(speeds: Any, met: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine_drives, "find", Known(speeds))
+    assert find_designs(read_spec(TWO)).met is met
+
+
+@pytest.mark.parametrize(
+    ("met", "bands", "kind"),
+    [(True, True, "safest"), (True, False, "gentlest"), (False, True, "fastest"), (False, False, "fastest")],
+)
+def test_what_is_shown_is_the_safest_if_anything_is_uncertain(met: bool, bands: bool, kind: str) -> None:
+    """Else the gentlest: the safest would be the drive's limit. The fastest if the goal is not met."""
+    spec = read_spec(
+        TWO if bands else {**TWO, "scene": {"static_friction": 0.74, "friction_ratio": 0.77}, "drift": {}}
+    )
+    assert spec.has_bands is bands
+    rows = [
+        Design(
+            drive=name, highest_regime=regime, design=each, amplitude_mm=amplitude, frequency_hz=15.0,
+            drive_angle_deg=20.0, speed_min_mm_s=speed, acceleration_g=3.0 - amplitude,
+        )
+        for name, amplitude in (("a", 1.0), ("b", 2.0))
+        for regime, speed in (("forward-slip", 9.0), ("back-slip", amplitude), ("hopping", 9.0))
+        for each in KINDS
+    ]  # fmt: skip
+    chosen = chosen_of(spec, answered(met, *rows))
+    assert chosen is not None
+    assert (chosen.design.drive, chosen.design.highest_regime, chosen.design.design) == (
+        "b",
+        "back-slip",
+        kind,
+    )
+    assert chosen.setting == pytest.approx(line(2e-3))
+    assert chosen_of(spec, answered(met, *(r for r in rows if r.highest_regime != "back-slip"))) is None
+    assert list(chosen.costs)[:2] == ["amplitude", "frequency"]
+
+
+# --- any number of settings -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", RANDOM_DRIVES)
+def test_speeds_of_any_number_of_settings_are_those_of_each(kind: str) -> None:
+    """Searches ask for those of none too: of no peak, or of no angle between two neighbouring doubles."""
+    rng = np.random.default_rng(5)
+    for steepness in (-0.5, 0.5):
+        asked = random_question(rng, kind, steepness)
+        asked["goal"] = {"speed_mm_s": 1.0, "impact_speed_mm_s": 90.0}
+        asked["drive"][0].pop("acceleration_g", None)
+        spec = read_spec(asked)
+        drive = spec.drives[0]
+        question = Question(spec, drive, Regime.HOPPING)
+        knobs = {knob: rng.uniform(*drive.choices[knob][0], 2) for knob in drive.space.knobs}
+        setting: Any = drive.space.setting(**knobs)
+        axes = question.box(setting._make(x[:1] for x in setting)).axes
+        follow = np.array([-1, -1, 0, axes.index("static_friction"), axes.index("second_friction")])
+        bodies = Scenarios(rng.random((len(axes), follow.size)), follow, np.full(follow.size, 1.1))
+        for number in (0, 2):
+            some = setting._make(x[:number] for x in setting)
+            speeds = question.speeds(some, bodies)
+            assert speeds.shape == (number, bodies.size)
+            assert question.hardest_impacts(some, bodies).shape == (number,)
+            for i in range(number):
+                alone = question.speeds(setting._make(x[i : i + 1] for x in setting), bodies)[0]
+                assert speeds[i] == pytest.approx(alone, rel=1e-6, abs=1e-12, nan_ok=True)

@@ -1,0 +1,160 @@
+"""Numerical searches on functions whose answers are known in closed form."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vibro.designs.search import evolve, first_crossing, placed, scatter, sobol
+from vibro.roots import close_in
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+@given(st.floats(1e-6, 1e6), st.floats(1e-3, 1e3), st.sampled_from([1, 4, 33]), st.booleans())
+def test_a_change_is_found_between_neighbouring_doubles(
+    at: float, width: float, sections: int, rises: bool
+) -> None:
+    ends = max(at - width, 0.5 * at), at + width
+    inside, outside = (ends[1], ends[0]) if rises else ends
+    side = 1.0 if rises else -1.0
+    holding, failing = close_in(lambda x: side * (x - at), inside, outside, sections=sections)
+    assert abs(holding - failing) == pytest.approx(math.ulp(at), rel=1.0)
+    assert side * (holding - at) >= 0.0 > side * (failing - at)
+
+
+@given(st.floats(-5.0, 5.0), st.sampled_from([1, 9]))
+def test_widths_end_a_search(at: float, sections: int) -> None:
+    def residual(x: Floats) -> Floats:
+        return at - x
+
+    inside, outside = np.array([-6.0, -5.5]), np.array([6.0, 7.0])
+    low, high = close_in(residual, inside, outside, absolute=1e-3, sections=sections)
+    assert np.all((low <= at) & (at < high))
+    assert np.all(high - low <= 1e-3)
+    assert np.all(high - low > 1e-3 / (4 * (sections + 1)))  # it does no more than it was asked for
+    low, high = close_in(residual, inside, outside, relative=1e-3, absolute=1e-9, sections=sections)
+    assert np.all(high - low <= 1e-3 * np.abs(low) + 1e-9)
+
+
+def test_what_is_no_number_does_not_hold() -> None:
+    holding, _ = close_in(lambda x: np.where(x > 2.0, np.nan, 1.0), 0.0, 8.0)
+    assert holding == 2.0
+
+
+def bump(centre: float, width: float) -> Any:
+    """One peak of height 1 that is 0 beyond its width."""
+    return lambda x: np.maximum(1.0 - np.abs(x - centre) / width, 0.0)
+
+
+@pytest.mark.parametrize("centre", [0.3313, 0.349, 0.3605, 0.3713, 0.3889])
+def test_a_peak_between_two_points_of_the_grid_is_climbed_on_both_sides(centre: float) -> None:
+    """The grid has 0.3, 0.36 and 0.42, all below the target; the top lies on either side of the middle."""
+    peak = bump(centre, 0.1)
+    grid = np.array([[0.18, 0.24, 0.3, 0.36, 0.42, 0.48]])
+    for target in (0.5 * (1.0 + float(peak(0.36))), 0.98, 0.9999):  # the last ones after several rounds alone
+        found = first_crossing(lambda _, x: peak(x), grid, target, climbs=6, relative=0.0)
+        assert found == pytest.approx(centre - 0.1 * (1.0 - target), rel=1e-9)
+
+
+def test_every_function_has_its_own_first_crossing() -> None:
+    centres = np.array([0.2, 0.5, 0.8])
+
+    def value(rows: NDArray[np.intp], x: Floats) -> Floats:
+        return np.asarray(np.maximum(1.0 - np.abs(x - centres[rows]) / 0.3, -1.0))
+
+    grid = np.tile(np.linspace(0.0, 1.0, 41), (3, 1))
+    found = first_crossing(value, grid, 0.7, climbs=2, relative=0.0)
+    assert found == pytest.approx(centres - 0.09, rel=1e-12)
+    assert np.all(np.isinf(first_crossing(value, grid, 1.01, climbs=2, relative=0.0)))
+    at_once = first_crossing(value, grid[:, 8:], 0.7, climbs=2, relative=0.0)
+    assert at_once[0] == grid[0, 8]  # it holds at the first point already
+
+
+def test_without_a_peak_nothing_is_climbed() -> None:
+    def value(rows: NDArray[np.intp], x: Floats) -> Floats:
+        assert rows.size == x.size > 0
+        return x
+
+    grid = np.array([[0.0, 0.5, 1.0]])
+    assert first_crossing(value, grid, 0.3, climbs=3, relative=0.0) == pytest.approx([0.3])
+
+
+def test_a_peak_counts_before_a_point_that_holds_and_before_a_later_peak() -> None:
+    early, late = bump(0.345, 0.03), bump(0.465, 0.03)
+
+    def value(_: NDArray[np.intp], x: Floats) -> Floats:
+        return np.asarray(np.maximum(np.maximum(early(x), late(x)), (x > 0.6).astype(float)))
+
+    grid = np.array([[0.18, 0.24, 0.3, 0.36, 0.42, 0.48, 0.54, 0.66, 0.72]])
+    found = first_crossing(value, grid, 0.95, climbs=5, relative=0.0)
+    assert found == pytest.approx(0.345 - 0.03 * 0.05, rel=1e-9)
+
+
+def test_free_axes_are_placed() -> None:
+    free = np.array([False, True, False, True])
+    np.testing.assert_array_equal(placed(free, np.array([[0.2, 0.4], [1.0, 0.0]])),
+                                  [[0, 0], [0.2, 0.4], [0, 0], [1.0, 0.0]])  # fmt: skip
+
+
+@pytest.mark.parametrize("corner", [(0.0, 1.0), (1.0, 1.0), (0.3, 0.0)])
+def test_minima_on_faces_are_found_exactly(corner: tuple[float, float]) -> None:
+    at = np.array(corner)[:, None]
+
+    def cost(x: Floats) -> Floats:
+        return np.asarray(np.abs(x - at).sum(axis=0))
+
+    point, least = evolve(cost, sobol(2, 5, 0), generations=300, seed=1)
+    assert point[:, 0] == pytest.approx(corner, abs=1e-9)
+    assert [x for x in point[:, 0] if x in (0.0, 1.0)] == [x for x in corner if x in (0.0, 1.0)]
+    assert least == pytest.approx(0.0, abs=1e-9)
+    around, near = scatter(cost, sobol(2, 6, 0), more=64, rounds=4, seed=1)
+    assert near == pytest.approx(float(cost(around)[0]))
+    assert near < 0.05
+
+
+def test_points_that_do_not_count_are_no_minima() -> None:
+    def cost(x: Floats) -> Floats:
+        return np.where(x[0] < 0.5, np.nan, x[0])
+
+    point, least = evolve(cost, sobol(1, 4, 0), generations=200, seed=0)
+    assert least == pytest.approx(0.5, abs=1e-9) == point[0, 0]
+    _, near = scatter(cost, sobol(1, 4, 0), more=32, rounds=3, seed=0)
+    assert 0.5 <= near < 0.51
+    assert math.isnan(
+        scatter(lambda x: np.full(x.shape[1], np.nan), sobol(1, 3, 0), more=8, rounds=2, seed=0)[1]
+    )
+
+
+def sampled(cost: Any, first: Floats, more: int, rounds: int) -> list[Floats]:
+    """Return the points at which samples look, round by round."""
+    met: list[Floats] = []
+
+    def recorded(x: Floats) -> Floats:
+        met.append(x)
+        return np.asarray(cost(x))
+
+    scatter(recorded, first, more=more, rounds=rounds, seed=1)
+    return met
+
+
+@pytest.mark.parametrize(("more", "each"), [(8, 8), (10, 16), (40, 40)])
+def test_as_many_samples_lie_around_each_of_the_best(more: int, each: int) -> None:
+    met = sampled(lambda x: np.abs(x - 0.5).sum(axis=0), np.full((2, 8), 0.5), more, 3)
+    assert [x.shape for x in met] == [(2, 8)] + [(2, each)] * 3
+
+
+def test_samples_come_closer_around_the_best_within_the_cube() -> None:
+    """A tenth of the cube about their middle at first, then 0.4 times as wide; costs that are all equal."""
+    met = sampled(lambda x: np.where((x == 0.5).all(axis=0), 0.0, 1.0), np.full((2, 8), 0.5), 8000, 3)
+    assert [float(np.std(x)) for x in met[1:]] == pytest.approx([0.1, 0.04, 0.016], rel=0.03)
+    corner = np.hstack(sampled(lambda x: x.sum(axis=0), np.zeros((2, 8)), 64, 2))
+    assert corner.min() == 0.0 < corner.max() <= 1.0

@@ -1,0 +1,273 @@
+"""Settings, points and uncertainty sets: values by hand, ends of bands to the last bit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vibro import solve
+from vibro.designs.questions import Drift
+from vibro.designs.spaces import SPACES, Points, Setting, UncertaintySet, cut, inside, off
+from vibro.drives import Ellipse, Line
+
+LINES, OVALS = SPACES[Line], SPACES[Ellipse]
+TURN = 2.0 * math.pi
+
+
+def line_box(**changed: Any) -> UncertaintySet:
+    """A box of a line with a width along every axis, and others."""
+    fields: dict[str, Any] = {
+        "space": LINES,
+        "factor": (1e-3, 1.5e-3),
+        "frequency": (12.0, 15.0),
+        "shape": {"drive_angle": (0.3, 0.4)},
+        "trough_angle": (-0.1, 0.05),
+        "static_friction": (0.4, 0.8),
+        "second_friction": (0.3, 0.5),
+        "is_ratio": False,
+        "gravity": 9.81,
+        "restitution": 0.2,
+    }
+    return UncertaintySet(**(fields | changed))
+
+
+def oval_box(**changed: Any) -> UncertaintySet:
+    shape = {"along_amplitude": (1e-3, 1e-3), "normal_amplitude": (2e-4, 3e-4), "normal_phase": (-1.0, -0.5)}
+    return line_box(**({"space": OVALS, "factor": (0.9, 1.1), "shape": shape} | changed))
+
+
+def test_a_line_is_an_ellipse_in_phase() -> None:
+    setting = LINES.setting(amplitude=2e-3, frequency=25.0, drive_angle=math.radians(30.0))
+    assert setting == pytest.approx((2e-3 * math.cos(math.pi / 6), 1e-3, 0.0, 25.0))
+    turned = LINES.turned(setting)
+    assert list(turned) == ["amplitude", "frequency", "drive_angle"]
+    assert list(turned.values()) == pytest.approx([2e-3, 25.0, math.radians(30.0)])
+    assert LINES.leading(setting) == "amplitude"
+
+
+@pytest.mark.parametrize(
+    ("phase", "radius"), [(0.0, 5e-3), (math.pi, 5e-3), (0.5 * math.pi, 4e-3), (-0.5 * math.pi, 4e-3)]
+)
+def test_the_load_is_the_largest_acceleration_along_the_path(phase: float, radius: float) -> None:
+    """3 mm and 4 mm in phase move along 5 mm, a quarter of a turn apart along semi-axes."""
+    expected = radius * (TURN * 10.0) ** 2 / 9.81
+    assert float(Setting(3e-3, 4e-3, phase, 10.0).load(9.81)) == pytest.approx(expected, rel=1e-12)
+
+
+def test_both_amplitudes_are_scaled() -> None:
+    assert Setting(1.0, 2.0, 3.0, 4.0).scaled(3.0) == (3.0, 6.0, 3.0, 4.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "name", "size"), [(3e-3, 1e-3, "along_amplitude", 3e-3), (0.0, 1e-3, "normal_amplitude", 1e-3)]
+)
+def test_an_ellipse_is_led_by_its_amplitude_along_the_trough(
+    x: float, y: float, name: str, size: float
+) -> None:
+    setting = OVALS.setting(along_amplitude=x, normal_amplitude=y, normal_phase=0.2, frequency=25.0)
+    assert (OVALS.leading(setting), OVALS.amplitude(setting)) == (name, size)
+    assert OVALS.turned(setting) == {
+        "along_amplitude": x, "normal_amplitude": y, "normal_phase": 0.2, "frequency": 25.0,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("angle", "steepest", "expected"),
+    [
+        (0.5, 1.4, (0.2, 0.8)),
+        (0.2, 1.4, (0.0, 0.5)),  # not below the trough
+        (1.2, 1.4, (0.9, 1.4)),  # not beyond the right angle
+        (1.2, 1.1, (0.9, 1.2)),  # the nominal angle itself always
+    ],
+)
+def test_the_drift_of_a_drive_angle_is_cut(
+    angle: float, steepest: float, expected: tuple[float, float]
+) -> None:
+    setting = LINES.setting(amplitude=2e-3, frequency=25.0, drive_angle=angle)
+    drift = Drift(amplitude=0.05, drive_angle=0.1, normal_phase=9.0)
+    factor, shape = LINES.band(setting, drift, 3.0, steepest)
+    assert factor == pytest.approx((2e-3 * 0.85, 2e-3 * 1.15))
+    assert shape["drive_angle"] == pytest.approx(expected)
+
+
+def test_the_drifts_of_an_ellipse() -> None:
+    drift = Drift(amplitude=0.05, drive_angle=9.0, normal_phase=0.1)
+    factor, shape = OVALS.band(Setting(3e-3, 1e-3, -0.5, 25.0), drift, 3.0, 1.4)
+    assert factor == pytest.approx((0.85, 1.15))
+    assert list(shape) == ["along_amplitude", "normal_amplitude", "normal_phase"]
+    assert shape["along_amplitude"] == (3e-3, 3e-3)
+    assert shape["normal_amplitude"] == (1e-3, 1e-3)
+    assert shape["normal_phase"] == pytest.approx((-0.8, -0.2))
+
+
+def test_motions_and_their_normal_parts() -> None:
+    assert LINES.motion(2e-3, (0.3,)) == {"amplitude": 2e-3, "drive_angle": 0.3}
+    assert OVALS.motion(2.0, (3e-3, 1e-3, 0.1)) == pytest.approx(
+        {"along_amplitude": 6e-3, "normal_amplitude": 2e-3, "normal_phase": 0.1}
+    )
+    assert LINES.normal((math.pi / 6,)) == pytest.approx(0.5)
+    assert OVALS.normal((3e-3, 1e-3, 0.1)) == 1e-3
+    assert (LINES.proves, OVALS.proves) == (True, False)
+
+
+def test_shares_of_a_band_are_exact_at_both_ends() -> None:
+    """0.3 + (0.9 - 0.3) is more than 0.9 in doubles."""
+    found = inside((0.3, 0.9), np.array([0.0, 0.25, 1.0]))
+    assert found.tolist() == [0.3, pytest.approx(0.45), 0.9]
+    below = np.nextafter(1.0, 0.0)
+    assert 0.3 + below * (0.9 - 0.3) <= float(inside((0.3, 0.9), np.array(below))) <= 0.9
+
+
+def test_bands_are_cut_at_both_ends() -> None:
+    assert [float(x) for x in cut((-2.0, 5.0), 0.0, 3.0)] == [0.0, 3.0]
+    assert [float(x) for x in cut((1.0, 2.0), 0.0, 3.0)] == [1.0, 2.0]
+    assert [float(x) for x in cut((-2.0, -1.0), 0.0, 3.0)] == [0.0, 0.0]
+    assert [float(x) for x in cut((4.0, 5.0), 0.0, 3.0)] == [3.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"), [(0.0, (2.0, 2.0)), (0.1, (1.8, 2.2)), (1.0, (2e-6, 4.0)), (2.5, (2e-6, 7.0))]
+)
+def test_relative_drifts_keep_values_positive(share: float, expected: tuple[float, float]) -> None:
+    assert [float(x) for x in off(2.0, share)] == pytest.approx(list(expected), rel=1e-12)
+
+
+def test_points_are_kept_and_joined_in_order() -> None:
+    first = Points.of([np.array([i, i + 0.5]) for i in range(5)])
+    one = Points(np.array([9.0]), (np.array([8.0]),), np.array([7.0]), np.array([6.0]), np.array([5.0]))
+    both = first.joined(one)
+    assert [x.tolist() for x in both.columns()] == [
+        [0.0, 0.5, 9.0], [1.0, 1.5, 8.0], [2.0, 2.5, 7.0], [3.0, 3.5, 6.0], [4.0, 4.5, 5.0],
+    ]  # fmt: skip
+    kept = both.kept(np.array([True, False, True]))
+    assert [x.tolist() for x in kept.columns()] == [[0, 9], [1, 8], [2, 7], [3, 6], [4, 5]]
+    again = Points.of(both.columns())
+    assert [x.tolist() for x in again.columns()] == [x.tolist() for x in both.columns()]
+
+
+def test_axes_of_a_box() -> None:
+    assert line_box().axes == ("load", "drive_angle", "trough_angle", "static_friction", "second_friction")
+    assert line_box().varies.tolist() == [True] * 5
+    narrow = line_box(shape={"drive_angle": (0.3, 0.3)}, second_friction=(0.5, 0.5))
+    assert narrow.varies.tolist() == [True, False, True, True, False]
+    assert line_box().constants == {"gravity": 9.81, "restitution": 0.2}
+    assert oval_box().axes[1:4] == ("along_amplitude", "normal_amplitude", "normal_phase")
+    assert oval_box().varies.tolist() == [True, False, True, True, True, True, True]
+
+
+def test_loads_of_a_box() -> None:
+    """From the smallest amplitude at the lowest frequency to the largest at the highest."""
+    low, high = (1e-3 * (TURN * 12) ** 2 / 9.81, 1.5e-3 * (TURN * 15) ** 2 / 9.81)
+    assert [float(x) for x in line_box().load] == pytest.approx([low, high], rel=1e-12)
+    low, high = (0.9 * (TURN * 12) ** 2 / 9.81, 1.1 * (TURN * 15) ** 2 / 9.81)
+    assert [float(x) for x in oval_box().load] == pytest.approx([low, high], rel=1e-12)
+
+
+@pytest.mark.parametrize("troughs", [(-0.3, 0.1), (-0.1, 0.3)])
+def test_the_first_body_hops_on_the_steepest_trough_with_the_steepest_drive(troughs: Any) -> None:
+    expected = math.cos(0.3) / math.sin(0.4)
+    assert float(line_box(trough_angle=troughs).hop_load) == pytest.approx(expected, rel=1e-12)
+    assert float(oval_box(trough_angle=troughs).hop_load) == pytest.approx(math.cos(0.3) / 3e-4, rel=1e-12)
+
+
+def test_a_trough_that_does_not_move_along_its_normal_throws_no_body() -> None:
+    assert math.isinf(float(line_box(shape={"drive_angle": (0.0, 0.0)}).hop_load))
+    assert line_box(shape={"drive_angle": (0.0, 0.0)}).throw_number == 0.0
+
+
+@pytest.mark.parametrize(("factor", "hops"), [(1.0, False), (1.0 + 1e-12, True), (1.0 - 1e-12, False)])
+def test_a_body_hops_above_a_throw_number_of_one(factor: float, hops: bool) -> None:
+    """A vertical drive of just the weight: load and throw number are 1 to the last bit."""
+    box = line_box(
+        factor=(1e-3, 1e-3), frequency=(15.0, 15.0), shape={"drive_angle": (0.5 * math.pi,) * 2},
+        trough_angle=(0.0, 0.0), gravity=1e-3 * (TURN * 15.0) ** 2 / factor,
+    )  # fmt: skip
+    assert box.throw_number == pytest.approx(factor, rel=1e-13)
+    assert (box.throw_number == 1.0) is (factor == 1.0)
+    assert box.may_hop is hops
+    assert box.hops(box.points(np.zeros((5, 1)))).tolist() == [hops]
+
+
+def test_the_corner_of_no_kinetic_friction_is_cut() -> None:
+    """Static friction begins at the least kinetic one, and kinetic friction ends at the static one."""
+    box = line_box(static_friction=(0.2, 0.8))
+    assert box.static_span == (0.3, 0.8)
+    assert [float(x) for x in box.kinetic_span(np.asarray(0.4))] == [0.3, 0.4]
+    assert [float(x) for x in box.kinetic_span(np.asarray(0.7))] == [0.3, 0.5]
+    ratio = line_box(static_friction=(0.2, 0.8), second_friction=(0.5, 0.9), is_ratio=True)
+    assert ratio.static_span == (0.2, 0.8)
+    assert [float(x) for x in ratio.kinetic_span(np.asarray(0.4))] == pytest.approx([0.2, 0.36])
+
+
+def test_points_lie_at_shares_of_every_band() -> None:
+    shares = np.array([[0.0, 0.5, 1.0], [1.0, 0.5, 0.0], [1.0, 0.5, 0.0], [0.0, 0.5, 1.0], [1.0, 0.5, 0.0]])
+    box = line_box(static_friction=(0.2, 0.8))
+    points = box.points(shares)
+    low, high = (float(x) for x in box.load)
+    assert points.load == pytest.approx([low, 0.5 * (low + high), high])
+    assert points.shape[0] == pytest.approx([0.4, 0.35, 0.3])
+    assert points.trough_angle == pytest.approx([0.05, -0.025, -0.1])
+    assert points.static_friction == pytest.approx([0.3, 0.55, 0.8])
+    assert points.kinetic_friction == pytest.approx([0.3, 0.4, 0.3])
+
+
+@pytest.mark.parametrize("is_ratio", [False, True])
+@pytest.mark.parametrize("box", [line_box, oval_box])
+def test_points_have_the_coordinates_that_they_were_made_of(box: Any, is_ratio: bool) -> None:
+    """A coordinate of a band without a width is 0."""
+    made = box(static_friction=(0.2, 0.8), is_ratio=is_ratio)
+    shares = np.linspace(0.0, 1.0, 9) * np.ones((len(made.axes), 1))
+    shares[-1] = shares[-1, ::-1]
+    expected = np.where(made.varies[:, None], shares, 0.0)
+    if not is_ratio:
+        expected[-1, 0] = 0.0  # at the least static friction there is one kinetic friction alone
+    np.testing.assert_allclose(made.coordinates(made.points(shares)), expected, atol=1e-14)
+
+
+def test_points_of_an_ellipse_keep_their_axes_apart() -> None:
+    shares = np.array([[0.0], [1.0], [1.0], [0.0], [0.5], [1.0], [0.0]])
+    points = oval_box().points(shares)
+    assert [float(x[0]) for x in points.shape] == [1e-3, 3e-4, -1.0]
+    others = points.trough_angle, points.static_friction, points.kinetic_friction
+    assert [float(x[0]) for x in others] == pytest.approx([-0.025, 0.8, 0.3])
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.6, 1.0])
+def test_one_load_is_fast_at_its_lowest_frequency_and_slow_at_its_highest(share: float) -> None:
+    box = line_box()
+    points = box.points(np.full((5, 1), share))
+    weight = float(points.load[0]) * 9.81 / TURN**2  # A f^2
+    lowest = max(12.0, math.sqrt(weight / 1.5e-3))
+    highest = min(15.0, math.sqrt(weight / 1e-3))
+    for fast, frequency in ((True, lowest), (False, highest)):
+        scene = box.scene(points, fast=fast)
+        fields: Any = scene.arrays()
+        assert float(fields.frequency[0]) == pytest.approx(frequency, rel=1e-12)
+        assert float(fields.amplitude[0]) == pytest.approx(weight / frequency**2, rel=1e-12)
+        assert 1e-3 <= fields.amplitude[0] <= 1.5e-3
+        assert float(scene.load[0]) == pytest.approx(float(points.load[0]), rel=1e-12)
+        assert (float(scene.gravity), float(scene.restitution)) == (9.81, 0.2)
+    speeds = [float(solve(box.scene(points, fast=fast)).mean_velocity[0]) for fast in (True, False)]
+    assert abs(speeds[0]) >= abs(speeds[1]) * (1 - 1e-12)
+
+
+def test_a_single_factor_keeps_its_value_to_the_last_bit() -> None:
+    box = line_box(factor=(1.3e-3, 1.3e-3))
+    for fast in (True, False):
+        fields: Any = box.scene(box.points(np.linspace(0.0, 1.0, 7) * np.ones((5, 1))), fast=fast).arrays()
+        assert fields.amplitude.tolist() == [1.3e-3] * 7
+        assert np.ravel(fields.frequency)[[0, -1]] == pytest.approx([12.0, 15.0], rel=1e-15)
+
+
+def test_many_boxes_have_a_row_each() -> None:
+    factors = np.array([[1e-3], [2e-3]])
+    many = line_box(factor=(factors, 1.5 * factors))
+    points = many.points(np.full((5, 2, 3), 0.25))
+    assert points.load.shape == (2, 3)
+    for row, factor in enumerate(factors[:, 0]):
+        one = replace(many, factor=(float(factor), 1.5 * float(factor)))
+        assert points.load[row].tolist() == one.points(np.full((5, 3), 0.25)).load.tolist()
