@@ -488,7 +488,7 @@ def test_a_window_that_no_search_confirmed_says_so(monkeypatch: pytest.MonkeyPat
     guarantee = guarantee_of(question.box(setting))
     assert guarantee.speed_min > 0.02  # so that the goal does not end it on either side
     monkeypatch.setattr(Family, "intervals", lambda *_, **__: [])
-    window = window_of(question, Found(setting, (), guarantee))
+    window = window_of(question, setting, guarantee)
     assert window is not None
     assert (window.low, window.high) == (6e-4, 6e-4)
     assert (window.low_set_by, window.high_set_by) == ("unconfirmed", "unconfirmed")

@@ -14,7 +14,6 @@ from helpers.scenes import scene_with
 import vibro
 from vibro import InputError, Regime, solve
 from vibro.designs.guarantees import Extreme, Landings, guarantee_of
-from vibro.designs.optima import Found
 from vibro.designs.questions import Question, Scenarios
 from vibro.designs.reading import read_spec
 from vibro.designs.spaces import Setting, uncertainty_set
@@ -503,9 +502,8 @@ def window_with(
         return intervals
 
     monkeypatch.setattr(Family, "intervals", known)
-    return window_of(question, Found(setting, (), guarantee_of(question.box(setting)))), calls[
-        0
-    ] if calls else ()
+    window = window_of(question, setting, guarantee_of(question.box(setting)))
+    return window, calls[0] if calls else ()
 
 
 def line_setting(amplitude: float = 1e-3) -> Setting:
@@ -578,8 +576,8 @@ def test_a_window_ends_where_parts_tip_or_hop(
 
 def test_a_design_has_a_window_from_its_target_on(monkeypatch: pytest.MonkeyPatch) -> None:
     question = asked(LINE)
-    found = Found(line_setting(), (), guarantee_of(question.box(line_setting())))
+    found = guarantee_of(question.box(line_setting()))
     monkeypatch.setattr(Family, "intervals", lambda *_, **__: [Interval(0.9e-3, 1.2e-3, "speed", "hop")])
     for factor, has in ((1.0, True), (1.0 - 1e-12, False)):
-        speeds = replace(found.guarantee, speed_min=0.005 * factor)
-        assert (window_of(question, replace(found, guarantee=speeds)) is not None) is has
+        speeds = replace(found, speed_min=0.005 * factor)
+        assert (window_of(question, line_setting(), speeds) is not None) is has

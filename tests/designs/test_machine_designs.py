@@ -19,9 +19,9 @@ from vibro import Calibration, Machine, Regime
 from vibro.cli.app import app
 from vibro.designs import machine_drives, optima
 from vibro.designs.design import chosen_of, find_designs
-from vibro.designs.machine_drives import Met, amplitudes_met
+from vibro.designs.machine_drives import amplitudes_met
 from vibro.designs.pictured import setting_fields, speed_band
-from vibro.designs.questions import Question
+from vibro.designs.questions import Met, Question
 from vibro.designs.reading import read_spec
 from vibro.designs.rows import find
 from vibro.errors import InputError

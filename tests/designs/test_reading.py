@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vibro.core.codes import Regime
-from vibro.designs.questions import Drift, Drive, Goal, Span, Spec
+from vibro.designs.questions import Drift, Drive, Goal, Spec
 from vibro.designs.reading import read_spec
 from vibro.drives import Line
 from vibro.errors import InputError
@@ -28,7 +28,11 @@ def deg(angle: float) -> float:
 
 
 def line(
-    name: str, amplitude: Span, frequency: Any, drive_angle: Any, acceleration: float = math.inf
+    name: str,
+    amplitude: tuple[float, float],
+    frequency: Any,
+    drive_angle: Any,
+    acceleration: float = math.inf,
 ) -> Drive:
     choices = {"amplitude": (amplitude,), "frequency": frequency, "drive_angle": drive_angle}
     return Drive(name, Line, choices, acceleration)

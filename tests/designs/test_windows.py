@@ -19,7 +19,6 @@ import vibro
 from vibro import Regime, SceneError, feasible_amplitudes, solve
 from vibro.designs import windows
 from vibro.designs.guarantees import guarantee_of
-from vibro.designs.optima import Found
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
 from vibro.designs.windows import window_of
@@ -383,7 +382,7 @@ def test_a_body_past_a_drop_just_before_the_end_of_a_window_is_found(
     spec = read_spec(question)
     asked = Question(spec, spec.drives[0], Regime.BACK_SLIP)
     setting = asked.space.setting(amplitude=0.32768e-3, frequency=15.0, drive_angle=math.radians(12.8210176))
-    window = window_of(asked, Found(setting, (), guarantee_of(asked.box(setting))))
+    window = window_of(asked, setting, guarantee_of(asked.box(setting)))
     assert window is not None
     assert window.high == pytest.approx(0.3276924e-3, rel=2e-6)
     kinetic = (0.0, 0.136)
@@ -405,7 +404,7 @@ def test_parts_that_must_stay_upright_have_no_window_beyond_the_hop() -> None:
     spec = read_spec(question)
     asked = Question(spec, spec.drives[0], Regime.HOPPING)
     setting = asked.space.setting(amplitude=0.7e-3, frequency=25.0, drive_angle=math.radians(30.0))
-    window = window_of(asked, Found(setting, (), guarantee_of(asked.box(setting))))
+    window = window_of(asked, setting, guarantee_of(asked.box(setting)))
     assert window is not None
     hop = 9.81 / math.sin(math.radians(30.0)) / (2.0 * math.pi * 25.0) ** 2
     assert window.high == pytest.approx(hop, rel=1e-9)

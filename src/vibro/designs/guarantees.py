@@ -31,8 +31,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.designs.questions import Span
-    from vibro.designs.spaces import Points, UncertaintySet
+    from vibro.designs.spaces import Points, Span, UncertaintySet
     from vibro.results.designs import Certificate
 
     Floats = NDArray[np.float64]

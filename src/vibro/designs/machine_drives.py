@@ -9,8 +9,7 @@ other drive.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.designs.guarantees import counted
 from vibro.designs.proofs import corners
-from vibro.designs.questions import Drive
+from vibro.designs.questions import Drive, MachineDrive, Met
 from vibro.designs.rows import DIGITS, KINDS, SEARCHED, Finder, Rounded, best_of, find, finder_of, rounded
 from vibro.designs.search import sobol
 from vibro.designs.spaces import inside, off
@@ -32,116 +31,18 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.designs.questions import Question, Span
-    from vibro.designs.spaces import Setting
+    from vibro.designs.questions import Question
+    from vibro.designs.spaces import Setting, Span
     from vibro.files.entries import Table
     from vibro.files.machines import GivenMachine
     from vibro.machines.machine import Machine, Response
 
     Floats = NDArray[np.float64]
 
-_EMPTY: Final = (0.0, 0.0)
 _LEVELS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the band of filling
-_NEAR: Final = 2.0  # damping ratios from resonance within which damping decides much of the amplitude
 _DRAWN: Final = 8  # base-2 logarithm of the number of samples that are drawn evenly
 _SHARES: Final = ("added_mass_share", "added_damping_share")
 _SEED: Final = 20
-
-
-@dataclass(frozen=True, kw_only=True)
-class MachineDrive:
-    """A machine with one spring pack, and what its amplitude depends on.
-
-    Attributes
-    ----------
-    machine : Machine
-        With this pack.
-    pack : str
-        Name of the pack; empty of a machine with one.
-    natural_frequency : float or None
-        Of the empty machine [Hz]; None of machines without one.
-    frequency : float
-        At which it is driven [Hz]; where its amplitude does not depend on it, any of the frequencies.
-    settings : pair of float
-        That may be chosen, over 100 % [1].
-    voltage : pair of float
-        Band of the voltage over the nominal one [1].
-    filling : pair of float
-        Band of the mass in the trough [kg].
-    shares : mapping of str to pair of float
-        Bands of ``added_mass_share`` and ``added_damping_share``, where they are given [1].
-    acceleration : float
-        Largest acceleration of the empty trough over g [1]; inf without a limit.
-    covered : pair of float
-        Smallest and largest amplitude that voltage and filling make, over that of the empty trough at the
-        middle voltage, which designs cover [1].
-    ended_by : str
-        What keeps settings from being larger: ``limit``, ``gap``, ``hop`` or ``back slip``.
-    """
-
-    machine: Machine
-    pack: str = ""
-    natural_frequency: float | None = None
-    frequency: float
-    settings: Span = (0.0, 1.0)
-    voltage: Span = (1.0, 1.0)
-    filling: Span = _EMPTY
-    shares: Mapping[str, Span] = field(default_factory=dict)
-    acceleration: float = math.inf
-    covered: Span = (1.0, 1.0)
-    ended_by: str = "limit"
-
-    @cached_property
-    def full_amplitude(self) -> float:
-        """Amplitude of the empty trough at 100 % and the middle voltage [m]."""
-        voltage = 0.5 * sum(self.voltage)
-        return float(self.machine.response(self.frequency, setting=1.0, voltage=voltage).amplitude)
-
-    @cached_property
-    def amplitude(self) -> float:
-        """Amplitude in the middle of the covered interval, at 100 % [m]."""
-        return self.middle * self.full_amplitude
-
-    @property
-    def middle(self) -> float:
-        """Middle of the covered interval [1]."""
-        return 0.5 * sum(self.covered)
-
-    def doubt(self, name: str) -> str:
-        """Return a warning if the drive is near resonance, else an empty text; ``name`` is the drive's."""
-        natural, zeta = self.natural_frequency, self.machine.damping_ratio
-        if natural is None or abs(self.frequency / natural - 1.0) > _NEAR * zeta:
-            return ""
-        return (
-            f"{name}: {self.frequency:.6g} Hz is within {_NEAR:g} damping ratios of the resonance at "
-            f"{natural:.6g} Hz, where the amplitude depends much on damping; exchange springs"
-        )
-
-    @property
-    def drift(self) -> float:
-        """Deviation of the amplitude from that middle, either way, over it [1]."""
-        low, high = self.covered
-        return (high - low) / (high + low)
-
-    @property
-    def is_filled(self) -> bool:
-        """Whether anything lies in its trough, so that its amplitude depends on the parts."""
-        return self.filling[1] > 0.0
-
-    @staticmethod
-    def is_tuned(machine: Machine) -> bool:
-        """Whether springs make the amplitude depend on the frequency; a crank and soft mounts do not."""
-        return 0.0 < machine.natural_frequency < math.inf
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether its amplitude at a setting is the same at all frequencies and for all parts."""
-        return self.natural_frequency is None and not self.is_filled
-
-    @property
-    def has_bands(self) -> bool:
-        """Whether its amplitude at a setting is an interval."""
-        return self.voltage[0] < self.voltage[1] or self.is_filled
 
 
 def covering(drive: Drive, covered: Span, most: float = math.inf, ended_by: str = "gap") -> Drive:
@@ -161,41 +62,6 @@ def covering(drive: Drive, covered: Span, most: float = math.inf, ended_by: str 
     return replace(
         drive, machine=machine, choices=choices, acceleration=machine.acceleration * machine.middle
     )
-
-
-class Met(NamedTuple):
-    """Amplitudes that a machine has at a setting, over that of its empty trough at the middle voltage.
-
-    Attributes
-    ----------
-    low, high : float
-        Smallest and largest one; NaN where the motion of some filling is unknown [1].
-    number : int
-        Largest number of operating points at one setting, voltage, filling and friction.
-    most_setting : float
-        Setting up to which trough and counter mass do not strike each other, about: their relative amplitude
-        is nearly in proportion to it; inf without a gap [1].
-    strikes : bool
-        Whether they do strike each other.
-    second_harmonic : float
-        Largest second harmonic that the filling puts on the trough, over its amplitude [1].
-    speed : float
-        Least mean speed of the samples with that harmonic in the trough's motion [m/s].
-    regime : Regime
-        Highest one of them.
-    throw_number : float
-        Largest one of them [1].
-    """
-
-    low: float
-    high: float
-    number: int
-    most_setting: float = math.inf
-    strikes: bool = False
-    second_harmonic: float = 0.0
-    speed: float = math.inf
-    regime: Regime = Regime.NO_SLIP
-    throw_number: float = 0.0
 
 
 def amplitudes_met(question: Question, setting: Setting) -> Met:

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.designs.questions import Question, Span
-    from vibro.designs.spaces import AnySetting, UncertaintySet
+    from vibro.designs.questions import Question
+    from vibro.designs.spaces import AnySetting, Span, UncertaintySet
     from vibro.results.designs import Guarantee
 
     Floats = NDArray[np.float64]

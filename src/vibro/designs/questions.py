@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.designs.machine_drives import MachineDrive
-    from vibro.designs.spaces import AnySetting, Ends, Points, Space
+    from vibro.designs.spaces import AnySetting, Ends, Points, Space, Span
     from vibro.drives import Ellipse, Harmonics, Line, Motion, Piecewise
+    from vibro.machines.machine import Machine
 
     Floats = NDArray[np.float64]
     Bools = NDArray[np.bool_]
@@ -34,8 +34,140 @@ if TYPE_CHECKING:
 # ------------------------------------------------------------------------------
 # Questions of inverse design: bands of parts and trough, the choices of the drives, the goal.
 
-#: Both ends of a closed interval.
-Span = tuple[float, float]
+
+# damping ratios from resonance within which damping decides much of the amplitude
+_NEAR_RESONANCE: Final = 2.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachineDrive:
+    """A machine with one spring pack, and what its amplitude depends on.
+
+    Attributes
+    ----------
+    machine : Machine
+        With this pack.
+    pack : str
+        Name of the pack; empty of a machine with one.
+    natural_frequency : float or None
+        Of the empty machine [Hz]; None of machines without one.
+    frequency : float
+        At which it is driven [Hz]; where its amplitude does not depend on it, any of the frequencies.
+    settings : pair of float
+        That may be chosen, over 100 % [1].
+    voltage : pair of float
+        Band of the voltage over the nominal one [1].
+    filling : pair of float
+        Band of the mass in the trough [kg].
+    shares : mapping of str to pair of float
+        Bands of ``added_mass_share`` and ``added_damping_share``, where they are given [1].
+    acceleration : float
+        Largest acceleration of the empty trough over g [1]; inf without a limit.
+    covered : pair of float
+        Smallest and largest amplitude that voltage and filling make, over that of the empty trough at the
+        middle voltage, which designs cover [1].
+    ended_by : str
+        What keeps settings from being larger: ``limit``, ``gap``, ``hop`` or ``back slip``.
+    """
+
+    machine: Machine
+    pack: str = ""
+    natural_frequency: float | None = None
+    frequency: float
+    settings: Span = (0.0, 1.0)
+    voltage: Span = (1.0, 1.0)
+    filling: Span = (0.0, 0.0)
+    shares: Mapping[str, Span] = field(default_factory=dict)
+    acceleration: float = math.inf
+    covered: Span = (1.0, 1.0)
+    ended_by: str = "limit"
+
+    @cached_property
+    def full_amplitude(self) -> float:
+        """Amplitude of the empty trough at 100 % and the middle voltage [m]."""
+        voltage = 0.5 * sum(self.voltage)
+        return float(self.machine.response(self.frequency, setting=1.0, voltage=voltage).amplitude)
+
+    @cached_property
+    def amplitude(self) -> float:
+        """Amplitude in the middle of the covered interval, at 100 % [m]."""
+        return self.middle * self.full_amplitude
+
+    @property
+    def middle(self) -> float:
+        """Middle of the covered interval [1]."""
+        return 0.5 * sum(self.covered)
+
+    def doubt(self, name: str) -> str:
+        """Return a warning if the drive is near resonance, else an empty text; ``name`` is the drive's."""
+        natural, zeta = self.natural_frequency, self.machine.damping_ratio
+        if natural is None or abs(self.frequency / natural - 1.0) > _NEAR_RESONANCE * zeta:
+            return ""
+        return (
+            f"{name}: {self.frequency:.6g} Hz is within {_NEAR_RESONANCE:g} damping ratios of the resonance "
+            f"at {natural:.6g} Hz, where the amplitude depends much on damping; exchange springs"
+        )
+
+    @property
+    def drift(self) -> float:
+        """Deviation of the amplitude from that middle, either way, over it [1]."""
+        low, high = self.covered
+        return (high - low) / (high + low)
+
+    @property
+    def is_filled(self) -> bool:
+        """Whether anything lies in its trough, so that its amplitude depends on the parts."""
+        return self.filling[1] > 0.0
+
+    @staticmethod
+    def is_tuned(machine: Machine) -> bool:
+        """Whether springs make the amplitude depend on the frequency; a crank and soft mounts do not."""
+        return 0.0 < machine.natural_frequency < math.inf
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether its amplitude at a setting is the same at all frequencies and for all parts."""
+        return self.natural_frequency is None and not self.is_filled
+
+    @property
+    def has_bands(self) -> bool:
+        """Whether its amplitude at a setting is an interval."""
+        return self.voltage[0] < self.voltage[1] or self.is_filled
+
+
+class Met(NamedTuple):
+    """Amplitudes that a machine has at a setting, over that of its empty trough at the middle voltage.
+
+    Attributes
+    ----------
+    low, high : float
+        Smallest and largest one; NaN where the motion of some filling is unknown [1].
+    number : int
+        Largest number of operating points at one setting, voltage, filling and friction.
+    most_setting : float
+        Setting up to which trough and counter mass do not strike each other, about: their relative amplitude
+        is nearly in proportion to it; inf without a gap [1].
+    strikes : bool
+        Whether they do strike each other.
+    second_harmonic : float
+        Largest second harmonic that the filling puts on the trough, over its amplitude [1].
+    speed : float
+        Least mean speed of the samples with that harmonic in the trough's motion [m/s].
+    regime : Regime
+        Highest one of them.
+    throw_number : float
+        Largest one of them [1].
+    """
+
+    low: float
+    high: float
+    number: int
+    most_setting: float = math.inf
+    strikes: bool = False
+    second_harmonic: float = 0.0
+    speed: float = math.inf
+    regime: Regime = Regime.NO_SLIP
+    throw_number: float = 0.0
 
 
 @dataclass(frozen=True)

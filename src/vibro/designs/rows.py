@@ -22,10 +22,9 @@ from vibro.units import SPEED
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from vibro.designs.machine_drives import Met
     from vibro.designs.optima import Exchange, Optimum
-    from vibro.designs.questions import Drive, Question, Span
-    from vibro.designs.spaces import AnySetting
+    from vibro.designs.questions import Drive, Met, Question
+    from vibro.designs.spaces import AnySetting, Span
 
 # ------------------------------------------------------------------------------
 # Round settings to few digits in users' units.
@@ -234,7 +233,9 @@ class Finder:
         needed = self._nearest_drive(found, row.nominal or 0.0, settings["frequency_hz"])
         sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed{unit}": needed[1]}
         # what voltage and filling make of another amplitude is not covered
-        if (drive.machine is None or not drive.machine.is_filled) and (window := window_of(question, found)):
+        if (drive.machine is None or not drive.machine.is_filled) and (
+            window := window_of(question, found.setting, found.guarantee)
+        ):
             told = QUANTITIES[size]
             low, high = (float(told.from_si(drive.told_per_amplitude * end)) for end in window[:2])
             sizes |= {f"{size}_low{unit}": low, "low_set_by": window.low_set_by}

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.designs.questions import Span
     from vibro.drives import Motion
 
     Floats = NDArray[np.float64]
     Ends = tuple[Any, Any]
+    Span = tuple[float, float]  # both ends of a closed interval
 
 # ------------------------------------------------------------------------------
 # The tolerances of inverse design, each with its unit and the reason for its size.

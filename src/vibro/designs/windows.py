@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.designs.optima import Found
     from vibro.designs.questions import Question
     from vibro.designs.spaces import AnySetting, Points, UncertaintySet
+    from vibro.results.designs import Guarantee
 
     Floats = NDArray[np.float64]
 
@@ -225,10 +225,10 @@ def span_of(question: Question, setting: AnySetting) -> tuple[float, float]:
     return max(low for low, _ in shares) * amplitude, min(high for _, high in shares) * amplitude
 
 
-def window_of(question: Question, found: Found) -> Interval | None:
+def window_of(question: Question, setting: AnySetting, guarantee: Guarantee) -> Interval | None:
     """Return the interval of amplitudes around a design that guarantee the target, in its proportions."""
-    setting, space, target = found.setting, question.space, question.spec.goal.speed
-    if found.guarantee.speed_min < target:
+    space, target = question.space, question.spec.goal.speed
+    if guarantee.speed_min < target:
         return None
     amplitude = float(space.amplitude(setting))
     least, most = span_of(question, setting)

@@ -14,7 +14,7 @@ from vibro.scene import Scene
 from vibro.units import LENGTH
 
 if TYPE_CHECKING:
-    from vibro.designs.questions import Span
+    from vibro.designs.spaces import Span
     from vibro.explore.state import State
 
 __all__ = [
