@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
     from os import PathLike
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from vibro.quantities import Quantity
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
     Path = Callable[[Floats], tuple[Floats, Floats, Floats]]
     Pairs = tuple[tuple[Floats, Floats], ...]
     GivenPairs = ArrayLike | Iterable[tuple[ArrayLike, ArrayLike]]

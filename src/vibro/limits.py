@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from vibro.reals import Floats
     from vibro.scene import Fields, Scene
-
-    Floats = NDArray[np.float64]
 
 
 _CLASSES: Final = ("forward slip", "back slip", "continuous sliding")

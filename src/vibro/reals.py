@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    # Arrays, in the annotations of all rooms.
     Floats = NDArray[np.float64]
+    Bools = NDArray[np.bool_]
+    Complexes = NDArray[np.complex128]
 
 
 _ALLOWED: Final = "a real number or an array of real numbers"

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
 
 
 _NEIGHBOURS: Final = 4.0 * float(np.finfo(np.float64).eps)  # [1] relative width of a bracket that is closed

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from vibro.drives import Pairs
-
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
 
 
 Fields = Line | Ellipse | Harmonics | Piecewise

@@ -18,11 +18,10 @@ from vibro.steady import solve
 from vibro.threads import Grid, over_cells
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from vibro.reals import Floats
     from vibro.results.steady import SteadyCycle
-
-    Floats = NDArray[np.float64]
 
 
 #: [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.

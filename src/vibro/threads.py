@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
     from vibro.drives import Drive
 
-    Floats = NDArray[np.float64]
 
 # ------------------------------------------------------------------------------
 # Work in blocks on all cores: cuts a grid into blocks, and runs them on several threads.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -24,11 +25,14 @@ from scipy.signal import lfilter
 
 import vibro
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Estimate, Floats, Observation
+from vibro.records.alignment import Estimate, Observation
 from vibro.records.fitting import Fit, Minimum, Parameter, _profile, fit
 from vibro.records.problem import FITTABLE, Problem
 from vibro.records.reading import read_record
 from vibro.records.trough import trough_of
+
+if TYPE_CHECKING:
+    from vibro.reals import Floats
 
 SLIP = ("static_friction", "kinetic_friction")
 MOTION = ("displacement", "velocity", "acceleration")

@@ -7,6 +7,7 @@ of them are resolved. Samples of alternating sign are at half the rate, orthogon
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -14,7 +15,10 @@ from helpers.cases import each
 from helpers.made_records import FREQUENCY
 
 from vibro.errors import InputError
-from vibro.records.alignment import Floats, detrended, fold, harmonics, independent_samples, independent_share
+from vibro.records.alignment import detrended, fold, harmonics, independent_samples, independent_share
+
+if TYPE_CHECKING:
+    from vibro.reals import Floats
 
 
 def clock(cycles: int = 4) -> Floats:

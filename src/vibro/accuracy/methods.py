@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.accuracy.motion import TroughBody
+    from vibro.reals import Floats
     from vibro.scene import Scene
 
-    Floats = NDArray[np.float64]
     Tick = Callable[[], None]
 
 

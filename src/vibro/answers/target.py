@@ -24,12 +24,10 @@ from vibro.units import SPEED
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from vibro.reals import Floats
     from vibro.results.designs import Interval
     from vibro.sweeps.request import Request
 
-    Floats = NDArray[np.float64]
 
 _MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough

@@ -32,10 +32,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.designs.spaces import Points, Span, UncertaintySet
+    from vibro.reals import Bools, Floats
     from vibro.results.designs import Certificate
 
-    Floats = NDArray[np.float64]
-    Bools = NDArray[np.bool_]
     Codes = NDArray[np.int8]
 
 # ------------------------------------------------------------------------------

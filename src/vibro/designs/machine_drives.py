@@ -29,15 +29,13 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from numpy.typing import NDArray
-
     from vibro.designs.questions import Question
     from vibro.designs.spaces import Setting, Span
     from vibro.files.entries import Table
     from vibro.files.machines import GivenMachine
     from vibro.machines.machine import Machine, Response
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
 
 _LEVELS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the band of filling
 _DRAWN: Final = 8  # base-2 logarithm of the number of samples that are drawn evenly

@@ -37,10 +37,9 @@ if TYPE_CHECKING:
 
     from vibro.designs.questions import Question
     from vibro.designs.spaces import AnySetting, Span, UncertaintySet
+    from vibro.reals import Bools, Floats
     from vibro.results.designs import Guarantee
 
-    Floats = NDArray[np.float64]
-    Bools = NDArray[np.bool_]
 
 #: [1] Largest margin that is searched: factor on the bands.
 MOST_MARGIN: Final = 10.0

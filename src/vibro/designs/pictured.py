@@ -20,13 +20,11 @@ from vibro.steady import solve
 from vibro.units import SPEED
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from vibro.designs.design import Chosen
     from vibro.designs.questions import Spec
     from vibro.designs.spaces import UncertaintySet
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
     Begins = dict[Regime, tuple[float, float]]
 
 # points of a curve; fewer with restitution, since bounces are slow to solve

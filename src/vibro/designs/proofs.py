@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.designs.spaces import UncertaintySet
+    from vibro.reals import Floats
     from vibro.scene import Scene
 
-    Floats = NDArray[np.float64]
 
 # ------------------------------------------------------------------------------
 # Loads at which bodies change their regime, for every kind of drive.

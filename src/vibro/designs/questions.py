@@ -27,9 +27,8 @@ if TYPE_CHECKING:
     from vibro.designs.spaces import AnySetting, Ends, Points, Space, Span
     from vibro.drives import Ellipse, Harmonics, Line, Motion, Piecewise
     from vibro.machines.machine import Machine
+    from vibro.reals import Bools, Floats
 
-    Floats = NDArray[np.float64]
-    Bools = NDArray[np.bool_]
 
 # ------------------------------------------------------------------------------
 # Questions of inverse design: bands of parts and trough, the choices of the drives, the goal.

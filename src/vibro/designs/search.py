@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
+
 
 _OVERHANG: Final = 0.1  # trial points this far outside are moved to the face, where optima often are
 _SETTLED: Final = 1e-12  # relative spread of the population at which the search ends

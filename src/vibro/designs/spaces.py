@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.drives import Motion
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
     Ends = tuple[Any, Any]
     Span = tuple[float, float]  # both ends of a closed interval
 

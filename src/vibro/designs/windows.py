@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
     from vibro.designs.questions import Question
     from vibro.designs.spaces import AnySetting, Points, UncertaintySet
+    from vibro.reals import Floats
     from vibro.results.designs import Guarantee
 
-    Floats = NDArray[np.float64]
 
 #: Amplitudes at which a single body that may hop is solved, without and with restitution: bounces take up to
 #: a hundred times as long. Its speed jumps with the amplitude, so that more samples find more slivers alone.

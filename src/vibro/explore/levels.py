@@ -32,10 +32,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.reals import Floats
     from vibro.scene import Scene
     from vibro.sweeps.grid import Grid
 
-    Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
 __all__ = ["LOADS", "MapCells", "Shown"]

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from vibro.explore.levels import Shown
     from vibro.explore.state import State
     from vibro.plots.scales import Scale
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
     Curves = list[tuple[str, CurveStyle, list[Floats]]]
 
 __all__ = ["packed_map"]

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.reals import Floats
     from vibro.results.steady import SteadyCycle
     from vibro.sweeps.grid import Grid
 
-    Floats = NDArray[np.float64]
 
 __all__ = ["foreseen"]
 

@@ -15,9 +15,8 @@ from vibro.units import PERCENT
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
 
 _EXAMPLE: Final = "frequency_hz,amplitude_mm"
 #: Relative standard error of an amplitude.

@@ -13,9 +13,7 @@ from vibro.errors import Problem, SceneError, shown
 from vibro.reals import NotRealError, real_array, shielded
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
 
 
 Law = Literal["constant", "square"]

@@ -14,10 +14,10 @@ from vibro.reals import NotRealError, real_array, real_number, shielded
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Floats = NDArray[np.float64]
-    Complexes = NDArray[np.complex128]
+    from vibro.reals import Complexes, Floats
+
 
 # ------------------------------------------------------------------------------
 # A linear machine of one or two masses, Eq. (83): motion for a force of 1 N, and its logarithmic slopes.

@@ -25,10 +25,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from vibro.machines.machine import Transfer
+    from vibro.reals import Complexes, Floats
     from vibro.results.operating import Filling
 
-    Floats = NDArray[np.float64]
-    Complexes = NDArray[np.complex128]
     Cells = NDArray[np.int64]
 
 

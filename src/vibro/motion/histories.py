@@ -29,13 +29,13 @@ from vibro.steady import solve
 from vibro.threads import Grid, Scratch, lasting, over_cells
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from vibro.files.csv_tables import TableColumns
     from vibro.quantities import Quantity
+    from vibro.reals import Floats
     from vibro.scene import Scene
 
-    Floats = NDArray[np.float64]
 
 # ------------------------------------------------------------------------------
 # When bodies arrive: the exact time from rest over a length, for scenes of any shape, in SI units.

@@ -20,13 +20,10 @@ from vibro.steady import solve
 from vibro.threads import Grid
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from vibro.reals import Floats
     from vibro.results.history import History, Phase, Sample
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs

@@ -15,11 +15,10 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
+    from vibro.reals import Floats
     from vibro.records.comparison import Comparison
 
-    Floats = NDArray[np.float64]
     Look = Mapping[str, Any]
     Models = list[tuple[Comparison, Look]]
 

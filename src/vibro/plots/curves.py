@@ -20,13 +20,12 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from vibro.plots.fields import Fields
     from vibro.plots.view import View
+    from vibro.reals import Floats
     from vibro.results.sweep import SweepResult
 
-    Floats = NDArray[np.float64]
     Look = Mapping[str, Any]
 
 _SIZE: Final = (7.4, 4.6)  # [in]

@@ -25,13 +25,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from vibro.designs.design import Chosen
     from vibro.designs.questions import Spec
+    from vibro.reals import Floats
     from vibro.results.designs import SettingFields, SpeedBand
 
-    Floats = NDArray[np.float64]
 
 _BEGINS_TO: Final = dict(zip(BEGINS_AT, ("starts", "slips back", "hops"), strict=True))
 _TIPS: Final = style.CurveStyle("first part lifts an edge", style.TIPPING, 1.6)

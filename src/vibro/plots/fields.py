@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.plots.view import Panel
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
 
 # Beyond one of these other curves another regime holds: the curve is no boundary there.
 HIDDEN_BY: Final = {

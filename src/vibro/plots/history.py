@@ -17,11 +17,10 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
+    from vibro.reals import Floats
     from vibro.results.history import Phase, Sample
 
-    Floats = NDArray[np.float64]
 
 _START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
 _STOP_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "o", "markerfacecolor": "#FFFFFF"}

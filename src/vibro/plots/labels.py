@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
+
     Points = NDArray[np.complex128]
     Integers = NDArray[np.int32]
 

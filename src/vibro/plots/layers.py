@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from vibro.plots.fields import Fields
     from vibro.plots.scales import Scale
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
 
 WHITE: Final = {"facecolor": style.REGIME_COLOURS[Regime.NO_SLIP]}
 _COVERS: Final = 2.0  # zorder of the uppermost cover

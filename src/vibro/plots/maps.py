@@ -16,12 +16,10 @@ from vibro.plots.subjects import SUBJECTS, heading_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from vibro.plots.fields import Fields
+    from vibro.reals import Floats
     from vibro.results.sweep import SweepResult
-
-    Floats = NDArray[np.float64]
 
 
 def map_figure(

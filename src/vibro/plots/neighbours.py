@@ -13,7 +13,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
+
     Integers = NDArray[np.int32]
     Mask = NDArray[np.bool_]
 

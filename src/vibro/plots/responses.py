@@ -15,11 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from vibro.machines.fitting import ResponseFit
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
 
 _SIZE: Final = (7.4, 5.2)  # [in]
 _CURVE: Final[Mapping[str, Any]] = {"color": BLUE, "linewidth": 1.6}

@@ -9,9 +9,9 @@ import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap, Normalize
-    from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
+
 
 _NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
 _BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would trace its rounding errors

@@ -9,9 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
+    from vibro.reals import Floats
 
-    Floats = NDArray[np.float64]
 
 # [m/s] Keeps times finite where the body moves backwards or rests.
 _LEAST_VELOCITY: Final = 1e-12

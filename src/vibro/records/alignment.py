@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +19,11 @@ from vibro.quantities import AMPLITUDES
 from vibro.records.reading import TOL, Record
 from vibro.scene import Scene
 
+if TYPE_CHECKING:
+    from vibro.reals import Floats
+
 # ------------------------------------------------------------------------------
 # The periodic part of a noisy signal: regression on the harmonics of the drive, with standard errors.
-
-Floats = NDArray[np.float64]
 
 
 class Estimate(NamedTuple):

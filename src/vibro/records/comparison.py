@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.records.alignment import (
     Alignment,
     Estimate,
-    Floats,
     Folded,
     Observation,
     align,
@@ -26,6 +25,9 @@ from vibro.records.alignment import (
 from vibro.records.reading import DERIVATIVES, TOL, doubt, rounded
 from vibro.results.history import Phase, Sample
 from vibro.scene import Scene
+
+if TYPE_CHECKING:
+    from vibro.reals import Floats
 
 # ------------------------------------------------------------------------------
 # Whether the motion of a part is relative to the trough, or over the ground and holds the trough's.

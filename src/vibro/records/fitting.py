@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Final, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
 import numpy as np
 from scipy.special import stdtrit
@@ -14,10 +14,13 @@ from scipy.special import stdtrit
 from vibro.errors import InputError, cut, shown
 from vibro.motion.settled import settled_motion
 from vibro.quantities import AMPLITUDES, QUANTITIES
-from vibro.records.alignment import Floats, Observation, check_scene
+from vibro.records.alignment import Observation, check_scene
 from vibro.records.problem import FITTABLE, HOPS, Moves, Problem, fittable, starts
 from vibro.records.reading import TOL
 from vibro.scene import Scene
+
+if TYPE_CHECKING:
+    from vibro.reals import Floats
 
 # ------------------------------------------------------------------------------
 # The least misfit of one pattern: Levenberg-Marquardt with geodesic acceleration, and steps along edges.

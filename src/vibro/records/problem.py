@@ -9,7 +9,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,6 @@ from vibro.errors import VibroError
 from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR
 from vibro.records.alignment import (
-    Floats,
     Observation,
     computed_signals,
     detrended,
@@ -36,6 +35,9 @@ from vibro.results.steady import SteadyCycle
 from vibro.scene import Fields, Scene
 from vibro.slopes import slides_of
 from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from vibro.reals import Floats
 
 # ------------------------------------------------------------------------------
 # Steady motions of many scenes, sampled at the times of one record, for searches.

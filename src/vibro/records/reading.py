@@ -8,15 +8,17 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibro.errors import InputError, argument, cut, did_you_mean, shown
 from vibro.files.reading import read_text, rows_of
-from vibro.records.alignment import Floats
 from vibro.units import LENGTH, SPEED
+
+if TYPE_CHECKING:
+    from vibro.reals import Floats
 
 # ------------------------------------------------------------------------------
 # Limits, steps and thresholds of the analysis of records, each with its unit and reason.

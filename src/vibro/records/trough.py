@@ -22,13 +22,15 @@ from vibro.core.codes import Regime, Status
 from vibro.errors import InputError, VibroError, argument, shown
 from vibro.quantities import AMPLITUDES, DRIVES, ELLIPTICAL, LINEAR, MOST_HARMONICS, QUANTITIES
 from vibro.reals import shielded
-from vibro.records.alignment import Estimate, Floats, Repetition, fold, harmonics
+from vibro.records.alignment import Estimate, Repetition, fold, harmonics
 from vibro.records.reading import SIGNAL_UNITS, TOL, Record, doubt, read_record, read_sensitivities, rounded
 from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from os import PathLike
+
+    from vibro.reals import Complexes, Floats
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
 _TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
@@ -390,7 +392,6 @@ def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | No
 # amplitudes, and an acceleration by differences would be noise. Its harmonics are told as those of the
 # acceleration, which the loads of a drive are.
 
-Complexes = NDArray[np.complex128]
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
 _SEED: Final = 1

@@ -12,12 +12,8 @@ from vibro.units import SPEED
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from vibro.core.codes import Regime
-
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
 
 
 class Interval(NamedTuple):

@@ -36,10 +36,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import ArrayLike, NDArray
 
+    from vibro.reals import Floats
     from vibro.scene import Scene
     from vibro.threads import Grid
 
-    Floats = NDArray[np.float64]
 
 # ------------------------------------------------------------------------------
 # Phases of a history in rows, in the units of tables.

@@ -13,9 +13,9 @@ from vibro.units import ENERGY, FORCE, LENGTH, PERCENT, POWER, SPEED
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vibro.reals import Floats
     from vibro.results.sweep import Block
 
-    Floats = NDArray[np.float64]
 
 # ------------------------------------------------------------------------------
 # What lies in a trough, as its drive feels it: shares of added mass and damping, energy, second harmonic.

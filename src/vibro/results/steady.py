@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
+
     Codes = NDArray[np.int8]
 
 

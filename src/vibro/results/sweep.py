@@ -20,9 +20,8 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.limits import CriticalLoads
+    from vibro.reals import Floats
     from vibro.results.steady import SteadyCycle
-
-    Floats = NDArray[np.float64]
 
 
 # The load grows with the first three; critical loads depend on none of these.

@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.quantities import Quantity
-
-    Floats = NDArray[np.float64]
+    from vibro.reals import Floats
 
 
 def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:

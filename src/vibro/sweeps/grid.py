@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.files.machines import GivenMachine
     from vibro.files.motions import GivenMotion
+    from vibro.reals import Floats
     from vibro.results.steady import SteadyCycle
 
-    Floats = NDArray[np.float64]
 
 #: Key of a description: the quantity in which the amplitude was given, if that is another one.
 GIVEN_IN: Final = "amplitude_given_as"

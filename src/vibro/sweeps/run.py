@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.limits import CriticalLoads
+    from vibro.reals import Floats
     from vibro.results.sweep import Peak
     from vibro.sweeps.grid import Grid
 
-    Floats = NDArray[np.float64]
 
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2

@@ -19,12 +19,9 @@ from vibro.units import PERCENT
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
+    from vibro.reals import Floats
     from vibro.results.operating import Filling
     from vibro.results.sweep import Block
-
-    Floats = NDArray[np.float64]
 
 
 _FILLING: Final = "filling_kg"
