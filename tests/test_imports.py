@@ -103,6 +103,7 @@ CALLS = {
     "solve": "vibro.solve(scene).pattern == 'F_'",
     "sweep": "vibro.sweep(nut, frequency_hz=15).shape == (200,)",
     "transitions": "len(vibro.transitions(scene)) == 4",
+    "trough_motion": f"isinstance({_MEASURED.replace('measured_motion', 'trough_motion')}, vibro.Motion)",
     "write_sweep": "vibro.write_sweep(f'{stored}2', nut, amplitude_mm=[1, 2], frequency_hz=15).shape == (2,)",
     "yield_share": "vibro.yield_share(scene, 0.01, highest_regime='back-slip')[0] == 1.0",
 }

@@ -11,7 +11,7 @@ from helpers.cases import each
 
 from vibro import Motion, SceneError
 from vibro.drives import MOST_PIECES, HarmonicMotion, PiecewiseMotion
-from vibro.records.trough import measured_motion
+from vibro.records.trough import measured_motion, trough_motion
 
 SLIP_STICK = [(0.8, 6.9), (0.2, -27.6)]
 
@@ -184,7 +184,7 @@ def test_a_measured_motion_has_the_harmonics_of_its_record() -> None:
         "trough_normal": "Trog normal",
         "sensitivity": "100mV/g",
     }
-    motion, measured = Motion.measured(record, **columns), measured_motion(record, **columns)
+    motion, measured = trough_motion(record, **columns), measured_motion(record, **columns)
     assert isinstance(motion, HarmonicMotion)
     for way, expected in ((motion.along, measured.along), (motion.normal, measured.normal)):
         assert [float(size) for size, _ in way] == pytest.approx(np.abs(expected).tolist(), rel=1e-15)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from vibro.machines.operating import OperatingPoints, operate, operating_points
     from vibro.motion.attractors import attractors
     from vibro.motion.histories import arrival_time, simulate
-    from vibro.records.trough import MeasuredMotion, measured_motion
+    from vibro.records.trough import MeasuredMotion, measured_motion, trough_motion
     from vibro.results.attractors import Attractor, Attractors
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
     from vibro.results.history import History
@@ -71,6 +71,7 @@ __all__ = [
     "solve",
     "sweep",
     "transitions",
+    "trough_motion",
     "write_sweep",
     "yield_share",
 ]
@@ -114,6 +115,7 @@ _HOMES = {
     "solve": "vibro.steady",
     "sweep": "vibro.sweeps.whole",
     "transitions": "vibro.limits",
+    "trough_motion": "vibro.records.trough",
     "write_sweep": "vibro.tables.writing",
     "yield_share": "vibro.designs.windows",
 }

@@ -21,7 +21,6 @@ from vibro.reals import NotRealError, real_array, shielded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
-    from os import PathLike
 
     from numpy.typing import ArrayLike
 
@@ -178,7 +177,7 @@ _QUANTITIES: Final = ("acceleration", "displacement")
 class Motion:
     """One period of any periodic motion of a trough, for ``Scene(motion=...)``.
 
-    Make it with ``Motion.harmonics``, ``Motion.steps``, ``Motion.samples`` or ``Motion.measured``. Motion
+    Make it with ``Motion.harmonics``, ``Motion.steps``, ``Motion.samples`` or ``vibro.trough_motion``. Motion
     along the trough is positive in the conveying direction, motion normal to it is positive upwards. Without
     values for a direction the trough does not move in it.
     """
@@ -295,43 +294,6 @@ class Motion:
         3.000000 m/s^2
         """
         return sampled_motion(along, normal, of, ("along", "normal"))
-
-    @staticmethod
-    @shielded
-    def measured(path: str | PathLike[str], **columns: Any) -> Motion:
-        """Return the motion that sensors on a trough have measured, as a sum of harmonics.
-
-        ``vibro.measured_motion`` returns the frequency and the standard errors too.
-
-        Parameters
-        ----------
-        path : str or path
-            File of the record.
-        **columns
-            Other arguments of ``vibro.measured_motion``.
-
-        Raises
-        ------
-        FileError, InputError
-            As for ``vibro.measured_motion``.
-
-        Examples
-        --------
-        >>> import vibro
-        >>> motion = vibro.Motion.measured(
-        ...     "examples/data/nut_trough_mv.csv", trough_along="Trog längs",
-        ...     trough_normal="Trog normal", sensitivity="100mV/g")
-        >>> print(f"{1e3 * float(motion.along[0][0]):.2f} mm along")
-        0.96 mm along
-        """
-        from vibro.records.trough import measured_motion  # late: reading records is a room above
-
-        measured = measured_motion(path, **columns).motion
-        along, normal = (
-            [(abs(z), np.angle(z)) for z in way] if way.any() else None
-            for way in (measured.along, measured.normal)
-        )
-        return Motion.harmonics(along, normal)
 
 
 @dataclass(frozen=True, eq=False)

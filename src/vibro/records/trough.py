@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from vibro.core.codes import Regime, Status
+from vibro.drives import Motion
 from vibro.errors import InputError, VibroError, argument, shown
 from vibro.quantities import AMPLITUDES, DRIVES, ELLIPTICAL, LINEAR, MOST_HARMONICS, QUANTITIES
 from vibro.reals import shielded
@@ -739,6 +740,41 @@ def measured_motion(
     texts = [sensitivity] if isinstance(sensitivity, str) else sensitivity
     record = read_record(Path(path), columns, read_sensitivities(texts), body=False)
     return motion_of(record, reverse=reverse, drive_angle=drive_angle)
+
+
+@shielded
+def trough_motion(path: str | PathLike[str], **columns: Any) -> Motion:
+    """Return the motion that sensors on a trough have measured, as a sum of harmonics.
+
+    ``vibro.measured_motion`` returns the frequency and the standard errors too.
+
+    Parameters
+    ----------
+    path : str or path
+        File of the record.
+    **columns
+        Other arguments of ``vibro.measured_motion``.
+
+    Raises
+    ------
+    FileError, InputError
+        As for ``vibro.measured_motion``.
+
+    Examples
+    --------
+    >>> import vibro
+    >>> motion = vibro.trough_motion(
+    ...     "examples/data/nut_trough_mv.csv", trough_along="Trog längs",
+    ...     trough_normal="Trog normal", sensitivity="100mV/g")
+    >>> print(f"{1e3 * float(motion.along[0][0]):.2f} mm along")
+    0.96 mm along
+    """
+    measured = measured_motion(path, **columns).motion
+    along, normal = (
+        [(abs(z), np.angle(z)) for z in way] if way.any() else None
+        for way in (measured.along, measured.normal)
+    )
+    return Motion.harmonics(along, normal)
 
 
 def motion_of(
