@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.core.compiled import doors
 from vibro.drives import Ability, Ellipse, Line
 from vibro.errors import Problem, SceneError
 from vibro.reals import shielded
@@ -17,7 +16,7 @@ from vibro.results.operating import Filling
 from vibro.scene import Scene
 from vibro.slopes import speed_exponent
 from vibro.steady import solve
-from vibro.threads import Grid, Scratch, over_cells
+from vibro.threads import Grid, Scratch, doors, over_cells
 
 if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.compiled import doors
 from vibro.core.numbers import CLASSES
 from vibro.drives import Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError
 from vibro.quantities import STAND_RATIO
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.steady import solve
-from vibro.threads import Grid, lasting, over_cells
+from vibro.threads import Grid, doors, lasting, over_cells
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import SPELT_PATTERNS, Pattern, Regime, Status
-from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.scene import Scene
 from vibro.steady import solve
-from vibro.threads import Grid, over_cells
+from vibro.threads import Grid, doors, over_cells
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from vibro.core.codes import IRREGULAR, LETTERS, Mode, Output, Status, spelt_code
-from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.errors import InputError, shown
 from vibro.reals import shielded
 from vibro.results.steady import RESULTS, SteadyCycle
-from vibro.threads import Grid, Scratch, over_cells
+from vibro.threads import Grid, Scratch, doors, over_cells
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
-from vibro.core.compiled import doors
+from vibro.core import compiled
 from vibro.core.numbers import (
     BODIES,
     FIELDS,
@@ -23,6 +23,7 @@ from vibro.core.numbers import (
     PIECES,
     ROOM,
 )
+from vibro.errors import VibroError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -41,6 +42,20 @@ BLOCK: Final = 131_072
 
 # [s] How long an interrupt may go unnoticed: on Windows a wait without an end ignores it.
 _PATIENCE: Final = 0.1
+
+
+def doors() -> compiled.Doors:
+    """Load the solver.
+
+    Raises
+    ------
+    VibroError
+        If the compiled library is not of the source beside it.
+    """
+    try:
+        return compiled.doors()
+    except ImportError as exc:
+        raise VibroError(str(exc)) from None
 
 
 def cores() -> int:

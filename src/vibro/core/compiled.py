@@ -14,8 +14,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import VibroError
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -129,7 +127,7 @@ def doors() -> Doors:
 
     Raises
     ------
-    VibroError
+    ImportError
         If the compiled library is not of the source beside it.
     """
     path = library_path()
@@ -140,14 +138,14 @@ def doors() -> Doors:
         library.vibro_sources.restype = ctypes.c_char_p
         digest, *names = library.vibro_sources().decode().split("\n")
     except (OSError, AttributeError) as exc:
-        raise VibroError(f"the compiled solver {path} cannot be loaded: {exc}; {_REMEDY}") from None
+        raise ImportError(f"the compiled solver {path} cannot be loaded: {exc}; {_REMEDY}") from None
     whole = hashlib.sha256()
     for name in names:
         source = _FOLDER / name
         text = source.read_bytes() if source.is_file() else b""
         whole.update(name.encode() + b"\0" + text + b"\0")
     if whole.hexdigest() != digest:
-        raise VibroError(
+        raise ImportError(
             f"the compiled solver {path} was built from another version of the source; {_REMEDY}"
         )
     return Doors(library)

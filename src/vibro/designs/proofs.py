@@ -13,13 +13,12 @@ import numpy as np
 
 from vibro.core.boxes import AXES, BETA
 from vibro.core.codes import Regime
-from vibro.core.compiled import doors
 from vibro.designs.search import evolve, placed, sobol
 from vibro.designs.spaces import Points
 from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load, tipping_load_of_lines
 from vibro.results.designs import Certificate
 from vibro.steady import solve
-from vibro.threads import lasting
+from vibro.threads import doors, lasting
 
 if TYPE_CHECKING:
     from collections.abc import Callable

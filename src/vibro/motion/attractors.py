@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import LETTERS, PATTERNS, spelt_text
-from vibro.core.compiled import doors
 from vibro.drives import Ability
 from vibro.motion.histories import Start, follow_body, grid_of
 from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors
 from vibro.steady import turned
-from vibro.threads import Scratch, lasting
+from vibro.threads import Scratch, doors, lasting
 
 if TYPE_CHECKING:
     from vibro.scene import Scene

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Status
-from vibro.core.compiled import doors
 from vibro.core.numbers import EXTREME, LONGEST_CYCLE, MOST_BOUNCES, MOST_CYCLES, TURN
 from vibro.errors import InputError, Problem, SceneError, VibroError
 from vibro.quantities import (
@@ -26,7 +25,7 @@ from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.history import MOST_PHASES, History, Legs, Sample, SolvedMotion, in_mm, trough_phase
 from vibro.results.steady import lengths_of
 from vibro.steady import solve
-from vibro.threads import Grid, Scratch, lasting, over_cells
+from vibro.threads import Grid, Scratch, doors, lasting, over_cells
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

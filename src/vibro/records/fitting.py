@@ -22,6 +22,8 @@ from vibro.scene import Scene
 if TYPE_CHECKING:
     from vibro.reals import Floats
 
+    _Move = Callable[[Floats], Floats]
+
 # ------------------------------------------------------------------------------
 # The least misfit of one pattern: Levenberg-Marquardt with geodesic acceleration, and steps along edges.
 #
@@ -37,9 +39,6 @@ if TYPE_CHECKING:
 # residuals of many points take hardly longer than those of one.
 
 _DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(*TOL.distances)).ravel()
-
-
-_Move = Callable[[Floats], Floats]
 
 
 class Minimum(NamedTuple):

@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 import numpy as np
 
 from vibro.core.codes import LETTERS, PHASE_NAMES, Mode
-from vibro.core.compiled import doors
 from vibro.core.numbers import TURN, Moments
 from vibro.drives import PiecewiseMotion
 from vibro.errors import InputError, VibroError, cut, shown
 from vibro.html_tables import amount, html_table
 from vibro.reals import NotRealError, real_array, shielded
+from vibro.threads import doors
 from vibro.units import LENGTH
 
 if TYPE_CHECKING:
