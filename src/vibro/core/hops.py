@@ -769,16 +769,9 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
     Over a cycle the normal impulse is that of the weight; where gravity along the trough exceeds static
     friction under it, every cycle adds speed: ``RUNAWAY``.
     """
-    slope, weight = abs(loads.weight_tangential), loads.weight_normal
-    if loads.drive_normal > MOST_THROW * weight:
-        return _unanswered(Status.FLIGHT_NOT_MODELLED)
-    if loads.static_friction == 0.0:
-        return _unanswered(Status.INDETERMINATE)
-    if slope >= loads.static_friction * weight:
-        return _unanswered(Status.RUNAWAY)
-    track = track_of(loads, restitution)
-    out = _cycle(track, restitution, flights, hops)
+    out = repeating(loads, restitution, flights, hops)
     if out.status == Status.UNRESOLVED:
+        track = track_of(loads, restitution)
         time, path, gain = doubles(2 * BODIES), doubles(2 * BODIES), doubles(2 * BODIES)
         swing, start, row = doubles(2 * BODIES), doubles(2 * BODIES), integers(3 * BODIES)
         bodies = Bodies(time, path, gain, swing, start, row)
@@ -786,8 +779,21 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
     if out.status == Status.OK and is_held_at_limit(loads):
         out = out._replace(status=int(Status.BOUNDARY))
     if out.status <= Status.BOUNDARY or out.status == Status.AVERAGED:
-        return out._replace(coexists=1 if slope > loads.kinetic_friction * weight else -1)
+        runs_on = abs(loads.weight_tangential) > loads.kinetic_friction * loads.weight_normal
+        return out._replace(coexists=1 if runs_on else -1)
     return out
+
+
+def repeating(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> Hopping:
+    """Find it if it repeats; ``UNRESOLVED`` where no cycle was found before rounding could choose it."""
+    weight = loads.weight_normal
+    if loads.drive_normal > MOST_THROW * weight:
+        return _unanswered(Status.FLIGHT_NOT_MODELLED)
+    if loads.static_friction == 0.0:
+        return _unanswered(Status.INDETERMINATE)
+    if abs(loads.weight_tangential) >= loads.static_friction * weight:
+        return _unanswered(Status.RUNAWAY)
+    return _cycle(track_of(loads, restitution), restitution, flights, hops)
 
 
 def _unanswered(status: int) -> Hopping:

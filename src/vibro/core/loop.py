@@ -40,7 +40,19 @@ from vibro.core.flight import Bounces, Flights, fly_round
 from vibro.core.history import LastStarts, Launch, Legs, arrival_cycles, course_of, follow_legs, sections_from
 from vibro.core.hops import cycle_of, entered, hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load, wave_limits, write_spans
-from vibro.core.numbers import EXTREME, MOST_THROW, NAN, TURN, Bytes, Doubles, Integers, Moments, wrap
+from vibro.core.numbers import (
+    EXTREME,
+    MOST_THROW,
+    NAN,
+    TURN,
+    Bytes,
+    Doubles,
+    Integers,
+    Moments,
+    doubles,
+    wrap,
+)
+from vibro.core.operating import Feeder, operating_point
 from vibro.core.return_map import Hops, orbit_from
 from vibro.core.scenes import Place, Point, Scenes, point_at, prepare, seek, unit_point_at, visit
 from vibro.core.slides import thresholds
@@ -49,6 +61,14 @@ from vibro.core.waves import SINE
 
 # ------------------------------------------------------------------------------
 # Doors of single motions: scenes in buffers in, histories, their moments and arrival times out.
+
+
+# Amplitudes that are looked at between the bounds of operating points: logarithms of the ratio of neighbours,
+# and their largest number.
+_STEP: Final = 0.03
+_MOST_STEPS: Final = 64
+_FINE_STEP: Final = 0.002
+_MOST_FINE_STEPS: Final = 2048
 
 
 class Cycle(NamedTuple):
@@ -565,6 +585,58 @@ def weigh(
         out.bound[i] = bound
 
 
+class _Machines(NamedTuple):
+    """Amplitude of each cell's machine without a body [m], and how far the body's mass pulls it, m H [1]."""
+
+    empty: Doubles
+    pull_real: Doubles
+    pull_imaginary: Doubles
+
+
+class _Operated(NamedTuple):
+    """Operating points of cells, as ``OperatingPoint`` describes them."""
+
+    amplitude: Doubles
+    low: Doubles
+    high: Doubles
+    solved_at: Doubles
+    number: Integers
+    status: Bytes
+
+
+def operate(
+    scenes: Scenes, place: Place, machines: _Machines, out: _Operated, flights: Flights, hops: Hops,
+    begin: int, end: int,
+) -> None:  # fmt: skip
+    """Find the operating point of least amplitude of each cell; the scenes have an amplitude of 1 m."""
+    nothing = doubles(1)
+    for i in range(begin, end):
+        visit(scenes, place, i, begin)
+        feeder = _feeder(scenes, place, machines, i, flights, hops)
+        found = operating_point(feeder, _STEP, _MOST_STEPS, nothing, 0)
+        out.amplitude[i], out.low[i], out.high[i] = found.amplitude, found.low, found.high
+        out.solved_at[i], out.number[i], out.status[i] = found.solved_at, found.number, found.status
+
+
+def operating_points(
+    scenes: Scenes, place: Place, machines: _Machines, flights: Flights, hops: Hops, out: Doubles, room: int
+) -> int:
+    """List the amplitudes of all operating points of the first cell, as far as there is room."""
+    seek(scenes, place, 0)
+    feeder = _feeder(scenes, place, machines, 0, flights, hops)
+    return operating_point(feeder, _FINE_STEP, _MOST_FINE_STEPS, out, room).number
+
+
+def _feeder(
+    scenes: Scenes, place: Place, machines: _Machines, cell: int, flights: Flights, hops: Hops
+) -> Feeder:
+    one, unit = point_at(scenes, place), unit_point_at(scenes, place).loads
+    return Feeder(
+        unit, one.loads.weight_normal / unit.weight_normal, one.restitution, machines.empty[cell],
+        machines.pull_real[cell], machines.pull_imaginary[cell], flights, hops,
+    )  # fmt: skip
+
+
 #: What is compiled as functions of the library.
 DOORS: Final = (
     arrivals,
@@ -580,6 +652,8 @@ DOORS: Final = (
     history,
     load_slopes,
     moments,
+    operate,
+    operating_points,
     prepare,
     return_of_flights,
     slips_back,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -12,39 +11,27 @@ from vibro.core.codes import Status, is_answered
 from vibro.drives import Motion
 from vibro.errors import InputError, shown
 from vibro.fillings import filling_of
-from vibro.limits import critical_loads_of_lines
 from vibro.machines.machine import Machine, broadcast, driven, transfer
 from vibro.quantities import QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.results.operating import WARNED_HARMONIC
-from vibro.roots import sign_changes
 from vibro.scene import Scene
 from vibro.steady import check_switch, solve
+from vibro.threads import Grid, Scratch, doors, lasting, over_cells
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from vibro.machines.machine import Transfer
     from vibro.reals import Complexes, Floats
-    from vibro.results.operating import Filling
 
     Cells = NDArray[np.int64]
 
 
-# Amplitudes that are computed: logarithms of the ratio of neighbours, and their largest number.
-_STEP: Final = 0.03
-_FINE_STEP: Final = 0.002
-_MOST: Final = 64
-_FINE_MOST: Final = 2048
-# Where slides begin or change their kind, shares jump and have roots of the distance: relative distances of
-# the amplitudes computed there. Critical loads are exact to a few ulp.
-_NEAR_JUMPS: Final = (-1e-12, 1e-12, 1e-6, 1e-4, 1e-3, 1e-2)
-_LEAST: Final = 1e-3  # [1] of the empty amplitude: least one that is computed for bodies that never rest
-_ROUNDING: Final = 1e-9  # [1] by which bounds are widened
-_JUMP: Final = 1e-9  # [1] residual over the empty amplitude that only a jump leaves in a closed bracket
 _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  # of what is checked after it
 _NEIGHBOUR: Final = 1.0 + 1e-6  # [1] of a frequency at which no trough is as wide as an amplitude
-_CHUNK: Final = 8192  # [cells] whose amplitudes are held at once
+_RANGE: Final = 64  # [cells] so that an interrupt is noticed within a fraction of a second
+_MOST_POINTS: Final = 64  # that are listed
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -342,9 +329,7 @@ def operate(
     found = _Found.empty(case, shares)
     if shares is None:
         full = np.flatnonzero((case.filling > 0.0) & (case.compliance != 0.0))
-        for start in range(0, full.size, _CHUNK):
-            cells = full[start : start + _CHUNK]
-            _solve(_Together.of(case, cells, threads), cells, found, _STEP, _MOST)
+        _solve(case, full, found, threads)
         _weigh(case, found, threads)
     return _points(machine, case, found, allow_strikes=allow_strikes)
 
@@ -390,15 +375,17 @@ def operating_points(machine: Machine, **case: Any) -> tuple[float, ...]:
     points = operate(machine, **case)
     if shape := np.shape(points.amplitude):
         raise InputError(f"shape = {shape}: must be one case", hint="vibro.operate takes arrays")
-    threads, share = case.pop("threads", None), case.pop("added_mass_share", None)
-    for name in ("added_damping_share", "allow_strikes"):
+    share = case.pop("added_mass_share", None)
+    for name in ("added_damping_share", "allow_strikes", "threads"):
         case.pop(name, None)
     one = _case(machine, **case)
     if share is not None or one.filling == 0.0 or one.compliance == 0.0 or points.number == 0:
         return (float(points.amplitude),) * int(points.number)
-    together = _Together.of(one, np.zeros(1, np.int64), threads)
-    further = together.close_in(together.turns(together.scan(_FINE_STEP, _FINE_MOST))).amplitude
-    return (*together.linear[together.sticks].tolist(), *further.tolist())
+    grid, machines = _grid_of(one, np.zeros(1, np.int64))
+    scratch, amplitudes = Scratch(), np.empty(_MOST_POINTS)
+    buffers = doors().rows(machines), scratch.flights, scratch.hops, doors().row(amplitudes)
+    number = lasting(lambda: doors().operating_points(grid.scenes, grid.place(), *buffers, amplitudes.size))
+    return tuple(amplitudes[:number].tolist())
 
 
 _FRICTIONS: Final = ("drive_angle", "static_friction", "kinetic_friction")
@@ -529,259 +516,33 @@ class _Found(NamedTuple):
         )
 
 
-class _Nodes(NamedTuple):
-    """Amplitudes that were computed, by cells and by size.
-
-    Attributes
-    ----------
-    cell, amplitude, residual, status : array
-        Residual of Eq. (87), 0 where the share is unknown [m], and status of the body there.
-    first : array
-        Index of the first node of each cell, and of the one behind the last.
-    """
-
-    cell: Cells
-    amplitude: Floats
-    residual: Floats
-    status: NDArray[np.int8]
-    first: Cells
+def _grid_of(case: _Case, cells: Cells) -> tuple[Grid, Floats]:
+    """Return the scenes of some cells at an amplitude of 1 m, and what the solver takes of their machines."""
+    body = {name: x[cells] for name, x in case.body.items()}
+    pull = (case.filling * case.compliance)[cells]
+    machines = np.stack([case.empty[cells], pull.real, pull.imag])
+    scene = Scene.computed(amplitude=np.ones(cells.shape), frequency=case.frequency[cells], **body)
+    grid = Grid(scene.arrays())
+    grid.hold(machines)
+    return grid, machines
 
 
-class _Turns(NamedTuple):
-    """Where the sign of the residual changes, by cells and by size.
-
-    Attributes
-    ----------
-    cell : array
-        Index of its machine.
-    low, high, at_low, at_high : array
-        Amplitudes below and above, with known shares where there are such, and the residual there [m].
-    last : array
-        Index of the last node computed so far.
-    inside : array
-        Amplitude between the two where shares are unknown, if there is such a node [m].
-    settled : bool array
-        Whether there is none.
-    """
-
-    cell: Cells
-    low: Floats
-    high: Floats
-    at_low: Floats
-    at_high: Floats
-    last: Cells
-    inside: Floats
-    settled: NDArray[np.bool_]
-
-    def picked(self, index: Cells) -> _Turns:
-        """Return some of them."""
-        picked: list[Any] = [x[index] for x in self]
-        return _Turns(*picked)
-
-
-class _Points(NamedTuple):
-    """Operating points at turns: amplitudes [m], ends of their intervals [m], and what they are."""
-
-    amplitude: Floats
-    low: Floats
-    high: Floats
-    jumps: NDArray[np.bool_]
-    settled: NDArray[np.bool_]
-
-
-class _Together(NamedTuple):
-    """Machines with fillings whose amplitudes are sought; flat arrays, one value a cell.
-
-    Attributes
-    ----------
-    empty : array
-        A_0 [m].
-    pull : complex array
-        m H: the residual is A abs(1 + m H (lambda - i delta)(A)) - A_0 [1].
-    fields : mapping of str to array
-        Of the scenes, without the amplitude.
-    linear : array
-        Amplitude with a filling that does not slip [m].
-    sticks : bool array
-        Whether it does not, at that amplitude.
-    low, high : array
-        Between which all further operating points lie, Eq. (89) [m].
-    critical : (n, 5) array
-        Amplitudes at which the kind of the body's motion changes [m].
-    """
-
-    empty: Floats
-    pull: Complexes
-    fields: dict[str, Floats]
-    linear: Floats
-    sticks: NDArray[np.bool_]
-    low: Floats
-    high: Floats
-    critical: Floats
-    threads: int | None
-
-    @classmethod
-    def of(cls, case: _Case, cells: Cells, threads: int | None) -> _Together:
-        """Collect some cells."""
-        body = {name: x[cells] for name, x in case.body.items()}
-        fields = {"frequency": case.frequency[cells], **body}
-        empty, pull = case.empty[cells], (case.filling * case.compliance)[cells]
-        alpha, mu_s, beta = body["drive_angle"], body["static_friction"], body["trough_angle"]
-        loads = critical_loads_of_lines(alpha, mu_s, body["kinetic_friction"], beta)
-        unit = body["gravity"] / (2.0 * np.pi * fields["frequency"]) ** 2  # [m] amplitude at a load of 1
-        critical = np.stack([load * unit for load in loads], axis=-1)
-        same = loads.back_slip <= loads.back_onset * (1.0 + _ROUNDING)  # never earlier
-        critical[same, loads._fields.index("back_slip")] = np.nan  # one of two equal loads is enough
-        first = np.fmin(loads.forward_onset, loads.back_onset)
-        onset = unit * np.where(mu_s > 0.0, np.nan_to_num(first, nan=0.0, posinf=math.inf), 0.0)
-        linear, reach = empty / np.abs(1.0 + pull), _reach(case)[cells]
-        low = np.maximum(empty * (1.0 - _ROUNDING) - reach, onset * (1.0 + _NEAR_JUMPS[0]))
-        low = np.where(low > 0.0, low, _LEAST * linear)
-        high = (empty + reach) * (1.0 + _ROUNDING)
-        return cls(empty, pull, fields, linear, linear <= onset, low, high, critical, threads)
-
-    def weigh(self, cells: Cells, amplitude: Floats) -> Filling:
-        """Weigh the filling of some cells at some amplitudes."""
-        fields = {name: x[cells] for name, x in self.fields.items()}
-        scene = Scene.computed(amplitude=amplitude, **fields)
-        return filling_of(scene, solve(scene, threads=self.threads), threads=self.threads)
-
-    def residual(self, cells: Cells, amplitude: Floats) -> tuple[Floats, NDArray[np.int8]]:
-        """Return the residual, as if an unknown share were in the middle of its bound, and the status."""
-        filling = self.weigh(cells, amplitude)
-        share = np.where(np.isnan(filling.added_mass_share), 0.0, filling.share)
-        return amplitude * np.abs(1.0 + self.pull[cells] * share) - self.empty[cells], filling.status
-
-    def scan(self, step: float, most: int) -> _Nodes:
-        """Look at amplitudes between the bounds."""
-        span = np.log(np.maximum(self.high / self.low, 1.0))
-        counts = np.where(span > 0.0, np.clip(np.ceil(span / step), 3, most).astype(np.int64) + 1, 0)
-        cell = np.repeat(np.arange(counts.size), counts)
-        place = np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)
-        regular = self.low[cell] * np.exp(span[cell] * (place / (counts[cell] - 1)))
-        beside = self.critical[:, :, None] * (1.0 + np.array(_NEAR_JUMPS))
-        low, high = self.low[:, None, None], self.high[:, None, None]
-        inside = (beside > low) & (beside < high)
-        cell = np.concatenate([cell, np.nonzero(inside)[0]])
-        amplitude = np.concatenate([regular, beside[inside]])
-        order = np.lexsort((amplitude, cell))
-        cell, amplitude = cell[order], amplitude[order]
-        residual, status = self.residual(cell, amplitude)
-        first = np.searchsorted(cell, np.arange(self.empty.size + 1))
-        return _Nodes(cell, amplitude, residual, status, first)
-
-    def turns(self, nodes: _Nodes) -> _Turns:
-        """Find the changes of sign between neighbours whose shares are known.
-
-        In between shares may be unknown. At the upper bound the residual is not negative, known or not, so
-        that a cell which ends below 0 turns in what follows.
-        """
-        known = np.flatnonzero(_is_known(nodes.status))
-        cell, above = nodes.cell[known], nodes.residual[known] >= 0.0
-        head = np.ones(known.shape, np.bool_)
-        head[1:] = cell[1:] != cell[:-1]
-        previous = np.where(head, self.sticks[cell], np.roll(above, 1))
-        at = np.flatnonzero(above != previous)
-        i, own, begins = known[at], cell[at], head[at]
-        before = np.where(begins, nodes.first[own], known[at - 1])
-        # a cell that turns at its first node has its bound there, exact to rounding
-        low = np.where(begins, np.minimum(self.low[own], nodes.amplitude[i]), nodes.amplitude[before])
-        at_low = np.where(begins, -nodes.residual[i], nodes.residual[before])
-        low = np.where(begins & (i == before), nodes.amplitude[i], low)
-        gap = np.where(begins, i > before, i > before + 1)
-        ends = self.sticks.copy()
-        ends[cell] = above  # the last one of each cell stays
-        open_ = np.flatnonzero(~ends & (np.diff(nodes.first) > 0))
-        last_known = np.full(ends.shape, -1)
-        last_known[cell] = known
-        k, behind = last_known[open_], nodes.first[open_ + 1]
-        below = np.where(k >= 0, nodes.amplitude[np.maximum(k, nodes.first[open_])], self.low[open_])
-        inside = nodes.amplitude[(np.maximum(k + 1, nodes.first[open_]) + behind - 1) // 2]
-        found = _Turns(
-            cell=np.concatenate([own, open_]),
-            low=np.concatenate([low, below]),
-            high=np.concatenate([nodes.amplitude[i], self.high[open_]]),
-            at_low=np.concatenate([at_low, np.full(open_.shape, -1.0)]),
-            at_high=np.concatenate([nodes.residual[i], np.full(open_.shape, 1.0)]),
-            last=np.concatenate([i, behind - 1]),
-            inside=np.concatenate([nodes.amplitude[(before + i) // 2], inside]),
-            settled=np.concatenate([~gap, np.zeros(open_.shape, np.bool_)]),
-        )
-        order = np.lexsort((found.high, found.cell))
-        return found.picked(order)
-
-    def close_in(self, turns: _Turns) -> _Points:
-        """Find the operating points at some turns."""
-        low, high = turns.low.copy(), turns.high.copy()
-        amplitude, settled = turns.inside.copy(), turns.settled.copy()
-        jumps = np.zeros(amplitude.shape, np.bool_)
-        inner = np.flatnonzero(turns.settled)
-        own, sign = turns.cell[inner], np.where(turns.at_high[inner] >= 0.0, 1.0, -1.0)
-
-        def towards(k: Cells, x: Floats) -> Floats:
-            return sign[k] * self.residual(own[k], x)[0]
-
-        ends = sign * turns.at_low[inner], sign * turns.at_high[inner]
-        left, right, at_left, at_right = sign_changes(towards, low[inner], high[inner], ends)
-        jump = np.minimum(-at_left, at_right) > _JUMP * self.empty[own]
-        best = np.where(jump | (-at_left <= at_right), left, right)
-        hops = ~(best < self.critical[own, 0])
-        known = np.ones((2, *own.shape), np.bool_)
-        for row, end in zip(known, (best, right), strict=True):
-            row[hops] = _is_known(self.residual(own[hops], end[hops])[1])
-        both = known[0] & (known[1] | ~jump)
-        amplitude[inner], jumps[inner], settled[inner] = (
-            np.where(both | ~known[0], best, right),
-            jump & both,
-            both,
-        )
-        low, high = np.where(settled, amplitude, low), np.where(settled, amplitude, high)
-        return _Points(amplitude, low, high, jumps, settled)
-
-
-def _is_known(status: NDArray[np.int8]) -> NDArray[np.bool_]:
-    """Return whether the shares of bodies with a status are known."""
-    return np.asarray(is_answered(status) & (status != int(Status.AVERAGED)))
-
-
-def _solve(together: _Together, cells: Cells, found: _Found, step: float, most: int) -> None:
+def _solve(case: _Case, cells: Cells, found: _Found, threads: int | None) -> None:
     """Find the least operating point of some cells, and count all."""
-    nodes = together.scan(step, most)
-    turns = together.turns(nodes)
-    found.number[cells] = np.bincount(turns.cell, minlength=cells.size) + together.sticks
-    place = np.searchsorted(turns.cell, np.arange(cells.size))
-    slips = np.flatnonzero(~together.sticks)  # each of them turns
-    first = turns.picked(place[slips])
-    points = together.close_in(first)
-    amplitude, low, high = together.linear.copy(), together.linear.copy(), together.linear.copy()
-    amplitude[slips], low[slips], high[slips] = points.amplitude, points.low, points.high
-    status, jumps = np.zeros(cells.size, np.int8), np.zeros(cells.size, np.bool_)
-    jumps[slips] = points.jumps
-    status[slips] = np.where(points.jumps, int(Status.BOUNDARY), int(Status.OK))
-    solved_at, none = amplitude.copy(), nodes.cell.size
-    # a point may hide in irregular motion at less amplitude too
-    begin = _first_of(nodes, nodes.status == int(Status.AVERAGED), none)[slips]
-    unsure = (begin <= first.last) | ~points.settled
-    k, at = slips[unsure], np.minimum(begin, first.last)[unsure]
-    status[k], jumps[k] = int(Status.AVERAGED), False
-    before = np.where(at > nodes.first[k], nodes.amplitude[np.maximum(at - 1, 0)], together.low[k])
-    low[k] = np.minimum(low[k], before)
-    begin = _first_of(nodes, ~is_answered(nodes.status), none)[slips]
-    fails = begin <= first.last
-    k, at = slips[fails], begin[fails]
-    status[k], jumps[k], found.number[cells[k]] = nodes.status[at], False, 0
-    solved_at[k] = nodes.amplitude[at]
-    amplitude[k] = low[k] = high[k] = np.nan
-    found.amplitude[cells], found.low[cells], found.high[cells] = amplitude, low, high
-    found.status[cells], found.at_jump[cells], found.solved_at[cells] = status, jumps, solved_at
+    grid, machines = _grid_of(case, cells)
+    solver, scratch = doors(), Scratch()
+    numbers, count = np.empty((4, cells.size)), np.empty(cells.size, np.int64)
+    status = np.empty(cells.size, np.int8)
+    grid.hold(numbers, count, status)
+    rows, out = solver.rows(machines), (*solver.rows(numbers), solver.row(count), solver.row(status))
 
+    def run(begin: int, end: int) -> None:
+        solver.operate(grid.scenes, grid.place(), rows, out, scratch.flights, scratch.hops, begin, end)
 
-def _first_of(nodes: _Nodes, marked: NDArray[np.bool_], none: int) -> Cells:
-    """Return the index of the first marked node of each cell, or ``none``."""
-    index = np.flatnonzero(marked)
-    first = np.searchsorted(index, nodes.first[:-1])
-    padded = np.append(index, none)
-    return np.where(padded[first] < nodes.first[1:], padded[first], none)
+    over_cells(run, cells.size, _RANGE, threads, cost=2)
+    found.amplitude[cells], found.low[cells], found.high[cells], found.solved_at[cells] = numbers
+    found.number[cells], found.status[cells] = count, status
+    found.at_jump[cells] = status == int(Status.BOUNDARY)
 
 
 def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
