@@ -67,7 +67,7 @@ _MARKED: Final = {
         "results/test_sweep.py", "sweeps/test_run.py", "sweeps/test_tally.py", "tables/test_files.py",
         "tables/test_plan.py", "test_axes.py",
         "test_errors.py", "test_friction_catalogue.py", "test_indexes.py", "test_makers.py",
-        "test_mutants.py", "test_periodic.py", "test_quantities.py", "test_reference.py", "test_roots.py",
+        "test_mutants.py", "test_periodic.py", "test_quantities.py", "test_reference.py",
         "test_scales.py", "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",
     ),
     "slow": (

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibro.designs.search import evolve, first_crossing, placed, scatter, sobol
-from vibro.roots import close_in
+from vibro.designs.search import close_in, evolve, first_crossing, placed, scatter, sobol
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -158,3 +157,10 @@ def test_samples_come_closer_around_the_best_within_the_cube() -> None:
     assert [float(np.std(x)) for x in met[1:]] == pytest.approx([0.1, 0.04, 0.016], rel=0.03)
     corner = np.hstack(sampled(lambda x: x.sum(axis=0), np.zeros((2, 8)), 64, 2))
     assert corner.min() == 0.0 < corner.max() <= 1.0
+
+
+@pytest.mark.parametrize("sections", [1, 3])
+def test_what_holds_by_nothing_holds(sections: int) -> None:
+    inside, outside = close_in(lambda x: np.where(x <= 0.3, 0.0, -1.0), 0.0, 1.0, sections=sections)
+    assert float(inside) == 0.3
+    assert float(outside) == np.nextafter(0.3, 1.0)

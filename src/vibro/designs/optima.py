@@ -25,10 +25,9 @@ from vibro.designs.proofs import (
     tip_load,
 )
 from vibro.designs.questions import MOST_DESIGN_THROW, Goal, Scenarios, at_loads, entry_loads
-from vibro.designs.search import evolve, first_crossing, placed, scatter, sobol
+from vibro.designs.search import close_in, evolve, first_crossing, placed, scatter, sobol
 from vibro.designs.spaces import SPACES, TOLERANCES, Scaled, Setting, inside
 from vibro.drives import Line
-from vibro.roots import close_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable

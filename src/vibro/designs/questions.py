@@ -12,10 +12,10 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.designs.guarantees import ANY_LANDING, Landings, counted
 from vibro.designs.proofs import change_loads
+from vibro.designs.search import close_in
 from vibro.designs.spaces import SPACES, TOLERANCES, MotionSpace, UncertaintySet, cut, off
 from vibro.limits import stays_upright
 from vibro.quantities import LOAD, QUANTITIES, STANDARD_GRAVITY
-from vibro.roots import close_in
 from vibro.scene import Scene
 from vibro.steady import solve
 

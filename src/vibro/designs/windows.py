@@ -16,12 +16,12 @@ from vibro.core.codes import Regime
 from vibro.designs.guarantees import ANY_LANDING, BRIEF, Extreme, Landings, Seen, bound, counted, least_of
 from vibro.designs.proofs import change_loads, corners, first_ratio, last_ratio, tip_ratio
 from vibro.designs.questions import Scenarios, at_loads
+from vibro.designs.search import close_in
 from vibro.designs.spaces import TOLERANCES, inside, uncertainty_set
 from vibro.errors import InputError, Problem, SceneError, shown
 from vibro.quantities import AMPLITUDES, SCALE
 from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.designs import Interval
-from vibro.roots import close_in
 from vibro.scene import Scene
 from vibro.steady import solve
 
