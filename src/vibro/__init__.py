@@ -5,6 +5,8 @@ The public names load their modules on first use, so that ``vibro --help`` impor
 
 from __future__ import annotations
 
+from vibro.version import __version__ as __version__
+
 TYPE_CHECKING = False  # typing and importlib take time in which a run could not be interrupted properly
 if TYPE_CHECKING:
     from typing import Any
@@ -75,7 +77,6 @@ __all__ = [
     "write_sweep",
     "yield_share",
 ]
-__version__ = "0.1.0"
 
 _HOMES = {
     "Attractor": "vibro.results.attractors",

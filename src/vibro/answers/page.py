@@ -7,14 +7,13 @@ import re
 from typing import TYPE_CHECKING, Final, NamedTuple
 from xml.etree import ElementTree
 
-from vibro import __version__
+from vibro.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from matplotlib.figure import Figure
 
-    from vibro.answers.answer import Answer
 
 _SVG: Final = "http://www.w3.org/2000/svg"
 _XLINK: Final = "http://www.w3.org/1999/xlink"
@@ -33,7 +32,7 @@ class Picture(NamedTuple):
     shows: str
 
 
-def page_html(answer: Answer, pictures: Mapping[str, Figure], command: str) -> str:
+def page_html(answer: object, pictures: Mapping[str, Figure], command: str) -> str:
     """Write an answer as self-contained HTML, without scripts, fonts or other files; texts stay texts.
 
     Parameters

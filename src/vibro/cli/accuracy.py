@@ -58,7 +58,8 @@ def accuracy_command(
     picture.
     """
     from vibro.answers.accuracy import trade_answer
-    from vibro.cli.outputs import HISTORIES, Outputs
+    from vibro.cli.forms import HISTORIES
+    from vibro.cli.outputs import Outputs
     from vibro.cli.request import whole_number
     from vibro.cli.sweeps import count
 

@@ -11,7 +11,8 @@ import numpy as np
 from vibro.answers.answer import Answer
 from vibro.answers.scene import OneScene, cells_answer, scene_answer
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.outputs import TABLES, Outputs
+from vibro.cli.forms import TABLES
+from vibro.cli.outputs import Outputs
 from vibro.cli.request import warn_of_machine
 from vibro.cli.sweeps import conclude, write_sweep
 from vibro.core.codes import Output, Status

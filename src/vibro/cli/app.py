@@ -23,11 +23,11 @@ from vibro.cli.design import design_command
 from vibro.cli.drive import drive_command
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.explore import explore_command
+from vibro.cli.forms import HISTORIES, MAPS, TABLES
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.measure import FORMS, measure_command
 from vibro.cli.options import SHOW_VERSION, option, shares_options
-from vibro.cli.outputs import HISTORIES, MAPS, TABLES
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import STARTS, simulate_command
 from vibro.cli.solve import solve_command

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
+from vibro.cli.forms import MAPS
 from vibro.cli.options import (
     CoexistOption,
     Options,
@@ -13,7 +14,7 @@ from vibro.cli.options import (
     refuse_without_flight,
     typed_names,
 )
-from vibro.cli.outputs import MAPS, Outputs
+from vibro.cli.outputs import Outputs
 from vibro.cli.table_options import NEEDS_PART, ColumnsOption, MassOption, PitchOption, part_of, table_of
 from vibro.cli.views import SHOWN, held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Output

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
+from vibro.cli.forms import PICTURES
 from vibro.cli.options import AllOption, Options, option, rare
-from vibro.cli.outputs import PICTURES
 from vibro.core.codes import Status
 from vibro.errors import InputError, argument, cut, shown
 from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields

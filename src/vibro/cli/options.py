@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, get_origin, get_type_hi
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.outputs import SERIES
+from vibro.cli.forms import SERIES
 from vibro.core.codes import Output
 from vibro.errors import InputError, cut, did_you_mean, shown
 from vibro.quantities import QUANTITIES, find_quantity
@@ -61,8 +61,8 @@ def refuse_without_flight(option: str, output: Output) -> None:
 def _print_version(context: typer.Context, wanted: bool) -> None:
     """Print the version and end, if wanted by a run and not by a line that the shell completes."""
     if wanted and not context.resilient_parsing:
-        from vibro import __version__
         from vibro.core.compiled import library_path
+        from vibro.version import __version__
 
         slow = "" if library_path() else " (solver not compiled: plain Python, 10 to 30 times slower)"
         print(f"vibro {__version__}{slow}")

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
 
+from vibro.cli.forms import PICTURES, SERIES
 from vibro.errors import FileError, InputError
 
 if TYPE_CHECKING:
@@ -22,14 +23,6 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.files.csv_tables import CsvFormat, TableColumns
 
-#: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
-PICTURES: Final = ("png", "svg", "pdf")
-SERIES: Final = ("csv", "json", "html", *PICTURES)
-#: The same of commands whose answers are no pages.
-HISTORIES: Final = ("csv", "json", *PICTURES)
-#: Endings of what sweeps can be written as: ``vibro map``, and commands that draw nothing.
-MAPS: Final = ("csv", "xlsx", "parquet", "json", *PICTURES)
-TABLES: Final = ("csv", "xlsx", "json", "html")
 _OF_A_STEM: Final = ("csv", "json", "png")  # as far as a command can write them
 _TEXTS: Final = ("html", "toml")
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"

@@ -56,7 +56,8 @@ def simulate_command(
     """
     from vibro.answers.history import history_answer
     from vibro.answers.scene import scene_record
-    from vibro.cli.outputs import HISTORIES, Outputs
+    from vibro.cli.forms import HISTORIES
+    from vibro.cli.outputs import Outputs
     from vibro.cli.request import request_of, warn_of_machine, whole_number
     from vibro.motion.histories import simulate
     from vibro.quantities import CYCLES, DURATION, checked_number

@@ -53,7 +53,8 @@ def map_stored(
     FileError
         If the folder cannot be read, or the files cannot be written.
     """
-    from vibro.cli.outputs import PICTURES, Outputs
+    from vibro.cli.forms import PICTURES
+    from vibro.cli.outputs import Outputs
     from vibro.cli.sweeps import Pictures, drawn, tell_peaks
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.sweeps.solved import pictures_of, view_of

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro import __version__
 from vibro.errors import FileError, InputError, how_to_install, shown
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.solved import swept_axis
 from vibro.units import CF_UNITS
+from vibro.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
-from vibro import __version__
 from vibro.axes import Axis
 from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, cut, shown
@@ -25,6 +24,7 @@ from vibro.sweeps.derived import throughput
 from vibro.sweeps.grid import GIVEN_IN, Grid
 from vibro.tables.record import sweep_record
 from vibro.threads import BLOCK
+from vibro.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

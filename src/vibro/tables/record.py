@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from vibro import __version__
+from vibro.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -1,0 +1,14 @@
+"""What files can be written as: endings of ``-o``."""
+
+from __future__ import annotations
+
+from typing import Final
+
+#: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
+PICTURES: Final = ("png", "svg", "pdf")
+SERIES: Final = ("csv", "json", "html", *PICTURES)
+#: The same of commands whose answers are no pages.
+HISTORIES: Final = ("csv", "json", *PICTURES)
+#: Endings of what sweeps can be written as: ``vibro map``, and commands that draw nothing.
+MAPS: Final = ("csv", "xlsx", "parquet", "json", *PICTURES)
+TABLES: Final = ("csv", "xlsx", "json", "html")
