@@ -148,3 +148,59 @@ def test_the_engines_of_the_tests_share_nothing_with_the_package() -> None:
                 assert (node.module or "").partition(".")[0] != "vibro", path
             elif isinstance(node, ast.Import):
                 assert all(alias.name.partition(".")[0] != "vibro" for alias in node.names), path
+
+
+def _imports() -> dict[str, dict[str, bool]]:
+    """Return which modules of the package each imports, late ones too, and whether for more than types."""
+    source = NUT.parents[1] / "src"
+    paths = {
+        ".".join(path.relative_to(source).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in source.rglob("*.py")
+    }
+    found: dict[str, dict[str, bool]] = {name: {} for name in paths}
+
+    def visit(node: ast.AST, name: str, counts: bool) -> None:
+        if isinstance(node, ast.ImportFrom) and node.module in paths:
+            for alias in node.names:
+                one = f"{node.module}.{alias.name}"
+                one = one if one in paths else node.module
+                found[name][one] = found[name].get(one, False) or counts
+        for child in ast.iter_child_nodes(node):
+            for_types = isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+            visit(child, name, counts and not for_types)
+
+    for name, path in paths.items():
+        visit(ast.parse(path.read_text(encoding="utf-8")), name, counts=True)
+    return found
+
+
+def test_no_import_runs_back_up() -> None:
+    contracts = tomllib.loads((NUT.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    layers = contracts["tool"]["importlinter"]["contracts"][0]["layers"]
+    height = {room: -i for i, layer in enumerate(layers) for room in layer.split(" : ")}
+    back = [
+        (name, other)
+        for name, imported in _imports().items()
+        for other, counts in imported.items()
+        if counts and "." in name and "." in other
+        if height[name.split(".")[1]] < height[other.split(".")[1]]
+    ]
+    assert not back
+
+
+def test_no_two_files_import_each_other() -> None:
+    """Not even for types, and not by way of others."""
+    left = {name: set(imported) - {name} for name, imported in _imports().items() if name != "vibro"}
+    while free := {name for name, imported in left.items() if not imported & left.keys()}:
+        left = {name: imported for name, imported in left.items() if name not in free}
+    assert not left
+
+
+def test_submodules_leave_public_names_alone() -> None:
+    code = (
+        "import importlib, pkgutil, vibro; listed = {n: getattr(vibro, n) for n in vibro.__all__};"
+        " [importlib.import_module(m.name) for m in pkgutil.walk_packages(vibro.__path__, 'vibro.')"
+        " if not m.name.endswith('__main__')];"
+        " assert all(getattr(vibro, n) is value for n, value in listed.items())"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
