@@ -29,7 +29,7 @@ _NUMBER: Final = r"([+-]?(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*([
 _OTHERWISE = re.compile(rf"\s*{_NUMBER}\s*(\.{{2,}}|[-\u2013\u2014\u2026;]|to)\s*{_NUMBER}\s*", re.IGNORECASE)
 
 
-def spelling_hint(text: str, quantity: Quantity) -> str:
+def _spelling_hint(text: str, quantity: Quantity) -> str:
     """Return how to write a range given as ``5..60``, ``5-60``, ``5 to 60`` or ``5;60``; else an empty text.
 
     A unit that stands at the end alone is meant for both ends.
@@ -47,7 +47,7 @@ def spelling_hint(text: str, quantity: Quantity) -> str:
     return f"for a range write {':'.join(ends)}{also}"
 
 
-def order_hint(parts: Sequence[str], quantity: Quantity) -> str:
+def _order_hint(parts: Sequence[str], quantity: Quantity) -> str:
     """Return how to write a range whose parts are in another order, as in MATLAB's start:step:stop."""
     try:
         numbers = [exact_number(part, quantity) for part in parts]
@@ -346,7 +346,7 @@ def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
     try:
         return AxisSpec(quantity, (exact_number(text, quantity),))
     except InputError as exc:
-        if hint := spelling_hint(text, quantity):
+        if hint := _spelling_hint(text, quantity):
             raise InputError(*exc.problems, hint=hint) from None
         raise
 
@@ -397,7 +397,7 @@ def _parse_range(text: str, quantity: Quantity) -> AxisSpec:
     third = parts[2] if len(parts) == 3 else None
     if last <= first:
         raise InputError(
-            f"{quantity.label} = {shown(text)}: the range does not ascend", hint=order_hint(parts, quantity)
+            f"{quantity.label} = {shown(text)}: the range does not ascend", hint=_order_hint(parts, quantity)
         )
     if log and first <= 0:
         raise InputError(f"{quantity.label} = {shown(text)}: a logarithmic range must start above 0")
@@ -416,7 +416,7 @@ def _count(text: str, quantity: Quantity, parts: list[str]) -> int:
     if count.denominator != 1:
         raise InputError(
             f"{quantity.label} = {shown(text)}: the count {shown(parts[2])} is not a whole number",
-            hint=order_hint(parts, quantity),
+            hint=_order_hint(parts, quantity),
         )
     if count < 2:
         raise InputError(

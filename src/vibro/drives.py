@@ -40,7 +40,7 @@ _POLISHING_STEPS: Final = 8  # of Newton's method; each squares the error, which
 _REAL: Final = 1e-6  # [1] imaginary part up to which a computed root may be a double real one
 
 
-def integral(polynomials: Floats, lengths: Floats) -> Floats:
+def _integral(polynomials: Floats, lengths: Floats) -> Floats:
     """Integrate periodic piecewise polynomials; the result is continuous, periodic and has mean 0.
 
     Parameters
@@ -77,7 +77,7 @@ def values_at(polynomials: Floats, breaks: Floats, places: Floats) -> Floats:
     return np.asarray(value)
 
 
-def extremes(polynomials: Floats) -> tuple[float, float]:
+def _extremes(polynomials: Floats) -> tuple[float, float]:
     """Return the least and the largest value of piecewise polynomials (J, n) in u from 0 to 1."""
     found = [(p, _inside(np.polynomial.polynomial.polyder(p))) for p in polynomials]
     values = np.concatenate([np.polynomial.polynomial.polyval(u, p) for p, u in found])
@@ -349,12 +349,12 @@ class PiecewiseMotion(Motion):
     @cached_property
     def velocities(self) -> Floats:
         """Velocities at 1 Hz: as ``pieces``, of degree 4 [m/s]."""
-        return integral(self.pieces, np.diff(self.breaks))
+        return _integral(self.pieces, np.diff(self.breaks))
 
     @cached_property
     def positions(self) -> Floats:
         """Positions at 1 Hz: as ``pieces``, of degree 5 [m]."""
-        return integral(self.velocities, np.diff(self.breaks))
+        return _integral(self.velocities, np.diff(self.breaks))
 
     @cached_property
     def reach(self) -> float:
@@ -366,7 +366,7 @@ class PiecewiseMotion(Motion):
         """Largest distance between two points of the path at 1 Hz [m]."""
         moving = [x for x in self.positions if np.any(x)]
         if len(moving) < 2:
-            least, most = extremes(moving[0]) if moving else (0.0, 0.0)
+            least, most = _extremes(moving[0]) if moving else (0.0, 0.0)
             return most - least
 
         def path(shares: Floats) -> tuple[Floats, Floats, Floats]:
@@ -596,7 +596,7 @@ class Ability(Enum):
     PROOF = "closed forms and proved bounds"
 
 
-class Columns(NamedTuple):
+class _Columns(NamedTuple):
     """A scene as the solver reads it.
 
     Attributes
@@ -690,7 +690,7 @@ class Drive:
         """Phase by which the normal motion leads that along the trough [rad]; 0 where both have harmonics."""
         return np.zeros(())
 
-    def columns(self) -> Columns:
+    def columns(self) -> _Columns:
         """Return the columns that the solver reads."""
         raise NotImplementedError
 
@@ -762,9 +762,9 @@ class Line(_LineFields, Drive):
         """Amplitude of the motion along the trough [m]."""
         return np.asarray(self.amplitude * np.cos(self.drive_angle))
 
-    def columns(self) -> Columns:
+    def columns(self) -> _Columns:
         """Return the columns that the solver reads."""
-        return Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), LINE)
+        return _Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), LINE)
 
     def at_any_load(self) -> Self:
         """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
@@ -814,9 +814,9 @@ class Ellipse(_EllipseFields, Drive):
         """Phase by which the normal motion leads the motion along the trough [rad]."""
         return self.normal_phase
 
-    def columns(self) -> Columns:
+    def columns(self) -> _Columns:
         """Return the columns that the solver reads."""
-        return Columns(tuple(self), ELLIPSE)
+        return _Columns(tuple(self), ELLIPSE)
 
     def at_any_load(self) -> Self:
         """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
@@ -942,9 +942,9 @@ class Harmonics(_HarmonicFields, _Moved):
         """Whether any trough moves normal to itself."""
         return any(np.any(x != 0.0) for x in self.normal_amplitudes)
 
-    def columns(self) -> Columns:
+    def columns(self) -> _Columns:
         """Return the columns that the solver reads."""
-        return Columns((*self._first_columns, *self[0], *self[1], *self[2], *self[3]), HARMONICS)
+        return _Columns((*self._first_columns, *self[0], *self[1], *self[2], *self[3]), HARMONICS)
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""
@@ -1016,10 +1016,10 @@ class Piecewise(_PiecewiseFields, _Moved):
         moved: _MovedFields = _each(self.moved, change)
         return self._replace(**moved._asdict())
 
-    def columns(self) -> Columns:
+    def columns(self) -> _Columns:
         """Return the columns that the solver reads."""
         motion = self.motion
-        return Columns(self._first_columns, PIECES, motion.breaks, motion.pieces, motion.unit)
+        return _Columns(self._first_columns, PIECES, motion.breaks, motion.pieces, motion.unit)
 
 
 #: All kinds of drive.

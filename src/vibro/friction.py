@@ -19,7 +19,7 @@ from vibro.errors import InputError, did_you_mean, shown
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-Span = tuple[float, float]
+_Span = tuple[float, float]
 
 _TABLE: Final = "friction_catalogue.csv"
 
@@ -42,8 +42,8 @@ class Row:
 
     pair: str
     condition: str
-    static_friction: Span | None
-    kinetic_friction: Span | None
+    static_friction: _Span | None
+    kinetic_friction: _Span | None
     source: str
     url: str
     note: str
@@ -67,12 +67,12 @@ def rows() -> tuple[Row, ...]:
     )
 
 
-def _band(line: Mapping[str, str], name: str) -> Span | None:
+def _band(line: Mapping[str, str], name: str) -> _Span | None:
     low, high = line[f"{name}_low"], line[f"{name}_high"]
     return (float(low), float(high)) if low else None
 
 
-def band_text(band: Span | None) -> str:
+def band_text(band: _Span | None) -> str:
     """Return a band in the syntax of ``vibro design``, or a dash for None."""
     if band is None:
         return "-"
@@ -179,7 +179,7 @@ def number_hint(text: str, field: str) -> str:
     of_pair = [row for row in rows() if _folded(row.pair) == _folded(text)]
     if not of_pair:
         return _nearest(text) or "write it like 0.5; vibro friction lists pairs of materials"
-    bands: dict[str, Span] = {}
+    bands: dict[str, _Span] = {}
     for row in of_pair:
         if own := getattr(row, field):
             known = (*own, *bands.get(row.condition, ()))

@@ -32,7 +32,7 @@ _ROOM: Final = 512  # [letter] for a first try; 16 harmonics alone have up to 64
 _SPELT: Final = 16  # [cell] of a range; each takes up to some ms
 
 
-def spell_long(
+def _spell_long(
     grid: Grid, codes: NDArray[np.int64], *, one_harmonic: bool, threads: int | None
 ) -> dict[int, str]:
     """Replace marks of long patterns by their codes.
@@ -184,7 +184,7 @@ def solve(
             unknown = (rows["coexists"][hopping] < 0) & ~np.isnan(rows["mean_velocity"][hopping])
             _hop(grid, answers, hopping[unknown], threads, None, search=True)
     one_harmonic = fields.can(Ability.ONE_HARMONIC)
-    texts = spell_long(grid, rows["pattern_code"], one_harmonic=one_harmonic, threads=threads)
+    texts = _spell_long(grid, rows["pattern_code"], one_harmonic=one_harmonic, threads=threads)
     if not grid.shape:
         return SteadyCycle(**{name: row[0] for name, row in rows.items()}, long_patterns=texts)
     return SteadyCycle(**{name: row.reshape(grid.shape) for name, row in rows.items()}, long_patterns=texts)

@@ -242,7 +242,7 @@ def design(
     """
     if only not in (None, "goal"):
         raise InputError(f"only = {shown(only)}: must be 'goal' or None")
-    return find_designs(read_spec(spec), digits=checked_digits("digits", digits), goal_only=only is not None)
+    return find_designs(read_spec(spec), digits=_checked_digits("digits", digits), goal_only=only is not None)
 
 
 def at_most(regime: Regime) -> str:
@@ -250,7 +250,7 @@ def at_most(regime: Regime) -> str:
     return "hopping allowed" if regime is Regime.HOPPING else f"{regime.label} at most"
 
 
-def checked_digits(name: str, digits: object) -> int:
+def _checked_digits(name: str, digits: object) -> int:
     """Return a number of digits; raises InputError, which calls it by a name, if it is none."""
     if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MOST_DIGITS:
         raise InputError(f"{name} = {shown(digits)}: must be a whole number from 1 to {MOST_DIGITS}")

@@ -205,7 +205,7 @@ def _with_changes(box: UncertaintySet, points: Points) -> Points:
     return points
 
 
-def evolved(
+def _evolved(
     box: UncertaintySet, *, fast: bool, seen: Seen, brief: bool, highest: Regime = Regime.HOPPING
 ) -> Extreme:
     """Return the slowest or the fastest body in contact of a drive whose boxes the solver does not bound.
@@ -437,7 +437,10 @@ def bound(
     if box.space.is_bounded:
         extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
     else:
-        extreme, certificate = evolved(box, fast=fast, seen=seen, brief=boxes <= BRIEF, highest=highest), None
+        extreme, certificate = (
+            _evolved(box, fast=fast, seen=seen, brief=boxes <= BRIEF, highest=highest),
+            None,
+        )
     if certificate is not None:
         if math.isinf(extreme.speed):  # one body without a speed proves it
             return Bound(extreme, "proved", extreme.speed)

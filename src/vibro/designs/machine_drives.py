@@ -152,7 +152,7 @@ def most_setting(machine: MachineDrive, drift: float) -> float:
     return float(machine.machine.gap / np.max(_empty(machine, drift).relative_amplitude))
 
 
-def empty_band(machine: MachineDrive, drift: float) -> Span:
+def _empty_band(machine: MachineDrive, drift: float) -> Span:
     """Return the smallest and the largest amplitude of an empty trough, over that at the middle voltage.
 
     Parameters
@@ -452,6 +452,6 @@ def _drive(
         why = f"trough and counter mass strike each other above {100.0 * most:.4g} %"
         table.refuse("setting_percent", why, 'setting_percent: allow less, such as "10:50"')
         return None
-    drive = replace(drive, covered=empty_band(drive, drift))
+    drive = replace(drive, covered=_empty_band(drive, drift))
     choices = {"amplitude": (), "frequency": spans, "drive_angle": values.get("drive_angle", ())}
     return covering(Drive(name, Line, choices, machine=drive), drive.covered, most)

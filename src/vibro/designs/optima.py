@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 #: [1] Largest margin that is searched: factor on the bands.
 MOST_MARGIN: Final = 10.0
 
-SEED: Final = 1
-SCATTERED: Final = 4  # ratio of the sampled settings in the first round to those in each later round
+_SEED: Final = 1
+_SCATTERED: Final = 4  # ratio of the sampled settings in the first round to those in each later round
 _STEPS: Final = 60  # iterations at most of the root search
 
 
@@ -155,9 +155,9 @@ class Exchange(ABC):
     def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, generations: int) -> Floats:
         """Return the point of least cost, of shape (d, 1); costs of hopping bodies are sampled."""
         if self._question.flies:  # one call for many settings is cheaper than many calls for a few
-            more = first.shape[1] // SCATTERED
-            return scatter(cost, first, more=more, rounds=self._effort.generations, seed=SEED)[0]
-        return evolve(cost, first, generations=generations, seed=SEED)[0]
+            more = first.shape[1] // _SCATTERED
+            return scatter(cost, first, more=more, rounds=self._effort.generations, seed=_SEED)[0]
+        return evolve(cost, first, generations=generations, seed=_SEED)[0]
 
     def fastest(self, scale: float = 1.0) -> Optimum | None:
         """Return the setting of the largest guaranteed speed; None if no setting guarantees any."""
@@ -277,7 +277,7 @@ _RESTS: Final = 2e6
 _FORBIDDEN: Final = 3e6
 
 
-class Evolution(Exchange):
+class _Evolution(Exchange):
     """Optimal settings of a drive whose best load is not known by the corners of its box.
 
     Every free knob is a coordinate of one search.
@@ -383,7 +383,7 @@ class Evolution(Exchange):
 
         x = np.zeros((0, 1))
         if count:
-            x = self._minimised(whole, sobol(count, self._effort.population + count - 1, SEED), generations)
+            x = self._minimised(whole, sobol(count, self._effort.population + count - 1, _SEED), generations)
         setting = settings(x)[0]
         return setting._make(float(values[0]) for values in setting), float(whole(x)[0])
 
@@ -668,8 +668,8 @@ class LineOptimiser(Exchange):
             # any speed, and the more the lower the load.
             return np.where(speeds == 0.0, _AT_REST + x[-1], -speeds)
 
-        first = sobol(int(frees.sum()), self._effort.population, SEED)
-        ends = first.shape[1] // SCATTERED  # of them at the largest loads, over all angles
+        first = sobol(int(frees.sum()), self._effort.population, _SEED)
+        ends = first.shape[1] // _SCATTERED  # of them at the largest loads, over all angles
         first[:, :ends] = 0.0
         first[0, :ends] = np.linspace(0.0, 1.0, ends) if turns else 0.0
         x = self._minimised(cost, first, generations)
@@ -821,7 +821,7 @@ def _best(value: Callable[[Floats], Floats], span: tuple[float, float], effort: 
 # Find settings of an elliptical drive, by evolution.
 
 
-class EllipseOptimiser(Evolution):
+class EllipseOptimiser(_Evolution):
     """Optimal settings of an elliptical drive.
 
     Every free amplitude, phase and frequency is a coordinate of one search. The lowest frequency is not
@@ -888,7 +888,7 @@ class EllipseOptimiser(Evolution):
 # Find settings of a drive that is a given motion, by evolution over its scale and its frequency.
 
 
-class MotionOptimiser(Evolution):
+class MotionOptimiser(_Evolution):
     """Optimal settings of a drive that is a given motion."""
 
     # a scene takes fifty times as long as an ellipse, and there are two coordinates at most

@@ -67,7 +67,7 @@ def begin_load(scene: Scene, regime: Regime) -> Floats:
     return np.asarray(change_loads(scene)[_BEGINS[regime]])
 
 
-def slip_load(scene: Scene) -> Floats:
+def _slip_load(scene: Scene) -> Floats:
     """Return a load below that of the scene if the body slips back, and at least that of the scene if not.
 
     It is that at which back slip begins. Of a given motion, which may end back slip at higher loads, it is
@@ -127,7 +127,7 @@ def last_ratio(box: UncertaintySet, regime: Regime) -> float:
 
 def slip_ratio(box: UncertaintySet) -> tuple[float, Floats]:
     """Return a ratio that is above 1 if a body of a single box slips back, and where it is largest."""
-    return extreme_ratio(box, slip_load, largest=True)
+    return extreme_ratio(box, _slip_load, largest=True)
 
 
 def tip_ratio(box: UncertaintySet, stand_ratio: float) -> float:
@@ -297,7 +297,7 @@ _SMALL: Final = 1e-2  # [1] share of the trough's largest speed
 _BETTER: Final = 1e-12  # [1] by which a body that the bounds have met must be slower, to start anew
 
 
-class Slowest(NamedTuple):
+class _Slowest(NamedTuple):
     """Bodies that the search has computed, the slowest one first, and the proved bound on all.
 
     Attributes
@@ -317,7 +317,7 @@ class Slowest(NamedTuple):
 
 def slowest_in_contact(
     box: UncertaintySet, *, fast: bool, boxes: int, highest: Regime = Regime.HOPPING
-) -> Slowest:
+) -> _Slowest:
     """Search a single box, some band of which has a width.
 
     Parameters
@@ -359,7 +359,7 @@ def slowest_in_contact(
 
     points, speeds = evolved(_first(low, high))
     if hops:
-        return Slowest(_points(box, points), speeds, None)
+        return _Slowest(_points(box, points), speeds, None)
     lows, highs, bounds = np.empty((boxes, AXES)), np.empty((boxes, AXES)), np.empty(boxes)
     heap, met, speed = np.empty(boxes, np.int64), np.vstack([points[0]] * 2), speeds[:1].copy()
 
@@ -380,7 +380,7 @@ def slowest_in_contact(
     names = ("load", *box.shape, "trough_angle", "static_friction", "kinetic_friction")
     columns = [0, *range(1, 1 + len(box.shape)), *range(BETA, AXES)]
     below, above = (dict(zip(names, x[:, columns].T, strict=True)) for x in (lows, highs))
-    return Slowest(_points(box, points), speeds, Certificate(below, above, -bounds if fast else bounds))
+    return _Slowest(_points(box, points), speeds, Certificate(below, above, -bounds if fast else bounds))
 
 
 def small_speed(box: UncertaintySet) -> float:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 # The tolerances of inverse design, each with its unit and the reason for its size.
 
 
-class Tolerances(NamedTuple):
+class _Tolerances(NamedTuple):
     """Distances at which two numbers count as one; all are relative, unless they have a unit.
 
     Attributes
@@ -95,7 +95,7 @@ class Tolerances(NamedTuple):
     braked: float = 1e-12
 
 
-TOLERANCES: Final = Tolerances()
+TOLERANCES: Final = _Tolerances()
 
 
 _RIGHT_ANGLE: Final = 0.5 * math.pi
@@ -237,7 +237,7 @@ class Space:
         raise NotImplementedError
 
 
-class LineSpace(Space):
+class _LineSpace(Space):
     """Drives along a line: the factor is the amplitude [m], the shape the drive angle."""
 
     drive = Line
@@ -281,7 +281,7 @@ class LineSpace(Space):
         return np.sin(shape[0])
 
 
-class EllipseSpace(Space):
+class _EllipseSpace(Space):
     """Drives along an ellipse: the factor is that of both amplitudes, which drift together."""
 
     drive = Ellipse
@@ -412,7 +412,7 @@ class MotionSpace(Space):
 
 
 #: The space of each kind of drive that is given by its knobs alone.
-SPACES: Final[Mapping[type, Space]] = {Line: LineSpace(), Ellipse: EllipseSpace()}
+SPACES: Final[Mapping[type, Space]] = {Line: _LineSpace(), Ellipse: _EllipseSpace()}
 
 
 def space_of(scene: Scene) -> Space:
@@ -635,7 +635,7 @@ def off(value: Any, share: Any) -> Ends:
 _PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "trough_angle")
 
 
-def one_point(scene: object) -> None:
+def _one_point(scene: object) -> None:
     """Raise SceneError unless the scene is one operating point of a trough that moves."""
     if not isinstance(scene, Scene):
         raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
@@ -664,7 +664,7 @@ def uncertainty_set(
     SceneError
         If the scene is more than one operating point or a band is invalid; it lists every problem.
     """
-    one_point(scene)
+    _one_point(scene)
     space = space_of(scene)
     banded = (*space.knobs, *_PARTS)
     known = [name for name in banded if name not in leaves_out]

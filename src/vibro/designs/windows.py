@@ -83,7 +83,7 @@ _FLYING: Final = _Detail(129, 1, 1e-9, 2, 2, 1e-4)
 _BOUNCING: Final = _Detail(33, 0, 1e-4, 1, 1, 1e-2)
 
 
-def regime_of(text: object) -> Regime:
+def _regime_of(text: object) -> Regime:
     """Read the highest regime that is allowed."""
     allowed = {r.label: r for r in (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)}
     if not isinstance(text, str) or text not in allowed:
@@ -91,7 +91,7 @@ def regime_of(text: object) -> Regime:
     return allowed[text]
 
 
-def number(name: str, value: Any) -> float:
+def _number(name: str, value: Any) -> float:
     """Read a number that is an argument."""
     try:
         return real_number(value)
@@ -99,9 +99,9 @@ def number(name: str, value: Any) -> float:
         raise InputError(f"{name} = {exc.value}: must be {exc.allowed}") from None
 
 
-def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
+def _positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
     """Read a positive number that is an argument."""
-    x = number(name, value)
+    x = _number(name, value)
     if not x > 0.0 or (finite and math.isinf(x)):
         allowed = f"finite and > 0 {unit}" if finite else f"> 0 {unit}"
         raise InputError(f"{name} = {f'{x:.15g} {unit}'.rstrip()}: must be {allowed.rstrip()}")
@@ -184,11 +184,11 @@ def feasible_amplitudes(
     ...     print(f"{1e3 * i.low:.6f} to {1e3 * i.high:.6f} mm along, from {i.low_set_by} to {i.high_set_by}")
     0.428533 to 1.192753 mm along, from speed to hop
     """
-    highest = regime_of(highest_regime)
-    target = positive("speed", speed, "m/s")
+    highest = _regime_of(highest_regime)
+    target = _positive("speed", speed, "m/s")
     unit = "m" if getattr(scene, "motion", None) is None else ""
-    largest = positive("limit", limit, unit, finite=False)
-    percent = number("amplitude_percent", amplitude_percent)
+    largest = _positive("limit", limit, unit, finite=False)
+    percent = _number("amplitude_percent", amplitude_percent)
     if not 0.0 <= percent < 100.0:
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
     if highest is Regime.HOPPING and math.isinf(largest):
@@ -660,8 +660,8 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     >>> print(f"{share:.3f}")
     0.095
     """
-    highest = regime_of(highest_regime)
-    target = positive("speed", speed, "m/s")
+    highest = _regime_of(highest_regime)
+    target = _positive("speed", speed, "m/s")
     box = uncertainty_set(scene, bands)
     shares: list[float] = []
     error = math.inf

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Law = Literal["constant", "square"]
 
 #: Exponents of the force over frequency, by the name of the law.
-LAWS: Final = {"constant": 0, "square": 2}
+_LAWS: Final = {"constant": 0, "square": 2}
 #: Least number of points at different frequencies: there are three unknowns.
 LEAST_POINTS: Final = 3
 #: Least number of points whose residuals give the error of an amplitude: two degrees of freedom.
@@ -102,12 +102,12 @@ class ResponseFit:
 def _amplitudes(frequency: Floats, curve: tuple[float, float, float], law: str) -> Floats:
     natural, damping, static = curve
     x = (frequency / natural) ** 2
-    size = static * (x if LAWS[law] else 1.0)
+    size = static * (x if _LAWS[law] else 1.0)
     with np.errstate(divide="ignore"):  # at resonance without damping
         return np.asarray(size / np.sqrt((1.0 - x) ** 2 + 4.0 * damping**2 * x))
 
 
-class LeastSquares(NamedTuple):
+class _LeastSquares(NamedTuple):
     """Estimates [Hz, 1, m] and their standard errors; NaN where there are none."""
 
     natural_frequency: float
@@ -161,7 +161,7 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
     >>> print(f"{fit.natural_frequency:.2f} +- {fit.natural_frequency_sd:.2f} Hz, {fit.damping_ratio:.4f}")
     52.31 +- 0.06 Hz, 0.0368
     """
-    if law not in LAWS:
+    if law not in _LAWS:
         raise SceneError((Problem("law", shown(law), "constant or square"),))
     frequency, amplitude, stated = _checked(points, amplitude_error)
     error = np.ones(frequency.size) if stated is None else stated
@@ -188,7 +188,7 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
             natural_frequency_sd=math.nan, damping_squared_sd=math.nan, static_amplitude_sd=math.nan
         )
     if not brackets:
-        linear = LeastSquares(*[math.nan] * 6)
+        linear = _LeastSquares(*[math.nan] * 6)
     damping = math.sqrt(linear.damping_squared) if linear.damping_squared > 0.0 else math.nan
     curve = (linear.natural_frequency, damping, linear.static_amplitude)
     if math.isnan(damping):
@@ -215,31 +215,31 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
     )
 
 
-def least_squares(frequency: Floats, amplitude: Floats, error: Floats, law: str) -> LeastSquares:
+def least_squares(frequency: Floats, amplitude: Floats, error: Floats, law: str) -> _LeastSquares:
     """Fit ``f^(2 e) / A^2 = a f^4 + b f^2 + c``, weighted by the relative errors of the amplitudes."""
     scale = math.exp(float(np.mean(np.log(frequency))))  # keeps the columns of the same size
     x = (frequency / scale) ** 2
-    y = x ** LAWS[law] / amplitude**2
+    y = x ** _LAWS[law] / amplitude**2
     rows = np.stack([x * x, x, np.ones(x.size)], axis=1) / (2.0 * error * y)[:, None]
     (a, b, c), *_ = np.linalg.lstsq(rows, 1.0 / (2.0 * error), rcond=None)
     if not (a > 0.0 and c > 0.0):
-        return LeastSquares(*[math.nan] * 6)
+        return _LeastSquares(*[math.nan] * 6)
     covariance = np.linalg.pinv(rows.T @ rows, hermitian=True)
     ratio = 1.0 / math.sqrt(a * c)
-    gain = 1.0 / math.sqrt(a if LAWS[law] else c)
+    gain = 1.0 / math.sqrt(a if _LAWS[law] else c)
     frequency_0 = (c / a) ** 0.25
 
     def sd(gradient: list[float]) -> float:
         return math.sqrt(max(float(np.array(gradient) @ covariance @ gradient), 0.0))
 
     slope = -0.125 * b * ratio
-    return LeastSquares(
+    return _LeastSquares(
         scale * frequency_0,
         0.25 * (2.0 + b * ratio),
         gain,
         scale * 0.25 * frequency_0 * sd([-1.0 / a, 0.0, 1.0 / c]),
         sd([slope / a, 0.25 * ratio, slope / c]),
-        0.5 * gain**3 * sd([1.0, 0.0, 0.0] if LAWS[law] else [0.0, 0.0, 1.0]),
+        0.5 * gain**3 * sd([1.0, 0.0, 0.0] if _LAWS[law] else [0.0, 0.0, 1.0]),
     )
 
 
@@ -250,7 +250,7 @@ class _Search:
         self.squared = frequency**2
         self.measured = np.log(amplitude)
         self.error = error
-        self.is_square = bool(LAWS[law])
+        self.is_square = bool(_LAWS[law])
 
     def residuals(self, p: Floats) -> Floats:
         """Return logarithms of measured over fitted amplitudes, over their errors [1]."""

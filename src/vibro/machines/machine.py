@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # A linear machine of one or two masses, Eq. (83): motion for a force of 1 N, and its logarithmic slopes.
 
 
-class Masses(NamedTuple):
+class _Masses(NamedTuple):
     """What of a machine decides its motion for a given force.
 
     Attributes
@@ -81,7 +81,7 @@ class Transfer(NamedTuple):
     impedance: Complexes
 
 
-class Slopes(NamedTuple):
+class _Slopes(NamedTuple):
     """d ln A / d ln q with the force's own dependence, Eq. (84), each with all other inputs held [1].
 
     ``stiffness`` is k without the rod, ``damping`` c, ``filling`` the added mass.
@@ -94,7 +94,7 @@ class Slopes(NamedTuple):
     damping: Floats
 
 
-def transfer(masses: Masses, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
+def transfer(masses: _Masses, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
     """Solve Eq. (83) for a force of 1 N.
 
     Parameters
@@ -140,7 +140,7 @@ def transfer(masses: Masses, frequency: Any, natural_frequency: Any, added_mass:
     )
 
 
-def slopes(masses: Masses, frequency: Any, found: Transfer, exponent: float) -> Slopes:
+def _slopes(masses: _Masses, frequency: Any, found: Transfer, exponent: float) -> _Slopes:
     """Differentiate ln A, Eq. (84).
 
     Parameters
@@ -174,7 +174,7 @@ def slopes(masses: Masses, frequency: Any, found: Transfer, exponent: float) -> 
             - 2.0 * g * kappa
         ) / found.impedance + 2.0 * g / free
         spring_slope, damping_slope = -spring * split, -damping * split
-    return Slopes(
+    return _Slopes(
         np.real(frequency_slope),
         np.real(-masses.trough * coupling / found.impedance),
         np.real(-found.added_mass * coupling / found.impedance),
@@ -812,7 +812,7 @@ class Machine:
             )
         found = transfer(self.masses, f, f0, added)
         force = self.force_at(f, s, u)
-        slope = slopes(self.masses, f, found, self.force_exponent)
+        slope = _slopes(self.masses, f, found, self.force_exponent)
         return Response(
             amplitude=(force * np.abs(found.trough))[()],
             phase=np.angle(found.trough + 0.0)[()],
@@ -899,9 +899,9 @@ class Machine:
         return natural_frequency * np.sqrt(np.where(ratio > 0.0, ratio, math.inf))
 
     @property
-    def masses(self) -> Masses:
+    def masses(self) -> _Masses:
         """Masses, damping and stiffnesses, for the equations of motion."""
-        return Masses(
+        return _Masses(
             self.trough_mass, 1.0 / self.counter_mass, self.damping_ratio, self.base_stiffness,
             self.rod_stiffness, self.kind == "exciter",
         )  # fmt: skip

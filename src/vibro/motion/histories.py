@@ -95,8 +95,8 @@ def arrival_time(
     36.890432 s
     """
     lengths = lengths_of(length, scene.shape)
-    start = start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
-    return arrivals(scene, lengths, start)[()]
+    start = _start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
+    return _arrivals(scene, lengths, start)[()]
 
 
 class Start(NamedTuple):
@@ -108,7 +108,7 @@ class Start(NamedTuple):
     normal_velocity: float
 
 
-def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_velocity: Any) -> Start:
+def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_velocity: Any) -> Start:
     """Check how bodies start.
 
     Raises
@@ -118,10 +118,10 @@ def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloci
         so late that rounding loses the phase of the trough.
     """
     start = Start(
-        number_of(START_PHASE, phase),
-        number_of(START_VELOCITY, velocity),
-        number_of(START_HEIGHT, height),
-        number_of(START_NORMAL_VELOCITY, normal_velocity),
+        _number_of(START_PHASE, phase),
+        _number_of(START_VELOCITY, velocity),
+        _number_of(START_HEIGHT, height),
+        _number_of(START_NORMAL_VELOCITY, normal_velocity),
     )
     if scene.normal_acceleration is not None and (start.height or start.normal_velocity):
         name, given = ("start_height", f"{start.height:.15g} m")
@@ -149,7 +149,7 @@ def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloci
     return start
 
 
-def number_of(quantity: Quantity, value: Any) -> float:
+def _number_of(quantity: Quantity, value: Any) -> float:
     """Convert an argument in SI units to a number in the range of its quantity."""
     unit = quantity.kind.si_unit
     try:
@@ -161,7 +161,7 @@ def number_of(quantity: Quantity, value: Any) -> float:
     return number
 
 
-def arrivals(scene: Scene, length: Floats, start: Start) -> Floats:
+def _arrivals(scene: Scene, length: Floats, start: Start) -> Floats:
     """Arrival times from any start, of the shape of ``length``."""
     fields = scene.arrays().changed(lambda x: np.broadcast_to(x, length.shape))
     grid = Grid(fields)
@@ -248,7 +248,7 @@ def simulate(
     _ 38.68329 ms to 66.66667 ms
     """
     given = {
-        quantity.name: number_of(quantity, value)
+        quantity.name: _number_of(quantity, value)
         for quantity, value in ((CYCLES, cycles), (DURATION, duration), (WAY, length))
         if value is not None
     }
@@ -256,10 +256,10 @@ def simulate(
         named = " and ".join(f"{name} = {value:.15g}" for name, value in given.items()) or "none"
         raise VibroError(f"give exactly one of cycles, duration and length; given: {named}")
     grid = grid_of(scene)
-    start = start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
+    start = _start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
     frequency = float(scene.frequency)
     if "length" in given:
-        end = float(arrivals(scene, np.array(given["length"]), start))
+        end = float(_arrivals(scene, np.array(given["length"]), start))
         if not math.isfinite(end):
             why = "the body never gets so far" if end > 0.0 else "whether the body gets so far is unknown"
             raise VibroError(f"length = {given['length']:.15g} m: {why}; give cycles or duration instead")

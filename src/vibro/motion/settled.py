@@ -35,7 +35,7 @@ _SHORT: Final = 1e-2  # [rad] shorter flights are listed as one phase
 
 
 @dataclass(frozen=True)
-class CyclePhase:
+class _CyclePhase:
     """One phase of a steady cycle.
 
     Attributes
@@ -56,7 +56,7 @@ class CyclePhase:
 
 
 @shielded
-def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
+def cycle_phases(scene: Scene) -> tuple[_CyclePhase, ...]:
     """Phases of the steady cycle that a body at rest settles into.
 
     Parameters
@@ -77,7 +77,7 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
     hops = cycle.regime == Regime.HOPPING
     legs = _followed_legs(scene, grid, _LONGEST_RUN) if hops else _contact_legs(scene, grid, cycle)
     w, scale = TURN * float(scene.frequency), float(scene.scale)
-    return tuple(CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
+    return tuple(_CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
 
 
 class _Leg(NamedTuple):
@@ -135,7 +135,7 @@ def _followed_legs(scene: Scene, grid: Grid, most: float) -> list[_Leg]:
 
 @dataclass(frozen=True, eq=False)
 class SettledMotion:
-    """A body that has settled; times count as those of ``CyclePhase``.
+    """A body that has settled; times count as those of ``_CyclePhase``.
 
     Attributes
     ----------

@@ -548,7 +548,7 @@ def _reach(loss: Callable[[float], float], shift: float, least: float, period: f
 # ------------------------------------------------------------------------------
 # Frequency at which signals repeat, its standard error, and whether it differs from that of the drive.
 
-Places = NDArray[np.intp]
+_Places = NDArray[np.intp]
 
 # Of each signal the powers of 2 pi f that turn its spectrum into that of a velocity. There the fundamental
 # stands out: jumps of an acceleration have strong harmonics, a displacement drifts.
@@ -667,7 +667,7 @@ class Repetition:
         own, other = (float(self._powers_of_waves(f)[0].max()) for f in (lower, largest))
         return own > max(TOL.missing, TOL.own_wave * other) and self.explains_more(lower, largest)
 
-    def _regression(self, frequency: float, which: Places | None = None) -> tuple[Floats, Floats]:
+    def _regression(self, frequency: float, which: _Places | None = None) -> tuple[Floats, Floats]:
         """Return coefficients of the trend and of all harmonics, or some, and the residuals, (N, signals).
 
         The harmonics end at a frequency that is the same for all that are tried. Residuals are scaled up for
@@ -693,7 +693,7 @@ class Repetition:
         cosines, sines = np.split(0.5 * self._time.size * waves**2, 2)
         return np.asarray((cosines + sines) / self._power)
 
-    def _squares(self, frequency: float, which: Places | None = None) -> Floats:
+    def _squares(self, frequency: float, which: _Places | None = None) -> Floats:
         """Sum the squares of the residuals of each signal."""
         left = self._regression(frequency, which)[1]
         return np.asarray(np.einsum("ij,ij->j", left, left) + TOL.rounding * self._power)

@@ -265,8 +265,8 @@ def _step_along_edge(
     return best_of(problem, at.label, np.concatenate([linear.point[None], trials]))
 
 
-Intervals = tuple[tuple[float, float], ...]
-Groups = list[tuple[str, ...]]
+_Intervals = tuple[tuple[float, float], ...]
+_Groups = list[tuple[str, ...]]
 _T = TypeVar("_T")
 
 
@@ -290,7 +290,7 @@ class Parameter:
 
     name: str
     value: float
-    intervals: Intervals
+    intervals: _Intervals
     identified: bool
 
     @property
@@ -426,7 +426,7 @@ def check_names(scene: Scene, names: Sequence[str]) -> None:
             raise InputError(zero, hint="give what it may be, such as 0.3mm")
 
 
-def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
+def _judged(problem: Problem, fitting: list[Minimum], intervals: list[_Intervals], threshold: float) -> Fit:
     """Choose the best of the patterns that fit, and decide which quantities are identified."""
     acting = [error_covariance(problem, minimum).diagonal() > 0.0 for minimum in fitting]
     # A pattern in which more quantities act can follow the noise better: each costs 2, as in Akaike's
@@ -449,13 +449,13 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]
     return Fit(fitted, tuple(parameters), tuple(_statements(problem, fitting, parameters, fitted, groups)))
 
 
-def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
+def _bounded(intervals: _Intervals, least: float, most: float) -> _Intervals:
     """Return no interval if it reaches the bounds of the search: its end is unknown."""
     low, high = (bound + way * TOL.at_bound * abs(bound) for bound, way in ((least, 1.0), (most, -1.0)))
     return intervals if intervals and intervals[0][0] > low and intervals[-1][1] < high else ()
 
 
-def _half_width(intervals: Intervals) -> float:
+def _half_width(intervals: _Intervals) -> float:
     """Return half the length of the hull of intervals; inf without any."""
     return 0.5 * (intervals[-1][1] - intervals[0][0]) if intervals else math.inf
 
@@ -544,7 +544,7 @@ def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
 
 def _profile(
     problem: Problem, minima: Sequence[Minimum], threshold: float, column: int
-) -> tuple[Intervals, Minimum]:
+) -> tuple[_Intervals, Minimum]:
     """Return the intervals of one quantity in which the record can be fitted, and the best point on the way.
 
     In each pattern the quantity is moved away from the minimum, and the others are fitted again, until the
@@ -585,7 +585,7 @@ def _profile(
     return _merged(pieces), best
 
 
-def _merged(pieces: list[tuple[float, float]]) -> Intervals:
+def _merged(pieces: list[tuple[float, float]]) -> _Intervals:
     """Unite intervals that overlap, or nearly do."""
     pieces = sorted(pieces)
     hull = max(high for _, high in pieces) - pieces[0][0]
@@ -656,7 +656,7 @@ def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value:
 
 
 def _statements(
-    problem: Problem, minima: list[Minimum], parameters: list[Parameter], fitted: Scene, groups: Groups
+    problem: Problem, minima: list[Minimum], parameters: list[Parameter], fitted: Scene, groups: _Groups
 ) -> list[str]:
     """Say what determines the estimates, which quantities cannot be identified, and which are at a limit."""
     best = minima[0]
@@ -682,7 +682,7 @@ def _statements(
 
 
 def _unidentified(
-    problem: Problem, best: Minimum, pattern: str, lost: Mapping[str, Parameter], groups: Groups
+    problem: Problem, best: Minimum, pattern: str, lost: Mapping[str, Parameter], groups: _Groups
 ) -> list[str]:
     """Say why quantities have no estimate."""
     found = []
@@ -712,7 +712,7 @@ def _unidentified(
     return found
 
 
-def _groups(problem: Problem, best: Minimum) -> Groups:
+def _groups(problem: Problem, best: Minimum) -> _Groups:
     """Return combinations of quantities that the data do not determine.
 
     They are singular vectors of the relative sensitivities, after the effect of the trigger time is

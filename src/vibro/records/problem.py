@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 # ------------------------------------------------------------------------------
 # Steady motions of many scenes, sampled at the times of one record, for searches.
 
-Labels = NDArray[np.object_]  # of str
+_Labels = NDArray[np.object_]  # of str
 
 _REMEMBERED: Final = 256  # motions, of some kilobytes each: more than the points of a few steps
 
@@ -51,7 +51,7 @@ HOPS: Final = "H"
 
 
 @dataclass(frozen=True, eq=False)
-class SceneCycles:
+class _SceneCycles:
     """Steady cycles of M scenes.
 
     Attributes
@@ -66,7 +66,7 @@ class SceneCycles:
         Motions of scenes that hop, and of all beyond one harmonic, by their place among all.
     """
 
-    labels: Labels
+    labels: _Labels
     fields: Fields
     slides: Floats
     followed: Mapping[int, SettledMotion]
@@ -167,17 +167,17 @@ class SceneCycles:
         return [slide for slide in self.slides.swapaxes(0, 1)[..., None] if slide[0].any()]
 
 
-def labels_of(values: Mapping[str, Any]) -> Labels:
-    """Return the labels of scenes as in ``SceneCycles``, from their fields as for ``scene_cycles``."""
+def labels_of(values: Mapping[str, Any]) -> _Labels:
+    """Return the labels of scenes as in ``_SceneCycles``, from their fields as for ``scene_cycles``."""
     return _labels(solve(Scene.computed(**values), flight=False))
 
 
-def _labels(cycle: SteadyCycle) -> Labels:
+def _labels(cycle: SteadyCycle) -> _Labels:
     labels = np.where(is_answered(cycle.status), cycle.pattern, "")
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
 
-def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles:
+def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> _SceneCycles:
     """Solve the steady cycles of scenes.
 
     Parameters
@@ -203,7 +203,7 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
         slides = np.nan_to_num(slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape)))
     else:
         slides = _slides(followed, labels.size)
-    return SceneCycles(labels, scene.flat(), slides, followed)
+    return _SceneCycles(labels, scene.flat(), slides, followed)
 
 
 @lru_cache(maxsize=_REMEMBERED)
@@ -376,7 +376,7 @@ class Problem:
         moved[:-1] -= np.where(self._phases, math.tau * np.round((point[:-1] - near) / math.tau), 0.0)
         return moved
 
-    def labels(self, points: Floats) -> Labels:
+    def labels(self, points: Floats) -> _Labels:
         """Return the pattern at each point; empty without a steady cycle, or beyond the bounds."""
         return self._within(points, labels_of(self._fields(points)))
 
@@ -531,7 +531,7 @@ class Problem:
         time = self.observation.time - self.observation.time.mean()
         return np.vander(time / time[-1], _POWERS[name], increasing=True)
 
-    def _model(self, cycles: SceneCycles, points: Floats, lag: float = 0.0) -> dict[str, Floats]:
+    def _model(self, cycles: _SceneCycles, points: Floats, lag: float = 0.0) -> dict[str, Floats]:
         """Compute the signals at points, delayed by a number of sample times."""
         observation, step = self.observation, self.observation.sample_time
         shift = points[:, -1] * observation.period + lag * step
@@ -548,7 +548,7 @@ class Problem:
         clipped = np.clip(points[:, : len(self.names)], *self.bounds)
         return values | dict(zip(self.names, clipped.T.copy(), strict=True))
 
-    def _within(self, points: Floats, labels: Labels) -> Labels:
+    def _within(self, points: Floats, labels: _Labels) -> _Labels:
         """Empty the labels of points beyond the bounds."""
         values, (low, high) = points[:, : len(self.names)], self.bounds
         return np.where(((low <= values) & (values <= high)).all(axis=1), labels, "")
@@ -579,7 +579,7 @@ def _variances(observation: Observation, residual: Floats, squared_slopes: Float
 
 
 def _beside_a_jump(
-    cycles: SceneCycles, name: str, observation: Observation, shift: float
+    cycles: _SceneCycles, name: str, observation: Observation, shift: float
 ) -> NDArray[np.bool_]:
     """Return which samples lie next to a jump of a signal of one scene.
 

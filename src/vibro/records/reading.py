@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 # Limits, steps and thresholds of the analysis of records, each with its unit and reason.
 
 
-class Tolerances(NamedTuple):
+class _Tolerances(NamedTuple):
     """Limits, steps and thresholds; shares or factors if no unit is given."""
 
     # --- reading --------------------------------------------------------------------------------------
@@ -199,24 +199,24 @@ class Tolerances(NamedTuple):
     at_limit: float = 1e-4  # of the range that is tried: distance of an estimate at its limit
 
 
-TOL: Final = Tolerances()
+TOL: Final = _Tolerances()
 
 
 # ------------------------------------------------------------------------------
 # Signals of a record: their names, their units as programs spell them, the sensitivities of voltages.
 
 #: Kind of a unit, a key of ``SIGNAL_UNITS``, and its size in SI units.
-Unit = tuple[str, float]
+_Unit = tuple[str, float]
 #: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.
-SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
+_SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
 #: Motions of the trough that it may hold: along the trough's surface, and normal to it.
-TROUGH: Final = ("trough_along", "trough_normal")
+_TROUGH: Final = ("trough_along", "trough_normal")
 #: Kinds of unit that a motion of the trough may have, with the derivatives from each to the acceleration.
 DERIVATIVES: Final[Mapping[str, int]] = {"acceleration": 0, "velocity": 1, "displacement": 2}
 #: Kind of unit of each column; of the trough's the usual one.
-KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *SIGNALS)} | {
+_KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *_SIGNALS)} | {
     "friction": "force",
-    **dict.fromkeys(TROUGH, "acceleration"),
+    **dict.fromkeys(_TROUGH, "acceleration"),
 }
 
 
@@ -249,7 +249,7 @@ _SPELLINGS: Final = (
 )
 
 
-def signal_unit(text: str) -> Unit | None:
+def signal_unit(text: str) -> _Unit | None:
     """Return the kind and the size of a unit.
 
     Parameters
@@ -280,9 +280,9 @@ def rounded(ratio: float) -> str:
     return f"{float(f'{ratio:.2g}'):g}"
 
 
-def kinds_of(role: str) -> tuple[str, ...]:
+def _kinds_of(role: str) -> tuple[str, ...]:
     """Return the kinds of unit that a column may have, the usual one first."""
-    return tuple(DERIVATIVES) if role in TROUGH else (KINDS[role],)
+    return tuple(DERIVATIVES) if role in _TROUGH else (_KINDS[role],)
 
 
 def _a(kind: str) -> str:
@@ -290,7 +290,7 @@ def _a(kind: str) -> str:
 
 
 #: A usual sensitivity for each kind of signal.
-EXAMPLES: Final[Mapping[str, str]] = {
+_EXAMPLES: Final[Mapping[str, str]] = {
     "displacement": "2V/mm",
     "velocity": "20mV/mm/s",
     "acceleration": "100mV/g",
@@ -298,7 +298,7 @@ EXAMPLES: Final[Mapping[str, str]] = {
 }
 
 
-class Sensitivity(NamedTuple):
+class _Sensitivity(NamedTuple):
     """Sensitivity of a sensor whose voltage is in a record.
 
     Attributes
@@ -306,7 +306,7 @@ class Sensitivity(NamedTuple):
     text : str
         The sensitivity as typed.
     role : str
-        Column that it is for, a key of ``KINDS``; empty for every voltage of its kind.
+        Column that it is for, a key of ``_KINDS``; empty for every voltage of its kind.
     kind : str
         Kind of unit that the sensor measures, a key of ``SIGNAL_UNITS``.
     per_volt : float
@@ -325,17 +325,17 @@ class Sensitivity(NamedTuple):
 
     def serves(self, role: str) -> bool:
         """Whether it applies to a voltage in the column of a signal."""
-        return self.role == role if self.role else self.kind == KINDS[role]
+        return self.role == role if self.role else self.kind == _KINDS[role]
 
 
 # Possessive quantifiers: the time for a text is proportional to its length, not to the square of it.
 _NUMBER: Final = r"[+-]?+(?:(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+|(?i:nan|inf))"
 _SENSITIVITY: Final = re.compile(rf"({_NUMBER})\s*+([^\W\d].*|\(.*)")
 _DECIMAL_COMMA: Final = re.compile(r"([+-]?[0-9]{1,20}),([0-9].{0,20})")
-_HINT: Final = f"write it like {', '.join(EXAMPLES.values())} or 125mm/s/V"
+_HINT: Final = f"write it like {', '.join(_EXAMPLES.values())} or 125mm/s/V"
 
 
-def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
+def read_sensitivities(texts: Sequence[str]) -> tuple[_Sensitivity, ...]:
     """Read the sensitivities of sensors whose voltages a record holds.
 
     Parameters
@@ -350,7 +350,7 @@ def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
         If one is no sensitivity, is 0, not finite or beyond 1e-20 to 1e20 in SI units; or if two apply to the
         same column or kind.
     """
-    found: list[Sensitivity] = []
+    found: list[_Sensitivity] = []
     for text in texts:
         one = _sensitivity(text)
         for other in found:
@@ -367,12 +367,12 @@ def _given(text: str) -> str:
     return argument("sensitivity", cut(text))
 
 
-def _sensitivity(text: str) -> Sensitivity:
+def _sensitivity(text: str) -> _Sensitivity:
     name, equals, value = text.rpartition("=")
     role = name.strip().removeprefix("--").replace("-", "_").casefold()
     said = _given(text)
-    if equals and (role not in KINDS or role == "time"):
-        known = ", ".join(r.replace("_", "-") for r in KINDS if r != "time")
+    if equals and (role not in _KINDS or role == "time"):
+        known = ", ".join(r.replace("_", "-") for r in _KINDS if r != "time")
         raise InputError(f"{said}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
     value = value.strip()
     match = _SENSITIVITY.fullmatch(value)
@@ -385,15 +385,15 @@ def _sensitivity(text: str) -> Sensitivity:
     if unit is None:
         raise InputError(f"{said}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
     kind, size, inverse = unit
-    if role and kind not in kinds_of(role):
-        other = f"{said}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(kinds_of(role)))}"
-        raise InputError(other, hint=f"write it like {EXAMPLES[KINDS[role]]}")
+    if role and kind not in _kinds_of(role):
+        other = f"{said}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(_kinds_of(role)))}"
+        raise InputError(other, hint=f"write it like {_EXAMPLES[_KINDS[role]]}")
     if number == 0.0 or not math.isfinite(number):
         raise InputError(f"{said}: must be finite and not 0", hint=_HINT)
     per_volt = number * size if inverse else size / number
     if not 1.0 / TOL.largest <= abs(per_volt) <= TOL.largest:
         raise InputError(f"{said}: 1 V would be {per_volt:g} in SI units, which is beyond any sensor")
-    return Sensitivity(text.strip(), role, kind, per_volt)
+    return _Sensitivity(text.strip(), role, kind, per_volt)
 
 
 def _unit(text: str) -> tuple[str, float, bool] | None:
@@ -408,7 +408,7 @@ def _unit(text: str) -> tuple[str, float, bool] | None:
     if inverse:
         measured, _, volt = plain.rpartition("/")
     of_volt, of_signal = signal_unit(volt.strip()), signal_unit(measured.strip().strip("()[]").strip())
-    if of_volt is None or of_volt[0] != "voltage" or of_signal is None or of_signal[0] not in EXAMPLES:
+    if of_volt is None or of_volt[0] != "voltage" or of_signal is None or of_signal[0] not in _EXAMPLES:
         return None
     return of_signal[0], of_signal[1] / of_volt[1], inverse
 
@@ -432,41 +432,41 @@ _IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in
 _OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
 
 
-class Header(NamedTuple):
+class _Header(NamedTuple):
     """Header of a column: its place and text, the name and the unit in that, and the unit's kind and size."""
 
     place: int
     text: str
     name: str
     stated: str
-    unit: Unit | None
+    unit: _Unit | None
 
 
-class Wanted(NamedTuple):
-    """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages.
+class _Wanted(NamedTuple):
+    """Columns that a user names: headers by the keys of ``_KINDS``, and the sensitivities of voltages.
 
     Signals of the body are needed unless ``body`` is false: then motions of the trough are.
     """
 
     headers: Mapping[str, str]
-    sensitivities: Sequence[Sensitivity] = ()
+    sensitivities: Sequence[_Sensitivity] = ()
     body: bool = True
 
 
-class Column(NamedTuple):
+class _Column(NamedTuple):
     """Column of a signal: its header, kind and size of its unit in SI units, sensitivity of a voltage."""
 
-    header: Header
+    header: _Header
     kind: str
     size: float
-    sensitivity: Sensitivity | None = None
+    sensitivity: _Sensitivity | None = None
 
 
-#: Columns by the keys of ``KINDS``.
-Columns = dict[str, Column]
+#: Columns by the keys of ``_KINDS``.
+_Columns = dict[str, _Column]
 
 
-def _headers(above: list[list[str]]) -> list[Header]:
+def _headers(above: list[list[str]]) -> list[_Header]:
     """Read the header row, the last one of ``above``, and a row of units under it if there is one."""
     texts = above[-1]
     units = [text.strip("[]()") for text in texts]
@@ -475,7 +475,7 @@ def _headers(above: list[list[str]]) -> list[Header]:
     headers = []
     for place, text in enumerate(texts):
         name, unit = _split(text)
-        headers.append(Header(place, text, name, unit, signal_unit(unit) if unit else _unit_at_end(name)))
+        headers.append(_Header(place, text, name, unit, signal_unit(unit) if unit else _unit_at_end(name)))
     return headers
 
 
@@ -500,11 +500,11 @@ def _is_quotient(name: str, unit_text: str) -> bool:
     unit = signal_unit(unit_text)
     if unit is None:
         return False
-    kinds = [KINDS[role] for role, word in _WORDS.items() if word.fullmatch(name)]
+    kinds = [_KINDS[role] for role, word in _WORDS.items() if word.fullmatch(name)]
     return unit[0] in (*kinds, "voltage") if kinds else signal_unit(name) is None
 
 
-def _unit_at_end(name: str) -> Unit | None:
+def _unit_at_end(name: str) -> _Unit | None:
     """Return the unit at the end of a name in vibro's own tables, such as ``velocity_mm_s``."""
     words = name.split("_")
     for count in (2, 1):
@@ -513,7 +513,7 @@ def _unit_at_end(name: str) -> Unit | None:
     return None
 
 
-def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
+def _columns_of(path: Path, above: list[list[str]], wanted: _Wanted) -> _Columns:
     """Find the columns of the signals.
 
     Parameters
@@ -534,38 +534,38 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
         or a sensitivity a voltage.
     """
     headers = _headers(above)
-    problems, hints, found = list[str](), list[str](), Columns()
+    problems, hints, found = list[str](), list[str](), _Columns()
     # A user who names one signal wants no others; the time is always needed.
-    named_one = any(role in wanted.headers for role in SIGNALS)
-    sought = ("time",) if named_one or not wanted.body else ("time", *SIGNALS)
-    named = [role for role in KINDS if role in wanted.headers]
+    named_one = any(role in wanted.headers for role in _SIGNALS)
+    sought = ("time",) if named_one or not wanted.body else ("time", *_SIGNALS)
+    named = [role for role in _KINDS if role in wanted.headers]
     for role in dict.fromkeys([*named, *sought]):
         try:
             if role in wanted.headers:
                 found[role] = _named(path, headers, role, wanted)
             else:
                 taken = {column.header.place for column in found.values()}
-                if KINDS[role] not in {found[name].kind for name in TROUGH if name in found}:
+                if _KINDS[role] not in {found[name].kind for name in _TROUGH if name in found}:
                     found |= _detected(path, [h for h in headers if h.place not in taken], role)
         except InputError as exc:
-            if role in SIGNALS and role not in wanted.headers and not found.keys().isdisjoint(TROUGH):
+            if role in _SIGNALS and role not in wanted.headers and not found.keys().isdisjoint(_TROUGH):
                 continue  # the trough alone is measured too
             problems += exc.raw[0]
             hints += [exc.raw[1]]
     if not problems and "time" not in found:
         problems.append(f"{path}: no column of time found among {_list(headers)}")
         hints.append(f"name it, with its unit: {argument('time', 't [s]')}")
-    if not problems and found.keys().isdisjoint((*SIGNALS, *TROUGH) if wanted.body else TROUGH):
+    if not problems and found.keys().isdisjoint((*_SIGNALS, *_TROUGH) if wanted.body else _TROUGH):
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
         hints.append(_name_one(headers, wanted))
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
     _check_use(path, headers, found, wanted)
-    return {role: found[role] for role in KINDS if role in found}
+    return {role: found[role] for role in _KINDS if role in found}
 
 
-def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
+def _check_use(path: Path, headers: list[_Header], columns: _Columns, wanted: _Wanted) -> None:
     """Refuse a column that is given as two signals, and a sensitivity that no voltage uses."""
     for column in columns.values():
         same = [role for role, other in columns.items() if other.header == column.header]
@@ -575,7 +575,7 @@ def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Want
     used = [column.sensitivity for column in columns.values()]
     for sensitivity in wanted.sensitivities:
         if sensitivity not in used:
-            role = sensitivity.role or next(name for name in SIGNALS if KINDS[name] == sensitivity.kind)
+            role = sensitivity.role or next(name for name in _SIGNALS if _KINDS[name] == sensitivity.kind)
             read = [column.header for column in columns.values()]
             free = [header.text for header in _voltages(headers) if header not in read]
             hint = f"name the column: {argument(role, free[0])}" if free else "leave it out"
@@ -585,14 +585,14 @@ def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Want
             )
 
 
-def _voltages(headers: list[Header]) -> list[Header]:
+def _voltages(headers: list[_Header]) -> list[_Header]:
     return [header for header in headers if header.unit and header.unit[0] == "voltage"]
 
 
-def _name_one(headers: list[Header], wanted: Wanted) -> str:
+def _name_one(headers: list[_Header], wanted: _Wanted) -> str:
     """Show how to name a signal, with a sensitivity if the table holds a voltage."""
     if not wanted.body:
-        sensitivities = {"voltage": f" {argument('sensitivity', EXAMPLES['acceleration'])}"}
+        sensitivities = {"voltage": f" {argument('sensitivity', _EXAMPLES['acceleration'])}"}
         of_kind = {header.unit[0]: header for header in reversed(headers) if header.unit}
         for kind in ("voltage", *DERIVATIVES):
             if kind in of_kind:
@@ -601,16 +601,16 @@ def _name_one(headers: list[Header], wanted: Wanted) -> str:
         both = argument("trough_along", "ax [m/s^2]"), argument("trough_normal", "ay [m/s^2]")
         return f"name one or both, with the unit: {both[0]} {both[1]}"
     for header in _voltages(headers):
-        role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
+        role = next((role for role in _SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
         name = argument(role, header.text)
         if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
             return f"name the voltage: {name}"
-        example = EXAMPLES[KINDS[role]]
+        example = _EXAMPLES[_KINDS[role]]
         return f"name one, and the sensitivity of its sensor: {name} {argument('sensitivity', example)}"
     return f"name one, with its unit: {argument('displacement', 'X [mm]')}"
 
 
-def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
+def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _Column:
     """Find the column that a user names; its unit is the one in its header, or else in the user's name."""
     key = wanted.headers[role].strip()
     name, unit_text = _split(key)
@@ -619,7 +619,7 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
         or [h for h in headers if h.text.casefold() == key.casefold()]
         or [h for h in headers if h.name.casefold() == name.casefold() and not (unit_text and h.stated)]
     )
-    kind = KINDS[role]
+    kind = _KINDS[role]
     if not found:
         hint = did_you_mean(key, (h.text for h in headers)) or "write it as the header row does"
         missing = f"{path}: no column {shown(key)} for {role}; its columns are {_list(headers)}"
@@ -629,15 +629,15 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
         raise InputError(several, hint="give them different names in the file")
     (header,) = found
     unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
-    if unit is not None and unit[0] in kinds_of(role):
-        return Column(header, *unit)
-    said, example = f"{path}: column {shown(header.text)} for {role}", EXAMPLES.get(kind)
+    if unit is not None and unit[0] in _kinds_of(role):
+        return _Column(header, *unit)
+    said, example = f"{path}: column {shown(header.text)} for {role}", _EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
         serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
         if serving:
             # A sensitivity of this column has priority over one of its kind.
             sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
-            return Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity)
+            return _Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity)
         what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
         idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
         if (other := next(idle, None)) is not None:
@@ -650,7 +650,7 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
                 example = f"{role.replace('_', '-')}={example}"
         raise InputError(f"{said}: {what}", hint=f"{hint} {argument('sensitivity', example)}")
     stated = unit_text or header.stated
-    kinds = " or ".join(kinds_of(role))
+    kinds = " or ".join(_kinds_of(role))
     problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
     voltage = f", or mV and V with {argument('sensitivity', example)}" if example else ""
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
@@ -659,9 +659,9 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
     raise InputError(f"{said}: {problem}", hint=hint + voltage)
 
 
-def _detected(path: Path, headers: list[Header], role: str) -> Columns:
+def _detected(path: Path, headers: list[_Header], role: str) -> _Columns:
     """Find the column whose unit fits, among several the one whose name fits; empty if there is none."""
-    fitting = [Column(h, *h.unit) for h in headers if h.unit and h.unit[0] == KINDS[role]]
+    fitting = [_Column(h, *h.unit) for h in headers if h.unit and h.unit[0] == _KINDS[role]]
     if len(fitting) > 1:
         fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
     if len(fitting) > 1:
@@ -672,13 +672,13 @@ def _detected(path: Path, headers: list[Header], role: str) -> Columns:
     return {role: fitting[0]} if fitting else {}
 
 
-def _list(headers: Sequence[Header]) -> str:
+def _list(headers: Sequence[_Header]) -> str:
     texts = [shown(h.text) for h in headers if h.text]
     more = len(texts) - TOL.headers_named
     return ", ".join(texts[: TOL.headers_named]) + (f" and {more} more" if more > 0 else "")
 
 
-Flags = NDArray[np.bool_]
+_Flags = NDArray[np.bool_]
 
 # Possessive quantifiers: the time for a cell is proportional to its length.
 _DECIMAL: Final = re.compile(r"[+-]?+(?:[0-9]++[.,]?+[0-9]*+|[.,][0-9]++)(?:[eE][+-]?+[0-9]++)?+")
@@ -699,9 +699,9 @@ class Record:
         Strictly ascending [s].
     signals : mapping of str to float array
         Relative displacement [m], velocity [m/s], acceleration [m/s^2] and friction [N] at these times, by
-        their names in ``SIGNALS``.
+        their names in ``_SIGNALS``.
     trough : mapping of str to float array
-        Motions of the trough [m/s^2, m/s or m] at these times, by their names in ``TROUGH``.
+        Motions of the trough [m/s^2, m/s or m] at these times, by their names in ``_TROUGH``.
     headers : mapping of str to str
         The columns' headers in the file, by the same names and ``"time"``.
     sensitivities : mapping of str to str
@@ -734,7 +734,7 @@ class _Table(NamedTuple):
     decimal_comma: bool
     separator: str
 
-    def numbers(self, header: Header, unit: float) -> Floats:
+    def numbers(self, header: _Header, unit: float) -> Floats:
         """Read a column in SI units; NaN for cells without a value."""
         values = np.full(len(self.rows), np.nan)
         bad = np.zeros(values.size, np.bool_)
@@ -749,7 +749,7 @@ class _Table(NamedTuple):
             raise InputError(*self.named(header, bad, values, TOL.largest / abs(unit)), hint=_DELETE)
         return values
 
-    def named(self, header: Header, bad: Flags, values: Floats, most: float = math.nan) -> list[str]:
+    def named(self, header: _Header, bad: _Flags, values: Floats, most: float = math.nan) -> list[str]:
         """Describe the first bad cells of a column, and count the others; one with a value is too large."""
         problems, places, column = [], np.flatnonzero(bad).tolist(), f"column {shown(header.text)}"
         for i in places[: TOL.cells_named]:
@@ -766,7 +766,7 @@ class _Table(NamedTuple):
 def read_record(
     path: Path,
     columns: Mapping[str, str] | None = None,
-    sensitivities: Sequence[Sensitivity] = (),
+    sensitivities: Sequence[_Sensitivity] = (),
     *,
     body: bool = True,
 ) -> Record:
@@ -778,7 +778,7 @@ def read_record(
         CSV with a header row; separated by commas, semicolons or tabs, with decimal points or commas,
         in UTF-8 (with or without a byte order mark), UTF-16 or a Windows code page.
     columns : mapping of str to str, optional
-        Headers by ``"time"`` and the names of ``SIGNALS`` and ``TROUGH``. The unit of the header, in
+        Headers by ``"time"`` and the names of ``_SIGNALS`` and ``_TROUGH``. The unit of the header, in
         brackets, may be left out; if the file has none, the one given here is used. If no signal of the body
         is named, every column whose unit is unambiguous is read.
     sensitivities : sequence of Sensitivity
@@ -800,13 +800,13 @@ def read_record(
         the time has gaps, repeats or goes back. Row and column are named.
     """
     text, notes = read_text(path)
-    table, chosen = _take_apart(path, text, Wanted(columns or {}, sensitivities, body))
+    table, chosen = _take_apart(path, text, _Wanted(columns or {}, sensitivities, body))
     if table.separator != "," or table.decimal_comma:
         decimals = ", decimal commas" if table.decimal_comma else ""
         notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")
     values = {role: table.numbers(column.header, column.size) for role, column in chosen.items()}
-    if not values.keys().isdisjoint(TROUGH):  # a part that nobody named is not worth a record of the trough
-        unnamed = [role for role in values if role in SIGNALS and role not in (columns or {})]
+    if not values.keys().isdisjoint(_TROUGH):  # a part that nobody named is not worth a record of the trough
+        unnamed = [role for role in values if role in _SIGNALS and role not in (columns or {})]
         for role in unnamed:
             if np.isnan(values[role]).mean() > TOL.skipped:
                 notes.append(
@@ -827,9 +827,9 @@ def read_record(
     for role, header in headers.items():
         at = f" at {texts[role]}" if role in texts else ""
         notes.append(f"{role.replace('_', ' ')}: column {shown(header)}{at}")
-    kinds = {role: column.kind for role, column in chosen.items() if role in TROUGH}
-    signals = {role: x for role, x in values.items() if role in SIGNALS}
-    trough = {role: x for role, x in values.items() if role in TROUGH}
+    kinds = {role: column.kind for role, column in chosen.items() if role in _TROUGH}
+    signals = {role: x for role, x in values.items() if role in _SIGNALS}
+    trough = {role: x for role, x in values.items() if role in _TROUGH}
     return Record(values["time"], signals, trough, headers, texts, tuple(notes), kinds)
 
 
@@ -841,7 +841,7 @@ def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
     return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
 
 
-def _take_apart(path: Path, text: str, wanted: Wanted) -> tuple[_Table, Columns]:
+def _take_apart(path: Path, text: str, wanted: _Wanted) -> tuple[_Table, _Columns]:
     """Find separator, decimals and header row, and the columns of the signals."""
     for separator in _SEPARATORS:
         rows = rows_of(path, text, separator)
@@ -865,7 +865,7 @@ def _take_apart(path: Path, text: str, wanted: Wanted) -> tuple[_Table, Columns]
     return _Table(path, data, comma, separator), chosen
 
 
-def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int, Columns]:
+def _header_row(path: Path, above: list[list[str]], wanted: _Wanted) -> tuple[int, _Columns]:
     """Find the row that names the columns, above the first row of numbers.
 
     The lowest row may be data with a bad cell. It is no header if it does not name the columns, and holds a
@@ -873,7 +873,7 @@ def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int
     """
     *higher, lowest = above
     try:
-        return len(higher), columns_of(path, above, wanted)
+        return len(higher), _columns_of(path, above, wanted)
     except InputError:
         patterns = (_DECIMAL, _NO_VALUE, _WRONG)
         if not higher or not any(p.fullmatch(cell) for cell in lowest for p in patterns):
@@ -881,7 +881,7 @@ def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int
     return _header_row(path, higher, wanted)
 
 
-def _with_values(table: _Table, columns: Mapping[Header, Floats]) -> Flags:
+def _with_values(table: _Table, columns: Mapping[_Header, Floats]) -> _Flags:
     """Return which rows hold a value in every column; refuse a table in which too many do not."""
     kept = np.asarray(~np.isnan(list(columns.values())).any(axis=0))
     count = int(np.count_nonzero(~kept))
@@ -893,7 +893,7 @@ def _with_values(table: _Table, columns: Mapping[Header, Floats]) -> Flags:
     return kept
 
 
-def _check_time(table: _Table, header: Header, time: Floats, kept: NDArray[np.intp]) -> None:
+def _check_time(table: _Table, header: _Header, time: Floats, kept: NDArray[np.intp]) -> None:
     """Refuse a time that repeats, goes back or jumps; ``kept`` holds the places of its rows in the table."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0

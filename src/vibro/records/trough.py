@@ -287,28 +287,28 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
     """
     if not record.trough:
         return None
-    signals = trough_signals(record, reverse=reverse)
-    found = drive_frequency(record, signals)
+    signals = _trough_signals(record, reverse=reverse)
+    found = _drive_frequency(record, signals)
     frequency = Estimate(float(spelled(*found)), found.error)
     waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
     trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
     if not down:
-        refuse_line_down(trough, reverse=reverse)
+        _refuse_line_down(trough, reverse=reverse)
     return trough
 
 
-def trough_signals(record: Record, *, reverse: bool) -> dict[str, Floats]:
+def _trough_signals(record: Record, *, reverse: bool) -> dict[str, Floats]:
     """Return the motions of the trough as recorded, positive in the conveying direction and upwards."""
     return {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
 
 
-def to_accelerations(record: Record, frequency: float, count: int) -> dict[str, NDArray[np.complex128]]:
+def _to_accelerations(record: Record, frequency: float, count: int) -> dict[str, NDArray[np.complex128]]:
     """Return what turns the first harmonics of each motion of the trough into those of its acceleration."""
     rates = 2j * math.pi * frequency * np.arange(1, count + 1)
     return {name: np.asarray(rates**power) for name, power in record.trough_derivatives.items()}
 
 
-def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
+def _drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
     """Return the frequency at which motions of the trough repeat [Hz].
 
     Raises
@@ -329,7 +329,7 @@ def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
     return frequency
 
 
-def refuse_line_down(trough: Trough, *, reverse: bool) -> None:
+def _refuse_line_down(trough: Trough, *, reverse: bool) -> None:
     """Raise InputError if the trough moves down along a line while it moves forwards."""
     if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:  # no drive angle is below 0
         why = "the axis along the trough points against the conveying direction"
@@ -349,7 +349,7 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
     """Return the fundamental of an acceleration, by regression on all harmonics."""
     folded = fold(record.time, values, frequency, _TRENDS)
     cosines, sines = folded.coefficients[_TRENDS:].reshape(2, -1)
-    factors = to_accelerations(record, frequency, len(sines))[name]
+    factors = _to_accelerations(record, frequency, len(sines))[name]
     powers = 0.5 * (cosines**2 + sines**2)
     fundamental = max(float(powers[0]), TOL.rounding**2 * float(np.mean(values**2)))
     variances = np.diagonal(folded.covariance)[_TRENDS:].reshape(2, -1).sum(axis=0)
@@ -604,7 +604,7 @@ class MeasuredMotion:
         frequency = self.frequency + self.frequency_error * random.standard_normal(count)
         return self._motions(frequency, self.accelerations[..., None] + off)
 
-    def measured_drive(self) -> HarmonicDrive:
+    def measured_drive(self) -> _HarmonicDrive:
         """Return the harmonics as quantities with standard errors."""
         motion, both = self.motion, len(self.channels) == 2
         own = motion.along if _ALONG in self.channels else motion.normal
@@ -619,7 +619,7 @@ class MeasuredMotion:
                 phase = Estimate(float(np.angle(z)), float(self.phase_errors[k, channel]))
                 quantities |= {f"{way}_amplitude{end}": size, f"{way}_phase{end}": phase}
         warnings = self.trough.doubts(pure=False)
-        return HarmonicDrive(
+        return _HarmonicDrive(
             self.trough, quantities, self.trough.drive_on_ellipse().clock, warnings, self._moved
         )
 
@@ -660,7 +660,7 @@ class MeasuredMotion:
         return Motions(frequency, along, normal)
 
 
-class HarmonicDrive(NamedTuple):
+class _HarmonicDrive(NamedTuple):
     """Measured harmonics of a scene's drive, with the attributes of ``MeasuredDrive``."""
 
     trough: Trough
@@ -785,7 +785,7 @@ def motion_of(
     Parameters and errors are those of ``measured_motion``, and ``down`` of ``trough_of``.
     """
     _check_sensors(record, drive_angle)
-    signals = trough_signals(record, reverse=reverse)
+    signals = _trough_signals(record, reverse=reverse)
     span = float(np.ptp(record.time))
     frequency = _frequency(record, signals)
     _check_size(record, span, frequency)
@@ -806,7 +806,7 @@ def motion_of(
     error = _frequency_error(time, values, frequency, sizes, covariance)
     channels = tuple(signals)
 
-    factors = np.stack([to_accelerations(record, frequency, order)[name] for name in channels], axis=1)
+    factors = np.stack([_to_accelerations(record, frequency, order)[name] for name in channels], axis=1)
     sizes = sizes * factors
     covariance = covariance * factors[:, :, None] * factors[:, None, :].conj()
     first = _reference(sizes, covariance)
@@ -814,7 +814,7 @@ def motion_of(
     rest = _rest(time, values, frequency, order) * abs(factors[0])
     trough = _fundamental(record, Estimate(frequency, error), sizes, covariance, rest, span)
     if not down:
-        refuse_line_down(trough, reverse=reverse)
+        _refuse_line_down(trough, reverse=reverse)
     beyond = significant - order
     too_many = f"the motion has {significant} harmonics, a drive has at most {order}: {beyond} are left out"
     return MeasuredMotion(
@@ -881,7 +881,7 @@ def _frequency(record: Record, signals: Mapping[str, Floats]) -> float:
     size, rows = record.time.size, min(record.time.size, TOL.frequency_rows)
     part = slice((size - rows) // 2, (size - rows) // 2 + rows)
     middle = {name: values[part] for name, values in signals.items()}
-    frequency = drive_frequency(replace(record, time=record.time[part]), middle).value
+    frequency = _drive_frequency(replace(record, time=record.time[part]), middle).value
     while (rows := TOL.frequency_growth * rows) < size:
         part = slice((size - rows) // 2, (size - rows) // 2 + rows)
         time = record.time[part] - 0.5 * float(record.time[part][0] + record.time[part][-1])
@@ -1225,7 +1225,7 @@ class TroughDrive(NamedTuple):
     """
 
     first: MeasuredDrive
-    drive: MeasuredDrive | HarmonicDrive
+    drive: MeasuredDrive | _HarmonicDrive
     measured: MeasuredMotion | None
     notes: Sequence[str]
     warnings: Sequence[str]

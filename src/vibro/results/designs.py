@@ -131,7 +131,7 @@ class Guarantee:
         return html_table("guarantee", rows, ["", "slowest", "fastest"])
 
 
-class DesignColumn(NamedTuple):
+class _DesignColumn(NamedTuple):
     """One column of a table of designs: its name with the unit, the unit, and its meaning."""
 
     name: str
@@ -231,7 +231,7 @@ class Design:
         return None if low is None or high is None else (low, high)
 
 
-def _heading(column: DesignColumn) -> str:
+def _heading(column: _DesignColumn) -> str:
     """Return the name of a column in words, and its unit."""
     suffix = f"_{column.unit.lower().replace('/', '_')}"
     name = column.name.removesuffix(suffix).replace("_", " ")
@@ -240,7 +240,7 @@ def _heading(column: DesignColumn) -> str:
 
 #: The columns of a table of designs, in order, of all kinds of drives.
 DESIGN_COLUMNS: Final = tuple(
-    DesignColumn(f.name, f.metadata["unit"], f.metadata["meaning"]) for f in fields(Design)
+    _DesignColumn(f.name, f.metadata["unit"], f.metadata["meaning"]) for f in fields(Design)
 )
 
 
@@ -287,7 +287,7 @@ class DesignResult:
     covered: tuple[tuple[float, float] | None, ...] = ()
 
     @property
-    def columns(self) -> tuple[DesignColumn, ...]:
+    def columns(self) -> tuple[_DesignColumn, ...]:
         """Columns of the table of designs; those of a kind of drive only if a design uses it."""
         kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES, _OF_MOTIONS, _OF_MACHINES)
         used = [kind for kind in kinds if any(getattr(d, kind[0]) is not None for d in self.designs)]

@@ -64,13 +64,13 @@ class Filling:
 
 
 #: Columns of the shares, beside a machine too.
-MASS_SHARE: Final = Result(
+_MASS_SHARE: Final = Result(
     name="added_mass_share",
     meaning="share of the filling's mass that acts as mass of the trough",
     symbol=r"\lambda",
     column="added_mass_share",
 )
-DAMPING_SHARE: Final = Result(
+_DAMPING_SHARE: Final = Result(
     name="added_damping_share",
     meaning="share of the filling's mass, times the frequency, that acts as damping of the trough",
     symbol="δ",
@@ -78,13 +78,13 @@ DAMPING_SHARE: Final = Result(
 )
 #: Columns about a filling whose mass is given, and whose trough moves as the scene says.
 WEIGHED: Final = (
-    MASS_SHARE,
+    _MASS_SHARE,
     Result(
         name="added_mass_share_error",
         meaning="standard error of that share where it is a mean over many cycles, else 0",
         column="added_mass_share_error",
     ),
-    DAMPING_SHARE,
+    _DAMPING_SHARE,
     Result(
         name="added_damping_share_error",
         meaning="standard error of that share where it is a mean over many cycles, else 0",
@@ -131,8 +131,8 @@ MACHINE_RESULTS: Final = (
         kind=LENGTH,
         column="amplitude_empty_mm",
     ),
-    MASS_SHARE,
-    DAMPING_SHARE,
+    _MASS_SHARE,
+    _DAMPING_SHARE,
     Result(
         name="relative_amplitude",
         meaning="amplitude of the trough against its counter mass, or the floor: what the springs bend",

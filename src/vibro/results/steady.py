@@ -388,7 +388,7 @@ TIPPING_LOAD_RATIO: Final = Result(
     symbol=r"G/G_{\text{tip}}",
 )
 #: Results that are no fields of ``SteadyCycle``, and columns of tables.
-DERIVED: Final = (
+_DERIVED: Final = (
     TRAVERSE_TIME, ARRIVAL_TIME, STROKES, ACCELERATION, SPEED_EXPONENT, PARTS_RATE, MASS_RATE, UPRIGHT,
     TIPPING_LOAD_RATIO,
 )  # fmt: skip
