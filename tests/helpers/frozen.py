@@ -46,7 +46,7 @@ TEXTS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
 }
 _DIGITS: Final = 1e-4  # [1] relative promise of the numbers of designs, fits and records
 _ESTIMATES: Final = re.compile(r"compare |motion |design |drive .*--fit")  # commands with such answers
-_NUMBER: Final = re.compile(r"-?\d+(?:[.,]\d+)?(?:e[+-]?\d+)?")
+_NUMBER: Final = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 _SMALL: Final = (
     1e-3  # [mm, mm/s, deg, ...] below which numbers of tables are as good as zero, at that promise
 )
@@ -312,14 +312,20 @@ def _pairs(where: str, old: Any, new: Any, promise: float) -> Iterator[tuple[str
     elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
         for i, (x, y) in enumerate(zip(old, new, strict=True)):
             yield from _pairs(f"{where}[{i}]", x, y, promise)
-    elif isinstance(old, str) and isinstance(new, str) and _NUMBER.sub("#", old) == _NUMBER.sub("#", new):
-        was, now = ([float(x.replace(",", ".")) for x in _NUMBER.findall(text)] for text in (old, new))
+    elif isinstance(old, str) and isinstance(new, str) and _parts(old)[0] == _parts(new)[0]:
+        was, now = _parts(old)[1], _parts(new)[1]
         differ = (_apart(x, y, promise) for x, y in zip(was, now, strict=True))
         yield where, old, new, max(differ, default=0.0)
     elif isinstance(old, float) and isinstance(new, float):
         yield where, old, new, _apart(old, new, promise)
     else:
         yield where, old, new, 0.0 if type(old) is type(new) and old == new else math.inf
+
+
+def _parts(text: str) -> tuple[str, list[float]]:
+    """Part a text, or a row of a table, into what surrounds its numbers, and these."""
+    points = text.replace(",", ".") if ";" in text else text  # decimal commas
+    return _NUMBER.sub("#", points), [float(x) for x in _NUMBER.findall(points)]
 
 
 def _apart(x: float, y: float, promise: float) -> float:
