@@ -33,14 +33,6 @@ def _coarse_pictures() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _one_frame() -> Iterator[None]:
-    """Take records in the frame that is given: to doubt it takes most of a comparison's time."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.records.comparison.of_another_frame", lambda *_: [])
-        yield
-
-
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Run ``vibro`` with arguments, in a folder of its own."""

@@ -1,4 +1,4 @@
-"""Tracks over the ground, which hold the trough's motion: compared, fitted, and told from relative ones."""
+"""Tracks over the ground, which hold the trough's motion: compared and fitted."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.feeders import feeder
-from helpers.made_records import EXAMPLES, ON_ELLIPSES, PERIOD, Walked, bowl, nut
+from helpers.made_records import EXAMPLES, ON_ELLIPSES, PERIOD, Walked, nut
 
 import vibro
 from vibro.motion.settled import settled_motion
 from vibro.plots.comparison import comparison_figure
-from vibro.records.alignment import Observation, computed_signals
-from vibro.records.comparison import Comparison, Row, compare, of_another_frame
+from vibro.records.alignment import computed_signals
+from vibro.records.comparison import Comparison, Row, compare
 from vibro.records.fitting import fit
 from vibro.records.problem import HOPS, Problem, scene_cycles
 
 TRIGGER = 0.0137
-CYCLES = 4  # of each record: frames are looked for in four alignments of it
+CYCLES = 4  # of each record
 SCENES = {"nut": nut(), "climbing nut": nut(1.3, trough_angle=math.radians(4.0))} | {
     label: scene for label, scene in ON_ELLIPSES.items() if label not in (HOPS, "_")
 }
@@ -28,10 +28,6 @@ SCENES = {"nut": nut(), "climbing nut": nut(1.3, trough_angle=math.radians(4.0))
 
 def rows(comparison: Comparison) -> dict[str, Row]:
     return {row.key: row for row in comparison.rows}
-
-
-def told(scene: vibro.Scene, observation: Observation) -> list[str]:
-    return of_another_frame(observation, settled_motion(scene))
 
 
 @pytest.mark.parametrize("hops", [False, True])
@@ -84,9 +80,8 @@ def test_a_track_over_the_ground_gives_the_figures_of_a_relative_one(
         assert found[f"rms_{name}"].measured.value < 2.0 * other[f"rms_{name}"].measured.value
 
 
-def test_errors_of_starts_and_speeds_are_those_of_repeated_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_errors_of_starts_and_speeds_are_those_of_repeated_noise() -> None:
     """The clock's error is part of both: the trough's motion is subtracted at it."""
-    monkeypatch.setattr("vibro.records.comparison.of_another_frame", lambda *_: [])
     scene = nut()
     walked = Walked(scene)
     off: dict[str, list[float]] = {}
@@ -102,15 +97,6 @@ def test_errors_of_starts_and_speeds_are_those_of_repeated_noise(monkeypatch: py
         assert 0.4 < float(np.sqrt(np.mean(np.square(values)))) < 1.4, key
 
 
-def test_the_wrong_frame_is_told_either_way() -> None:
-    scene = SCENES["FB"]
-    walked = Walked(scene)
-    (said,) = told(scene, walked.observe("displacement", cycles=CYCLES, over_ground=True))
-    assert "over the ground: give --absolute" in said
-    (said,) = told(scene, replace(walked.observe("displacement", cycles=CYCLES), absolute=True))
-    assert "leave out --absolute" in said
-
-
 def test_the_committed_video_is_what_its_script_makes() -> None:
     data = EXAMPLES / "data"
     made = runpy.run_path(str(data / "make_nut_video_240fps.py"))["table"]()
@@ -118,12 +104,6 @@ def test_the_committed_video_is_what_its_script_makes() -> None:
     assert file.read_text(encoding="utf-8").splitlines()[0].split(",") == list(made)
     rows = np.loadtxt(file, delimiter=",", skiprows=1)
     np.testing.assert_allclose(rows, np.transpose(list(made.values())), atol=6e-4)
-
-
-def test_a_trough_that_moves_up_and_down_alone_has_no_frame_along_itself() -> None:
-    scene = bowl(0.0, along_amplitude=0.0, normal_amplitude=1e-4)
-    walked = Walked(nut())
-    assert told(scene, walked.observe("displacement")) == []
 
 
 @pytest.mark.parametrize("label", SCENES)
@@ -155,11 +135,8 @@ def test_friction_and_amplitude_are_fitted_to_a_track_over_the_ground() -> None:
         assert parameter.high - parameter.low < 0.05 * true
 
 
-def test_a_picture_of_a_fit_shows_the_track_relative_to_the_trough_of_the_fit(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_picture_of_a_fit_shows_the_track_relative_to_the_trough_of_the_fit() -> None:
     """That of a scene with wrong friction was aligned, and subtracted, elsewhere."""
-    monkeypatch.setattr("vibro.records.comparison.of_another_frame", lambda *_: [])
     seen = replace(Walked(nut()).observe("displacement", cycles=CYCLES, over_ground=True), absolute=True)
     wrong, right = compare(nut(static_friction=0.9, kinetic_friction=0.45), seen), compare(nut(), seen)
     figure = comparison_figure(wrong, "", {}, right)

@@ -22,78 +22,12 @@ from vibro.records.alignment import (
     fold,
     foreign_frequency,
 )
-from vibro.records.reading import DERIVATIVES, TOL, doubt, rounded
-from vibro.results.history import Phase, Sample
+from vibro.records.reading import TOL, doubt, rounded
+from vibro.results.history import Phase
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
-
-# ------------------------------------------------------------------------------
-# Whether the motion of a part is relative to the trough, or over the ground and holds the trough's.
-
-
-@dataclass(frozen=True, eq=False)
-class _AtRest(SettledMotion):
-    """A body that rests on the trough of another motion."""
-
-    def sample(self, time: Floats) -> Sample:
-        sample, rest = super().sample(time), np.zeros_like(time)
-        return replace(sample, position=rest, velocity=rest, acceleration=rest, friction=-sample.inertial)
-
-
-def of_another_frame(observation: Observation, motion: SettledMotion) -> list[str]:
-    """Warn of motions that are better explained in the frame that was not given.
-
-    Four explanations are compared: the computed motion and a part that rests, each relative to the trough and
-    over the ground. One of the other frame must leave a quarter of what the best of the given frame leaves,
-    and little of the trough's motion.
-
-    Parameters
-    ----------
-    observation : Observation
-        The record, as it was recorded.
-    motion : SettledMotion
-        The model.
-    """
-    names = [name for name in observation.signals if name in DERIVATIVES]
-    cycle = np.arange(TOL.shifts) * motion.period / TOL.shifts
-    sizes = {name: float(np.abs(x).mean()) for name, x in motion.trough(cycle).items() if name in names}
-    if not sizes or not all(sizes.values()):
-        return []
-    seen = replace(observation.middle, signals={name: observation.middle.signals[name] for name in names})
-    resting = _AtRest(**vars(motion) | {"advance": 0.0})
-    bodies = {"computed": motion, "resting": resting}
-    given = min(_left(seen, body, sizes) for body in bodies.values())
-    other = replace(seen, absolute=not seen.absolute)
-    found = {name: _left(other, body, sizes) for name, body in bodies.items()}
-    best = min(found, key=found.__getitem__)
-    most = TOL.other_frame_left if best == "computed" else TOL.rest_left
-    if found[best] > min(most, TOL.other_frame_gain * given):
-        return []
-    what = f"the {' and the '.join(names)} fit{'s' if len(names) == 1 else ''}"
-    times = f"{rounded(given / max(found[best], TOL.least_misfit))} times better"
-    if seen.absolute:
-        return [f"{what} {times} relative to the trough: leave out --absolute if the sensor rides on it"]
-    if best == "computed":
-        return [f"{what} {times} over the ground: give --absolute if a camera or a sensor stands there"]
-    own = "give --absolute of a part that does not slide, --trough-along of a sensor on the trough"
-    return [f"{what} the trough's own motion {times}: {own}"]
-
-
-def _left(observation: Observation, motion: SettledMotion, sizes: dict[str, float]) -> float:
-    """Return the mean absolute misfit over that of the trough's motion; the geometric mean of all signals."""
-    shift = align(observation, motion).shift
-    model = observation.model(motion, observation.time + (0.0 if math.isnan(shift) else shift))
-    left = []
-    for name, size in sizes.items():
-        off = observation.signals[name] - model[name]
-        if name == "displacement":
-            # Wrong friction changes the computed advance; a part that rests has none.
-            off = detrended(observation.time, off, 0 if isinstance(motion, _AtRest) else 1)
-        left.append(float(np.abs(off).mean()) / size)
-    return math.prod(left) ** (1.0 / len(left))
-
 
 _WAYS: Final = {"F": 1, "B": -1}
 
@@ -172,7 +106,6 @@ class Comparison:
         warnings += _of_another_size(observation, motion)
         warnings += _of_another_frequency(observation)
         warnings += _of_another_clock(observation, motion, alignment)
-        warnings += of_another_frame(observation, motion)
         advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
         if advance * motion.advance < 0.0:
             warnings.append("the data run against the computed direction: reverse their axis, or leave it")
@@ -361,21 +294,17 @@ def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[R
 def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
     """Warn of signals so much larger or smaller than computed that their unit may be wrong."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
-    model = observation.model(motion, cycle)
     found = []
-    for name, values in observation.signals.items():
-        trend = motion.advance / motion.period * cycle if name == "displacement" else 0.0
-        size = float(np.std(model[name] - trend))
-        # Noise is no motion, but a motion at another frequency is: the periodic part decides whether a signal
-        # is too large, all of it whether it is too small.
+    for name, values in observation.model(motion, cycle).items():
+        drifting = name == "displacement"
+        size = float(np.std(values - drifting * motion.advance / motion.period * cycle))
+        # Noise is no motion: what repeats decides whether a signal is too large, all of it if too small.
         repeated = float(np.std(observation.folded[name].periodic(cycle)))
-        whole = float(np.std(detrended(observation.time, values, 1 if name == "displacement" else 0)))
+        whole = float(np.std(detrended(observation.time, observation.signals[name], int(drifting))))
         moved = repeated if repeated > TOL.far_off * size else whole
-        # A body at rest has no size to compare with, and a signal without any change no unit.
         if size and whole and not size / TOL.far_off <= moved <= TOL.far_off * size:
-            what = doubt(observation.sensitivities.get(name, ""))
-            also = " Is the mass?" if name == "friction" else ""
-            found.append(f"the {name} is about {rounded(moved / size)} times the computed one: {what}{also}")
+            what = doubt(observation.sensitivities.get(name, "")) + " Is the mass?" * (name == "friction")
+            found.append(f"the {name} is about {rounded(moved / size)} times the computed one: {what}")
     return found
 
 
@@ -408,9 +337,6 @@ def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Al
     least = max(TOL.sigmas * math.hypot(own.error, clock.error), TOL.clocks_apart * motion.period)
     if math.isnan(off) or abs(off) < least:
         return []
-    where = "later" if off > 0.0 else "earlier"
-    why = "a channel lags, or the body does not move as computed"
-    if abs(off) > (0.5 - TOL.inverted) * motion.period:
-        why = "one of the sensors may be inverted; a negative sensitivity turns it"
-    apart = f"{1e3 * abs(off):.3g} ms ({360.0 * abs(off) / motion.period:.0f} deg) {where} in the cycle"
-    return [f"the body's signals alone fit best {apart} than the trough's acceleration says: {why}"]
+    apart = f"{1e3 * off:+.3g} ms ({360.0 * off / motion.period:+.0f} deg)"
+    why = "a channel lags or is inverted, or the body does not move as computed"
+    return [f"by its own signals the body is {apart} from where the trough's sensor has it: {why}"]

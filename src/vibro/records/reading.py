@@ -127,14 +127,7 @@ class _Tolerances(NamedTuple):
     fine: int = 4096  # points a cycle at which folded signals are searched
     curve: int = 1001  # points of a smooth curve
     proposed: float = 0.01  # [cycles] drift of a proposed frequency from the data over the record
-    # Of what the given frame leaves: less, and the other one is likely. Wrong friction makes it 0.3.
-    other_frame_gain: float = 0.25
-    # Of the trough's motion: what may be left in the other frame then, of the computed motion
-    other_frame_left: float = 0.3
-    # and of a part at rest, as a part with little friction that slides moves much like the trough.
-    rest_left: float = 0.1
     clocks_apart: float = 0.02  # [cycles] least difference of the clocks of trough and body to warn of
-    inverted: float = 0.06  # [cycles] distance of that from half a cycle if a sensor is inverted
 
     # --- residuals of a fit ---------------------------------------------------------------------------
     jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
