@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro import Regime, SceneError, feasible_amplitudes, solve
-from vibro.designs import windows
 from vibro.designs.guarantees import guarantee_of
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
@@ -367,11 +366,8 @@ def test_windows_leave_room_for_the_drift_at_both_ends(percent: float) -> None:
     assert least(scene, still.high * (1 + 1e-9), bands, percent)[1] > Regime.FORWARD_SLIP
 
 
-def test_a_body_past_a_drop_just_before_the_end_of_a_window_is_found(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_body_past_a_drop_just_before_the_end_of_a_window_is_found() -> None:
     """In the middle of the band, just past the drop where back slip enters, bodies miss the speed by 5 %."""
-    monkeypatch.setattr(windows, "_BOX", windows._BOX._replace(exchanges=2))
     question = {
         "scene": {"static_friction": 0.271, "kinetic_friction": "0:0.136"},
         "drive": [

@@ -1,7 +1,7 @@
 """Find the amplitudes that guarantee a speed: ``vibro.feasible_amplitudes``, and the windows of designs.
 
-``_Scan`` computes the least speed of some scenarios over the amplitude. Where it reaches the target,
-``Family`` searches whole intervals for slower bodies, which join the scenarios.
+``_Scan`` computes the least speed of the corners of a box over the amplitude. Where it reaches the target,
+``Family`` searches whole intervals for slower bodies; where it finds one, a bisection narrows the interval.
 """
 
 from __future__ import annotations
@@ -13,11 +13,20 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.designs.guarantees import ANY_LANDING, BRIEF, Extreme, Landings, Seen, bound, counted, least_of
+from vibro.designs.guarantees import (
+    ANY_LANDING,
+    BRIEF,
+    Extreme,
+    Landings,
+    Seen,
+    bound,
+    counted,
+    least_of,
+    speeds_of,
+)
 from vibro.designs.proofs import change_loads, corners, first_ratio, last_ratio, tip_ratio
-from vibro.designs.questions import Scenarios, at_loads
 from vibro.designs.search import close_in
-from vibro.designs.spaces import TOLERANCES, inside, uncertainty_set
+from vibro.designs.spaces import TOLERANCES, uncertainty_set
 from vibro.errors import InputError, Problem, SceneError, shown
 from vibro.quantities import AMPLITUDES, SCALE
 from vibro.reals import NotRealError, real_number, shielded
@@ -27,8 +36,6 @@ from vibro.steady import solve
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from numpy.typing import NDArray
 
     from vibro.designs.questions import Question
     from vibro.designs.spaces import AnySetting, Points, UncertaintySet
@@ -46,7 +53,6 @@ _BEYOND: Final = 1e3
 _FASTER: Final = 2.0
 _CLOSER: Final = 33  # amplitudes of each refinement around an extremum of the speed
 _STEEP: Final = 100.0  # largest change of a speed that is no jump, over that of the amplitude, both relative
-_PAST_EDGE: Final = 1e-8  # relative distance beyond an end at which the speed has jumped
 
 
 class _Detail(NamedTuple):
@@ -58,29 +64,26 @@ class _Detail(NamedTuple):
         Amplitudes of the first grid, and rounds of refinement at extrema between them.
     end : float
         Relative width to which ends are found.
-    exchanges, halves : int
-        Largest numbers of searches for slower bodies, and of bisections of unconfirmed intervals.
-    edge : float
-        Relative width to which an end is found by the slowest body of every amplitude.
+    seeds : int
+        Amplitudes from which the parts of an interval are grown some of whose bodies miss the target.
     """
 
     amplitudes: int
     rounds: int
     end: float
-    exchanges: int
-    halves: int
-    edge: float
+    seeds: int = 0
 
 
 # For one body in contact, and for its hops: between these the speed jumps, and has no smooth extrema.
-_ONE: Final = _Detail(4097, 3, 0.0, 0, 0, 0.0)
+_ONE: Final = _Detail(4097, 3, 0.0)
 _ONE_HOPS: Final = {
-    bounces: _Detail(count, 0, 1e-5 if bounces else 0.0, 0, 0, 0.0) for bounces, count in HOPS_SAMPLED.items()
+    bounces: _Detail(count, 0, 1e-5 if bounces else 0.0) for bounces, count in HOPS_SAMPLED.items()
 }
 # For a box in contact, for plastic hops, and for bounces, which are slow to solve.
-_BOX: Final = _Detail(257, 3, 0.0, 6, 5, 1e-10)
-_FLYING: Final = _Detail(129, 1, 1e-9, 2, 2, 1e-4)
-_BOUNCING: Final = _Detail(33, 0, 1e-4, 1, 1, 1e-2)
+_BOX: Final = _Detail(257, 3, 0.0, 33)
+_FLYING: Final = _Detail(129, 1, 1e-9, 5)
+_BOUNCING: Final = _Detail(33, 0, 1e-4, 3)
+_NARROW: Final = 1e-9  # [1] relative width to which ends are found by the slowest body of an interval
 
 
 def _regime_of(text: object) -> Regime:
@@ -156,9 +159,10 @@ def feasible_amplitudes(
 
     Notes
     -----
-    The least speed of a few scenarios is computed as a function of the amplitude, with all its critical loads
-    and extrema; where it crosses the target is found to rounding. ``vibro.guarantee`` then checks whole
-    intervals, and slower bodies that it finds are added to the scenarios.
+    The least speed of the corners of the box is computed as a function of the amplitude, with all its
+    critical loads and extrema; where it crosses the target is found to rounding. Then the slowest body of
+    each whole interval is searched. If it misses the target, the interval is grown anew from amplitudes
+    inside: boxes of growing intervals contain each other, so that a bisection finds their ends, to 1e-9.
 
     The speed of hopping bodies jumps as the amplitude changes, and for irregular motion it does so
     everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, and ends are found to
@@ -242,14 +246,13 @@ def window_of(question: Question, setting: AnySetting, guarantee: Guarantee) -> 
         tips = max(tips, first_ratio(one, Regime.HOPPING))
     at, others = amplitude / unit, {"tip": 1.0 / tips} if tips else {}
     for i in family.intervals(target, question.highest, most / unit, others, near=at):
-        if i.low * (1.0 - TOLERANCES.at) <= at <= i.high * (1.0 + TOLERANCES.at):
-            # Where the speed jumps at an end, rounding of units and drifts must not cross it: move inwards.
-            inwards = [TOLERANCES.beside * (by != "limit") for by in i[2:]]
-            low, high = i.low * unit * (1.0 + inwards[0]), i.high * unit * (1.0 - inwards[1])
-            low, by = (low, i.low_set_by) if low >= least else (least, "limit")
-            return Interval(min(low, amplitude), max(high, amplitude), by, i.high_set_by)
+        # Where the speed jumps at an end, rounding of units and drifts must not cross it: move inwards.
+        inwards = [TOLERANCES.beside * (by != "limit") for by in i[2:]]
+        low, high = i.low * unit * (1.0 + inwards[0]), i.high * unit * (1.0 - inwards[1])
+        low, by = (low, i.low_set_by) if low >= least else (least, "limit")
+        return Interval(min(low, amplitude), max(high, amplitude), by, i.high_set_by)
     # no interval around the design was confirmed: a window of the design alone
-    below, above = (family.ends_at(at, at * (1.0 + side * TOLERANCES.at), target) for side in (-1.0, 1.0))
+    below, above = (family.set_by(at, at * (1.0 + side * TOLERANCES.at), target) for side in (-1.0, 1.0))
     return Interval(amplitude, amplitude, below, above)
 
 
@@ -300,76 +303,89 @@ class Family:
         others: Mapping[str, float] | None = None,
         near: float | None = None,
     ) -> list[Interval]:
-        """Return the nominal amplitudes that guarantee a speed; arguments as for ``caps`` and ``_Scan``."""
+        """Return the nominal amplitudes that guarantee a speed.
+
+        Corners of the box are scanned. Where all of them reach the speed, the slowest body of the whole
+        interval is searched; if it misses the speed, the interval is grown anew from amplitudes inside.
+
+        Parameters
+        ----------
+        target : float
+            Target speed [m/s].
+        highest, largest, others
+            As for ``caps``.
+        near : float, optional
+            An amplitude: only the interval that contains it is returned.
+        """
         caps = self.caps(highest, largest, others or {})
         top_by = min(caps, key=lambda name: caps[name])
-        top = caps[top_by]
-        one = self.across(1.0, 1.0)
-        flies = highest is Regime.HOPPING
-        started = last_ratio(one, Regime.FORWARD_SLIP)
-        if flies and not one.space.proves:
-            # an ellipse may throw bodies forward at loads that are too low for forward slip
-            started = max(started, one.throw_number)
-        start = 1.0 / started if started > 0.0 else math.inf
-        wide = bool(one.varies.any())
-        bounces = flies and self.template.restitution > 0.0
+        top, one, flies = caps[top_by], self.across(1.0, 1.0), highest is Regime.HOPPING
+        wide, bounces = bool(one.varies.any()), flies and one.restitution > 0.0
         if wide:
             detail = _BOUNCING if bounces else _FLYING if flies else _BOX
         else:
             detail = _ONE_HOPS[bounces] if flies else _ONE
-        scenarios = Scenarios.fixed(corners(one.varies))
+        scan = _Scan(self, corners(one.varies), target, flies)
+        start = self._start(flies)
         endless = math.isinf(top)  # without hops there is no largest amplitude
         if endless:
-            scan = _Scan(self, scenarios, target, flies)
             top, top_by = _BEYOND * max([start, *scan.criticals()]), "limit"
             if 0.0 < (speed := float(scan.least(np.array([top]))[0])) < target:
                 top *= _FASTER * target / speed
-        found: list[Interval] = []
-        missing: list[bool] = []
-        for _ in range(max(detail.exchanges, 1)):
-            found = _Scan(self, scenarios, target, flies).intervals(start, top, top_by, detail, near)
-            missing = []
-            for interval in found:
-                worse = self._with_worse(scenarios, interval, target) if wide else None
-                missing.append(worse is not None)
-                scenarios = worse or scenarios
-            if not any(missing):
-                break
-        found = [
-            part
-            for interval, misses in zip(found, missing, strict=True)
-            for part in (self._confirmed(interval, target, detail) if misses else [interval])
+        found = scan.parts(start, top, detail, near)
+        if wide:
+            found = [part for whole in found for part in self._confirmed(whole, target, detail, near)]
+        return [
+            Interval(
+                low,
+                math.inf if endless and high == top else high,
+                "onset" if math.isnan(below) else self.set_by(low, below, target, detail.end),
+                top_by if math.isnan(above) else self.set_by(high, above, target, detail.end),
+            )
+            for low, high, below, above in found
         ]
-        return [i._replace(high=math.inf) if endless and i.high == top else i for i in found]
 
-    def _with_worse(self, scenarios: Scenarios, interval: Interval, target: float) -> Scenarios | None:
-        """Add bodies that miss the target in an interval; None if none does.
+    def _start(self, flies: bool) -> float:
+        """Return the factor at which the last body starts to move; inf where it never does."""
+        one = self.across(1.0, 1.0)
+        started = last_ratio(one, Regime.FORWARD_SLIP)
+        if flies and not one.space.proves:
+            # an ellipse may throw bodies forward at loads that are too low for forward slip
+            started = max(started, one.throw_number)
+        return 1.0 / started if started > 0.0 else math.inf
 
-        Both ends are searched by themselves too: a body that misses the target just before an end, past a
-        drop of the speed, does so within a sliver of the whole interval.
+    def _confirmed(self, whole: _Part, target: float, detail: _Detail, near: float | None) -> list[_Part]:
+        """Return the parts of an interval that guarantee a speed for every body.
+
+        Boxes of growing intervals contain each other, so that the ends of a part are found by bisection.
         """
-        found = scenarios
-        for low, high in dict.fromkeys([interval[:2], (interval.low,) * 2, (interval.high,) * 2]):
-            found = self._with_slowest(found, low, high, target) or found
-        return None if found is scenarios else found
+        low, high = whole.low, whole.high
+        if self._holds(low, high, target):
+            return [whole]
+        seeds = np.geomspace(low, high, detail.seeds) if near is None else [min(max(near, low), high)]
+        parts: list[_Part] = []
+        for seed in map(float, seeds):
+            if (parts and seed <= parts[-1].high) or not self._holds(seed, seed, target):
+                continue
+            first, below = self._grown(seed, low, whole.below, target, detail.end)
+            last, above = self._grown(seed, high, whole.above, target, detail.end)
+            parts.append(_Part(first, last, below, above))
+        return parts
 
-    def _with_slowest(
-        self, scenarios: Scenarios, least: float, most: float, target: float
-    ) -> Scenarios | None:
-        """Add the slowest body between two factors, and the hardest landings, if they miss the target."""
-        slowest, landing = self._slowest(least, most)
-        is_slow = slowest.speed < target * (1.0 - TOLERANCES.searched)
-        if not is_slow and not landing.size:
-            return None
-        coordinates = np.hstack([landing, slowest.coordinates]) if is_slow else landing
-        # factor at which it was found, and its deviation there
-        load = float(inside(self.across(least, most).load, slowest.coordinates[0])[0])
-        middle = 2.0 / sum(float(end) for end in self.across(1.0, 1.0).load)
-        factor = min(max(load * middle, least), most)
-        box = self.across(factor, factor)
-        low, high = (float(end) for end in box.load)
-        own = min(max((load - low) / (high - low), 0.0), 1.0) if low < high else 0.0
-        return scenarios.joined(box, at_loads(box, coordinates, own))
+    def _grown(
+        self, seed: float, end: float, beyond: float, target: float, width: float
+    ) -> tuple[float, float]:
+        """Return the amplitude farthest from one up to which all hold, and one beyond that does not."""
+
+        def holds(ends: Floats) -> Floats:
+            low, high = np.minimum(ends, seed), np.maximum(ends, seed)
+            pairs = zip(low.tolist(), high.tolist(), strict=True)
+            return np.array([1.0 if self._holds(*pair, target) else -1.0 for pair in pairs])
+
+        if holds(np.array([end]))[0] > 0.0:
+            return end, beyond
+        inside, outside = close_in(holds, seed, end, relative=max(width, _NARROW))
+        return float(inside), float(outside)
 
     def _slowest(self, low: float, high: float) -> tuple[Extreme, Floats]:
         """Return the slowest body between two amplitudes, and those that land too hard or fly too long."""
@@ -377,100 +393,60 @@ class Family:
         return bound(box, fast=False, seen=Seen(), boxes=BRIEF).extreme, self.landings.worst(box)
 
     def _holds(self, low: float, high: float, target: float) -> bool:
-        """Return whether all amplitudes between two guarantee a speed."""
-        slowest, landing = self._slowest(low, high)
-        return slowest.speed >= target * (1.0 - TOLERANCES.searched) and not landing.size
+        """Return whether all amplitudes between two guarantee a speed.
 
-    def _confirmed(self, interval: Interval, target: float, detail: _Detail) -> list[Interval]:
-        """Return the parts of an interval that guarantee a speed, where the slowest bodies differ everywhere.
-
-        The slowest body is searched for each amplitude by itself. Parts that are not confirmed as a whole are
-        halved, and dropped when they are short.
+        Both ends are searched by themselves too: a body that misses the target just before an end, past a
+        drop of the speed, does so within a sliver of the whole interval.
         """
-        low, high = interval.low, interval.high
-        parts: list[tuple[float, float]] = []
-        for part in self._parts(low, high, self._at(low, target), self._at(high, target), target, detail):
-            if parts and parts[-1][1] == part[0]:  # adjacent halves
-                part = parts.pop()[0], part[1]
-            parts.append(part)
-        return [
-            Interval(
-                a,
-                b,
-                interval.low_set_by if a == low else self.ends_by(a, a * (1.0 - _PAST_EDGE)),
-                interval.high_set_by if b == high else self.ends_by(b, b * (1.0 + _PAST_EDGE)),
-            )
-            for a, b in parts
-        ]
+        for ends in dict.fromkeys([(low, high), (low, low), (high, high)]):
+            slowest, landing = self._slowest(*ends)
+            if slowest.speed < target * (1.0 - TOLERANCES.searched) or landing.size:
+                return False
+        return True
 
-    def _parts(
-        self, low: float, high: float, holds_low: bool, holds_high: bool, target: float, detail: _Detail
-    ) -> list[tuple[float, float]]:
-        """Return the confirmed parts between two amplitudes, given whether these hold."""
-        if holds_low and holds_high and self._holds(low, high, target):
-            return [(low, high)]
-        if holds_low != holds_high:
-            edge = (
-                self._edge(low, high, target, detail.edge)
-                if holds_low
-                else self._edge(high, low, target, detail.edge)
-            )
-            inner = (low, edge) if holds_low else (edge, high)
-            return self._parts(*inner, True, True, target, detail)
-        if not detail.halves:
-            return []
-        detail = detail._replace(halves=detail.halves - 1)
-        middle = math.sqrt(low * high)
-        holds = self._at(middle, target)
-        lower = self._parts(low, middle, holds_low, holds, target, detail)
-        return lower + self._parts(middle, high, holds, holds_high, target, detail)
+    def set_by(self, inside: float, outside: float, target: float, width: float = 0.0) -> str:
+        """Return the constraint between an amplitude that reaches the target and one that misses it.
 
-    def _at(self, amplitude: float, target: float) -> bool:
-        return self._holds(amplitude, amplitude, target)
-
-    def _edge(self, holding: float, failing: float, target: float, width: float) -> float:
-        """Close in on the last factor that holds before one that does not."""
-
-        def holds(factors: Floats) -> Floats:
-            return np.array([1.0 if self._at(float(x), target) else -1.0 for x in factors])
-
-        return float(close_in(holds, holding, failing, relative=width)[0])
-
-    def ends_at(self, here: float, beyond: float, target: float) -> str:
-        """Return the constraint that ends a window; "unconfirmed" if the goal is also met just beyond it."""
-        slowest, landing = self._slowest(beyond, beyond)
+        It is "unconfirmed" where no body is found that misses it. ``width`` is the relative distance of the
+        two, over which a speed may change without a jump.
+        """
+        slowest, landing = self._slowest(outside, outside)
         if landing.size:
             return "limit"
-        return self.ends_by(here, beyond) if slowest.speed < target else "unconfirmed"
-
-    def ends_by(self, inside: float, outside: float) -> str:
-        """Return "speed", or, if the least speed jumps between two amplitudes, "onset" or "back slip"."""
-        here, there = (self._slowest(a, a)[0].speed for a in (inside, outside))
-        if there >= here * (1.0 - TOLERANCES.fall) or self.across(outside, outside).may_hop:
+        if not slowest.speed < target:
+            return "unconfirmed"
+        boxes = self.boxes(np.array([[inside], [outside]]))
+        scene = boxes.scene(boxes.points(slowest.coordinates[:, None, :]), fast=False)
+        here, there = np.ravel(speeds_of(scene, fast=False, flight=True))
+        if abs(here - there) <= max(TOLERANCES.jump, _STEEP * width) * abs(here):
             return "speed"
-        return "onset" if outside < inside else "back slip"
+        regimes = np.ravel(solve(scene, flight=False).regime)
+        if Regime.HOPPING in regimes:
+            return "hop"
+        if outside < inside and regimes[0] >= regimes[1]:  # else a larger ellipse ends back slip
+            return "onset"
+        return "back slip"
 
 
-def _run(holds: NDArray[np.bool_], at: int) -> NDArray[np.bool_]:
-    """Return which places hold without a gap around one of them."""
-    gaps = np.flatnonzero(~holds)
-    before, after = gaps[gaps < at], gaps[gaps > at]
-    places = np.arange(holds.size)
-    low = before[-1] if before.size else -1
-    high = after[0] if after.size else holds.size
-    return np.asarray((places > low) & (places < high))
+class _Part(NamedTuple):
+    """Amplitudes that reach a target, and those beside them that miss it; NaN where the scan ends there."""
+
+    low: float
+    high: float
+    below: float
+    above: float
 
 
 @dataclass(frozen=True)
 class _Scan:
-    """The least speed of scenarios over the nominal amplitude.
+    """The least speed of some bodies over the nominal amplitude.
 
     Attributes
     ----------
     family : Family
         Boxes of the amplitudes.
-    scenarios : Scenarios
-        Of each box.
+    bodies : (axes, n) array
+        Unit-cube coordinates of the bodies of each box.
     target : float
         Target speed [m/s].
     flies : bool
@@ -478,26 +454,12 @@ class _Scan:
     """
 
     family: Family
-    scenarios: Scenarios
+    bodies: Floats
     target: float
     flies: bool
 
-    def intervals(
-        self, start: float, top: float, top_by: str, detail: _Detail, near: float | None = None
-    ) -> list[Interval]:
-        """Return where the target is reached between two amplitudes.
-
-        Parameters
-        ----------
-        start, top : float
-            The amplitudes [m].
-        top_by : str
-            Constraint that sets ``top``.
-        detail : Detail
-            Resolution of the scan.
-        near : float, optional
-            An amplitude: only the interval that contains it is returned.
-        """
+    def parts(self, start: float, top: float, detail: _Detail, near: float | None = None) -> list[_Part]:
+        """Return where the target is reached between two amplitudes, or around one that is near."""
         criticals = self.criticals()
         if start == 0.0:
             start = min(criticals, default=top) / _BEYOND
@@ -510,34 +472,28 @@ class _Scan:
         for _ in range(detail.rounds):
             grid, least = self._closer(grid, least)
         holds = least >= self.target
-        if near is not None:
-            holds &= _run(holds, int(np.argmin(np.abs(grid - near))))
         edges = np.flatnonzero(holds[1:] != holds[:-1])
         holding, failing = self._crossings(
             np.where(holds[edges], grid[edges], grid[edges + 1]),
             np.where(holds[edges], grid[edges + 1], grid[edges]),
             detail.end,
         )
-        ends = [
-            (x, self._set_by(x, y, detail.end))
-            for x, y in zip(holding.tolist(), failing.tolist(), strict=True)
-        ]
+        ends = list(zip(holding.tolist(), failing.tolist(), strict=True))
         if holds[0]:
-            ends.insert(0, (float(grid[0]), "onset"))
+            ends.insert(0, (float(grid[0]), math.nan))
         if holds[-1]:
-            ends.append((top, top_by))
-        return [
-            Interval(low, high, low_by, high_by)
-            for (low, low_by), (high, high_by) in zip(ends[::2], ends[1::2], strict=True)
+            ends.append((top, math.nan))
+        found = [
+            _Part(a, b, below, above) for (a, below), (b, above) in zip(ends[::2], ends[1::2], strict=True)
         ]
+        if near is None:
+            return found
+        at = TOLERANCES.at
+        return [part for part in found if part.low * (1.0 - at) <= near <= part.high * (1.0 + at)]
 
     def _points(self, amplitudes: Floats) -> tuple[UncertaintySet, Points]:
         boxes = self.family.boxes(amplitudes[:, None])
-        return boxes, boxes.points(self.scenarios.at(boxes))
-
-    def _scene(self, amplitudes: Floats) -> Scene:
-        boxes, points = self._points(amplitudes)
-        return boxes.scene(points, fast=False)
+        return boxes, boxes.points(self.bodies[:, None, :])
 
     def _speeds(self, amplitudes: Floats) -> Floats:
         """Speeds of all bodies at some amplitudes, of shape (m, n); NaN where one is left out."""
@@ -552,7 +508,8 @@ class _Scan:
 
     def criticals(self) -> list[float]:
         """Nominal amplitudes at which some body changes its regime."""
-        scene = self._scene(np.ones(1))
+        boxes, points = self._points(np.ones(1))
+        scene = boxes.scene(points, fast=False)
         found = np.array([load / scene.load for load in change_loads(scene).values()])
         return [float(x) for x in np.unique(found[np.isfinite(found) & (found > 0.0)])]
 
@@ -582,29 +539,6 @@ class _Scan:
             return (self.least(amplitudes[:, 0]) - self.target)[:, None]
 
         return close_in(surplus, holding, failing, relative=width)
-
-    def _set_by(self, inside: float, outside: float, width: float = 0.0) -> str:
-        """Return the constraint between an amplitude that reaches the target and one that misses it.
-
-        ``width`` is their largest relative distance.
-        """
-        speed = self._speeds(np.array([inside, outside]))
-        if np.isnan(speed[1]).all():
-            return "unconfirmed"
-        body = int(np.nanargmin(speed[1]))
-        if abs(speed[0, body] - speed[1, body]) <= max(TOLERANCES.jump, _STEEP * width) * abs(speed[0, body]):
-            return "speed"
-        if math.isinf(speed[1, body]):
-            boxes, points = self._points(np.array([outside]))
-            slow = solve(boxes.scene(points, fast=False), flight=self.flies)
-            if self.family.landings.broken(boxes, points, slow)[0, body]:
-                return "limit"
-        regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
-        if Regime.HOPPING in regimes:
-            return "hop"
-        if outside < inside and regimes[0] >= regimes[1]:  # else a larger ellipse ends back slip
-            return "onset"
-        return "back slip"
 
 
 # ------------------------------------------------------------------------------
