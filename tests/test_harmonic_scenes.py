@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vibro import Scene, Status, solve
-from vibro.drives import Harmonics
+from vibro.drives import HarmonicMotion, Harmonics
 from vibro.quantities import MOST_HARMONICS
 
 REST: dict[str, Any] = {"frequency": 10.0, "static_friction": 0.4, "kinetic_friction": 0.3}
@@ -22,13 +22,15 @@ def test_either_motion_may_be_left_out_or_have_fewer_harmonics() -> None:
     assert scene.amplitude is scene.along_amplitude is None
     fields = scene.arrays()
     assert isinstance(fields, Harmonics)
-    assert [float(x) for x in fields.along_amplitudes] == [1e-3, 0.3e-3]
-    assert [float(x) for x in fields.normal_amplitudes] == [0.0, 0.0]
+    assert isinstance(fields.motion, HarmonicMotion)
+    assert [float(x) for x in fields.motion.table[0]] == [1e-3, 0.3e-3]
+    assert [float(x) for x in fields.motion.table[2]] == [0.0, 0.0]
     same = Scene(along_harmonics=SLIP_STICK, normal_harmonics=[(0.0, 0.5)], **REST)
     assert solve(same).displacement_per_cycle == solve(scene).displacement_per_cycle
     most = Scene(normal_harmonics=[(1e-4, 0.0)] * MOST_HARMONICS, **REST).flat()
     assert isinstance(most, Harmonics)
-    assert len(most.along_amplitudes) == MOST_HARMONICS
+    assert isinstance(most.motion, HarmonicMotion)
+    assert len(most.motion.along) == MOST_HARMONICS
 
 
 def test_one_harmonic_is_an_ellipse() -> None:

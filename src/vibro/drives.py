@@ -1,7 +1,7 @@
-"""The kinds of drive as small values: along a line, along an ellipse, with harmonics, with pieces.
+"""Drives of a trough as small values: along a line, along an ellipse, with harmonics, with pieces.
 
-Each kind defines its fields, its reach, the columns that the solver reads, and its abilities. Callers ask a
-scene for an ability and never for its kind, so that a new kind is added here alone.
+A ``Motion`` is a sum of harmonics or a piecewise polynomial. A drive is a named tuple of a scene's fields,
+which also gives what the solver reads. Callers ask it for an ability and never for its kind.
 """
 
 from __future__ import annotations
@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, NamedTuple, Self, cast
 
 import numpy as np
 
-from vibro.core.numbers import ELLIPSE, HARMONICS, LINE, PIECES
+from vibro.core.numbers import ELLIPSE, HARMONICS, LINE, PIECES, TURN
 from vibro.errors import InputError, Problem, SceneError, shown
 from vibro.quantities import ELLIPTICAL, LINEAR, MOST_HARMONICS, POSITIVE, SHAKEN, SHIFTED
 from vibro.reals import NotRealError, real_array, shielded
@@ -33,37 +33,14 @@ if TYPE_CHECKING:
     Pieces = tuple[Floats, Floats]
 
 # ------------------------------------------------------------------------------
-# Extreme distances on closed paths: of piecewise polynomials by their roots, of other paths by search.
+# Closed paths: the farthest point from the origin, and the widest pair of points.
 
+_POINTS: Final = 512  # of a path of pieces, besides its breaks, among which the widest pair is searched
+_PATH_POINTS: Final = 64  # of a path per harmonic
+_TOGETHER: Final = 65_536  # of such points are computed in one pass: they stay in the processor's cache
+_NEWTON_STEPS: Final = 6  # for the farthest point; each squares the error, which begins at 1e-3
 _NEAR: Final = 0.99  # share of the widest sampled distance from which on a pair is refined
-_POLISHING_STEPS: Final = 8  # of Newton's method; each squares the error, which begins at 1e-2
-_REAL: Final = 1e-6  # [1] imaginary part up to which a computed root may be a double real one
-
-
-def _integral(polynomials: Floats, lengths: Floats) -> Floats:
-    """Integrate periodic piecewise polynomials; the result is continuous, periodic and has mean 0.
-
-    Parameters
-    ----------
-    polynomials : float array
-        Of shape (..., J, n): coefficients of 1, u, u^2, ... on each piece, u from 0 to 1, with mean 0.
-    lengths : float array
-        Of the pieces.
-
-    Returns
-    -------
-    float array
-        Of shape (..., J, n + 1).
-    """
-    powers = np.arange(1, polynomials.shape[-1] + 1)
-    risen = np.concatenate([np.zeros_like(polynomials[..., :1]), polynomials / powers], axis=-1)
-    risen *= lengths[:, np.newaxis]
-    ends = np.cumsum(risen.sum(axis=-1), axis=-1)
-    risen[..., 1:, 0] += ends[..., :-1]
-    shares = 1.0 / np.arange(1, risen.shape[-1] + 1)
-    mean = ((risen * shares).sum(axis=-1) * lengths).sum(axis=-1) / lengths.sum()
-    risen[..., 0] -= mean[..., np.newaxis]
-    return np.asarray(risen)
+_POLISHING_STEPS: Final = 8  # for the widest pair; each squares the error, which begins at 1e-2
 
 
 def values_at(polynomials: Floats, breaks: Floats, places: Floats) -> Floats:
@@ -77,38 +54,101 @@ def values_at(polynomials: Floats, breaks: Floats, places: Floats) -> Floats:
     return np.asarray(value)
 
 
-def _extremes(polynomials: Floats) -> tuple[float, float]:
-    """Return the least and the largest value of piecewise polynomials (J, n) in u from 0 to 1."""
-    found = [(p, _inside(np.polynomial.polynomial.polyder(p))) for p in polynomials]
-    values = np.concatenate([np.polynomial.polynomial.polyval(u, p) for p, u in found])
-    return float(values.min()), float(values.max())
+def _mean(polynomials: Floats, breaks: Floats) -> Floats:
+    """Return the means of piecewise polynomials (..., J, n) over the period."""
+    orders = np.arange(1, polynomials.shape[-1] + 1)
+    return np.asarray(((polynomials / orders).sum(axis=-1) * np.diff(breaks)).sum(axis=-1))
 
 
-def farthest(polynomials: Floats) -> float:
-    """Return the largest distance from the origin of piecewise polynomials (2, J, n) in u from 0 to 1."""
-    x, y = polynomials
-    best = float(np.hypot(x[:, 0], y[:, 0]).max())
-    bounds = np.hypot(np.abs(x).sum(axis=1), np.abs(y).sum(axis=1))
-    for j in np.argsort(-bounds):
-        if bounds[j] <= best:
-            break
-        square = np.convolve(x[j], x[j]) + np.convolve(y[j], y[j])
-        u = _inside(np.polynomial.polynomial.polyder(square))
-        both = (np.polynomial.polynomial.polyval(u, p[j]) for p in (x, y))
-        best = max(best, float(np.hypot(*both).max()))
-    return best
+def _integral(polynomials: Floats, breaks: Floats) -> Floats:
+    """Integrate periodic piecewise polynomials (..., J, n); the result is continuous and has mean 0."""
+    orders = np.arange(1, polynomials.shape[-1] + 1)
+    risen = np.concatenate([np.zeros_like(polynomials[..., :1]), polynomials / orders], axis=-1)
+    risen *= np.diff(breaks)[:, np.newaxis]
+    risen[..., 1:, 0] += np.cumsum(risen.sum(axis=-1), axis=-1)[..., :-1]
+    risen[..., 0] -= _mean(risen, breaks)[..., np.newaxis]
+    return np.asarray(risen)
 
 
-def _inside(derivative: Floats) -> Floats:
-    """Return 0, 1 and the roots of a polynomial between them."""
-    size = np.abs(derivative)
-    kept = np.flatnonzero(size > np.finfo(float).eps * size.max(initial=0.0))
-    roots = np.polynomial.polynomial.polyroots(derivative[: kept[-1] + 1]) if kept.size else np.zeros(0)
-    real = roots.real[np.abs(roots.imag) <= _REAL]
-    return np.concatenate([[0.0, 1.0], real[(real > 0.0) & (real < 1.0)]])
+def _peaks(polynomials: Floats, of: Floats) -> Floats:
+    """Evaluate polynomials (..., J, n) at the ends of pieces, and where ``of`` (J, m) is stationary."""
+    found = [polynomials[..., 0], polynomials.sum(axis=-1)]
+    if np.any(of[:, 1:]):
+        from scipy.interpolate import PPoly
+
+        knots = np.arange(len(of) + 1.0)  # the unit is a piece, so that its u is ours
+        roots = PPoly(of[:, ::-1].T, knots).derivative().roots(extrapolate=False)
+        found.append(values_at(polynomials, knots, roots[np.isfinite(roots)]))
+    return np.concatenate(found, axis=-1)
 
 
-def widest(path: Path, phases: Floats) -> float:
+def _farthest_of_pieces(polynomials: Floats) -> float:
+    """Return the largest distance from the origin of piecewise polynomials (2, J, n)."""
+    square = np.sum([[np.convolve(p, p) for p in way] for way in polynomials], axis=0)
+    return float(np.hypot(*_peaks(polynomials, square)).max())
+
+
+def _harmonic_path(waves: Floats, phase: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return positions, slopes and bends of sums of harmonics, each along and normal.
+
+    Parameters
+    ----------
+    waves : (4, H, ...) array
+        Amplitudes and phases along, and those normal.
+    phase : array
+        Of the drive; it broadcasts with each wave.
+    """
+    ways = []
+    for sizes, leads in (waves[:2], waves[2:]):
+        terms = []
+        for k, (size, lead) in enumerate(zip(sizes, leads, strict=True), 1):
+            sine, cosine = np.sin(k * phase + lead), np.cos(k * phase + lead)
+            terms.append((size * sine, k * size * cosine, -k * k * size * sine))
+        ways.append([sum(column) for column in zip(*terms, strict=True)])
+    position, slope, bend = (np.array(both) for both in zip(*ways, strict=True))
+    return position, slope, bend
+
+
+def _farthest_of_harmonics(waves: Floats) -> Floats:
+    """Return the largest distance from the origin of each path of waves (4, H, paths).
+
+    The square of the distance is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring
+    points find its highest maximum to within 1e-6 of the value, and Newton's method refines that one.
+    """
+    _, count, paths = waves.shape
+    unit = _or_one(waves[::2].max(axis=(0, 1)))
+    waves = np.concatenate([waves[:1] / unit, waves[1:2], waves[2:3] / unit, waves[3:]])
+
+    def square(phase: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the squared distance at a phase of each path, and its first two derivatives."""
+        r, v, a = _harmonic_path(waves, phase)
+        return (r * r).sum(axis=0), (2.0 * r * v).sum(axis=0), (2.0 * (v * v + r * a)).sum(axis=0)
+
+    step = TURN / (_PATH_POINTS * count)
+    angles = step * np.outer(np.arange(_PATH_POINTS * count), np.arange(1, count + 1))
+    sine, cosine = np.sin(angles), np.cos(angles)
+    ways = ((waves[0], waves[1]), (waves[2], waves[3]))
+    here = sum(np.square(sine @ (x * np.cos(lead)) + cosine @ (x * np.sin(lead))) for x, lead in ways)
+    before, after = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
+    rise, bend = 0.5 * (after - before), after - 2.0 * here + before
+    peaks = (bend < 0.0) & (np.abs(rise) <= -bend)
+    offset = np.where(peaks, -rise / np.where(peaks, bend, -1.0), 0.0)
+    highest = np.argmax(here + 0.5 * rise * offset, axis=0)
+    at = step * (highest + offset[highest, np.arange(paths)])
+    best = np.sqrt(square(at)[0])
+    for _ in range(_NEWTON_STEPS):
+        _, slope, bend = square(at)
+        at = at - np.clip(slope / np.where(bend < 0.0, bend, -np.inf), -step, step)
+        best = np.maximum(best, np.sqrt(square(at)[0]))
+    return np.asarray(best * unit)
+
+
+def _or_one(sizes: Floats) -> Floats:
+    """Return sizes, and 1 where they are 0: units of length of troughs that stand still too."""
+    return sizes if np.all(sizes) else np.where(sizes > 0.0, sizes, 1.0)
+
+
+def _widest(path: Path, phases: Floats) -> float:
     """Return the largest distance between two points of a closed path.
 
     Parameters
@@ -167,11 +207,12 @@ _OPEN_ENDS: Final = 1e-9  # [1] of the largest acceleration: a smaller gap betwe
 _HEARD: Final = 1e-12  # [1] of the largest acceleration: harmonics below it are rounding of the samples
 _LEAST_NOISE: Final = 8  # harmonics beyond those kept whose mean power is a level of noise
 _CHANCE: Final = 1e-3  # that noise is taken for the last harmonic
-_POINTS: Final = 512  # of a path, besides its breaks, among which the widest pair is searched
 _PAIRS: Final = f"up to {MOST_HARMONICS} pairs of an amplitude and a phase"
 _STEPS: Final = f"up to {MOST_PIECES} pairs of a share of the period and an acceleration"
 _SAMPLES: Final = f"a list of {LEAST_SAMPLES} to {MOST_PIECES} finite numbers: one period, equally spaced"
 _QUANTITIES: Final = ("acceleration", "displacement")
+_ZERO: Final = np.zeros(())
+_ONE: Final = np.ones(())
 
 
 class Motion:
@@ -296,6 +337,28 @@ class Motion:
         return sampled_motion(along, normal, of, ("along", "normal"))
 
 
+class _Columns(NamedTuple):
+    """A scene as the solver reads it.
+
+    Attributes
+    ----------
+    fields : tuple of array
+        Nine, and four more for each harmonic; they broadcast.
+    kind : int
+        ``LINE``, ``ELLIPSE``, ``HARMONICS`` or ``PIECES``.
+    breaks, pieces : float array
+        Of ``PiecewiseMotion``, for all cells alike; zeros of other kinds.
+    unit : float
+        Its bound of the accelerations [m/s^2].
+    """
+
+    fields: tuple[Floats, ...]
+    kind: int
+    breaks: Floats = np.zeros(1)
+    pieces: Floats = np.zeros(1)
+    unit: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class HarmonicMotion(Motion):
     """A sum of harmonics; made by ``Motion.harmonics``, or by ``Motion.samples`` of displacement.
@@ -309,6 +372,76 @@ class HarmonicMotion(Motion):
 
     along: Pairs
     normal: Pairs
+
+    @cached_property
+    def table(self) -> tuple[tuple[Floats, ...], ...]:
+        """Amplitudes along, their phases, amplitudes normal and their phases: zeros fill up the shorter."""
+        count = max(len(self.along), len(self.normal))
+        padded = (pairs + ((_ZERO, _ZERO),) * (count - len(pairs)) for pairs in (self.along, self.normal))
+        return tuple(column for pairs in padded for column in zip(*pairs, strict=True))
+
+    @property
+    def size(self) -> Floats:
+        """Largest of all amplitudes [m]."""
+        amplitudes = np.broadcast_arrays(*self.table[0], *self.table[2])
+        return np.asarray(np.max(amplitudes, axis=0))
+
+    @cached_property
+    def reach(self) -> Floats:
+        """Largest distance from the mean position [m]."""
+        return self._farthest(0)
+
+    @cached_property
+    def acceleration_reach(self) -> Floats:
+        """Amplitude of a motion along a line with the same largest acceleration [m]."""
+        return self._farthest(2)
+
+    @cached_property
+    def stroke(self) -> Floats:
+        """Largest distance between two points of each path [m]."""
+        waves, shape = self._waves
+        phases = np.linspace(0.0, TURN, _PATH_POINTS * waves.shape[1], endpoint=False)
+        each = np.moveaxis(waves, -1, 0)[..., np.newaxis]
+        return np.reshape([_widest(partial(_harmonic_path, one), phases) for one in each], shape)
+
+    @property
+    def moves_normal(self) -> bool:
+        """Whether any trough moves normal to itself."""
+        return any(np.any(size != 0.0) for size, _ in self.normal)
+
+    def columns(self, fields: tuple[Floats, ...]) -> _Columns:
+        """Return what the solver reads, after the fields that all motions have."""
+        return _Columns((*fields, *(x for column in self.table for x in column)), HARMONICS)
+
+    def changed(self, change: Callable[[Floats], Floats]) -> HarmonicMotion:
+        """Change every array."""
+        x, xi, y, eta = (tuple(map(change, column)) for column in self.table)
+        return HarmonicMotion(tuple(zip(x, xi, strict=True)), tuple(zip(y, eta, strict=True)))
+
+    def members(self) -> list[tuple[str, str, Floats]]:
+        """Return each array, after the names of its field and of a quantity with its unit and range."""
+        names = [
+            ("along_harmonics", "along_amplitude"),
+            ("along_harmonics", "normal_phase"),
+            ("normal_harmonics", "normal_amplitude"),
+            ("normal_harmonics", "normal_phase"),
+        ]
+        return [(*name, x) for name, column in zip(names, self.table, strict=True) for x in column]
+
+    @property
+    def _waves(self) -> tuple[Floats, tuple[int, ...]]:
+        """The table as an array (4, H, paths), and the shape of the paths."""
+        arrays = np.broadcast_arrays(*(x for column in self.table for x in column))
+        return np.reshape(arrays, (4, len(self.table[0]), -1)), arrays[0].shape
+
+    def _farthest(self, derivative: int) -> Floats:
+        """Return the largest distance from the origin of each path's n-th derivative over w^n [m]."""
+        waves, shape = self._waves
+        _, count, paths = waves.shape
+        waves[::2] *= np.arange(1, count + 1)[:, np.newaxis] ** derivative
+        step = max(_TOGETHER // (_PATH_POINTS * count), 1)
+        found = [_farthest_of_harmonics(waves[..., i : i + step]) for i in range(0, paths, step)]
+        return np.reshape(np.concatenate([*found, np.zeros(0)]), shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,7 +463,7 @@ class PiecewiseMotion(Motion):
     @cached_property
     def largest_acceleration(self) -> float:
         """Largest size of the acceleration [m/s^2]."""
-        return farthest(self.pieces)
+        return _farthest_of_pieces(self.pieces)
 
     @property
     def unit(self) -> float:
@@ -349,47 +482,69 @@ class PiecewiseMotion(Motion):
     @cached_property
     def velocities(self) -> Floats:
         """Velocities at 1 Hz: as ``pieces``, of degree 4 [m/s]."""
-        return _integral(self.pieces, np.diff(self.breaks))
+        return _integral(self.pieces, self.breaks)
 
     @cached_property
     def positions(self) -> Floats:
         """Positions at 1 Hz: as ``pieces``, of degree 5 [m]."""
-        return _integral(self.velocities, np.diff(self.breaks))
+        return _integral(self.velocities, self.breaks)
+
+    @property
+    def size(self) -> float:
+        """Bound of the accelerations over w^2 at 1 Hz [m]."""
+        return self.unit / TURN**2
 
     @cached_property
     def reach(self) -> float:
         """Largest distance from the mean position at 1 Hz [m]."""
-        return farthest(self.positions)
+        return _farthest_of_pieces(self.positions)
+
+    @property
+    def acceleration_reach(self) -> float:
+        """Amplitude at 1 Hz of a motion along a line with the same largest acceleration [m]."""
+        return self.largest_acceleration / TURN**2
 
     @cached_property
     def stroke(self) -> float:
         """Largest distance between two points of the path at 1 Hz [m]."""
-        moving = [x for x in self.positions if np.any(x)]
-        if len(moving) < 2:
-            least, most = _extremes(moving[0]) if moving else (0.0, 0.0)
-            return most - least
+        x, y = self.positions
+        if not (np.any(x) and np.any(y)):
+            return float(np.ptp(_peaks(x + y, x + y)))
 
         def path(shares: Floats) -> tuple[Floats, Floats, Floats]:
             at = np.mod(shares, 1.0)
-            found = (values_at(x, self.breaks, at) for x in (self.positions, self.velocities, self.pieces))
-            position, velocity, acceleration = found
-            return position, velocity, acceleration
+            r, v, a = (values_at(p, self.breaks, at) for p in (self.positions, self.velocities, self.pieces))
+            return r, v, a
 
-        return widest(path, np.unique(np.concatenate([np.arange(_POINTS) / _POINTS, self.breaks[:-1]])))
+        return _widest(path, np.unique(np.concatenate([np.arange(_POINTS) / _POINTS, self.breaks[:-1]])))
+
+    @property
+    def moves_normal(self) -> bool:
+        """Whether the trough moves normal to itself."""
+        return bool(np.any(self.pieces[1]))
 
     @shielded
     def accelerations(self, shares: ArrayLike) -> Floats:
         """Return accelerations along and normal, of shape (2, ...), at shares of the period [m/s^2]."""
         return values_at(self.pieces, self.breaks, np.mod(shares, 1.0))
 
+    def columns(self, fields: tuple[Floats, ...]) -> _Columns:
+        """Return what the solver reads, after the fields that all motions have."""
+        return _Columns(fields, PIECES, self.breaks, self.pieces, self.unit)
+
+    def changed(self, _: Callable[[Floats], Floats]) -> PiecewiseMotion:
+        """Return itself: the motion serves all cells."""
+        return self
+
+    def members(self) -> list[tuple[str, str, Floats]]:
+        """Return nothing: no array of it is a field of a scene."""
+        return []
+
 
 def harmonic_motion(given: Sequence[Any], names: tuple[str, str]) -> HarmonicMotion:
     """Return ``Motion.harmonics`` of both directions; messages call them by these names."""
-    read, problems = [], []
-    for name, value in zip(names, given, strict=True):
-        pairs, wrong = _read_harmonics(name, value)
-        read.append(pairs)
-        problems += wrong
+    problems: list[Problem] = []
+    read = [_read_harmonics(name, x, problems) for name, x in zip(names, given, strict=True)]
     if not any(read) and not problems:
         problems.append(Problem(names[0], "none", f"at least one pair, or {names[1]}"))
     if problems:
@@ -405,12 +560,10 @@ def step_motion(along: Any, normal: Any, names: tuple[str, str]) -> PiecewiseMot
 def sampled_motion(along: Any, normal: Any, of: Any, names: tuple[str, str]) -> Motion:
     """Return ``Motion.samples``; messages call its arguments by these names."""
     if not isinstance(of, str) or of not in _QUANTITIES:
-        raise SceneError((Problem("of", shown(of), " or ".join(_QUANTITIES)),))
+        raise SceneError.of("of", shown(of), " or ".join(_QUANTITIES))
     sizes = [np.shape(samples) for samples in (along, normal) if samples is not None]
     if [len(size) for size in sizes] == [1, 1] and sizes[0] != sizes[1]:  # else one of them is refused below
-        raise SceneError(
-            (Problem(names[1], f"{sizes[1][0]} samples", f"as many as {names[0]}, {sizes[0][0]}"),)
-        )
+        raise SceneError.of(names[1], f"{sizes[1][0]} samples", f"as many as {names[0]}, {sizes[0][0]}")
     if of == "acceleration":
         return _piecewise(along, normal, names, _read_accelerations)
     given = [
@@ -420,33 +573,25 @@ def sampled_motion(along: Any, normal: Any, of: Any, names: tuple[str, str]) -> 
     return harmonic_motion(given, names)
 
 
-def _read_harmonics(name: str, value: Any) -> tuple[Pairs, list[Problem]]:
-    """Read pairs of amplitude and phase, the first harmonic first, and return their problems too.
-
-    Returns
-    -------
-    tuple of pair of array
-        Read-only copies as doubles; empty if the value is None.
-    list of Problem
-        Empty if there are none.
-    """
+def _read_harmonics(name: str, value: Any, problems: list[Problem]) -> Pairs:
+    """Read pairs of amplitude and phase as read-only copies; none of a value that is None."""
     try:
         pairs = [] if value is None else [tuple(pair) for pair in value]
     except TypeError:
-        return (), [Problem(name, shown(value), _PAIRS)]
+        pairs = [()]
     if len(pairs) > MOST_HARMONICS or any(len(pair) != 2 for pair in pairs):
-        return (), [Problem(name, shown(value), _PAIRS)]
-    read, problems = [], []
+        problems.append(Problem(name, shown(value), _PAIRS))
+        return ()
+    read = []
     for pair in pairs:
         try:
             amplitude, phase = map(real_array, pair)
         except NotRealError as exc:
             problems.append(Problem(name, exc.value, exc.allowed))
             continue
-        for x in (amplitude, phase):
-            x.flags.writeable = False
+        amplitude.flags.writeable = phase.flags.writeable = False
         read.append((amplitude, phase))
-    return tuple(read), problems
+    return tuple(read)
 
 
 def _piecewise(
@@ -460,19 +605,18 @@ def _piecewise(
             found.append(None if value is None else read(name, value))
         except SceneError as exc:
             problems += exc.problems
-    given = [pieces for pieces in found if pieces is not None]
-    if not given and not problems:
+    if along is None and normal is None:
         problems.append(Problem(names[0], "none", f"given, or {names[1]}"))
     if problems:
         raise SceneError(tuple(problems))
-    breaks = _union([own for own, _ in given])
+    breaks = _union([own[0] for own in found if own])
     if breaks.size > MOST_PIECES + 1:
-        told = f"{breaks.size - 1} different pieces along and normal"
-        raise SceneError((Problem(names[1], told, f"such that they are at most {MOST_PIECES}"),))
+        different = f"{breaks.size - 1} different pieces along and normal"
+        raise SceneError.of(names[1], different, f"such that they are at most {MOST_PIECES}")
     none = np.zeros((breaks.size - 1, 4))
-    pieces = np.array([none if own is None else _cut(*own, breaks) for own in found])
+    pieces = np.array([_cut(*own, breaks) if own else none for own in found])
     for _ in range(2):  # the second time what rounding left
-        pieces[..., 0] -= _mean(breaks, pieces)[:, np.newaxis]
+        pieces[..., 0] -= _mean(pieces, breaks)[:, np.newaxis]
     breaks.flags.writeable = pieces.flags.writeable = False
     return PiecewiseMotion(breaks, pieces)
 
@@ -482,28 +626,27 @@ def _read_steps(name: str, value: Any) -> Pieces:
     try:
         steps = real_array(value if isinstance(value, np.ndarray) else [*value])
     except NotRealError as exc:
-        raise SceneError((Problem(name, exc.value, _STEPS),)) from None
+        raise SceneError.of(name, exc.value, _STEPS) from None
     except TypeError:
-        raise SceneError((Problem(name, shown(value), _STEPS),)) from None
+        raise SceneError.of(name, shown(value), _STEPS) from None
     if steps.ndim != 2 or steps.shape[1] != 2 or not 0 < len(steps) <= MOST_PIECES:
-        raise SceneError((Problem(name, shown(value), _STEPS),))
+        raise SceneError.of(name, shown(value), _STEPS)
     shares, accelerations = steps.T
     for share in shares[~((shares > _WHOLE) & (shares <= POSITIVE.high))][:1]:
         allowed = f"shares above {_WHOLE:g}, up to {POSITIVE.high:g}"
-        raise SceneError((Problem(name, f"a share of {share:.15g}", allowed),))
+        raise SceneError.of(name, f"a share of {share:.15g}", allowed)
     _check(name, accelerations, SHAKEN)
     total = math.fsum(shares)
     if abs(total - 1.0) > _WHOLE:
         last = 1.0 - math.fsum(shares[:-1])
         remedy = f"give the last one {last:.9g}" if last > _WHOLE else f"divide each by {total:.9g}"
-        told = f"shares of {total:.10g} in all"
-        raise SceneError((Problem(name, told, f"shares that add up to 1: {remedy}"),))
+        raise SceneError.of(name, f"shares of {total:.10g} in all", f"shares that add up to 1: {remedy}")
     mean = math.fsum(shares * accelerations) / total
     if abs(mean) > _OPEN * np.abs(accelerations).max():
         last = -math.fsum(shares[:-1] * accelerations[:-1]) / shares[-1]
-        told = f"a mean acceleration of {mean:.6g} m/s^2"
         remedy = f"the trough comes back if the last is {last:.9g} m/s^2"
-        raise SceneError((Problem(name, told, f"at most {100.0 * _OPEN:g} % of the largest: {remedy}"),))
+        allowed = f"at most {100.0 * _OPEN:g} % of the largest: {remedy}"
+        raise SceneError.of(name, f"a mean acceleration of {mean:.6g} m/s^2", allowed)
     breaks = np.concatenate([[0.0], np.cumsum(shares) / total])
     breaks[-1] = 1.0
     return breaks, np.pad(accelerations[:, np.newaxis], ((0, 0), (0, 3)))
@@ -513,21 +656,22 @@ def _check(name: str, values: Floats, quantity: Quantity) -> None:
     """Raise SceneError unless all values are in a range [SI], and not all are next to 0 but for zeros."""
     unit, least = quantity.kind.si_unit, quantity.to_si(POSITIVE.low)
     for value in values[~quantity.allows(values)][:1]:
-        raise SceneError((Problem(name, f"{value:.15g} {unit}", quantity.range_text),))
+        raise SceneError.of(name, f"{value:.15g} {unit}", quantity.range_text)
     if 0.0 < (largest := float(np.abs(values).max())) < least:
-        raise SceneError((Problem(name, f"at most {largest:.15g} {unit}", f"0, or up to {least:g} {unit}"),))
+        raise SceneError.of(name, f"at most {largest:.15g} {unit}", f"0, or up to {least:g} {unit}")
 
 
 def _read_samples(name: str, value: Any, quantity: Quantity) -> Floats:
     try:
         samples = real_array(value)
     except NotRealError as exc:
-        raise SceneError((Problem(name, exc.value, _SAMPLES),)) from None
-    if samples.ndim != 1 or not LEAST_SAMPLES <= samples.size <= MOST_PIECES:
-        told = f"{samples.size} samples" if samples.ndim == 1 else shown(value)
-        raise SceneError((Problem(name, told, _SAMPLES),))
+        raise SceneError.of(name, exc.value, _SAMPLES) from None
+    if samples.ndim != 1:
+        raise SceneError.of(name, shown(value), _SAMPLES)
+    if not LEAST_SAMPLES <= samples.size <= MOST_PIECES:
+        raise SceneError.of(name, f"{samples.size} samples", _SAMPLES)
     for sample in samples[~np.isfinite(samples)][:1]:
-        raise SceneError((Problem(name, str(sample), _SAMPLES),))
+        raise SceneError.of(name, str(sample), _SAMPLES)
     _check(name, samples, quantity)
     return samples
 
@@ -577,16 +721,8 @@ def _cut(own: Floats, pieces: Floats, breaks: Floats) -> Floats:
     return np.stack([x * ratio**k for k, x in enumerate(moved)], axis=-1)
 
 
-def _mean(breaks: Floats, pieces: Floats) -> Floats:
-    """Return the means of both directions over the period."""
-    return np.asarray(((pieces / np.arange(1, 5)).sum(axis=-1) * np.diff(breaks)).sum(axis=-1))
-
-
-_ONE: Final = np.ones(())
-_NOTHING: Final = np.full((), np.nan)
-_PATH_POINTS: Final = 64  # points of the path per harmonic, which bracket the farthest one
-_TOGETHER: Final = 65_536  # of such points are computed in one pass: they stay in the processor's cache
-_NEWTON_STEPS: Final = 6  # of Newton's method from there; each squares the error, which begins at 1e-3
+# ------------------------------------------------------------------------------
+# Drives: the fields of a scene by its kind of drive.
 
 
 class Ability(Enum):
@@ -596,30 +732,8 @@ class Ability(Enum):
     PROOF = "closed forms and proved bounds"
 
 
-class _Columns(NamedTuple):
-    """A scene as the solver reads it.
-
-    Attributes
-    ----------
-    fields : tuple of array
-        Nine, and four more for each harmonic; they broadcast.
-    kind : int
-        ``LINE``, ``ELLIPSE``, ``HARMONICS`` or ``PIECES``.
-    breaks, pieces : float array
-        Of ``PiecewiseMotion``, for all cells alike; zeros of other kinds.
-    unit : float
-        Its bound of the accelerations [m/s^2].
-    """
-
-    fields: tuple[Floats, ...]
-    kind: int
-    breaks: Floats = np.zeros(1)
-    pieces: Floats = np.zeros(1)
-    unit: float = 0.0
-
-
 class Drive:
-    """Base class of all kinds of drive.
+    """Base class of all kinds of drive, named tuples of a scene's fields.
 
     Attributes
     ----------
@@ -633,12 +747,13 @@ class Drive:
 
     kind: ClassVar[str]
     told_by: ClassVar[tuple[str, ...]]
-    abilities: ClassVar[frozenset[Ability]]
+    abilities: ClassVar[frozenset[Ability]] = frozenset()
 
     @classmethod
     def of(cls, scene: Any) -> Self:
-        """Return the fields of a scene that has this kind of drive."""
-        return cls(*(getattr(scene, name) for name in _names(cls)))
+        """Return the fields of a scene that has this kind of drive; NaN for one that is left out."""
+        given = (getattr(scene, name) for name in cast("Any", cls)._fields)
+        return cls(*(np.full((), np.nan) if x is None else x for x in given))
 
     def can(self, ability: Ability) -> bool:
         """Return whether this kind of drive has an ability."""
@@ -653,17 +768,20 @@ class Drive:
             If it lacks the ability; the message names the kinds of drive that have it.
         """
         if ability not in self.abilities:
-            raise self._refusal(ability, hint)
-
-    def _refusal(self, ability: Ability, hint: str = "") -> InputError:
-        able = " or ".join(kind.kind for kind in KINDS if ability in kind.abilities)
-        hint = hint or "vibro.solve, vibro.simulate, vibro.arrival_time and vibro.sweep take it"
-        return InputError(f"a drive {self.kind}: {ability.value} are known of drives {able} alone", hint=hint)
+            able = " or ".join(kind.kind for kind in KINDS if ability in kind.abilities)
+            hint = hint or "vibro.solve, vibro.simulate, vibro.arrival_time and vibro.sweep take it"
+            text = f"a drive {self.kind}: {ability.value} are known of drives {able} alone"
+            raise InputError(text, hint=hint)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Common shape of the fields."""
-        return np.broadcast(*cast("Iterable[Floats]", self)).shape
+        return np.broadcast_shapes(*(x.shape for _, _, x in self.members()))
+
+    @property
+    def scale(self) -> Floats:
+        """Unit of length of the solvers [m]."""
+        raise NotImplementedError
 
     @property
     def reach(self) -> Floats:
@@ -683,12 +801,18 @@ class Drive:
     @property
     def along(self) -> Floats:
         """Amplitude of the motion along the trough [m]; InputError without ONE_HARMONIC."""
-        raise self._refusal(Ability.ONE_HARMONIC)
+        self.require(Ability.ONE_HARMONIC)
+        raise NotImplementedError
 
     @property
     def phase(self) -> Floats:
         """Phase by which the normal motion leads that along the trough [rad]; 0 where both have harmonics."""
-        return np.zeros(())
+        return _ZERO
+
+    @property
+    def moves_normal(self) -> bool:
+        """Whether any trough moves normal to itself."""
+        return True
 
     def columns(self) -> _Columns:
         """Return the columns that the solver reads."""
@@ -696,36 +820,22 @@ class Drive:
 
     def at_any_load(self) -> Self:
         """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
-        raise NotImplementedError
+        fields: Any = self
+        free = {name: _ONE for name in ("amplitude", "motion_scale", "frequency") if name in fields._fields}
+        clamping = getattr(fields, "normal_acceleration", np.nan)
+        if np.isnan(clamping).all():  # else the weight is compared with a given force
+            free["gravity"] = _ONE
+        at_any: Self = fields._replace(**free, restitution=_ZERO)
+        return at_any
 
     def changed(self, change: Callable[[Floats], Floats]) -> Self:
         """Change every array."""
-        changed: Self = _each(self, change)
-        return changed
+        fields: Any = self
+        return type(self)(*(change(x) if isinstance(x, np.ndarray) else x.changed(change) for x in fields))
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""
-        return [(name, name, getattr(self, name)) for name in _names(self)]
-
-
-def _names(fields: Any) -> tuple[str, ...]:
-    return tuple(fields._fields)
-
-
-def _each(group: Any, change: Callable[[Floats], Floats]) -> Any:
-    """Change every array of a nested (named) tuple of arrays."""
-    if not isinstance(group, tuple):
-        return change(group)
-    members = [_each(member, change) for member in group]
-    return group._make(members) if hasattr(group, "_make") else tuple(members)
-
-
-def _largest_amplitude(first: Floats, *others: Floats) -> Floats:
-    """Scale of the lengths of a drive with several amplitudes; 1 where the trough stands still [m]."""
-    largest = first
-    for amplitude in others:
-        largest = np.maximum(largest, amplitude)
-    return largest if np.all(largest) else np.where(largest > 0.0, largest, 1.0)
+        return [(name, name, x) for name, x in cast("Any", self)._asdict().items()]
 
 
 class _LineFields(NamedTuple):
@@ -764,11 +874,7 @@ class Line(_LineFields, Drive):
 
     def columns(self) -> _Columns:
         """Return the columns that the solver reads."""
-        return _Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), LINE)
-
-    def at_any_load(self) -> Self:
-        """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
-        return self._replace(amplitude=_ONE, frequency=_ONE, gravity=_ONE, restitution=_ONE - _ONE)
+        return _Columns((self.amplitude, self.drive_angle, _ONE, self.frequency, *self[3:]), LINE)
 
 
 class _EllipseFields(NamedTuple):
@@ -793,8 +899,8 @@ class Ellipse(_EllipseFields, Drive):
 
     @property
     def scale(self) -> Floats:
-        """Unit of length of the solvers: the larger of both amplitudes [m]."""
-        return _largest_amplitude(self.along_amplitude, self.normal_amplitude)
+        """Unit of length of the solvers: the larger of both amplitudes; 1 where both are 0 [m]."""
+        return _or_one(np.maximum(self.along_amplitude, self.normal_amplitude))
 
     @property
     def reach(self) -> Floats:
@@ -818,14 +924,9 @@ class Ellipse(_EllipseFields, Drive):
         """Return the columns that the solver reads."""
         return _Columns(tuple(self), ELLIPSE)
 
-    def at_any_load(self) -> Self:
-        """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
-        return self._replace(frequency=_ONE, gravity=_ONE, restitution=_ONE - _ONE)
-
 
 class _MovedFields(NamedTuple):
-    """The last fields of all drives that are a motion."""
-
+    motion: HarmonicMotion | PiecewiseMotion
     motion_scale: Floats
     normal_acceleration: Floats
     frequency: Floats
@@ -836,279 +937,71 @@ class _MovedFields(NamedTuple):
     restitution: Floats
 
 
-class _Moved(Drive):
-    """Base class of drives that are a ``Motion``; ``normal_acceleration`` is NaN for free bodies."""
+class Moved(_MovedFields, Drive):
+    """A drive that is a ``Motion``: its scene's fields; ``normal_acceleration`` is NaN for free bodies."""
 
+    __slots__ = ()
     told_by = ("motion", "along_harmonics", "normal_harmonics")
 
     @property
-    def moved(self) -> _MovedFields:
-        """The last fields."""
-        return _MovedFields._make(cast("tuple[Floats, ...]", self)[-len(_MovedFields._fields) :])
+    def _factor(self) -> Floats:
+        """Factor of the motion's lengths [1]."""
+        return self.motion_scale
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """Common shape of the fields, in several steps: a NumPy iterator accepts a limited number."""
-        return np.broadcast_shapes(*(x.shape for _, _, x in self.members()))
+    def scale(self) -> Floats:
+        """Unit of length of the solvers: the largest amplitude, or a bound of accelerations over w^2 [m]."""
+        return _or_one(np.asarray(self.motion.size * self._factor))
+
+    @property
+    def reach(self) -> Floats:
+        """Largest distance of the trough from its mean position [m]."""
+        return np.asarray(self.motion.reach * self._factor)
+
+    @property
+    def acceleration_reach(self) -> Floats:
+        """Amplitude of a motion along a line with the same largest acceleration [m]."""
+        return np.asarray(self.motion.acceleration_reach * self._factor)
+
+    @property
+    def stroke(self) -> Floats:
+        """Largest distance between two points of the path [m]."""
+        return np.asarray(self.motion.stroke * self._factor)
 
     @property
     def moves_normal(self) -> bool:
         """Whether any trough moves normal to itself."""
-        raise NotImplementedError
+        return self.motion.moves_normal
 
-    def at_any_load(self) -> Self:
-        """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
-        moved = self.moved._replace(motion_scale=_ONE, frequency=_ONE, restitution=_ONE - _ONE)
-        if not (~np.isnan(moved.normal_acceleration)).any():  # else the weight is compared with a given force
-            moved = moved._replace(gravity=_ONE)
-        at_any: Self = cast("Any", self)._replace(**moved._asdict())
-        return at_any
+    def columns(self) -> _Columns:
+        """Return the columns that the solver reads."""
+        motion, scale, normal, *others = self
+        return motion.columns((scale, normal, _ZERO, *others))
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""
-        return [
-            (name, name, x)
-            for name, x in self.moved._asdict().items()
-            if name != "normal_acceleration" or x.ndim or not np.isnan(x)
-        ]
-
-    @property
-    def _first_columns(self) -> tuple[Floats, ...]:
-        scale, normal, *others = self.moved
-        return scale, normal, _ONE - _ONE, *others
+        own = [(name, name, x) for name, x in zip(self._fields[1:], self[1:], strict=True)]
+        return self.motion.members() + [one for one in own if one[2].ndim or not np.isnan(one[2])]
 
 
-class _HarmonicFields(NamedTuple):
-    along_amplitudes: tuple[Floats, ...]
-    along_phases: tuple[Floats, ...]
-    normal_amplitudes: tuple[Floats, ...]
-    normal_phases: tuple[Floats, ...]
-    motion_scale: Floats
-    normal_acceleration: Floats
-    frequency: Floats
-    static_friction: Floats
-    kinetic_friction: Floats
-    trough_angle: Floats
-    gravity: Floats
-    restitution: Floats
-
-
-class Harmonics(_HarmonicFields, _Moved):
-    """A drive with harmonics: its scene's fields, in the units of ``Ellipse``.
-
-    The trough moves along itself as ``motion_scale`` times the sum of
-    ``along_amplitudes[n-1] * sin(n w t + along_phases[n-1])``, and normal to itself alike, with as many
-    harmonics.
-    """
+class Harmonics(Moved):
+    """A drive with harmonics: the sum of ``motion_scale * amplitude * sin(n w t + phase)``."""
 
     __slots__ = ()
     kind = "with harmonics"
-    abilities = frozenset()
-
-    @classmethod
-    def of(cls, scene: Any) -> Self:
-        """Return the fields of a scene; the motion with fewer harmonics is filled up with zeros."""
-        motion: HarmonicMotion = scene.motion
-        count = max(len(motion.along), len(motion.normal))
-        nothing = (np.zeros(()), np.zeros(()))
-        (x, xi), (y, eta) = (
-            zip(*pairs, *[nothing] * (count - len(pairs)), strict=True)
-            for pairs in (motion.along, motion.normal)
-        )
-        return cls(x, xi, y, eta, *_moved_of(scene))
-
-    @property
-    def scale(self) -> Floats:
-        """Unit of length of the solvers: the largest of all amplitudes [m]."""
-        return _largest_amplitude(*(self.motion_scale * x for x in (*self[0], *self[2])))
-
-    @property
-    def reach(self) -> Floats:
-        """Largest distance of the trough from its mean position [m]."""
-        return self.motion_scale * _farthest(self, 0)
-
-    @property
-    def acceleration_reach(self) -> Floats:
-        """Amplitude of a motion along a line with the same largest acceleration [m]."""
-        return self.motion_scale * _farthest(self, 2)
-
-    @property
-    def stroke(self) -> Floats:
-        """Largest distance between two points of the path [m]."""
-        return self.motion_scale * _widest(self)
-
-    @property
-    def moves_normal(self) -> bool:
-        """Whether any trough moves normal to itself."""
-        return any(np.any(x != 0.0) for x in self.normal_amplitudes)
-
-    def columns(self) -> _Columns:
-        """Return the columns that the solver reads."""
-        return _Columns((*self._first_columns, *self[0], *self[1], *self[2], *self[3]), HARMONICS)
-
-    def members(self) -> list[tuple[str, str, Floats]]:
-        """Return each array, after the names of its field and of a quantity with its unit and range."""
-        harmonics = [
-            ("along_harmonics", "along_amplitude", self.along_amplitudes),
-            ("along_harmonics", "normal_phase", self.along_phases),
-            ("normal_harmonics", "normal_amplitude", self.normal_amplitudes),
-            ("normal_harmonics", "normal_phase", self.normal_phases),
-        ]
-        return [(field, name, x) for field, name, several in harmonics for x in several] + super().members()
 
 
-class _PiecewiseFields(NamedTuple):
-    motion: PiecewiseMotion
-    motion_scale: Floats
-    normal_acceleration: Floats
-    frequency: Floats
-    static_friction: Floats
-    kinetic_friction: Floats
-    trough_angle: Floats
-    gravity: Floats
-    restitution: Floats
-
-
-class Piecewise(_PiecewiseFields, _Moved):
-    """A drive whose acceleration is a cubic on each piece of the period: its motion, its scene's fields."""
+class Piecewise(Moved):
+    """A drive whose acceleration is ``motion_scale`` times a cubic on each piece of the period."""
 
     __slots__ = ()
     kind = "with steps or sampled accelerations"
-    abilities = frozenset()
-
-    @classmethod
-    def of(cls, scene: Any) -> Self:
-        """Return the fields of a scene."""
-        return cls(scene.motion, *_moved_of(scene))
 
     @property
-    def scale(self) -> Floats:
-        """Unit of length of the solvers: a bound of the accelerations over w^2 [m]."""
-        return self.motion.unit / (2.0 * np.pi) ** 2 * self._at_frequency
-
-    @property
-    def reach(self) -> Floats:
-        """Largest distance of the trough from its mean position [m]."""
-        return self.motion.reach * self._at_frequency
-
-    @property
-    def acceleration_reach(self) -> Floats:
-        """Amplitude of a motion along a line with the same largest acceleration [m]."""
-        return self.motion.largest_acceleration / (2.0 * np.pi) ** 2 * self._at_frequency
-
-    @property
-    def stroke(self) -> Floats:
-        """Largest distance between two points of the path [m]."""
-        return self.motion.stroke * self._at_frequency
-
-    @property
-    def moves_normal(self) -> bool:
-        """Whether the trough moves normal to itself."""
-        return bool(np.any(self.motion.pieces[1] != 0.0))
-
-    @property
-    def _at_frequency(self) -> Floats:
+    def _factor(self) -> Floats:
         """Factor of lengths at 1 Hz."""
         return np.asarray(self.motion_scale / self.frequency**2)
-
-    def changed(self, change: Callable[[Floats], Floats]) -> Self:
-        """Change every array; the motion serves all cells."""
-        moved: _MovedFields = _each(self.moved, change)
-        return self._replace(**moved._asdict())
-
-    def columns(self) -> _Columns:
-        """Return the columns that the solver reads."""
-        motion = self.motion
-        return _Columns(self._first_columns, PIECES, motion.breaks, motion.pieces, motion.unit)
 
 
 #: All kinds of drive.
 KINDS: Final[tuple[type[Line | Ellipse | Harmonics | Piecewise], ...]] = (Line, Ellipse, Harmonics, Piecewise)
-
-
-def _moved_of(scene: Any) -> _MovedFields:
-    """Return the last fields of a scene with a motion."""
-    clamped = _NOTHING if scene.normal_acceleration is None else scene.normal_acceleration
-    return _MovedFields(
-        scene.motion_scale, clamped, *(getattr(scene, name) for name in _MovedFields._fields[2:])
-    )
-
-
-def _farthest(fields: Harmonics, derivative: int) -> Floats:
-    """Return the largest distance of each path from the origin, or of its n-th derivative over w^n."""
-    waves, shape = _waves_of(fields)
-    _, count, paths = waves.shape
-    step = max(_TOGETHER // (_PATH_POINTS * count), 1)
-    found = [_farthest_of(waves[..., i : i + step], derivative) for i in range(0, paths, step)]
-    return np.reshape(np.concatenate([*found, np.zeros(0)]), shape)
-
-
-def _waves_of(fields: Harmonics) -> tuple[Floats, tuple[int, ...]]:
-    """Return amplitudes and phases along, then those normal, of shape (4, H, paths); and the paths' shape."""
-    arrays = np.broadcast_arrays(*(x for part in fields[:4] for x in part))
-    return np.reshape(arrays, (4, len(fields[0]), -1)), arrays[0].shape
-
-
-def _farthest_of(waves: Floats, derivative: int) -> Floats:
-    """Return ``_farthest`` of waves of shape (4, H, paths).
-
-    The square of the distance is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring
-    points find its highest maximum to within 1e-6 of the value, and Newton's method refines that one.
-    """
-    _, count, paths = waves.shape
-    unit, n = _largest_amplitude(*waves[0], *waves[2]), np.arange(1, count + 1)
-    sizes = n[:, np.newaxis] ** derivative * (waves[::2] / unit)
-    ways = list(zip(sizes, waves[1::2], strict=True))
-
-    def square(p: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return the squared distance at a phase of each path, and its first two derivatives."""
-        value, slope, bend = np.zeros(()), np.zeros(()), np.zeros(())
-        for way in ways:
-            harmonics = list(zip(n, *way, strict=True))
-            s = sum(x * np.sin(k * p + phase) for k, x, phase in harmonics)
-            d = sum(k * x * np.cos(k * p + phase) for k, x, phase in harmonics)
-            dd = sum(-k * k * x * np.sin(k * p + phase) for k, x, phase in harmonics)
-            value, slope, bend = value + s * s, slope + 2.0 * s * d, bend + 2.0 * (d * d + s * dd)
-        return value, slope, bend
-
-    step = 2.0 * np.pi / (_PATH_POINTS * count)
-    angles = step * np.outer(np.arange(_PATH_POINTS * count), n)
-    sine, cosine = np.sin(angles), np.cos(angles)
-    distances = [sine @ (x * np.cos(phase)) + cosine @ (x * np.sin(phase)) for x, phase in ways]
-    here = sum(np.square(x) for x in distances)
-    before, after = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
-    rise, bend = 0.5 * (after - before), after - 2.0 * here + before
-    peaks = (bend < 0.0) & (np.abs(rise) <= -bend)
-    offset = np.where(peaks, -rise / np.where(peaks, bend, -1.0), 0.0)
-    highest = np.argmax(here + 0.5 * rise * offset, axis=0)
-    at = step * (highest + offset[highest, np.arange(paths)])
-    best = np.sqrt(square(at)[0])
-    for _ in range(_NEWTON_STEPS):
-        _, slope, bend = square(at)
-        at = at - np.clip(slope / np.where(bend < 0.0, bend, -np.inf), -step, step)
-        best = np.maximum(best, np.sqrt(square(at)[0]))
-    return np.asarray(best * unit)
-
-
-def _widest(fields: Harmonics) -> Floats:
-    """Return the largest distance between two points of a path, of each path by itself."""
-    waves, shape = _waves_of(fields)
-    count = waves.shape[1]
-    n = np.arange(1, count + 1)[:, np.newaxis]
-    phases = np.linspace(0.0, 2.0 * np.pi, _PATH_POINTS * count, endpoint=False)
-    strokes = []
-    for x, xi, y, eta in waves.transpose(2, 0, 1)[..., np.newaxis]:
-
-        def path(p: Floats, x: Floats = x, xi: Floats = xi, y: Floats = y, eta: Floats = eta) -> Any:
-            angles = [n * p + phase for phase in (xi, eta)]
-            s, c = ([f(angle) for angle in angles] for f in (np.sin, np.cos))
-            sizes = (x, y)
-            return tuple(
-                np.array(
-                    [np.sum(size * n**k * wave, axis=0) for size, wave in zip(sizes, waves, strict=True)]
-                )
-                for k, waves in enumerate((s, c, [-wave for wave in s]))
-            )
-
-        strokes.append(widest(path, phases))
-    return np.reshape(strokes, shape)

@@ -158,6 +158,11 @@ class SceneError(VibroError, ValueError):
         self.problems = problems
         super().__init__("; ".join(str(p) for p in problems))
 
+    @classmethod
+    def of(cls, field: str, value: str, allowed: str) -> SceneError:
+        """Return an error with one problem."""
+        return cls((Problem(field, value, allowed),))
+
     def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[Problem, ...]]]:
         return type(self), (self.problems,)
 

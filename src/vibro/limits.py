@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.core.numbers import CLASSES
-from vibro.drives import Harmonics, Line, Piecewise
+from vibro.drives import Line, Moved, PiecewiseMotion
 from vibro.errors import Problem, SceneError
 from vibro.quantities import STAND_RATIO
 from vibro.reals import NotRealError, real_array, shielded
@@ -198,7 +198,7 @@ def _critical_loads(grid: Grid, step: int) -> CriticalLoads:
 
 def _as_loads(found: Sequence[Floats], fields: Fields) -> Sequence[Floats]:
     """Turn scales of motions, with which the solver counts beyond one harmonic, into loads G."""
-    if not isinstance(fields, Harmonics | Piecewise):
+    if not isinstance(fields, Moved):
         return found
     load = fields.acceleration_reach * (2.0 * np.pi * fields.frequency) ** 2 / fields.gravity
     with np.errstate(invalid="ignore", over="ignore"):
@@ -261,7 +261,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         if not 0.0 < ratio < math.inf:  # beyond the range of doubles
             continue
         amplitude, frequency = reach / ratio, float(scene.frequency) / math.sqrt(ratio)
-        if isinstance(scene.arrays(), Piecewise):
+        if isinstance(scene.motion, PiecewiseMotion):
             frequency = math.nan
         found.append(Transition(name, ratio, amplitude, frequency, load, now / end))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))

@@ -39,6 +39,10 @@ _EITHER: Final = (
     " normal_harmonics, or motion"
 )
 _HARMONICS: Final = ("along_harmonics", "normal_harmonics")
+_OF_MOTIONS: Final = {
+    "motion_scale": "left out: it scales a motion; multiply the amplitude of this drive",
+    "normal_acceleration": "given beside a motion along the trough alone, such as along_harmonics",
+}
 
 
 def field_text(name: str, value: float) -> str:
@@ -57,40 +61,34 @@ def field_range(name: str) -> str:
 
 def _kind_of(values: dict[str, Any]) -> type[Fields]:
     """Return the kind of drive that is given, and fill in fields that may be left out."""
-    told = dict.fromkeys(kind.told_by for kind in KINDS)
-    given = {names: [n for n in names if values.get(n) is not None] for names in told}
-    drives = [names for names, found in given.items() if found]
-    if len(drives) != 1 or (values.get("motion") is not None and len(given[drives[0]]) > 1):
-        named = " and ".join(name for names in given.values() for name in names) or "none"
-        raise SceneError((Problem("drive", named, _EITHER),))
-    (names,) = drives
+    given = {kind.told_by: [n for n in kind.told_by if values.get(n) is not None] for kind in KINDS}
+    drives = [(names, found) for names, found in given.items() if found]
+    if len(drives) != 1 or (values.get("motion") is not None and len(drives[0][1]) > 1):
+        named = " and ".join(name for found in given.values() for name in found) or "none"
+        raise SceneError.of("drive", named, _EITHER)
+    ((names, found),) = drives
     if "motion" in names:
-        return _kind_of_motion(values)
-    if values.get("motion_scale") is not None:
-        beside = "left out: it scales a motion; multiply the amplitude of this drive"
-        raise SceneError((Problem("motion_scale", shown(values["motion_scale"]), beside),))
-    if values.get("normal_acceleration") is not None:
-        beside = "given beside a motion along the trough alone, such as along_harmonics"
-        raise SceneError((Problem("normal_acceleration", shown(values["normal_acceleration"]), beside),))
-    if values.get("normal_phase") is None and "normal_phase" in names:
+        if values.get("motion") is None:
+            values["motion"] = harmonic_motion([values.get(name) for name in _HARMONICS], _HARMONICS)
+        if values.get("motion_scale") is None:
+            values["motion_scale"] = 1.0
+        return _kind_of_motion(values["motion"])
+    for name, allowed in _OF_MOTIONS.items():
+        if values.get(name) is not None:
+            raise SceneError.of(name, shown(values[name]), allowed)
+    if "normal_phase" in names and values.get("normal_phase") is None:
         values["normal_phase"] = 0.0
-    missing = [name for name in names if values.get(name) is None]
-    if missing:
-        beside = f"given beside {given[names][0]}"
-        raise SceneError(tuple(Problem(name, "None", beside) for name in missing))
+    if missing := [name for name in names if values.get(name) is None]:
+        raise SceneError(tuple(Problem(name, "None", f"given beside {found[0]}") for name in missing))
     return next(kind for kind in KINDS if kind.told_by == names)
 
 
-def _kind_of_motion(values: dict[str, Any]) -> type[Fields]:
-    """Put the motion that is given in place, and return its kind."""
-    if values.get("motion") is None:
-        values["motion"] = harmonic_motion([values.get(name) for name in _HARMONICS], _HARMONICS)
-    if not isinstance(values["motion"], Motion):
+def _kind_of_motion(motion: object) -> type[Harmonics | Piecewise]:
+    """Return the kind of drive of a motion."""
+    if not isinstance(motion, Motion):
         allowed = "a motion, such as vibro.Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])"
-        raise SceneError((Problem("motion", shown(values["motion"]), allowed),))
-    if values.get("motion_scale") is None:
-        values["motion_scale"] = 1.0
-    return Harmonics if isinstance(values["motion"], HarmonicMotion) else Piecewise
+        raise SceneError.of("motion", shown(motion), allowed)
+    return Harmonics if isinstance(motion, HarmonicMotion) else Piecewise
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -303,12 +301,9 @@ class Scene:
         Line, Ellipse, Harmonics or Piecewise
             Fields in SI units, not broadcast.
         """
-        return next(kind for kind in KINDS if self._has(kind)).of(self)
-
-    def _has(self, kind: type[Fields]) -> bool:
-        if self.motion is None:
-            return getattr(self, kind.told_by[0]) is not None
-        return kind is (Harmonics if isinstance(self.motion, HarmonicMotion) else Piecewise)
+        if self.motion is not None:
+            return _kind_of_motion(self.motion).of(self)
+        return (Ellipse if self.amplitude is None else Line).of(self)
 
     @property
     def along_harmonics(self) -> Pairs | None:
@@ -337,15 +332,14 @@ class Scene:
         return np.broadcast_to(self.kinetic_friction > self.static_friction, self.shape)
 
     def _set(self, values: dict[str, Any]) -> None:
+        """Copy the values of the drive's kind; those of others are None."""
         kind, problems = _kind_of(values), []
-        is_given = {*kind.told_by, *kind._fields}
         for name in self.__dataclass_fields__:
-            x: Any = None
-            if name == "motion":
-                x = values.get(name)
-            elif name in is_given and (name != "normal_acceleration" or values.get(name) is not None):
+            x = values.get(name) if name in kind._fields else None
+            is_left_out = name == "motion" or (name == "normal_acceleration" and x is None)
+            if name in kind._fields and not is_left_out:
                 try:
-                    x = real_array(values[name])
+                    x = real_array(x)
                 except NotRealError as exc:
                     problems.append(Problem(name, exc.value, exc.allowed))
                     continue
@@ -359,28 +353,24 @@ class Scene:
             _ = self.shape
         except ValueError:
             shapes = ", ".join(f"{name} {x.shape}" for name, _, x in self.arrays().members())
-            problem = Problem("shapes", shapes, "broadcastable against each other, like a ufunc's arguments")
-            raise SceneError((problem,)) from None
+            allowed = "broadcastable against each other, like a ufunc's arguments"
+            raise SceneError.of("shapes", shapes, allowed) from None
 
     def _field_problems(self) -> list[Problem]:
         problems = []
         is_clamped = self.normal_acceleration is not None
-        fields = self.arrays()
-        for field, name, x in fields.members():
+        for field, name, x in self.arrays().members():
             quantity = of_part(QUANTITIES[name], is_clamped=is_clamped)
-            if not x.ndim:  # plain numbers take a tenth of the time
+            if x.ndim:
+                wrong = x[~(np.isfinite(x) & quantity.allows(x))][:1].tolist()
+            else:  # plain numbers take a tenth of the time
                 number = float(x)
-                if not (math.isfinite(number) and quantity.allows(number)):
-                    problems.append(Problem(field, field_text(name, number), quantity.range_text))
-                continue
-            good = np.isfinite(x) & quantity.allows(x)
-            if np.count_nonzero(good) < x.size:
-                wrong = float(x[~good].flat[0])
-                problems.append(Problem(field, field_text(name, wrong), quantity.range_text))
-        if is_clamped and isinstance(fields, Harmonics | Piecewise) and fields.moves_normal:
-            shown_as = field_text("normal_acceleration", float(np.ravel(fields.normal_acceleration)[0]))
+                wrong = [] if math.isfinite(number) and quantity.allows(number) else [number]
+            problems += [Problem(field, field_text(name, value), quantity.range_text) for value in wrong]
+        if self.normal_acceleration is not None and self.arrays().moves_normal:
+            force = field_text("normal_acceleration", float(np.ravel(self.normal_acceleration)[0]))
             allowed = "left out where the trough moves normal to itself, as then the force on a part changes"
-            problems.append(Problem("normal_acceleration", shown_as, allowed))
+            problems.append(Problem("normal_acceleration", force, allowed))
         return problems
 
     def _combination_problems(self) -> list[Problem]:
