@@ -246,7 +246,7 @@ class Motion:
         >>> scene = vibro.Scene(motion=slip_stick, frequency=2.5,
         ...                     static_friction=0.3, kinetic_friction=0.25)
         >>> print(f"{float(scene.load):.3f} g")
-        0.896 g
+        1.000 g
         """
         return harmonic_motion((along, normal), ("along", "normal"))
 
