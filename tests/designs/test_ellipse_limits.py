@@ -309,7 +309,7 @@ def costs_of(
     settings = Setting(*(np.linspace(x, 2.0 * x, len(speeds)) for x in (5e-4, 2e-4, 0.1, 20.0)))
     monkeypatch.setattr(search, "least", lambda setting, _: np.array(speeds)[: np.size(setting.frequency)])
 
-    def best(cost: Any, scale: float, generations: int) -> tuple[Setting, float]:
+    def best(cost: Any, scale: float, share: float = 1.0) -> tuple[Setting, float]:
         found.extend(cost(settings, np.linspace(0.0, 1.0, len(speeds))).tolist())
         index = int(np.argmin(found))
         return Setting(*(float(x[index]) for x in settings)), found[index]
@@ -321,12 +321,12 @@ def costs_of(
 def test_costs_of_the_fastest_setting(monkeypatch: pytest.MonkeyPatch) -> None:
     """Faster before slower before backward before rest, more amplitude first, before what is forbidden."""
     speeds = [0.3, 0.2, -0.1, 0.0, 0.0, -math.inf]
-    costs, best = costs_of(monkeypatch, optimiser(), speeds, lambda s: s._fastest(1.0, 3))
+    costs, best = costs_of(monkeypatch, optimiser(), speeds, lambda s: s._fastest(1.0))
     assert costs[:3] == [-0.3, -0.2, 0.1]
     assert costs[2] < costs[4] < costs[3] < costs[5] < math.inf
     assert best.speed == 0.3
     for slow in (0.0, -0.1, -math.inf):
-        assert costs_of(monkeypatch, optimiser(), [slow], lambda s: s._fastest(1.0, 3))[1] is None
+        assert costs_of(monkeypatch, optimiser(), [slow], lambda s: s._fastest(1.0))[1] is None
 
 
 def test_costs_of_the_least_acceleration(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -344,8 +344,8 @@ def test_costs_of_the_least_acceleration(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_every_range_of_frequencies_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
     search = optimiser(drive={"frequency_hz": [20, 25, 30]})
     costs = {20.0: 3.0, 25.0: 1.0, 30.0: 2.0}
-    monkeypatch.setattr(search, "_best_of", lambda cost, f, *_: (Setting(0, 0, 0, f[0]), costs[f[0]]))
-    assert search._best(lambda *_: np.zeros(1), 1.0, 3) == (Setting(0, 0, 0, 25.0), 1.0)
+    monkeypatch.setattr(search, "_best_of", lambda cost, s, *_: (Setting(0, 0, 0, s[3][0]), costs[s[3][0]]))
+    assert search._best(lambda *_: np.zeros(1), 1.0) == (Setting(0, 0, 0, 25.0), 1.0)
 
 
 def test_a_search_stays_within_the_drive_and_its_limits(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -360,7 +360,7 @@ def test_a_search_stays_within_the_drive_and_its_limits(monkeypatch: pytest.Monk
         terms = (w * (x - goal) ** 2 for x, goal, w in zip(setting, goals, weights, strict=True))
         return np.asarray(sum(terms))
 
-    best, least = search._best_of(cost, (20.0, 30.0), 1.0, 60)
+    best, least = search._best_of(cost, search._ranges[0], 1.0, 1.0)
     assert best == pytest.approx((6e-4, 1e-4, 0.3, 23.0), rel=2e-2)
     assert least < 1e-10
     every = Setting(*(np.concatenate([getattr(s, name) for s in met]) for name in Setting._fields))
@@ -378,20 +378,21 @@ HEAVY = {"along_amplitude_mm": 0.4, "normal_amplitude_mm": 0.3, "normal_phase_de
 
 
 def test_the_phase_is_searched_at_a_fixed_frequency_and_the_frequency_at_a_fixed_phase() -> None:
-    for drive, frequency, expected in (
-        ({"normal_phase_deg": "-90:90"}, (25.0, 25.0), (0.3, 25.0)),
-        ({"normal_phase_deg": 10}, (20.0, 30.0), (math.radians(10.0), 23.0)),
+    for drive, expected in (
+        ({"normal_phase_deg": "-90:90"}, (0.3, 25.0)),
+        ({"normal_phase_deg": 10, "frequency_hz": "20:30"}, (math.radians(10.0), 23.0)),
     ):
         search = optimiser(drive=drive | {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.1})
 
         def cost(setting: Setting, shares: Floats) -> Floats:
             return np.asarray((setting.normal_phase - 0.3) ** 2 + (setting.frequency - 23.0) ** 2)
 
-        best, _ = search._best_of(cost, frequency, 1.0, 30)
+        best, _ = search._best_of(cost, search._ranges[0], 1.0, 1.0)
         assert best == pytest.approx((5e-4, 1e-4, *expected), rel=1e-3)
 
 
 @pytest.mark.parametrize("drive", [{"normal_amplitude_mm": 0.45}, HEAVY])
 def test_a_setting_beyond_the_limits_is_dearer_than_all(drive: dict[str, Any]) -> None:
     search = optimiser(drive=drive)
-    assert search._best_of(lambda *_: pytest.fail("none is possible"), (25.0, 25.0), 1.0, 3)[1] >= 6e6
+    cost: Any = lambda *_: pytest.fail("none is possible")  # noqa: E731
+    assert search._best_of(cost, search._ranges[0], 1.0, 1.0)[1] >= 6e6

@@ -11,7 +11,6 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime
-from vibro.designs import optima
 from vibro.designs.guarantees import guarantee_of
 from vibro.designs.optima import (
     MOST_MARGIN,
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-EFFORT = Effort(population=4, generations=10, margins=5, margin=1e-6, scale=1e-6, exchanges=3)
+EFFORT = Effort(population=4, generations=10, polish=10, margins=5, margin=1e-6, scale=1e-6, exchanges=3)
 SETTING = Setting(1e-3, 4e-4, 0.0, 15.0)
 LINE = {
     "scene": {"static_friction": "0.66:0.82", "friction_ratio": 0.77},
@@ -63,10 +62,10 @@ class Known(Exchange):
         box = question.box(SETTING)
         super().__init__(question, EFFORT, corners(box.varies))
         self.speed = speed
-        self.calls: list[tuple[float, int]] = []
+        self.calls: list[tuple[float, float]] = []
 
-    def _fastest(self, scale: float, generations: int) -> Optimum | None:
-        self.calls.append((scale, generations))
+    def _fastest(self, scale: float, share: float = 1.0) -> Optimum | None:
+        self.calls.append((scale, share))
         speed = self.speed(scale)
         return None if speed is None else Optimum(SETTING, speed)
 
@@ -113,7 +112,7 @@ def test_without_bands_the_safest_setting_is_the_fastest_that_reaches_the_goal()
         optimiser = Known(single, lambda _, speed=speed: speed)  # type: ignore[misc]
         optimiser.finds_slower = lambda *_: False  # type: ignore[method-assign]
         assert optimiser.safest(target) == (Optimum(SETTING, speed) if reaches else None)
-        assert optimiser.calls == [(1.0, 10)]
+        assert optimiser.calls == [(1.0, 1.0)]
     assert Known(single).safest(0.01) is None
 
 
@@ -194,21 +193,14 @@ def test_bodies_beyond_the_checked_regime_are_slowest() -> None:
 
 @pytest.mark.parametrize("content", [LINE, OVAL])
 @pytest.mark.parametrize(
-    ("highest", "restitution", "name"),
-    [
-        (Regime.BACK_SLIP, 0.3, "_IN_CONTACT"),
-        (Regime.HOPPING, 0.0, "_FLYING"),
-        (Regime.HOPPING, 0.3, "_BOUNCING"),
-    ],
+    ("highest", "restitution", "place"),
+    [(Regime.BACK_SLIP, 0.3, 0), (Regime.HOPPING, 0.0, 1), (Regime.HOPPING, 0.3, 2)],
 )
 def test_bodies_that_are_slow_to_solve_are_searched_less(
-    content: dict[str, Any], highest: Regime, restitution: float, name: str
+    content: dict[str, Any], highest: Regime, restitution: float, place: int
 ) -> None:
     question = asked(content, highest, scene={**content["scene"], "restitution": restitution})
     search = (LineOptimiser if content is LINE else EllipseOptimiser)(question)
-    effort = getattr(optima, f"_LINE{name}" if content is LINE else name)
-    assert search._effort is effort
-    if isinstance(search, LineOptimiser):
-        assert search._closely is effort
-    else:
-        assert search._checked is highest
+    assert search._effort is search._efforts[place]
+    # limits of the load keep lines to the regime
+    assert search._checked is (Regime.HOPPING if content is LINE else highest)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +10,8 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime, solve
-from vibro.designs import optima
 from vibro.designs.guarantees import guarantee_of
-from vibro.designs.optima import Found, LineOptimiser, Optimum, Range, _best
+from vibro.designs.optima import Found, LineOptimiser
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
 from vibro.designs.spaces import Setting
@@ -30,7 +28,7 @@ DRIVE = {"amplitude_mm": "0.5:2", "frequency_hz": "10:30", "drive_angle_deg": "1
 DRIFT = {"amplitude_percent": 5, "frequency_percent": 1}
 GROWTH = 1.05 * 1.01**2
 UNIT = 9.81 / (2.0 * math.pi) ** 2  # [m] of load 1 at 1 Hz
-WHOLE = Range((10.0, 30.0), (math.radians(10.0), math.radians(40.0)))
+WHOLE = ((0.5e-3, 2e-3), (10.0, 30.0), (math.radians(10.0), math.radians(40.0)))
 
 
 def asked(highest: Regime = Regime.BACK_SLIP, drive: Any = None, **changes: Any) -> Question:
@@ -118,7 +116,7 @@ def test_without_static_friction_no_load_is_allowed() -> None:
 )
 def test_a_load_is_fastest_at_the_lowest_frequency(load: float, frequency: float, amplitude: float) -> None:
     search = optimiser()
-    setting = search._setting(np.array([load]), (10.0, 30.0), np.array([ANGLE]))
+    setting = search._slowest(np.array([load]), (10.0, 30.0), np.array([ANGLE]))
     turned = search._question.space.turned(setting)
     assert float(turned["frequency"][0]) == pytest.approx(frequency)
     assert float(turned["amplitude"][0]) == pytest.approx(amplitude)
@@ -143,69 +141,6 @@ def test_a_setting_holds_up_to_its_cap(share: float, holds: bool) -> None:
     setting = Setting(*(np.array([float(x)]) for x in setting_of(search, share * cap)))
     assert search._holds(setting, 1.0).tolist() == [holds]
     assert search._holds(setting, 3.0).tolist() == [share < 1.0]
-
-
-def test_the_largest_load_is_the_least_of_caps_and_reach() -> None:
-    angles = np.array([ANGLE, 0.5])
-    reach = 2e-3 * 30.0**2 / UNIT
-    assert reach > HOP
-    hops = 1.0 / np.sin(angles) / GROWTH
-    assert optimiser(drift=DRIFT)._tops(angles, WHOLE, 1.0) == pytest.approx(hops, rel=1e-9)
-    slow = WHOLE._replace(frequency=(10.0, 12.0))
-    assert optimiser()._tops(angles, slow, 1.0) == pytest.approx([2e-3 * 144.0 / UNIT] * 2)
-    assert optimiser(drive={"acceleration_g": 1.3})._tops(angles, WHOLE, 1.0).tolist() == [1.3, 1.3]
-
-
-@pytest.mark.parametrize(
-    ("share", "known"),
-    [(1.0, True), (1 - 1e-13, True), (0.999, False), (7.2, True), (36.0, True), (36.1, False), (0.0, False)],
-)
-def test_a_load_beyond_reach_has_no_speed(share: float, known: bool) -> None:
-    """From 0.05 mm at 10 Hz to 0.2 mm at 30 Hz, which is 36 times as much."""
-    search = optimiser(drive={"amplitude_mm": "0.05:0.2"})
-    least = 0.05e-3 * 10.0**2 / UNIT
-    value = search._value(np.array([ANGLE]), np.array([share * least]), WHOLE, 1.0)
-    assert bool(np.isfinite(value[0])) is known
-
-
-def test_bodies_begin_to_slip_back_at_their_own_loads() -> None:
-    search = optimiser(drift=DRIFT)
-    found = search._entries(np.array([ANGLE, 0.5]))
-    assert found.shape == (2, search.scenarios.size)
-    for row, angle in enumerate((ANGLE, 0.5)):
-        load, _, _, mu_s, mu_d = search.scenarios.coordinates
-        slip = critical_loads_of_lines(angle, 0.7 + 0.1 * mu_s, 0.4 + 0.1 * mu_d, 0.0).back_slip
-        growth = np.where(load == 1.0, GROWTH, 0.95 * 0.99**2)
-        assert found[row] == pytest.approx(slip / growth, rel=1e-9)
-    never = optimiser()._entries(np.array([1.4]))
-    assert not never.any()
-
-
-def test_first_loads_of_a_speed_are_where_the_slowest_body_reaches_it() -> None:
-    """Between the onset and the largest load, by a fine grid."""
-    search = optimiser(drift=DRIFT)
-    angles = np.array([0.25, 0.45])
-    target = 0.02
-    found = search._first_load(angles, target, WHOLE)
-    for angle, load in zip(angles, found, strict=True):
-        for factor, reaches in ((1.0, True), (1.0 - 1e-9, False)):
-            value = search._value(np.array([angle]), np.array([load * factor]), WHOLE, 1.0)
-            assert bool(value[0] >= target) is reaches
-        grid = np.linspace(0.02, 1.0, 400) * load * (1 - 1e-9)
-        assert np.all(search._value(np.full(400, angle), grid, WHOLE, 1.0) < target)
-    assert np.isinf(search._first_load(angles, 5.0, WHOLE)).all()
-
-
-def test_the_first_load_may_be_the_least_within_reach() -> None:
-    """The least amplitude at the lowest frequency is faster than needed."""
-    drive = {"amplitude_mm": "1.5:2", "frequency_hz": "14:30"}
-    choice = WHOLE._replace(frequency=(14.0, 30.0))
-    for highest in (Regime.FORWARD_SLIP, Regime.BACK_SLIP):
-        search = optimiser(
-            highest, drive | ({"amplitude_mm": "0.9:2"} if highest is Regime.FORWARD_SLIP else {})
-        )
-        least = search._reach(choice)[0]
-        assert search._first_load(np.array([ANGLE]), 1e-4, choice) == pytest.approx([least], rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -263,116 +198,14 @@ def test_what_bounds_the_load_at_the_middle_angle(
     assert optimiser(highest, drive).first_cap() == expected
 
 
-@pytest.mark.parametrize(
-    ("highest", "scene", "monotone"),
-    [
-        (Regime.FORWARD_SLIP, {}, True),
-        (Regime.BACK_SLIP, {}, False),
-        (
-            Regime.FORWARD_SLIP,
-            {"kinetic_friction": "0.1:0.5", "trough_angle_deg": "-6:0"},
-            False,
-        ),  # runs away
-        (Regime.FORWARD_SLIP, {"kinetic_friction": "0.11:0.5", "trough_angle_deg": "-6:0"}, True),
-        (Regime.FORWARD_SLIP, {"static_friction": "1.5:2.5", "trough_angle_deg": "-22:0"}, False),  # Eq. (53)
-    ],
-)
-def test_where_the_speed_is_monotone_few_corners_do(highest: Regime, scene: Any, monotone: bool) -> None:
-    """The slowest bodies: at the least load, steepest, roughest; and those that may run away, smoothest."""
-    search = optimiser(
-        highest,
-        scene=SCENE | scene,
-        drift={**DRIFT, "drive_angle_deg": 1, "trough_angle_deg": 0.1} if scene == {} else DRIFT,
-    )
-    assert search._monotone is monotone
-    if monotone:
-        found = {tuple(column) for column in search.scenarios.coordinates.T}
-        assert found == {(0, 0, 1, 1, 1), (0, 1, 1, 1, 1), (1, 0, 0, 0, 0), (1, 1, 0, 0, 0)}
-
-
 def test_frequencies_and_angles_are_combined() -> None:
     search = optimiser(drive={"frequency_hz": [12, 15], "drive_angle_deg": [20, 25, 30]})
     assert len(search._ranges) == 6
-    assert {r.frequency for r in search._ranges} == {(12.0, 12.0), (15.0, 15.0)}
-    assert {round(math.degrees(r.drive_angle[0])) for r in search._ranges} == {20, 25, 30}
-
-
-def test_the_best_of_all_ranges_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    search = optimiser(drive={"frequency_hz": [12, 15, 18]})
-    speeds = {12.0: 0.01, 15.0: 0.03, 18.0: 0.02}
-    setting = setting_of(search, 1.0)
-
-    def fastest(choice: Range, scale: float, generations: int) -> Optimum:
-        return Optimum(setting, speeds[choice.frequency[0]])
-
-    monkeypatch.setattr(search, "_fastest_below", fastest)
-    best = search._fastest(1.0, 5)
-    assert best is not None
-    assert best.speed == 0.03
-    speeds.update(dict.fromkeys(speeds, 0.0))  # at rest none is fastest
-    assert search._fastest(1.0, 5) is None
-
-
-def test_without_a_load_there_is_no_speed() -> None:
-    """An amplitude may begin at 0, and a cap may be 0."""
-    question = asked()
-    drive = replace(question.drive, choices={**question.drive.choices, "amplitude": ((0.0, 2e-3),)})
-    search = LineOptimiser(replace(question, drive=drive))
-    value = search._value(np.array([ANGLE, ANGLE]), np.array([0.0, 1e-3]), WHOLE, 1.0)
-    assert value.tolist() == [-math.inf, 0.0]
+    assert {spans[1] for spans in search._ranges} == {(12.0, 12.0), (15.0, 15.0)}
+    assert {round(math.degrees(spans[2][0])) for spans in search._ranges} == {20, 25, 30}
 
 
 GOAL = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 900}
-
-
-@pytest.mark.parametrize(("drive", "dimensions"), [({}, 2), ({"drive_angle_deg": 20}, 1)])
-def test_the_cube_of_the_fastest_setting(
-    drive: Any, dimensions: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Drive angle, and load from the largest to a hundredth of it."""
-    search = optimiser(Regime.HOPPING, drive, goal={"speed_mm_s": 5})
-    calls: list[Any] = []
-    met: list[Setting] = []
-
-    def minimised(cost: Any, first: Floats, generations: int) -> Floats:
-        calls.append((cost, first))
-        return first[:, :1]
-
-    def least(setting: Setting, scale: float) -> Floats:
-        met.append(setting)
-        return speeds[: np.size(setting.frequency)]
-
-    speeds = np.ones(1)
-    monkeypatch.setattr(search, "_minimised", minimised)
-    monkeypatch.setattr(search, "least", least)
-    choice = search._ranges[0]
-    search._fastest_below(choice, 1.0, 3)
-    ((cost, first),) = calls
-    assert first.shape == (dimensions, 2**8)
-    turns = "drive_angle_deg" not in drive
-    assert not first[int(turns), :64].any()  # a quarter of them at the largest load
-    if turns:
-        assert first[0, :64] == pytest.approx(np.linspace(0.0, 1.0, 64))
-    assert first[:, 64:].std(axis=1).min() > 0.2
-
-    def at(angle: float, load: float) -> Floats:
-        return np.array([[angle]] * turns + [[load]])
-
-    # faster settings are cheaper; at rest those of more load are, but dearer than any that moves
-    speeds = np.array([0.3])
-    assert cost(at(0.5, 0.2)).tolist() == [-0.3]
-    speeds = np.array([0.0])
-    rests = [float(cost(at(0.5, load))[0]) for load in (0.2, 0.4)]
-    assert 1e6 < rests[0] < rests[1]
-    assert rests[1] - rests[0] == pytest.approx(0.2)
-    met.clear()
-    speeds = np.array([0.3])
-    cost(at(0.5, 0.3))
-    (low,) = met
-    tops = search._tops(np.arctan2(low.normal_amplitude, low.along_amplitude), choice, 1.0)
-    load = float(tops[0]) * max(1e-2, search._reach(choice)[0] / float(tops[0])) ** 0.3
-    assert search._question.load(low)[0] == pytest.approx(load)
-    assert float(low.frequency[0]) < 29.0
 
 
 @pytest.mark.parametrize(("hardest", "raised"), [(0.2, 1.0), (0.899, 1.0), (1.35, 1.5), (90.0, math.inf)])
@@ -382,8 +215,8 @@ def test_impacts_that_are_too_hard_raise_the_frequency(
     """To what keeps them at 0.9 m/s at the same load, up to the largest frequency."""
     search = optimiser(Regime.HOPPING, goal=GOAL)
     monkeypatch.setattr(Question, "hardest_impacts", lambda *_: np.array([hardest]))
-    load, angle, span = np.array([2.0]), np.array([ANGLE]), search._ranges[0].frequency
-    plain, soft = search._setting(load, span, angle), search._soft_setting(load, span, angle, 1.0)
+    load, angle, span = np.array([2.0]), np.array([ANGLE]), search._ranges[0][1]
+    plain, soft = search._slowest(load, span, angle), search._setting(load, span, angle)
     assert soft.frequency[0] == pytest.approx(min(raised * plain.frequency[0], span[1]), rel=1e-11)
     assert search._question.load(soft)[0] == pytest.approx(2.0)
 
@@ -391,92 +224,46 @@ def test_impacts_that_are_too_hard_raise_the_frequency(
 def test_the_hardest_impact_of_a_setting_goes_with_one_over_its_frequency() -> None:
     search = optimiser(Regime.HOPPING, goal=GOAL)
     load, angle = np.array([1.6 / math.sin(ANGLE)]), np.array([ANGLE])
-    slow, quick = (search._setting(load, (f, f), angle) for f in (25.0, 30.0))
+    slow, quick = (search._slowest(load, (f, f), angle) for f in (25.0, 30.0))
     impacts = [search._question.hardest_impacts(s, search.scenarios)[0] for s in (slow, quick)]
     assert impacts[0] > 0.0
     assert impacts[0] == pytest.approx(1.2 * impacts[1], rel=1e-9)
 
 
-def test_a_load_below_the_reach_of_the_amplitudes_is_not_possible(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("drive", "free"),
+    [
+        ({}, [True, False, True]),
+        ({"drive_angle_deg": 20}, [True, False, False]),
+        ({"amplitude_mm": 1}, [True, False, True]),
+        ({"amplitude_mm": 1, "frequency_hz": 15}, [True, False, True]),  # up to 1 mm
+    ],
+)
+def test_load_and_drive_angle_are_searched(drive: dict[str, Any], free: list[bool]) -> None:
+    search = optimiser(drive=drive)
+    assert search._free(search._ranges[0]).tolist() == free
+
+
+def test_loads_are_from_the_least_within_reach_to_the_first_cap() -> None:
+    search = optimiser(drift=DRIFT)
+    coordinates = np.array([[0.0, 0.5, 1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    setting, shares, possible = search._settings(coordinates, WHOLE, 1.0)
+    least, hops = 0.5e-3 * 10.0**2 / UNIT, 1.0 / np.sin(np.radians([10.0, 40.0])) / GROWTH
+    top = min(hops[0], 2e-3 * 30.0**2 / UNIT)
+    assert search._question.load(setting) == pytest.approx([least, 0.5 * (least + top), hops[1]], rel=1e-9)
+    assert shares.tolist() == [0.0, 0.5, 1.0]
+    assert possible.all()
+    angles = search._question.space.turned(setting)["drive_angle"]
+    assert np.degrees(angles) == pytest.approx([10.0, 10.0, 40.0])
+
+
+def test_a_load_below_the_reach_of_the_amplitudes_is_not_possible() -> None:
     """At the steepest angle the hop comes before the least amplitude at the lowest frequency."""
     search = optimiser(drive={"amplitude_mm": "3:4", "frequency_hz": "16:20", "drive_angle_deg": "10:40"})
-    calls: list[Any] = []
-
-    def minimised(cost: Any, first: Floats, generations: int) -> Floats:
-        calls.append(cost)
-        return first[:, :1]
-
-    monkeypatch.setattr(search, "_minimised", minimised)
-    search._fastest_below(search._ranges[0], 1.0, 3)
     least = 3e-3 * 16.0**2 / UNIT
     assert 1.0 / math.sin(math.radians(40.0)) < least < 1.0 / math.sin(math.radians(10.0))
-    costs = calls[0](np.array([[0.0, 1.0], [0.0, 0.0]]))
-    assert np.isfinite(costs).tolist() == [True, False]
+    ends = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
+    assert search._settings(ends, search._ranges[0], 1.0)[2].tolist() == [True, False]
     # narrow parts tip before it at every angle, though they would convey
     tipping = optimiser(drive={"amplitude_mm": "1:2"}, part={"half_base_mm": 2, "centre_height_mm": 10})
-    monkeypatch.setattr(tipping, "_minimised", minimised)
-    tipping._fastest_below(tipping._ranges[0], 1.0, 3)
-    assert np.isinf(calls[1](np.array([[0.0, 0.5, 1.0], [0.0, 0.0, 0.0]]))).all()
-
-
-def test_the_least_load_of_all_ranges_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Angles that miss the target are told apart by the speed at their largest load."""
-    search = optimiser(drive={"frequency_hz": [12, 15, 18]})
-    loads = {12.0: 1.3, 15.0: 0.9, 18.0: math.inf}
-    ranked: list[Any] = []
-
-    def first_load(angles: Floats, target: float, choice: Range) -> Floats:
-        return np.where(angles < 0.3, loads[choice.frequency[0]], math.inf)
-
-    def value(angles: Floats, loads: Floats, choice: Range, scale: float) -> Floats:
-        return np.where(angles < 0.5, 0.04, 0.02)
-
-    def best(value: Any, span: Any, effort: Any) -> float:
-        ranked.append(value(np.array([0.2, 0.4, 0.6])))
-        return 0.2
-
-    monkeypatch.setattr(search, "_first_load", first_load)
-    monkeypatch.setattr(search, "_value", value)
-    monkeypatch.setattr(optima, "_best", best)
-    found = search._least_acceleration(0.05)
-    assert found is not None
-    assert found.speed == 0.04
-    assert found.setting.frequency == 15.0
-    assert float(search._question.load(found.setting)) == pytest.approx(0.9)
-    for load, ranks in zip((1.3, 0.9, None), ranked, strict=True):
-        assert ranks[0] > ranks[1] > ranks[2] if load else ranks[0] == ranks[1] > ranks[2]
-        assert load is None or ranks[0] == -load
-        assert ranks[2] < -1e6
-    loads.update(dict.fromkeys(loads, math.inf))
-    assert search._least_acceleration(0.05) is None
-
-
-EFFORT = replace(optima._LINE_IN_CONTACT, angles=9, rounds=9)
-
-
-@pytest.mark.parametrize("centre", [0.2, 0.2613, 0.5, 0.78, 0.9])
-def test_the_best_angle_of_a_peak(centre: float) -> None:
-    found = _best(lambda x: -np.abs(x - centre), (0.2, 0.9), EFFORT)
-    assert found == pytest.approx(centre, abs=1e-8)
-    assert 0.2 <= found <= 0.9
-    assert _best(lambda x: -np.abs(x - centre), (0.3, 0.3), EFFORT) == 0.3
-
-
-def test_the_three_highest_peaks_are_looked_at() -> None:
-    """The third of the grid's peaks hides the highest one; a fourth is left out."""
-    grid = np.linspace(0.0, 1.0, 9)
-
-    def value(x: Floats) -> Floats:
-        peaks = [(0.125, 1.0, 0.0), (0.375, 0.9, 0.0), (0.625, 0.8, 5.0), (0.875, 0.7, 9.0)]
-        return np.asarray(
-            np.max(
-                [
-                    height - 3.0 * np.abs(x - at) + hidden * (np.abs(x - at - 0.03) < 0.01)
-                    for at, height, hidden in peaks
-                ],
-                axis=0,
-            )
-        )
-
-    assert value(grid).argmax() == 1
-    assert _best(value, (0.0, 1.0), EFFORT) == pytest.approx(0.645, abs=0.01)
+    assert not tipping._settings(ends, tipping._ranges[0], 1.0)[2].any()

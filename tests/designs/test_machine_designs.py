@@ -17,9 +17,10 @@ from typer.testing import CliRunner
 import vibro
 from vibro import Calibration, Machine, Regime
 from vibro.cli.app import app
-from vibro.designs import machine_drives, optima
+from vibro.designs import machine_drives
 from vibro.designs.design import chosen_of, find_designs
 from vibro.designs.machine_drives import amplitudes_met
+from vibro.designs.optima import LineOptimiser
 from vibro.designs.pictured import setting_fields, speed_band
 from vibro.designs.questions import Met, Question
 from vibro.designs.reading import read_spec
@@ -82,9 +83,8 @@ def assert_same(found: DesignResult, by_hand: DesignResult) -> None:
 @pytest.fixture(autouse=True)
 def brief(monkeypatch: pytest.MonkeyPatch) -> None:
     """Search fewer settings: few suffice here."""
-    monkeypatch.setattr(
-        optima, "_LINE_IN_CONTACT", replace(optima._LINE_IN_CONTACT, loads=33, generations=20)
-    )
+    contact, *others = LineOptimiser._efforts
+    monkeypatch.setattr(LineOptimiser, "_efforts", (replace(contact, generations=10, polish=20), *others))
 
 
 @pytest.fixture

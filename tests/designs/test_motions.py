@@ -18,8 +18,9 @@ from typer.testing import CliRunner
 import vibro
 from vibro.cli.app import app
 from vibro.core.codes import Regime
-from vibro.designs import guarantees, optima
+from vibro.designs import guarantees
 from vibro.designs.design import chosen_of, find_designs
+from vibro.designs.optima import EllipseOptimiser
 from vibro.designs.pictured import setting_fields
 from vibro.designs.proofs import begin_load, change_loads
 from vibro.designs.questions import Question
@@ -55,7 +56,9 @@ def brief() -> Iterator[None]:
     """Search fewer bodies and settings: few suffice here."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(guarantees._EVOLVED, False, (9, 16, 15))
-        patch.setattr(optima, "_IN_CONTACT", replace(optima._IN_CONTACT, generations=50))
+        contact, *others = EllipseOptimiser._efforts
+        fewer = replace(contact, generations=25, polish=25)
+        patch.setattr(EllipseOptimiser, "_efforts", (fewer, *others))
         yield
 
 

@@ -202,42 +202,6 @@ def test_a_slowest_body_that_moves_along_a_jump_is_not_lost() -> None:
     assert_allowed(question, found)
 
 
-@pytest.mark.parametrize("name", IDS[1:3])
-def test_loads_near_those_of_neighbours_are_those_of_all_loads(name: str) -> None:
-    """Also where no neighbour reaches the speed, or one reaches it past a jump only."""
-    question = row_question(name)
-    optimiser = LineOptimiser(question)
-    fastest = optimiser.fastest()
-    assert fastest is not None
-    choice = optimiser._ranges[0]
-    low, high = choice.drive_angle
-    known, between = np.linspace(low, high, 17), np.linspace(low, high, 34)[1:-1]
-    for target in (0.3 * fastest.speed, 0.95 * fastest.speed):
-        loads = optimiser._first_load(known, target, choice)
-        found = optimiser._first_loads(between, target, choice, known, loads)
-        every = optimiser._first_load(between, target, choice)
-        np.testing.assert_array_equal(np.isfinite(found), np.isfinite(every))
-        np.testing.assert_allclose(found[np.isfinite(every)], every[np.isfinite(every)], rtol=1e-9)
-
-
-def test_a_load_below_those_of_both_neighbours_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    question = row_question(IDS[2])
-    optimiser = LineOptimiser(question)
-    choice = optimiser._ranges[0]
-    asked: list[bool] = []
-
-    def first(angles: Floats, target: float, choice: object, window: object = None) -> Floats:
-        asked.append(window is not None)
-        low = np.full(angles.size, 0.2)
-        return low if window is None else np.asarray(window)[0]  # reached at the lower end already
-
-    monkeypatch.setattr(optimiser, "_first_load", first)
-    angles = np.array([0.3])
-    found = optimiser._first_loads(angles, 0.01, choice, np.array([0.2, 0.4]), np.array([0.5, 0.6]))
-    assert found.tolist() == [0.2]
-    assert asked == [True, False]
-
-
 def test_the_gentlest_setting_beside_a_jump_over_the_drive_angle_is_found() -> None:
     """The speed is reached on a narrow peak of loads, at angles just above one at which it is not."""
     bands = {

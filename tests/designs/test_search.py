@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibro.designs.search import close_in, evolve, first_crossing, placed, scatter, sobol
+from vibro.designs.search import close_in, evolve, placed, scatter, sobol
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,55 +47,6 @@ def test_widths_end_a_search(at: float, sections: int) -> None:
 def test_what_is_no_number_does_not_hold() -> None:
     holding, _ = close_in(lambda x: np.where(x > 2.0, np.nan, 1.0), 0.0, 8.0)
     assert holding == 2.0
-
-
-def bump(centre: float, width: float) -> Any:
-    """One peak of height 1 that is 0 beyond its width."""
-    return lambda x: np.maximum(1.0 - np.abs(x - centre) / width, 0.0)
-
-
-@pytest.mark.parametrize("centre", [0.3313, 0.349, 0.3605, 0.3713, 0.3889])
-def test_a_peak_between_two_points_of_the_grid_is_climbed_on_both_sides(centre: float) -> None:
-    """The grid has 0.3, 0.36 and 0.42, all below the target; the top lies on either side of the middle."""
-    peak = bump(centre, 0.1)
-    grid = np.array([[0.18, 0.24, 0.3, 0.36, 0.42, 0.48]])
-    for target in (0.5 * (1.0 + float(peak(0.36))), 0.98, 0.9999):  # the last ones after several rounds alone
-        found = first_crossing(lambda _, x: peak(x), grid, target, climbs=6, relative=0.0)
-        assert found == pytest.approx(centre - 0.1 * (1.0 - target), rel=1e-9)
-
-
-def test_every_function_has_its_own_first_crossing() -> None:
-    centres = np.array([0.2, 0.5, 0.8])
-
-    def value(rows: NDArray[np.intp], x: Floats) -> Floats:
-        return np.asarray(np.maximum(1.0 - np.abs(x - centres[rows]) / 0.3, -1.0))
-
-    grid = np.tile(np.linspace(0.0, 1.0, 41), (3, 1))
-    found = first_crossing(value, grid, 0.7, climbs=2, relative=0.0)
-    assert found == pytest.approx(centres - 0.09, rel=1e-12)
-    assert np.all(np.isinf(first_crossing(value, grid, 1.01, climbs=2, relative=0.0)))
-    at_once = first_crossing(value, grid[:, 8:], 0.7, climbs=2, relative=0.0)
-    assert at_once[0] == grid[0, 8]  # it holds at the first point already
-
-
-def test_without_a_peak_nothing_is_climbed() -> None:
-    def value(rows: NDArray[np.intp], x: Floats) -> Floats:
-        assert rows.size == x.size > 0
-        return x
-
-    grid = np.array([[0.0, 0.5, 1.0]])
-    assert first_crossing(value, grid, 0.3, climbs=3, relative=0.0) == pytest.approx([0.3])
-
-
-def test_a_peak_counts_before_a_point_that_holds_and_before_a_later_peak() -> None:
-    early, late = bump(0.345, 0.03), bump(0.465, 0.03)
-
-    def value(_: NDArray[np.intp], x: Floats) -> Floats:
-        return np.asarray(np.maximum(np.maximum(early(x), late(x)), (x > 0.6).astype(float)))
-
-    grid = np.array([[0.18, 0.24, 0.3, 0.36, 0.42, 0.48, 0.54, 0.66, 0.72]])
-    found = first_crossing(value, grid, 0.95, climbs=5, relative=0.0)
-    assert found == pytest.approx(0.345 - 0.03 * 0.05, rel=1e-9)
 
 
 def test_free_axes_are_placed() -> None:

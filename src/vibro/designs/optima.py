@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -17,15 +18,12 @@ from vibro.core.codes import Regime
 from vibro.designs.guarantees import BRIEF, Seen, bound, least_of
 from vibro.designs.proofs import (
     corners,
-    is_braked,
-    onset_load,
     regime_loads,
     slip_ratio,
-    steeper_is_slower,
     tip_load,
 )
-from vibro.designs.questions import MOST_DESIGN_THROW, Goal, Scenarios, at_loads, entry_loads
-from vibro.designs.search import close_in, evolve, first_crossing, placed, scatter, sobol
+from vibro.designs.questions import MOST_DESIGN_THROW, Goal, Scenarios, at_loads
+from vibro.designs.search import close_in, evolve, placed, scatter, sobol
 from vibro.designs.spaces import SPACES, TOLERANCES, Scaled, Setting, inside
 from vibro.drives import Line
 
@@ -39,13 +37,21 @@ if TYPE_CHECKING:
     from vibro.reals import Bools, Floats
     from vibro.results.designs import Guarantee
 
+    Spans = tuple[Span, ...]  # a range of every knob
+
 
 #: [1] Largest margin that is searched: factor on the bands.
 MOST_MARGIN: Final = 10.0
 
 _SEED: Final = 1
 _SCATTERED: Final = 4  # ratio of the sampled settings in the first round to those in each later round
+_ROUGH: Final = 0.5  # share of the generations where one scale of the bands of many is searched
 _STEPS: Final = 60  # iterations at most of the root search
+_AROUND: Final = 23  # settings around the best of an evolution, from which it is polished
+_NEAR: Final = 0.03  # [share of a range] standard deviation of these
+_POLISHED: Final = (
+    1e-2  # [share of a range] around the best setting of an evolution, that is sampled at first
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +63,8 @@ class Effort:
     population, generations : int
         Size of an evolution's population, as a base-2 logarithm, and its generations; for bodies that hop,
         the first samples and the further rounds.
+    polish : int
+        Generations of the polish.
     margins : int
         Margins of one setting that are evaluated at once.
     margin, scale : float
@@ -67,6 +75,7 @@ class Effort:
 
     population: int
     generations: int
+    polish: int
     margins: int
     margin: float
     scale: float
@@ -118,7 +127,7 @@ class Exchange(ABC):
         self.scenarios = Scenarios.fixed(coordinates)
 
     @abstractmethod
-    def _fastest(self, scale: float, generations: int) -> Optimum | None:
+    def _fastest(self, scale: float, share: float = 1.0) -> Optimum | None:
         """Return the fastest setting for the current scenarios."""
 
     @abstractmethod
@@ -152,20 +161,24 @@ class Exchange(ABC):
         """Return whether every body of a setting keeps to the regime."""
         return True
 
-    def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, generations: int) -> Floats:
-        """Return the point of least cost, of shape (d, 1); costs of hopping bodies are sampled."""
-        if self._question.flies:  # one call for many settings is cheaper than many calls for a few
+    def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, share: float = 1.0) -> Floats:
+        """Return the point of least cost, of shape (d, 1), by a share of the generations.
+
+        An evolution finds the valley, and a second one of few points around its best polishes it. Costs of
+        hopping bodies are sampled: one call for many settings is cheaper than many calls for a few.
+        """
+        effort = self._effort
+        if self._question.flies:
             more = first.shape[1] // _SCATTERED
-            return scatter(cost, first, more=more, rounds=self._effort.generations, seed=_SEED)[0]
-        return evolve(cost, first, generations=generations, seed=_SEED)[0]
+            return scatter(cost, first, more=more, rounds=effort.generations, seed=_SEED)[0]
+        best, _ = evolve(cost, first, generations=round(share * effort.generations), seed=_SEED)
+        around = np.random.default_rng(_SEED).standard_normal((len(best), _AROUND))
+        near = np.hstack([best, np.clip(best + _NEAR * around, 0.0, 1.0)])
+        return evolve(cost, near, generations=round(share * effort.polish), seed=_SEED)[0]
 
     def fastest(self, scale: float = 1.0) -> Optimum | None:
         """Return the setting of the largest guaranteed speed; None if no setting guarantees any."""
-
-        def best() -> Optimum | None:
-            return self._fastest(scale, self._effort.generations)
-
-        return self._exchanged(best, scale)
+        return self._exchanged(lambda: self._fastest(scale), scale)
 
     def least_acceleration(self, target: float) -> Optimum | None:
         """Return the setting of least acceleration that guarantees a speed [m/s]; None if there is none."""
@@ -188,7 +201,7 @@ class Exchange(ABC):
         holds: dict[float, Optimum] = {}
 
         def surplus(scale: float) -> float:
-            best = self._fastest(scale, self._effort.generations // 2)
+            best = self._fastest(scale, _ROUGH)
             if best is None:
                 return -target
             if best.speed >= target:
@@ -267,10 +280,12 @@ class Exchange(ABC):
 # ------------------------------------------------------------------------------
 # Find settings by evolution over all knobs: of least acceleration, top speed or largest margin.
 
-_IN_CONTACT: Final = Effort(population=5, generations=100, margins=33, margin=1e-4, scale=3e-2, exchanges=6)
-_FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, scale=0.1, exchanges=1)
-# bounces are slow to solve
-_BOUNCING: Final = Effort(population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1)
+# Of bodies in contact, of hops, and of bounces, which are slow to solve.
+_EFFORTS: Final = (
+    Effort(population=5, generations=50, polish=50, margins=33, margin=1e-4, scale=3e-2, exchanges=6),
+    Effort(population=7, generations=3, polish=0, margins=17, margin=1e-2, scale=0.1, exchanges=1),
+    Effort(population=5, generations=1, polish=0, margins=5, margin=0.1, scale=0.3, exchanges=1),
+)
 # [1] Costs of settings that are too slow, at rest, forbidden: in rising order, far above any load or speed.
 _SLOW: Final = 1e6
 _RESTS: Final = 2e6
@@ -288,30 +303,30 @@ class _Evolution(Exchange):
         Drive, goal and bands.
     """
 
-    _in_contact = _IN_CONTACT
+    #: In contact, of hops and of bounces.
+    _efforts = _EFFORTS
 
-    surpluses = (0.0, 1e-4, 1e-2)  # one search each
+    surpluses: tuple[float, ...] = (0.0, 1e-4, 1e-2)  # one search each
     _least_set_by = "limit"
 
     def __init__(self, question: Question) -> None:
-        effort = self._in_contact
-        if question.flies:
-            effort = _BOUNCING if question.spec.restitution else _FLYING
-        super().__init__(question, effort, corners(question.box(self._one()).varies))
+        effort = self._efforts[question.flies * (2 if question.spec.restitution else 1)]
+        super().__init__(question, effort, corners(question.box(self._one(question)).varies))
         self._checked = question.highest
+        choices = question.drive.choices
+        #: Of every knob one of its ranges, in all combinations.
+        self._ranges: list[Spans] = list(product(*(choices[knob] for knob in question.space.knobs)))
 
     @abstractmethod
-    def _one(self) -> AnySetting:
+    def _one(self, question: Question) -> AnySetting:
         """Return the setting of a factor of 1 at 1 Hz."""
 
-    @abstractmethod
-    def _spans(self, frequency: Span) -> tuple[Span, ...]:
-        """Return the ranges of all coordinates of the search."""
+    def _free(self, spans: Spans) -> Bools:
+        """Return which coordinates are free."""
+        return np.array([low < high for low, high in spans])
 
     @abstractmethod
-    def _settings(
-        self, coordinates: Floats, frequency: Span, scale: float
-    ) -> tuple[AnySetting, Floats, Bools]:
+    def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[AnySetting, Floats, Bools]:
         """Return settings at unit-cube coordinates, the sum of their sizes' shares, and which can be."""
 
     def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
@@ -326,7 +341,7 @@ class _Evolution(Exchange):
             self.scenarios = self.scenarios.joined(box, coordinates)
         return slower or self.scenarios.size > known
 
-    def _fastest(self, scale: float, generations: int) -> Optimum | None:
+    def _fastest(self, scale: float, share: float = 1.0) -> Optimum | None:
         """Return the fastest setting for the current scenarios."""
 
         def cost(setting: AnySetting, shares: Floats) -> Floats:
@@ -335,7 +350,7 @@ class _Evolution(Exchange):
                 speeds == 0.0, _RESTS - shares, np.where(np.isinf(speeds), _FORBIDDEN + shares, -speeds)
             )
 
-        setting, least = self._best(cost, scale, generations)
+        setting, least = self._best(cost, scale, share)
         return Optimum(setting, -least) if least < 0.0 else None
 
     def _least_acceleration(self, target: float) -> Optimum | None:
@@ -346,32 +361,32 @@ class _Evolution(Exchange):
             slow = np.where(np.isinf(speeds), _FORBIDDEN + shares, _SLOW * (2.0 - speeds / target))
             return np.where(speeds >= target, self._question.load(setting), slow)
 
-        setting, least = self._best(cost, 1.0, self._effort.generations)
+        setting, least = self._best(cost, 1.0)
         if least >= _SLOW:
             return None
         columns = setting._make(np.array([x]) for x in setting)
         return Optimum(setting, float(self.least(columns, 1.0)[0]))
 
     def _best(
-        self, cost: Callable[[AnySetting, Floats], Floats], scale: float, generations: int
+        self, cost: Callable[[AnySetting, Floats], Floats], scale: float, share: float = 1.0
     ) -> tuple[AnySetting, float]:
-        """Return the best setting over all frequency ranges, and its cost."""
-        ranges = self._question.drive.frequency
-        return min((self._best_of(cost, f, scale, generations) for f in ranges), key=lambda best: best[1])
+        """Return the best setting of all ranges, and its cost."""
+        found = [self._best_of(cost, spans, scale, share) for spans in self._ranges]
+        return min(found, key=lambda best: best[1])
 
     def _best_of(
         self,
         cost: Callable[[AnySetting, Floats], Floats],
-        frequency: Span,
+        spans: Spans,
         scale: float,
-        generations: int,
+        share: float,
     ) -> tuple[AnySetting, float]:
-        """Return the setting of least cost within one frequency range, and its cost."""
-        free = np.array([low < high for low, high in self._spans(frequency)])
+        """Return the setting of least cost within one range of every knob, and its cost."""
+        free = self._free(spans)
         count = int(free.sum())
 
         def settings(x: Floats) -> tuple[AnySetting, Floats, Bools]:
-            return self._settings(placed(free, x), frequency, scale)
+            return self._settings(placed(free, x), spans, scale)
 
         def whole(x: Floats) -> Floats:
             setting, shares, possible = settings(x)
@@ -383,7 +398,7 @@ class _Evolution(Exchange):
 
         x = np.zeros((0, 1))
         if count:
-            x = self._minimised(whole, sobol(count, self._effort.population + count - 1, _SEED), generations)
+            x = self._minimised(whole, sobol(count, self._effort.population + count - 1, _SEED), share)
         setting = settings(x)[0]
         return setting._make(float(values[0]) for values in setting), float(whole(x)[0])
 
@@ -454,69 +469,14 @@ def below(most: Floats, span: Span, share: Floats) -> tuple[Floats, Bools]:
 
 
 # ------------------------------------------------------------------------------
-# Find settings of a drive along a line: of least acceleration, top speed or largest margin.
+# Find settings of a drive along a line.
 #
 # Amplitude and frequency enter through the load G = A w^2 / g and a factor 1/f on all speeds, so that of all
-# settings with one load the lowest frequency is the best: what is left to choose is a drive angle and a load.
-
-_LINES: Final = SPACES[Line]
-_SLOWEST_LOAD: Final = 1e-2  # share of the largest load at which the search for settings begins
+# settings with one load the lowest frequency is the best: what is left to choose is a load and a drive angle.
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Effort(Effort):
-    """Sizes and resolutions of the searches.
-
-    Attributes
-    ----------
-    angles, rounds : int
-        Drive angles of the first grid, and rounds of refinement.
-    loads : int
-        Loads between which a speed is searched.
-    climbs : int
-        Rounds of looking closer at peaks of the speed.
-    width : float
-        Relative width to which a load is found.
-    """
-
-    angles: int
-    rounds: int
-    loads: int
-    climbs: int
-    width: float
-
-
-_LINE_IN_CONTACT: Final = _Effort(
-    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, width=1e-13, margins=33,
-    margin=1e-6, scale=1e-6, exchanges=8,
-)  # fmt: skip
-_LINE_FLYING: Final = _Effort(
-    angles=33, rounds=3, loads=65, population=8, generations=3, climbs=1, width=5e-11, margins=33,
-    margin=1e-3, scale=1e-3, exchanges=2,
-)  # fmt: skip
-# bounces are slow to solve
-_LINE_BOUNCING: Final = _Effort(
-    angles=9, rounds=1, loads=17, population=7, generations=2, climbs=0, width=6e-5, margins=9,
-    margin=3e-2, scale=3e-2, exchanges=1,
-)  # fmt: skip
-
-_IN_WINDOW: Final = 9  # loads at which a speed is searched near those of other angles
-_END_MARGIN: Final = 1e-6  # [1] of a load, least distance of the window's ends from them
-_MISSED: Final = 1e6  # [1] against the load of settings that miss the speed
-_AT_REST: Final = 1e6  # [m/s] against the speed of settings at which no part moves
-_KEPT: Final = 3  # angles to look around in each round
-_CLOSER: Final = 17  # angles around each, closer by a factor of 8
-
-
-class Range(NamedTuple):
-    """A choice of frequencies and drive angles without a gap [Hz, rad]."""
-
-    frequency: Span
-    drive_angle: Span
-
-
-class LineOptimiser(Exchange):
-    """Optimal settings of a drive along a line.
+class LineOptimiser(_Evolution):
+    """Optimal settings of a drive along a line; limits of the load keep all bodies to the regime, proved.
 
     Parameters
     ----------
@@ -524,26 +484,34 @@ class LineOptimiser(Exchange):
         Drive, goal and bands.
     """
 
+    _efforts = (
+        Effort(population=6, generations=20, polish=50, margins=33, margin=1e-6, scale=1e-4, exchanges=8),
+        Effort(population=7, generations=8, polish=0, margins=33, margin=1e-3, scale=1e-2, exchanges=2),
+        Effort(population=6, generations=2, polish=0, margins=9, margin=3e-2, scale=3e-2, exchanges=1),
+    )
     surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
     _least_set_by = "onset"
 
     def __init__(self, question: Question) -> None:
-        choices = question.drive.choices
-        self._ranges = [Range(f, a) for f in question.drive.frequency for a in choices["drive_angle"]]
-        one = question.box(_unit(question.drive.choices["drive_angle"][0][0]))
-        effort = _LINE_IN_CONTACT
-        if question.flies:
-            effort = _LINE_BOUNCING if question.spec.restitution else _LINE_FLYING
-        self._closely = effort
-        self._monotone = question.highest is Regime.FORWARD_SLIP and is_braked(one) and steeper_is_slower(one)
-        # corners of the slowest bodies, and of those that may run away where bands are scaled
-        if self._monotone:
-            coordinates = np.array(
-                [[0, 0, 1, 1], [0, 1, 0, 1], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]], np.float64
-            )
-        else:
-            coordinates = corners(one.varies)
-        super().__init__(question, effort, coordinates)
+        super().__init__(question)
+        self._checked = Regime.HOPPING
+
+    def _one(self, question: Question) -> Setting:
+        """Return the setting of an amplitude of 1 m at 1 Hz, at the first drive angle."""
+        return _unit(question.drive.choices["drive_angle"][0][0])
+
+    def _free(self, spans: Spans) -> Bools:
+        """Return which coordinates are free: the load, and the drive angle, but no frequency."""
+        low, high = self._reach(spans)
+        return np.array([low < high, False, spans[2][0] < spans[2][1]])
+
+    def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[Setting, Floats, Bools]:
+        """Return settings at unit-cube coordinates, the shares of their loads, and which can be."""
+        share, _, turn = coordinates
+        angles = inside(spans[2], turn)
+        tops = np.min([cap[:, 0] for cap in self._caps(angles[:, None], scale).values()], axis=0)
+        loads, possible = below(tops, self._reach(spans), share)
+        return self._setting(loads, spans[1], angles, scale), share, possible & (loads > 0.0)
 
     def _caps(self, drive_angle: Floats, scale: Floats | float = 1.0) -> dict[str, Floats]:
         """Return the largest nominal load of each drive angle, by the constraint that sets it.
@@ -573,28 +541,35 @@ class LineOptimiser(Exchange):
         load = tip_load(box, ratio)
         return {"tip": np.minimum(load, box.hop_load) if self._question.flies else load}
 
-    def _setting(self, load: Floats, frequency: tuple[Any, Any], drive_angle: Floats) -> Setting:
-        """Return the fastest setting of a load: the lowest frequency that the amplitudes allow.
+    def _reach(self, spans: Spans) -> Span:
+        """Return the smallest and the largest load that amplitudes and frequencies allow."""
+        low, high = (
+            float(self._question.space.load_at(a, f, self._question.spec.gravity))
+            for a, f in zip(*spans[:2], strict=True)
+        )
+        return low, high
 
-        At one load the speed of every body goes with 1/f.
+    def _setting(self, load: Floats, frequency: Span, drive_angle: Floats, scale: float = 1.0) -> Setting:
+        """Return the fastest setting of a load: the lowest frequency that amplitudes and impacts allow.
+
+        At one load the speed of every body goes with 1/f, and so do its impacts.
         """
+        question, limit = self._question, self._question.landings.impact_speed
+        setting = self._slowest(load, frequency, drive_angle)
+        if math.isinf(limit):
+            return setting
+        hardest = question.hardest_impacts(setting, self.scenarios, scale) * (1.0 + TOLERANCES.beside)
+        raised = setting.frequency * np.maximum(hardest / limit, 1.0)
+        return self._slowest(load, (raised, frequency[1]), drive_angle)
+
+    def _slowest(self, load: Floats, frequency: tuple[Any, Any], drive_angle: Floats) -> Setting:
+        """Return the setting of a load at the lowest frequency that the amplitudes allow."""
         question = self._question
         weight = np.maximum(load, TOLERANCES.short) * question.spec.gravity / (4.0 * math.pi**2)  # A f^2
         least, most = question.drive.span("amplitude")
         f = np.clip(np.sqrt(weight / most), *frequency)
         amplitude = np.clip(weight / (f * f), least, most)
         return question.space.setting(amplitude=amplitude, frequency=f, drive_angle=drive_angle)
-
-    def _soft_setting(
-        self, load: Floats, frequency: Span, drive_angle: Floats, scale: Floats | float
-    ) -> Setting:
-        """Return the fastest setting of a load whose impacts keep to their limit: they too go with 1/f."""
-        setting, limit = self._setting(load, frequency, drive_angle), self._question.landings.impact_speed
-        if math.isinf(limit):
-            return setting
-        hardest = self._question.hardest_impacts(setting, self.scenarios, scale) * (1.0 + TOLERANCES.beside)
-        raised = setting.frequency * np.maximum(hardest / limit, 1.0)
-        return self._setting(load, (raised, frequency[1]), drive_angle)
 
     def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
         """Return whether settings keep to the regime."""
@@ -605,161 +580,13 @@ class LineOptimiser(Exchange):
         least = np.min([cap[:, 0] for name, cap in caps.items() if name != "limit"], axis=0, initial=np.inf)
         return np.asarray(load <= least)
 
-    def _tops(self, angles: Floats, choice: Range, scale: float) -> Floats:
-        """Largest nominal loads at drive angles."""
-        caps = self._caps(angles[:, None], scale).values()
-        reach = np.full(angles.size, self._reach(choice)[1])
-        return np.asarray(np.min([*(cap[:, 0] for cap in caps), reach], axis=0))
+    def keeps_to_regime(self, found: Found) -> bool:
+        """Return whether every body of a setting keeps to the regime, as its load is below all limits."""
+        return True
 
-    def _reach(self, choice: Range) -> tuple[float, float]:
-        """Smallest and largest load that the amplitudes allow within a range of frequencies."""
-        low, high = (
-            a * (2.0 * math.pi * f) ** 2 / self._question.spec.gravity
-            for a, f in zip(self._question.drive.span("amplitude"), choice.frequency, strict=True)
-        )
-        return low, high
-
-    def _fastest(self, scale: float, generations: int) -> Optimum | None:
-        """Return the fastest setting for the current scenarios."""
-        search = self._fastest_at_the_top if self._monotone else self._fastest_below
-        found = [search(choice, scale, generations) for choice in self._ranges]
-        best = max(found, key=lambda optimum: optimum.speed)
-        return best if best.speed > 0.0 else None
-
-    def _value(self, angles: Floats, loads: Floats, choice: Range, scale: float) -> Floats:
-        """Guaranteed speeds of the fastest settings of loads; -inf where a load is beyond reach."""
-        setting = self._soft_setting(loads, choice.frequency, angles, scale)
-        low, high = self._reach(choice)
-        beside = TOLERANCES.beside
-        possible = (loads >= low * (1.0 - beside)) & (loads <= high * (1.0 + beside)) & (loads > 0.0)
-        return np.where(possible, self.least(setting, scale), -np.inf)
-
-    def _fastest_at_the_top(self, choice: Range, scale: float, generations: int) -> Optimum:
-        """Search the drive angle alone: the speed rises with the load up to the first constraint."""
-
-        def value(angles: Floats) -> Floats:
-            return self._value(angles, self._tops(angles, choice, scale), choice, scale)
-
-        angle = np.array([_best(value, choice.drive_angle, self._closely)])
-        setting = self._setting(self._tops(angle, choice, scale), choice.frequency, angle)
-        return _optimum(setting, float(value(angle)[0]))
-
-    def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
-        """Search drive angle and load."""
-        least = self._reach(choice)[0]
-        turns = choice.drive_angle[0] < choice.drive_angle[1]
-        frees = np.array([turns, True])
-
-        def settings(x: Floats) -> tuple[Floats, Floats, Setting]:
-            coordinates = placed(frees, x)
-            angles = inside(choice.drive_angle, coordinates[0])
-            tops = self._tops(angles, choice, scale)
-            loads = tops * np.minimum(np.maximum(least / tops, _SLOWEST_LOAD), 1.0) ** coordinates[1]
-            return loads, tops, self._soft_setting(loads, choice.frequency, angles, scale)
-
-        def speed(x: Floats) -> Floats:
-            loads, tops, setting = settings(x)
-            possible = (tops > 0.0) & (loads >= least * (1.0 - TOLERANCES.beside))
-            return np.where(possible, self.least(setting, scale), -np.inf)
-
-        def cost(x: Floats) -> Floats:
-            speeds = speed(x)
-            # Where all bodies rest the speed is flat and would trap the population, so rest costs more than
-            # any speed, and the more the lower the load.
-            return np.where(speeds == 0.0, _AT_REST + x[-1], -speeds)
-
-        first = sobol(int(frees.sum()), self._effort.population, _SEED)
-        ends = first.shape[1] // _SCATTERED  # of them at the largest loads, over all angles
-        first[:, :ends] = 0.0
-        first[0, :ends] = np.linspace(0.0, 1.0, ends) if turns else 0.0
-        x = self._minimised(cost, first, generations)
-        return _optimum(settings(x)[2], float(speed(x)[0]))
-
-    def _least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least load that reaches a speed, for the current scenarios."""
-        found = []
-        for choice in self._ranges:
-            known = (np.zeros(0), np.zeros(0))  # angles and loads
-
-            def value(angles: Floats, choice: Range = choice) -> Floats:
-                nonlocal known
-                loads = self._first_loads(angles, target, choice, *known)
-                order = np.argsort(all_angles := np.append(known[0], angles))
-                known = all_angles[order], np.append(known[1], loads)[order]
-                if np.isfinite(loads).all():
-                    return -loads
-                # The angles that reach the speed may all lie between two of the grid. The speed at the
-                # largest load leads the search there.
-                top = self._value(angles, self._tops(angles, choice, 1.0), choice, 1.0)
-                return np.where(np.isfinite(loads), -loads, -_MISSED * (2.0 - top / target))
-
-            angle = np.array([_best(value, choice.drive_angle, self._closely)])
-            load = self._first_load(angle, target, choice)
-            if np.isfinite(load[0]):
-                setting = self._soft_setting(load, choice.frequency, angle, 1.0)
-                speed = float(self._value(angle, load, choice, 1.0)[0])
-                found.append((float(load[0]), _optimum(setting, speed)))
-        return min(found, key=lambda pair: pair[0])[1] if found else None
-
-    def _first_loads(
-        self, angles: Floats, target: float, choice: Range, known: Floats, loads: Floats
-    ) -> Floats:
-        """Least loads that reach a speed at drive angles, given those at others, in ascending order.
-
-        The load is searched near those of both neighbours, and over all loads if it is not found there.
-        """
-        if not known.size:
-            return self._first_load(angles, target, choice)
-        after = np.clip(np.searchsorted(known, angles), 1, known.size - 1)
-        ends = np.array([loads[after - 1], loads[after]])
-        found = np.full(angles.size, np.inf)
-        near = np.isfinite(ends).all(axis=0)
-        if near.any():
-            low, high = ends[:, near].min(axis=0), ends[:, near].max(axis=0)
-            margin = high - low + _END_MARGIN * high
-            found[near] = self._first_load(angles[near], target, choice, (low - margin, high + margin))
-            near[near] = found[near] > low - margin  # else a load below may reach it too
-        lost = ~(near & np.isfinite(found))
-        if lost.any():
-            found[lost] = self._first_load(angles[lost], target, choice)
-        return found
-
-    def _first_load(
-        self, angles: Floats, target: float, choice: Range, window: tuple[Floats, Floats] | None = None
-    ) -> Floats:
-        """Least loads that reach a speed at drive angles, between two where given; inf where none does."""
-        tops = self._tops(angles, choice, 1.0)
-        boxes = self._question.box(_unit(angles[:, None]))
-        # below the onset of the last body no speed is guaranteed
-        onset = onset_load(boxes) / boxes.load[0] * self._question.load(_unit(0.0))
-        bottom = np.maximum(onset[:, 0], self._reach(choice)[0])
-        if not self._monotone:
-            bottom = np.maximum(bottom, _SLOWEST_LOAD * tops)
-        if window is not None:
-            bottom, tops = np.maximum(bottom, window[0]), np.minimum(tops, window[1])
-        bottom = np.minimum(bottom, tops)
-        if self._monotone:
-            grid = np.column_stack([bottom, tops])
-        else:
-            coordinates = np.linspace(0.0, 1.0, self._closely.loads if window is None else _IN_WINDOW)
-            grid = bottom[:, None] * (tops / bottom)[:, None] ** coordinates
-            entries = self._entries(angles)
-            beside = np.hstack([entries * (1.0 - TOLERANCES.beside), entries * (1.0 + TOLERANCES.beside)])
-            beside = np.clip(beside, bottom[:, None], tops[:, None])
-            inside = np.any((beside > bottom[:, None]) & (beside < tops[:, None]), axis=0)
-            grid = np.sort(np.hstack([grid, beside[:, inside]]), axis=1)
-
-        def value(rows: NDArray[np.intp], loads: Floats) -> Floats:
-            return self._value(angles[rows], loads, choice, 1.0)
-
-        return first_crossing(value, grid, target, climbs=self._closely.climbs, relative=self._closely.width)
-
-    def _entries(self, angles: Floats) -> Floats:
-        """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""
-        boxes = self._question.box(_unit(angles[:, None]))
-        points = boxes.points(self.scenarios.at(boxes))
-        entries = entry_loads(boxes, points) / points.load * self._question.load(_unit(0.0))
-        return np.where(np.isfinite(entries), entries, 0.0)
+    def has_more(self) -> bool:
+        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
+        return True
 
     def limit(self, found: Found, scale: float) -> str:
         """Return the name of a setting's active constraint, with bands scaled by a factor."""
@@ -778,43 +605,19 @@ class LineOptimiser(Exchange):
 
     def first_cap(self) -> str:
         """Return the constraint that bounds the load before any speed is guaranteed, at the middle angle."""
-        middle = np.array([[float(np.mean(self._ranges[0].drive_angle))]])
+        middle = np.array([[float(np.mean(self._question.drive.choices["drive_angle"][0]))]])
         caps = {name: float(cap[0, 0]) for name, cap in self._caps(middle).items()}
-        reach = max(self._reach(choice)[1] for choice in self._ranges)
+        reach = max(self._reach(spans)[1] for spans in self._ranges)
         caps["limit"] = min(caps["limit"], reach)
         return min(caps, key=lambda name: caps[name])
+
+    def _keeps_contact(self) -> bool:
+        return True
 
 
 def _unit(drive_angle: Any) -> Setting:
     """Return the setting of an amplitude of 1 m at 1 Hz."""
-    return _LINES.setting(amplitude=1.0, frequency=1.0, drive_angle=drive_angle)
-
-
-def _optimum(setting: Setting, speed: float) -> Optimum:
-    """Return a setting of shape (1,) as an optimum."""
-    return Optimum(Setting(*(float(np.ravel(x)[0]) for x in setting)), speed)
-
-
-def _best(value: Callable[[Floats], Floats], span: tuple[float, float], effort: _Effort) -> float:
-    """Return the drive angle of the largest value: on a grid, refined around its best peaks."""
-    low, high = span
-    if low == high:
-        return low
-    width = (high - low) / (effort.angles - 1)
-    angles = np.linspace(low, high, effort.angles)
-    values = value(angles)
-    for _ in range(effort.rounds):
-        peaks = np.flatnonzero(
-            (values >= np.append(values[1:], -np.inf)) & (values >= np.append(-np.inf, values[:-1]))
-        )
-        kept = peaks[np.argsort(-values[peaks])][:_KEPT]
-        near = angles[kept, None] + width * np.linspace(-1.0, 1.0, _CLOSER)
-        more = np.setdiff1d(np.clip(near, low, high), angles)
-        angles, values = np.append(angles, more), np.append(values, value(more))
-        order = np.argsort(angles)
-        angles, values = angles[order], values[order]
-        width /= 0.5 * (_CLOSER - 1)
-    return float(angles[np.argmax(values)])
+    return SPACES[Line].setting(amplitude=1.0, frequency=1.0, drive_angle=drive_angle)
 
 
 # ------------------------------------------------------------------------------
@@ -828,18 +631,13 @@ class EllipseOptimiser(_Evolution):
     always the best here, since one amplitude may be fixed.
     """
 
-    def _one(self) -> Setting:
+    def _one(self, question: Question) -> Setting:
         """Return the setting of both amplitudes 1 m, in phase, at 1 Hz."""
         return Setting(1.0, 1.0, 0.0, 1.0)
 
-    def _spans(self, frequency: Span) -> tuple[Span, Span, Span, Span]:
-        """Return the ranges of both amplitudes, the phase and the frequency."""
-        x, y, phase = (self._question.drive.span(knob) for knob in Setting._fields[:3])
-        return x, y, phase, frequency
-
-    def _settings(self, coordinates: Floats, frequency: Span, scale: float) -> tuple[Setting, Floats, Bools]:
+    def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[Setting, Floats, Bools]:
         """Return settings at unit-cube coordinates, the sum of their sizes' shares, and which can be."""
-        along, normal, phases, _ = self._spans(frequency)
+        along, normal, phases, frequency = spans
         f, phase = inside(frequency, coordinates[3]), inside(phases, coordinates[2])
         y, possible = below(self._most_normal(f, scale), normal, coordinates[1])
         x, fits = below(self._most_along(f, y, phase), along, coordinates[0])
@@ -892,20 +690,20 @@ class MotionOptimiser(_Evolution):
     """Optimal settings of a drive that is a given motion."""
 
     # a scene takes fifty times as long as an ellipse, and there are two coordinates at most
-    _in_contact = Effort(population=4, generations=40, margins=9, margin=1e-4, scale=3e-2, exchanges=4)
+    _efforts = (
+        Effort(population=4, generations=15, polish=20, margins=9, margin=1e-4, scale=3e-2, exchanges=4),
+        *_EFFORTS[1:],
+    )
 
-    def _one(self) -> Scaled:
+    def _one(self, question: Question) -> Scaled:
         """Return the whole motion at 1 Hz."""
         return Scaled(1.0, 1.0)
 
-    def _spans(self, frequency: Span) -> tuple[Span, Span]:
-        """Return the ranges of the scale and the frequency."""
-        return self._question.drive.span("motion_scale"), frequency
-
-    def _settings(self, coordinates: Floats, frequency: Span, scale: float) -> tuple[Scaled, Floats, Bools]:
+    def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[Scaled, Floats, Bools]:
         """Return settings at unit-cube coordinates, the shares of their scales, and which can be."""
+        scales, frequency = spans
         share, f = coordinates[0], inside(frequency, coordinates[1])
-        size, possible = below(self._most(f, scale), self._spans(frequency)[0], share)
+        size, possible = below(self._most(f, scale), scales, share)
         return Scaled(size, f), share, possible
 
     def _most(self, frequency: Floats, scale: float) -> Floats:

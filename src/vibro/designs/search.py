@@ -1,4 +1,4 @@
-"""Search numerically for first crossings, and for minima in a unit cube."""
+"""Search numerically for changes of a sign, and for minima in a unit cube."""
 
 from __future__ import annotations
 
@@ -70,80 +70,6 @@ _WORST: Final = 1e30  # largest cost: the spread of a population must be finite
 _KEPT: Final = 8  # best points, around which more are sampled
 _AROUND: Final = 0.1  # standard deviation of these in the first round
 _CLOSER: Final = 0.4  # factor on it from round to round
-
-_SECTIONS: Final = 7  # of a bracket that are computed in one call
-_PEAK: Final = 17  # points around a peak between two points of the grid
-
-
-def first_crossing(
-    value: Callable[[NDArray[np.intp], Floats], Floats],
-    grid: Floats,
-    target: float,
-    *,
-    climbs: int,
-    relative: float,
-) -> Floats:
-    """Return the least argument at which each function reaches a target.
-
-    Parameters
-    ----------
-    value : callable
-        ``value(rows, x)`` returns the values of the functions ``rows`` at x, 1-D.
-    grid : (m, n) array
-        Arguments of each of m functions, ascending, close enough together that it has one peak at most
-        between two neighbours of one; both sides of its jumps are among them.
-    target : float
-        What is to be reached.
-    climbs : int
-        Rounds of looking closer at peaks, each by a factor of 8.
-    relative : float
-        Width to which arguments are found, of them.
-
-    Returns
-    -------
-    (m,) array
-        At the argument the target is reached; inf where it never is.
-
-    Notes
-    -----
-    A target that is reached on a peak alone is reached between points of a grid that all miss it: every peak
-    before the first point that reaches it is climbed.
-    """
-    rows, columns = np.indices(grid.shape)
-    values = value(rows.ravel(), grid.ravel()).reshape(grid.shape)
-    holds = values >= target
-    last = grid.shape[1] - 1
-    first = np.where(holds.any(axis=1), np.argmax(holds, axis=1), last + 1)
-    places = np.arange(len(grid))
-    reached = first <= last
-    high = np.where(reached, grid[places, np.minimum(first, last)], np.inf)
-    low = grid[places, np.clip(first - 1, 0, last)]
-
-    is_peak = (columns > 0) & (columns < first[:, None]) & (values > 0.0)
-    is_peak[:, 1:] &= values[:, 1:] >= values[:, :-1]
-    is_peak[:, :-1] &= values[:, :-1] >= values[:, 1:]
-    row, column = np.nonzero(is_peak)
-    start, end = grid[row, column - 1], grid[row, np.minimum(column + 1, last)]
-    for _ in range(climbs if row.size else 0):
-        x = np.linspace(start, end, _PEAK, axis=-1)
-        near = value(np.repeat(row, _PEAK), x.ravel()).reshape(x.shape)
-        for i in np.flatnonzero(near.max(axis=1, initial=-np.inf) >= target):
-            j = int(np.argmax(near[i] >= target))
-            if x[i, j] < high[row[i]]:
-                high[row[i]], low[row[i]] = x[i, j], x[i, max(j - 1, 0)]
-        best, peaks = np.argmax(near, axis=1), np.arange(len(row))
-        start = x[peaks, np.maximum(best - 1, 0)]
-        end = x[peaks, np.minimum(best + 1, _PEAK - 1)]
-
-    known = np.flatnonzero(np.isfinite(high))
-    high[known], _ = close_in(
-        lambda x: (value(np.repeat(known, _SECTIONS), x.ravel()) - target).reshape(x.shape),
-        high[known],
-        low[known],
-        relative=relative,
-        sections=_SECTIONS,
-    )
-    return high
 
 
 def sobol(dimensions: int, logarithm: int, seed: int) -> Floats:
