@@ -136,16 +136,15 @@ def machines(draw: st.DrawFn, kinds: tuple[str, ...] = ("unbalance", "magnet", "
 def _amplitude(machine: Machine, changes: dict[str, float], f: float, added: complex) -> float:
     """Return the amplitude with some quantities multiplied, the springs and the damper held."""
     changed = dict(changes)
-    masses = machine.masses
     scale = changed.pop("trough_mass", 1.0)
     added *= changed.pop("filling", 1.0)
     f *= changed.pop("frequency", 1.0)
-    k = masses.reduced * (2.0 * math.pi * machine.natural_frequency) ** 2
-    c = 2.0 * machine.damping_ratio * math.sqrt(k * masses.reduced)
+    k = machine.reduced_mass * (2.0 * math.pi * machine.natural_frequency) ** 2
+    c = 2.0 * machine.damping_ratio * math.sqrt(k * machine.reduced_mass)
     k = (k - machine.rod_stiffness) * changed.pop("stiffness", 1.0) + machine.rod_stiffness
     c *= changed.pop("damping", 1.0)
     heavier = machine._changed(trough_mass=machine.trough_mass * scale)
-    mu = heavier.masses.reduced
+    mu = heavier.reduced_mass
     other = heavier._changed(
         natural_frequency=math.sqrt(k / mu) / (2.0 * math.pi), damping_ratio=c / (2.0 * math.sqrt(k * mu))
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 
+from vibro.core.numbers import TURN
 from vibro.errors import InputError, Problems, shown
 from vibro.reals import NotRealError, real_array, real_number, shielded
 
@@ -21,38 +22,6 @@ if TYPE_CHECKING:
 
 # ------------------------------------------------------------------------------
 # A linear machine of one or two masses, Eq. (83): motion for a force of 1 N, and its logarithmic slopes.
-
-
-class _Masses(NamedTuple):
-    """What of a machine decides its motion for a given force.
-
-    Attributes
-    ----------
-    trough : float
-        m1 [kg].
-    counter_inverse : float
-        1 / m2; 0 where the springs stand on the floor [1/kg].
-    damping_ratio : float
-        zeta of the empty machine [1].
-    base_stiffness : float
-        k_b, mount of m2 on the floor [N/m].
-    rod_stiffness : float
-        k_r, part of the springs that a crank's rod adds [N/m].
-    on_counter_mass : bool
-        Whether the force acts on m2 alone; else on m1, and its reaction on m2 or the floor.
-    """
-
-    trough: float
-    counter_inverse: float
-    damping_ratio: float
-    base_stiffness: float = 0.0
-    rod_stiffness: float = 0.0
-    on_counter_mass: bool = False
-
-    @property
-    def reduced(self) -> float:
-        """Mass mu that the springs move against each other [kg]."""
-        return self.trough / (1.0 + self.trough * self.counter_inverse)
 
 
 class Transfer(NamedTuple):
@@ -94,13 +63,13 @@ class _Slopes(NamedTuple):
     damping: Floats
 
 
-def transfer(masses: _Masses, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
+def transfer(machine: Machine, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
     """Solve Eq. (83) for a force of 1 N.
 
     Parameters
     ----------
-    masses : Masses
-        The machine.
+    machine : Machine
+        Its masses, damping, and mount.
     frequency, natural_frequency : array_like
         Of the drive and of the empty machine between its masses, without the base mount [Hz].
     added_mass : complex array_like
@@ -111,21 +80,21 @@ def transfer(masses: _Masses, frequency: Any, natural_frequency: Any, added_mass
     Z is divided by -m2 w^2, so that a counter mass may be infinite, and grouped about the resonance: the
     detuning w0^2 - w^2 is a product, exact to rounding where the two nearly cancel.
     """
-    m1, r, mu = masses.trough, masses.counter_inverse, masses.reduced
+    m1, r, mu = machine.trough_mass, 1.0 / machine.counter_mass, machine.reduced_mass
     f, f0 = np.asarray(frequency, np.float64), np.asarray(natural_frequency, np.float64)
-    w = 2.0 * np.pi * f
-    ww, w0 = w * w, 2.0 * np.pi * f0
-    damping = 2j * masses.damping_ratio * mu * w0 * w
+    w = TURN * f
+    ww, w0 = w * w, TURN * f0
+    damping = 2j * machine.damping_ratio * mu * w0 * w
     kappa = mu * w0 * w0 + damping
-    g = masses.base_stiffness * r / ww
+    g = machine.base_stiffness * r / ww
     free = 1.0 - g
     coupling = kappa * r - ww * free  # dZ/dM
-    detuning = mu * (4.0 * np.pi**2) * (f0 - f) * (f0 + f) + damping
+    detuning = mu * TURN**2 * (f0 - f) * (f0 + f) + damping
     empty = (1.0 + m1 * r) * detuning - g * (kappa - m1 * ww)
     added = np.asarray(added_mass, np.complex128)
     mass = m1 + added
     impedance = empty + added * coupling
-    if masses.on_counter_mass:
+    if machine.kind == "exciter":
         trough, counter, relative = -kappa * r / ww, (mass - kappa / ww) * r, -mass * r
     else:
         trough, counter, relative = free, -mass * r, free + mass * r
@@ -140,28 +109,27 @@ def transfer(masses: _Masses, frequency: Any, natural_frequency: Any, added_mass
     )
 
 
-def _slopes(masses: _Masses, frequency: Any, found: Transfer, exponent: float) -> _Slopes:
+def _slopes(machine: Machine, frequency: Any, found: Transfer) -> _Slopes:
     """Differentiate ln A, Eq. (84).
 
     Parameters
     ----------
-    masses : Masses
-        The machine.
+    machine : Machine
+        Its masses, damping, and mount.
     frequency : array_like
         Of the drive [Hz].
     found : Transfer
         Its solution.
-    exponent : float
-        Of the force over the frequency [1].
     """
-    ww = (2.0 * np.pi * np.asarray(frequency, np.float64)) ** 2
-    r, kappa, mass = masses.counter_inverse, found.kappa, masses.trough + found.added_mass
+    ww = (TURN * np.asarray(frequency, np.float64)) ** 2
+    r, kappa, mass = 1.0 / machine.counter_mass, found.kappa, machine.trough_mass + found.added_mass
+    exponent = machine.force_exponent
     elastic, damping = kappa.real, 1j * kappa.imag
-    spring = elastic - masses.rod_stiffness
-    g = masses.base_stiffness * r / ww
+    spring = elastic - machine.rod_stiffness
+    g = machine.base_stiffness * r / ww
     free = 1.0 - g
     split, coupling = free + mass * r, kappa * r - ww * free
-    if masses.on_counter_mass:  # terms of the force through the springs are merged: no cancellation
+    if machine.kind == "exciter":  # terms of the force through the springs are merged: no cancellation
         through = mass * ww * free / kappa
         forced = (exponent - 2.0) * found.impedance
         changed = 2.0 * mass * ww - 2.0 * g * kappa - damping * through
@@ -176,7 +144,7 @@ def _slopes(masses: _Masses, frequency: Any, found: Transfer, exponent: float) -
         spring_slope, damping_slope = -spring * split, -damping * split
     return _Slopes(
         np.real(frequency_slope),
-        np.real(-masses.trough * coupling / found.impedance),
+        np.real(-machine.trough_mass * coupling / found.impedance),
         np.real(-found.added_mass * coupling / found.impedance),
         np.real(spring_slope / found.impedance),
         np.real(damping_slope / found.impedance),
@@ -187,18 +155,35 @@ def _slopes(masses: _Masses, frequency: Any, found: Transfer, exponent: float) -
 ELASTICITIES: Final = ("frequency", "setting", "voltage", "trough_mass", "filling", "stiffness", "damping")
 
 _LAWS: Final = {"current": 0.0, "voltage": -2.0}  # exponent of a magnet's force over the frequency
+
+
+# Numbers that describe a machine: units of those that have one, and those that may be 0, or infinite.
 _UNITS: Final = {
-    "vibrating_mass": "kg", "trough_mass": "kg", "counter_mass": "kg", "static_moment": "kg m",
-    "mount_frequency": "Hz", "natural_frequency": "Hz", "frequency": "Hz", "force_frequency": "Hz",
-    "force": "N", "base_stiffness": "N/m", "rod_stiffness": "N/m", "radius": "m", "gap": "m",
-    "amplitude": "m", "filling": "kg",
+    "trough_mass": "kg", "vibrating_mass": "kg", "counter_mass": "kg", "filling": "kg",
+    "natural_frequency": "Hz", "mount_frequency": "Hz", "frequency": "Hz", "force_frequency": "Hz",
+    "base_stiffness": "N/m", "rod_stiffness": "N/m", "radius": "m", "gap": "m", "amplitude": "m",
+    "static_moment": "kg m", "force": "N",
 }  # fmt: skip
+_MAY_BE_0: Final = {"mount_frequency", "damping_ratio", "base_stiffness", "voltage_exponent", "filling"}
+_MAY_BE_INFINITE: Final = {"counter_mass", "gap"}
 _REMEDIES: Final = {
     "natural_frequency": "measure it: let the empty machine ring down, or fit amplitudes over frequencies on"
     " both sides of resonance; which side of resonance the drive is on decides what a filling does",
     "damping_ratio": "count the cycles n in which the free vibration halves: it is 0.11 / n; leaf springs"
     " have 0.01 to 0.05",
 }
+_SPRINGS: Final = ("trough_mass", "counter_mass", "natural_frequency", "damping_ratio", "base_stiffness")
+#: Numbers that describe each kind of machine.
+_KINDS: Final = {
+    "unbalance": ("vibrating_mass", "mount_frequency", "damping_ratio", "static_moment"),
+    "magnet": (*_SPRINGS, "voltage_exponent", "gap"),
+    "exciter": (*_SPRINGS, "static_moment"),
+    "crank": ("radius",),
+    "rod": ("trough_mass", "natural_frequency", "damping_ratio", "rod_stiffness", "radius"),
+    "measured": ("trough_mass", "counter_mass", "voltage_exponent", "gap"),
+}
+_CALIBRATION: Final = ("amplitude", "frequency", "setting", "voltage", "filling")
+_FIELDS: Final = {"vibrating_mass": "trough_mass", "mount_frequency": "natural_frequency"}  # of Machine
 
 
 @dataclass(frozen=True)
@@ -333,6 +318,14 @@ class Machine:
         )
 
     @classmethod
+    def _made(cls, kind: str, given: Mapping[str, Any]) -> Machine:
+        """Make a machine that the numbers of its kind describe."""
+        read = _Reading(kind)
+        values = read.fields(given)
+        read.settle()
+        return cls._of(kind, **values)
+
+    @classmethod
     def _of(cls, kind: str, **values: float) -> Machine:
         machine = cls.__new__(cls)
         for field in fields(cls)[1:]:
@@ -383,15 +376,7 @@ class Machine:
         >>> print(f"{1e3 * machine.response(24.5).amplitude:.2f} mm")
         6.16 mm
         """
-        read = _Reader("unbalance")
-        values = {
-            "trough_mass": read("vibrating_mass", vibrating_mass),
-            "natural_frequency": read("mount_frequency", mount_frequency, least=True),
-            "damping_ratio": read.ratio(damping_ratio),
-            "force": read("static_moment", static_moment) * (2.0 * math.pi) ** 2,
-        }
-        read.settle()
-        return cls._of("unbalance", force_exponent=2.0, **values)
+        return cls._made("unbalance", locals())
 
     @classmethod
     @shielded
@@ -456,36 +441,31 @@ class Machine:
         >>> print(f"{1e3 * machine.response(50).amplitude:.3f} mm")
         0.315 mm
         """
-        read = _Reader("magnet")
-        values = {
-            **read.two_masses(trough_mass, counter_mass, natural_frequency, damping_ratio, base_stiffness),
-            "voltage_exponent": read("voltage_exponent", voltage_exponent),
-            "gap": read("gap", gap, infinite=True),
-        }
+        read = _Reading("magnet")
+        values = read.fields(locals())
         if law not in _LAWS:
-            read.problem(f"law = {shown(law)}: must be 'current' or 'voltage'", field="law")
+            read.add(f"law = {shown(law)}: must be 'current' or 'voltage'", field="law")
         if (force is None) == (calibration is None):
-            read.problem(
+            read.add(
                 f"force = {shown(force)} and calibration = {shown(calibration)}: must be one or the other",
                 "give the force, or one amplitude that was measured:"
                 " calibration=vibro.Calibration(amplitude=0.35e-3, frequency=50)",
                 "force",
             )
-        if force is not None:
-            values["force"] = read("force", force)
+        values["force"] = 1.0 if force is None else read.number("force", force)
         if law == "voltage":
             if force_frequency is None and isinstance(calibration, Calibration):
                 force_frequency = calibration.frequency
-            values["force_frequency"] = read("force_frequency", force_frequency)
+            values["force_frequency"] = read.number("force_frequency", force_frequency)
         elif force_frequency is not None:
-            read.problem(
+            read.add(
                 f"force_frequency = {shown(force_frequency)}: must be left out where law = {shown(law)}",
                 "only with law='voltage' does the force depend on the frequency",
                 "force_frequency",
             )
         known = None if calibration is None else read.calibration(calibration)
         read.settle()
-        machine = cls._of("magnet", force_exponent=_LAWS[law], **{"force": 1.0, **values})
+        machine = cls._of("magnet", force_exponent=_LAWS[law], **values)
         return machine if known is None else machine._calibrated(known)
 
     @classmethod
@@ -532,15 +512,7 @@ class Machine:
         >>> print(f"{1e3 * machine.response(16.5).amplitude:.2f} mm")
         12.21 mm
         """
-        read = _Reader("exciter")
-        values = read.two_masses(trough_mass, counter_mass, natural_frequency, damping_ratio, base_stiffness)
-        values["force"] = read("static_moment", static_moment) * (2.0 * math.pi) ** 2
-        if values["counter_mass"] == math.inf:
-            read.problem(
-                "counter_mass = inf kg: must be finite, as the motors sit on it", field="counter_mass"
-            )
-        read.settle()
-        return cls._of("exciter", force_exponent=2.0, **values)
+        return cls._made("exciter", locals())
 
     @classmethod
     @shielded
@@ -567,10 +539,7 @@ class Machine:
         >>> print(f"{1e3 * Machine.crank(radius=8e-3).response(8).amplitude:.2f} mm")
         8.00 mm
         """
-        read = _Reader("crank")
-        value = read("radius", radius)
-        read.settle()
-        return cls._of("crank", radius=value)
+        return cls._made("crank", locals())
 
     @classmethod
     @shielded
@@ -617,19 +586,7 @@ class Machine:
         >>> print(f"{1e3 * machine.response(10).amplitude:.2f} mm")
         7.10 mm
         """
-        read = _Reader("rod")
-        values = read.two_masses(trough_mass, math.inf, natural_frequency, damping_ratio, 0.0)
-        values["rod_stiffness"] = read("rod_stiffness", rod_stiffness)
-        values["force"] = values["rod_stiffness"] * read("radius", radius)
-        total = values["trough_mass"] * (2.0 * math.pi * values["natural_frequency"]) ** 2
-        if values["rod_stiffness"] > total:
-            read.problem(
-                f"rod_stiffness = {rod_stiffness:.15g} N/m: must be <= {total:.6g} N/m, that of all springs",
-                "natural_frequency is that on all springs, with the rod's while the crank stands",
-                "rod_stiffness",
-            )
-        read.settle()
-        return cls._of("rod", **values)
+        return cls._made("rod", locals())
 
     @classmethod
     @shielded
@@ -685,40 +642,30 @@ class Machine:
         """
         from vibro.machines.fitting import fit_response
 
-        read = _Reader("measured")
-        fit = fit_response(points, law=law)
-        exponent = (0.0 if law == "square" else 2.0) if voltage_exponent is None else voltage_exponent
-        values = {
-            "trough_mass": read("trough_mass", trough_mass),
-            "counter_mass": read("counter_mass", counter_mass, infinite=True),
-            "voltage_exponent": read("voltage_exponent", exponent, least=True),
-            "gap": read("gap", gap, infinite=True),
-        }
-        if law == "square" and values["counter_mass"] < math.inf:
-            read.problem(
+        fit, is_square = fit_response(points, law=law), law == "square"
+        if voltage_exponent is None:
+            voltage_exponent = 0.0 if is_square else 2.0
+        read = _Reading("measured")
+        values = read.fields(locals())
+        if is_square and values["counter_mass"] < math.inf:
+            read.add(
                 f"counter_mass = {counter_mass:.15g} kg: must be left out where law = 'square'",
                 "unbalance on a counter mass has law='constant' for the trough",
                 "counter_mass",
             )
-        for name, value in (("natural frequency", fit.natural_frequency), ("damping", fit.damping_ratio)):
-            if math.isnan(value):
-                read.problem(
-                    f"points: they do not determine the {name}",
-                    "measure on both sides of the resonance, some points within 5 % of it; or describe a"
-                    " magnet, by its natural frequency and damping ratio",
-                    "points",
-                )
-                break
+        f0, damping = fit.natural_frequency, fit.damping_ratio
+        if math.isnan(f0) or math.isnan(damping):
+            read.add(
+                f"points: they do not determine the {'natural frequency' if math.isnan(f0) else 'damping'}",
+                "measure on both sides of the resonance, some points within 5 % of it; or describe a magnet,"
+                " by its natural frequency and damping ratio",
+                "points",
+            )
         read.settle()
-        inertia = values["trough_mass"] * (2.0 * math.pi) ** 2  # over the square of a frequency
-        return cls._of(
-            "measured",
-            natural_frequency=fit.natural_frequency,
-            damping_ratio=fit.damping_ratio,
-            force=fit.static_amplitude * inertia * (1.0 if law == "square" else fit.natural_frequency**2),
-            force_exponent=2.0 if law == "square" else 0.0,
-            **values,
-        )
+        # static amplitude times stiffness; times m1 w^2 at 1 Hz where the force grows with the square
+        force = fit.static_amplitude * (values["trough_mass"] * TURN**2) * (1.0 if is_square else f0**2)
+        values |= {"natural_frequency": f0, "damping_ratio": damping, "force": force}
+        return cls._of("measured", force_exponent=2.0 if is_square else 0.0, **values)
 
     @shielded
     def with_natural_frequency(self, natural_frequency: float) -> Machine:
@@ -810,9 +757,9 @@ class Machine:
                 compliance=np.zeros(f.shape, np.complex128)[()],
                 elasticities={**nothing, "setting": one[()]},
             )
-        found = transfer(self.masses, f, f0, added)
+        found = transfer(self, f, f0, added)
         force = self.force_at(f, s, u)
-        slope = _slopes(self.masses, f, found, self.force_exponent)
+        slope = _slopes(self, f, found)
         return Response(
             amplitude=(force * np.abs(found.trough))[()],
             phase=np.angle(found.trough + 0.0)[()],
@@ -862,7 +809,7 @@ class Machine:
     def _naturals(self, problems: Problems, natural_frequency: ArrayLike) -> Floats:
         least = 0.0 if self.kind == "unbalance" else None
         if self.rod_stiffness:  # the springs cannot be softer than the rod's among them
-            least = math.sqrt(self.rod_stiffness / self.trough_mass) / (2.0 * math.pi)
+            least = math.sqrt(self.rod_stiffness / self.trough_mass) / (TURN)
         return _positive(problems, "natural_frequency", natural_frequency, "Hz", least)
 
     def force_at(self, frequency: Any, setting: Any = 1.0, voltage: Any = 1.0) -> Any:
@@ -893,18 +840,15 @@ class Machine:
         array
             Natural frequency; inf where a negative added mass leaves no mass of the trough [Hz].
         """
-        r, m1 = self.masses.counter_inverse, self.trough_mass
+        r, m1 = 1.0 / self.counter_mass, self.trough_mass
         filled = m1 + added
         ratio = (m1 / filled) * ((1.0 + filled * r) / (1.0 + m1 * r))
         return natural_frequency * np.sqrt(np.where(ratio > 0.0, ratio, math.inf))
 
     @property
-    def masses(self) -> _Masses:
-        """Masses, damping and stiffnesses, for the equations of motion."""
-        return _Masses(
-            self.trough_mass, 1.0 / self.counter_mass, self.damping_ratio, self.base_stiffness,
-            self.rod_stiffness, self.kind == "exciter",
-        )  # fmt: skip
+    def reduced_mass(self) -> float:
+        """Mass mu that the springs move against each other [kg]."""
+        return self.trough_mass / (1.0 + self.trough_mass * (1.0 / self.counter_mass))
 
     @shielded
     def load_proof_frequency(self, frequency: float) -> float:
@@ -926,22 +870,22 @@ class Machine:
         InputError
             If the machine has no counter mass, or its base mount is too stiff.
         """
-        read = _Reader(self.kind)
-        f = read("frequency", frequency)
+        read = _Reading(self.kind)
+        f = read.number("frequency", frequency)
         read.settle()
         if not self.counter_mass < math.inf:
             raise InputError(
                 f"counter_mass = {self.counter_mass:.15g} kg: no spring pack makes this machine load-proof",
                 hint="it takes two masses, one of them free to move: the counter mass acts as an absorber",
             )
-        stiffness = self.counter_mass * (2.0 * math.pi * f) ** 2 - self.base_stiffness
+        stiffness = self.counter_mass * (TURN * f) ** 2 - self.base_stiffness
         if not stiffness > 0.0:
             raise InputError(
                 f"base_stiffness = {self.base_stiffness:.15g} N/m: must be < m2 w^2 ="
-                f" {self.counter_mass * (2.0 * math.pi * f) ** 2:.6g} N/m for a load-proof pack",
+                f" {self.counter_mass * (TURN * f) ** 2:.6g} N/m for a load-proof pack",
                 hint="mount the counter mass softer",
             )
-        return math.sqrt(stiffness / self.masses.reduced) / (2.0 * math.pi)
+        return math.sqrt(stiffness / self.reduced_mass) / (TURN)
 
     @shielded
     def load_proof_force(self, frequency: float) -> float:
@@ -988,7 +932,7 @@ class Machine:
         f, _, _, f0, _ = self.broadcast(frequency, 1.0, 1.0, natural_frequency)
         if self.kind == "crank":
             return np.full(f.shape, math.inf)[()]
-        r, m1 = self.masses.counter_inverse, self.trough_mass
+        r, m1 = 1.0 / self.counter_mass, self.trough_mass
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             detuning = (f0 - f) * (f0 + f)  # f0^2 - f^2, exact near resonance
             left = f**2 / m1 - detuning * r  # f0^2 over the filled trough mass
@@ -1010,75 +954,71 @@ class Machine:
             )
 
 
-class _Reader:
-    """Reads the arguments of one kind of machine, and raises all problems together."""
+class _Reading(Problems):
+    """Reads the numbers of one kind of machine, and collects what is wrong with them."""
 
     def __init__(self, kind: str) -> None:
-        self._problems = Problems(f"Machine.{kind}: ")
+        super().__init__(f"Machine.{kind}: ")
+        self._kind = kind
 
-    def __call__(self, name: str, value: Any, *, least: bool = False, infinite: bool = False) -> float:
-        """Read a number > 0, or >= 0 with ``least``; NaN after a problem."""
-        unit = f" {_UNITS[name]}" if name in _UNITS else ""
+    def number(self, name: str, value: Any) -> float:
+        """Read a number by its name; NaN after a problem."""
+        unit = f" {_UNITS.get(name, '')}".rstrip()
         if value is None:
-            self.problem(
-                f"{name}: missing", _REMEDIES.get(name, f"give {name}{f' [{unit[1:]}]' * bool(unit)}"), name
-            )
+            self.add(f"{name}: missing", _REMEDIES.get(name, f"give {name} [{unit[1:] or 1}]"), name)
             return math.nan
         try:
             x = real_number(value)
         except NotRealError as exc:
-            self.problem(f"{name} = {exc.value}: must be {exc.allowed}", field=name)
+            self.add(f"{name} = {exc.value}: must be {exc.allowed}", field=name)
             return math.nan
-        if (x >= 0.0 if least else x > 0.0) and (infinite or x < math.inf):
-            return x
-        allowed = f"{'' if infinite else 'finite and '}{'>=' if least else '>'} 0{unit}"
-        self.problem(f"{name} = {x:.15g}{unit}: must be {allowed}", field=name)
-        return math.nan
-
-    def ratio(self, value: Any) -> float:
-        """Read a damping ratio."""
-        x = self("damping_ratio", value, least=True)
-        if x >= 1.0:
-            self.problem(
-                f"damping_ratio = {x:.15g}: must be in [0, 1)",
-                f"of {x:.15g} % give {x / 100.0:.6g}" if x < 100.0 else "",
-                "damping_ratio",
-            )
+        is_finite, sign = name not in _MAY_BE_INFINITE, ">=" if name in _MAY_BE_0 else ">"
+        if not (x > 0.0 or (x == 0.0 and sign == ">=")) or (is_finite and x == math.inf):
+            allowed = f"{'finite and ' * is_finite}{sign} 0{unit}"
+            self.add(f"{name} = {x:.15g}{unit}: must be {allowed}", field=name)
+            return math.nan
+        if name == "damping_ratio" and x >= 1.0:
+            remedy = f"of {x:.15g} % give {x / 100.0:.6g}" if x < 100.0 else ""
+            self.add(f"damping_ratio = {x:.15g}: must be in [0, 1)", remedy, name)
         return x
 
-    def two_masses(self, trough: Any, counter: Any, natural: Any, ratio: Any, base: Any) -> dict[str, float]:
-        """Read what machines on springs share."""
-        values = {
-            "trough_mass": self("trough_mass", trough),
-            "counter_mass": self("counter_mass", counter, infinite=True),
-            "natural_frequency": self("natural_frequency", natural),
-            "damping_ratio": self.ratio(ratio),
-            "base_stiffness": self("base_stiffness", base, least=True),
-        }
-        if values["base_stiffness"] > 0.0 and values["counter_mass"] == math.inf:
-            self.problem(
-                f"base_stiffness = {base:.15g} N/m: must be left out where the springs stand on the floor",
+    def fields(self, given: Mapping[str, Any]) -> dict[str, float]:
+        """Read the numbers of the kind, and return the fields of ``Machine`` that follow from them."""
+        numbers = {name: self.number(name, given[name]) for name in _KINDS[self._kind]}
+        fields = {_FIELDS.get(name, name): x for name, x in numbers.items()}
+        floor = fields.get("counter_mass") == math.inf
+        if floor and fields.get("base_stiffness", 0.0) > 0.0:
+            self.add(
+                f"base_stiffness = {fields['base_stiffness']:.15g} N/m: must be left out where the springs"
+                " stand on the floor",
                 "give the counter_mass that stands on that mount",
                 "base_stiffness",
             )
-        return values
+        if floor and self._kind == "exciter":
+            text = "counter_mass = inf kg: must be finite, as the motors sit on it"
+            self.add(text, field="counter_mass")
+        if "static_moment" in fields:  # F = S w^2, here at 1 Hz
+            fields |= {"force": fields.pop("static_moment") * TURN**2, "force_exponent": 2.0}
+        if self._kind == "rod":  # F = k_r R
+            rod, total = (
+                fields["rod_stiffness"],
+                fields["trough_mass"] * (TURN * fields["natural_frequency"]) ** 2,
+            )
+            fields["force"] = rod * fields.pop("radius")
+            if rod > total:
+                self.add(
+                    f"rod_stiffness = {rod:.15g} N/m: must be <= {total:.6g} N/m, that of all springs",
+                    "natural_frequency is that on all springs, with the rod's while the crank stands",
+                    "rod_stiffness",
+                )
+        return fields
 
     def calibration(self, given: object) -> Calibration | None:
         """Read the numbers of a calibration."""
         if not isinstance(given, Calibration):
-            self.problem(f"calibration = {shown(given)}: must be a vibro.Calibration", field="calibration")
+            self.add(f"calibration = {shown(given)}: must be a vibro.Calibration", field="calibration")
             return None
-        names = ("amplitude", "frequency", "setting", "voltage")
-        values = {name: self(name, getattr(given, name)) for name in names}
-        return Calibration(**values, filling=self("filling", given.filling, least=True))
-
-    def problem(self, text: str, hint: str = "", field: str = "") -> None:
-        """Add a problem."""
-        self._problems.add(text, hint, field)
-
-    def settle(self) -> None:
-        """Raise the problems, if any."""
-        self._problems.settle()
+        return Calibration(*(self.number(name, getattr(given, name)) for name in _CALIBRATION))
 
 
 def broadcast(names: tuple[str, ...], arrays: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -1120,5 +1060,5 @@ def driven(machine: Machine, f: Floats, s: Floats, u: Floats, f0: Floats) -> tup
     """Return the empty machine's amplitude and its transfer; None for a crank, whose amplitude is fixed."""
     if machine.kind == "crank":
         return machine.radius * s, None
-    found = transfer(machine.masses, f, f0, 0.0)
+    found = transfer(machine, f, f0, 0.0)
     return machine.force_at(f, s, u) * np.abs(found.trough), found

@@ -584,8 +584,8 @@ def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool
     if machine.kind == "crank":
         phase, relative, harmonic, ratio, filled = zero, found.amplitude, 0j * zero, zero, zero
     else:
-        moved = transfer(machine.masses, case.frequency, case.natural, added)
-        twice = transfer(machine.masses, 2.0 * case.frequency, case.natural, 0.0)
+        moved = transfer(machine, case.frequency, case.natural, added)
+        twice = transfer(machine, 2.0 * case.frequency, case.natural, 0.0)
         force = machine.force_at(case.frequency, case.setting, case.voltage)
         phase, relative = np.angle(moved.trough + 0.0), force * np.abs(moved.relative)
         harmonic = -0.25 * case.filling * found.second * twice.compliance
