@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.drives import Ability, Ellipse, Line
-from vibro.errors import Problem, SceneError
+from vibro.errors import SceneError
 from vibro.reals import shielded
 from vibro.results.operating import Filling
 from vibro.scene import Scene
@@ -135,7 +135,7 @@ def _check_drive(scene: Scene) -> None:
     drive = scene.arrays()
     if not drive.can(Ability.ONE_HARMONIC):
         allowed = "along a line or an ellipse: the force of a filling is found for these alone"
-        raise SceneError((Problem("drive", drive.kind, allowed),))
+        raise SceneError.of("drive", drive.kind, allowed)
 
 
 def _energy(scene: Scene, damping: Any) -> Any:

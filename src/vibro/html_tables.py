@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.reals import shielded
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
@@ -16,6 +18,18 @@ _HEAD: Final = f"{_CELL}; font-weight: bold"
 _NAME: Final = f"{_HEAD}; white-space: nowrap"
 _CAPTION: Final = "text-align: left; font-weight: bold; color: inherit; white-space: nowrap"
 _LISTED: Final = 6  # texts, of many
+
+
+class Shown:
+    """What notebooks show as one table; subclasses give its caption, its rows and, optionally, its head."""
+
+    def _table(self) -> tuple[str, Iterable[Sequence[str]], Sequence[str]]:
+        raise NotImplementedError
+
+    @shielded
+    def _repr_html_(self) -> str:
+        """Return a table for notebooks, in the units of tables."""
+        return html_table(*self._table())
 
 
 def html_table(caption: str, rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:

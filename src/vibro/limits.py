@@ -10,7 +10,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.core.numbers import CLASSES
 from vibro.drives import Line, Moved, PiecewiseMotion
-from vibro.errors import Problem, SceneError
+from vibro.errors import SceneError
 from vibro.quantities import STAND_RATIO
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.steady import solve
@@ -250,7 +250,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     hopping at 3.2291 mm or 26.9543 Hz
     """
     if scene.shape:
-        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+        raise SceneError.of("scene", f"shape {scene.shape}", "one operating point, of shape ()")
     now, reach = float(scene.load), float(scene.reach)
     hop, intervals = _of_one_harmonic(scene) if scene.motion is None else _of_any_motion(scene, now)
     found = []
@@ -370,7 +370,7 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
             f"{np.ravel(scene.normal_acceleration)[0]:.15g}",
             "left out: a clamped part cannot tip",
         )
-        raise SceneError((Problem("normal_acceleration", shown, allowed),))
+        raise SceneError.of("normal_acceleration", shown, allowed)
     fields = scene.arrays().at_any_load()
     return _tipping_load(fields._replace(kinetic_friction=np.zeros(())), _stand_ratios(stand_ratio))
 
@@ -434,8 +434,8 @@ def _stand_ratios(value: ArrayLike) -> Floats:
     try:
         ratios = real_array(value)
     except NotRealError as exc:
-        raise SceneError((Problem("stand_ratio", exc.value, exc.allowed),)) from None
+        raise SceneError.of("stand_ratio", exc.value, exc.allowed) from None
     bad = ~(STAND_RATIO.allows(ratios) | (ratios == np.inf))
     if bad.any():
-        raise SceneError((Problem("stand_ratio", f"{ratios[bad].flat[0]:.15g}", STAND_RATIO.range_text),))
+        raise SceneError.of("stand_ratio", f"{ratios[bad].flat[0]:.15g}", STAND_RATIO.range_text)
     return ratios

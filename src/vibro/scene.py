@@ -20,6 +20,7 @@ from vibro.drives import (
     harmonic_motion,
 )
 from vibro.errors import Problem, SceneError, shown
+from vibro.html_tables import Shown, span
 from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY, of_part
 from vibro.reals import NotRealError, real_array, shielded
 
@@ -92,7 +93,7 @@ def _kind_of_motion(motion: object) -> type[Harmonics | Piecewise]:
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Scene:
+class Scene(Shown):
     """A trough, its drive and a body on it: one operating point, or a whole grid of them.
 
     A point body lies on a rigid trough, with Coulomb friction and stiction between the two. The trough moves
@@ -201,10 +202,8 @@ class Scene:
         if problems := self._field_problems() + self._combination_problems():
             raise SceneError(tuple(problems))
 
-    def _repr_html_(self) -> str:
-        """Return the fields as a table for notebooks, in the units of scene files."""
-        from vibro.html_tables import html_table, span
-
+    def _table(self) -> tuple[str, list[tuple[str, str]], tuple[()]]:
+        """Return the fields in the units of scene files."""
         rows: list[tuple[str, str]] = []
         seen: dict[str, int] = {}
         for field, name, x in self.arrays().members():
@@ -220,7 +219,7 @@ class Scene:
             largest = span(self.motion.largest_acceleration, QUANTITIES["gravity"].unit)
             rows.insert(0, ("motion", f"{pieces} pieces, at most {largest}"))
         caption = " x ".join(map(str, self.shape)) + " scenes" if self.shape else "scene"
-        return html_table(caption, rows)
+        return caption, rows, ()
 
     @classmethod
     @shielded

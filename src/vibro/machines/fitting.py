@@ -161,7 +161,7 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
     52.31 +- 0.06 Hz, 0.0368
     """
     if law not in _LAWS:
-        raise SceneError((Problem("law", shown(law), "constant or square"),))
+        raise SceneError.of("law", shown(law), "constant or square")
     frequency, amplitude, stated = _checked(points, amplitude_error)
     error = np.ones(frequency.size) if stated is None else stated
     search = _Search(frequency, amplitude, error, law)

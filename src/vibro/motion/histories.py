@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Status
 from vibro.core.numbers import EXTREME, LONGEST_CYCLE, MOST_BOUNCES, MOST_CYCLES, TURN
-from vibro.errors import InputError, Problem, SceneError, VibroError
+from vibro.errors import InputError, SceneError, VibroError
 from vibro.quantities import (
     CYCLES,
     DURATION,
@@ -127,7 +127,7 @@ def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloc
         name, given = ("start_height", f"{start.height:.15g} m")
         if not start.height:
             name, given = ("start_normal_velocity", f"{start.normal_velocity:.15g} m/s")
-        raise SceneError((Problem(name, given, "left out: a clamped part cannot leave the trough"),))
+        raise SceneError.of(name, given, "left out: a clamped part cannot leave the trough")
     w = 2.0 * np.pi * np.asarray(scene.frequency)
     speed = np.asarray(scene.scale) * w
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
@@ -135,7 +135,7 @@ def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloc
         for name, value in told.items():
             if not (np.abs(value) <= EXTREME * speed).all():
                 limit = f"at most {EXTREME:g} times the peak speed of the trough"
-                raise SceneError((Problem(name, f"{value:.15g} m/s", limit),))
+                raise SceneError.of(name, f"{value:.15g} m/s", limit)
         if start.height or start.normal_velocity > 0.0:
             weight = np.asarray(scene.gravity) * np.cos(scene.trough_angle)
             rise = max(start.normal_velocity, 0.0) + speed
@@ -145,7 +145,7 @@ def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloc
                 limit = f"such that the body lands within {_LONGEST_FLIGHT:g} drive cycles"
                 name = "start_height" if start.height else "start_normal_velocity"
                 value = start.height if start.height else start.normal_velocity
-                raise SceneError((Problem(name, f"{value:.15g} {'m' if start.height else 'm/s'}", limit),))
+                raise SceneError.of(name, f"{value:.15g} {'m' if start.height else 'm/s'}", limit)
     return start
 
 
@@ -155,9 +155,9 @@ def _number_of(quantity: Quantity, value: Any) -> float:
     try:
         number = real_number(value)
     except NotRealError as exc:
-        raise SceneError((Problem(quantity.name, exc.value, exc.allowed),)) from None
+        raise SceneError.of(quantity.name, exc.value, exc.allowed) from None
     if not quantity.allows(number):
-        raise SceneError((Problem(quantity.name, f"{number:.15g} {unit}".rstrip(), quantity.range_text),))
+        raise SceneError.of(quantity.name, f"{number:.15g} {unit}".rstrip(), quantity.range_text)
     return number
 
 
@@ -288,7 +288,7 @@ def grid_of(scene: Scene) -> Grid:
         If it is no single one, or its motion cannot be followed.
     """
     if scene.shape:
-        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+        raise SceneError.of("scene", f"shape {scene.shape}", "one operating point, of shape ()")
     grid = Grid(scene.arrays())
     if not is_followed(grid):
         status = Status(int(solve(scene).status))

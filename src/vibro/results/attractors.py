@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Final, overload
 
 from vibro.errors import cut
-from vibro.html_tables import amount
+from vibro.html_tables import Shown
 from vibro.units import LENGTH, SPEED
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_HEAD: Final = ("pattern", "period", "mm a cycle", "mm/s", "multiplier", "")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +58,7 @@ class Attractor:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Attractors(Sequence[Attractor]):
+class Attractors(Shown, Sequence[Attractor]):
     """Cycles that coexist on one trough, that of a body from rest first; returned by ``vibro.attractors``.
 
     Attributes
@@ -108,8 +110,16 @@ class Attractors(Sequence[Attractor]):
 
     def __repr__(self) -> str:
         """Return a table of the cycles, and what the search covered."""
-        head = ("pattern", "period", "mm a cycle", "mm/s", "multiplier", "")
-        rows = [
+        rows = [_HEAD, *self._rows()]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+        return "\n".join([*lines, f"<{self.covered}>"])
+
+    def _table(self) -> tuple[str, list[tuple[str, ...]], tuple[str, ...]]:
+        return f"{len(self)} attractors", [*self._rows(), ("search", self.covered)], _HEAD
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [
             (
                 cut(one.pattern, 40),
                 str(one.period_cycles),
@@ -120,20 +130,6 @@ class Attractors(Sequence[Attractor]):
             )
             for one in self
         ]
-        widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-        lines = ["  ".join(x.ljust(w) for x, w in zip(row, widths, strict=True)) for row in (head, *rows)]
-        return "\n".join([line.rstrip() for line in lines] + [f"<{self.covered}>"])
-
-    def _repr_html_(self) -> str:
-        """Return the cycles as a table for notebooks."""
-        from vibro.html_tables import html_table
-
-        rows = [
-            (cut(one.pattern, 40), f"{amount(SPEED.from_si(one.mean_velocity), SPEED.unit)}, multiplier "
-             f"{one.largest_multiplier:.4g}{', from rest' * one.from_rest}")
-            for one in self
-        ]  # fmt: skip
-        return html_table(f"{len(self)} attractors", [*rows, ("search", self.covered)])
 
     def to_frame(self) -> pd.DataFrame:
         """Return the cycles as a data frame in SI units, one row each."""

@@ -25,7 +25,7 @@ from vibro.core.codes import LETTERS, PHASE_NAMES, Mode
 from vibro.core.numbers import TURN, Moments
 from vibro.drives import PiecewiseMotion
 from vibro.errors import InputError, VibroError, cut, shown
-from vibro.html_tables import amount, html_table
+from vibro.html_tables import Shown, amount
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.threads import doors
 from vibro.units import LENGTH
@@ -245,7 +245,7 @@ class Sample:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class History:
+class History(Shown):
     """The motion of one body on one trough, exact at any time; returned by ``vibro.simulate``.
 
     Attributes
@@ -282,9 +282,7 @@ class History:
         repeats = f", of which {cut(self.pattern)} repeat" if self.pattern else ""
         return f"<History of {amount(self.end, 's')}: {self._count} phases{repeats}>"
 
-    @shielded
-    def _repr_html_(self) -> str:
-        """Return its duration, its phases and what repeats as a table for notebooks."""
+    def _table(self) -> tuple[str, list[tuple[str, str]], tuple[()]]:
         period = self.period_cycles
         rows = [
             ("duration", amount(self.end, "s")),
@@ -297,7 +295,7 @@ class History:
                 ("period", f"{period} drive cycle{'s' * (period > 1)}"),
                 ("displacement per cycle", amount(LENGTH.from_si(self.cycle_displacement), LENGTH.unit)),
             ]
-        return html_table("history", rows)
+        return "history", rows, ()
 
     @property
     def _count(self) -> int:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import MODELS, Regime, Status, pattern_texts
-from vibro.errors import Problem, SceneError
+from vibro.errors import SceneError
+from vibro.html_tables import Shown, counts, span
 from vibro.quantities import WAY
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.units import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, SPEED, TIME, Kind
@@ -79,12 +80,12 @@ class Result:
         return self.dtype is np.float64
 
 
-def _described(column: str, meaning: str, **more: Any) -> dict[str, Any]:
-    return {"column": column, "meaning": meaning, **more}
+def _result(column: str, meaning: str, **more: Any) -> Any:
+    return field(metadata={"column": column, "meaning": meaning, **more})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SteadyCycle:
+class SteadyCycle(Shown):
     """The steady motion of bodies that start from rest; returned by ``vibro.solve``.
 
     Every attribute is an array of the scene's shape. A cell without an answer holds NaN, and its status says
@@ -92,126 +93,89 @@ class SteadyCycle:
     ``pattern`` and ``model`` give their codes as texts. ``coexists`` is -1 where no search was made.
     """
 
-    regime: Codes = field(
-        metadata=_described(
-            "regime",
-            "class of the body's motion: no-slip, forward-slip, back-slip or hopping",
-            dtype=np.int8,
-            texts=(*(regime.label for regime in Regime if regime >= 0), ""),
-        )
+    regime: Codes = _result(
+        "regime",
+        "class of the body's motion: no-slip, forward-slip, back-slip or hopping",
+        dtype=np.int8,
+        texts=(*(regime.label for regime in Regime if regime >= 0), ""),
     )
-    pattern_code: NDArray[np.int64] = field(
-        metadata=_described(
-            "pattern",
-            "phases of a cycle: H flight, F forward slide, B back slide, _ rest",
-            dtype=np.int64,
-            decode=pattern_texts,
-        )
+    pattern_code: NDArray[np.int64] = _result(
+        "pattern",
+        "phases of a cycle: H flight, F forward slide, B back slide, _ rest",
+        dtype=np.int64,
+        decode=pattern_texts,
     )
-    mean_velocity: Floats = field(
-        metadata=_described("mean_velocity_mm_s", "mean conveying speed", symbol="fd", kind=SPEED)
+    mean_velocity: Floats = _result("mean_velocity_mm_s", "mean conveying speed", symbol="fd", kind=SPEED)
+    displacement_per_cycle: Floats = _result(
+        "displacement_per_cycle_mm",
+        "displacement relative to the trough in a drive cycle, positive in the conveying direction",
+        symbol="d=AD",
+        kind=LENGTH,
     )
-    displacement_per_cycle: Floats = field(
-        metadata=_described(
-            "displacement_per_cycle_mm",
-            "displacement relative to the trough in a drive cycle, positive in the conveying direction",
-            symbol="d=AD",
-            kind=LENGTH,
-        )
+    peak_velocity: Floats = _result(
+        "peak_velocity_mm_s",
+        "largest relative speed along the trough, either way",
+        symbol=r"A\omega v_{\max}",
+        kind=SPEED,
     )
-    peak_velocity: Floats = field(
-        metadata=_described(
-            "peak_velocity_mm_s",
-            "largest relative speed along the trough, either way",
-            symbol=r"A\omega v_{\max}",
-            kind=SPEED,
-        )
+    throw_number: Floats = _result(
+        "throw_number",
+        "largest downward acceleration of the trough, normal to its surface, divided by that of gravity;"
+        " above 1 the trough falls away and the part hops",
+        symbol="K",
     )
-    throw_number: Floats = field(
-        metadata=_described(
-            "throw_number",
-            "largest downward acceleration of the trough, normal to its surface, divided by that of gravity;"
-            " above 1 the trough falls away and the part hops",
-            symbol="K",
-        )
+    forward_ratio: Floats = _result(
+        "forward_ratio", "load divided by the load at the forward onset; 0 if there is none", symbol="1/s_f"
     )
-    forward_ratio: Floats = field(
-        metadata=_described(
-            "forward_ratio",
-            "load divided by the load at the forward onset; 0 if there is none",
-            symbol="1/s_f",
-        )
+    back_ratio: Floats = _result(
+        "back_ratio", "load divided by the load at the back onset; 0 if there is none", symbol="1/s_b"
     )
-    back_ratio: Floats = field(
-        metadata=_described(
-            "back_ratio", "load divided by the load at the back onset; 0 if there is none", symbol="1/s_b"
-        )
+    flight_fraction: Floats = _result(
+        "flight_fraction",
+        "share of the time that the body is off the trough",
+        symbol=r"\sum\tau_i/2\pi m",
+        in_contact=0.0,
     )
-    flight_fraction: Floats = field(
-        metadata=_described(
-            "flight_fraction",
-            "share of the time that the body is off the trough",
-            symbol=r"\sum\tau_i/2\pi m",
-            in_contact=0.0,
-        )
+    impact_velocity: Floats = _result(
+        "impact_speed_mm_s",
+        "largest normal speed of a landing; 0 without flight",
+        symbol=r"A\omega\max\lvert\eta'_-\rvert",
+        kind=SPEED,
+        in_contact=0.0,
     )
-    impact_velocity: Floats = field(
-        metadata=_described(
-            "impact_speed_mm_s",
-            "largest normal speed of a landing; 0 without flight",
-            symbol=r"A\omega\max\lvert\eta'_-\rvert",
-            kind=SPEED,
-            in_contact=0.0,
-        )
+    period_cycles: Floats = _result(
+        "period_cycles",
+        "drive cycles until the motion repeats; no number where it does not",
+        symbol="m",
+        in_contact=1.0,
     )
-    period_cycles: Floats = field(
-        metadata=_described(
-            "period_cycles",
-            "drive cycles until the motion repeats; no number where it does not",
-            symbol="m",
-            in_contact=1.0,
-        )
+    mean_velocity_error: Floats = _result(
+        "mean_velocity_error_mm_s",
+        "standard error of the mean speed where it is a mean over many cycles (status averaged), else 0",
+        kind=SPEED,
+        in_contact=0.0,
     )
-    mean_velocity_error: Floats = field(
-        metadata=_described(
-            "mean_velocity_error_mm_s",
-            "standard error of the mean speed where it is a mean over many cycles (status averaged), else 0",
-            kind=SPEED,
-            in_contact=0.0,
-        )
+    coexists: Codes = _result(
+        "coexists",
+        "whether another motion (a cycle, running away) exists: 1 yes, 0 none found, else not searched",
+        dtype=np.int8,
+        texts=("0", "1", ""),
+        is_flag=True,
     )
-    coexists: Codes = field(
-        metadata=_described(
-            "coexists",
-            "whether another motion (a cycle, running away) exists: 1 yes, 0 none found, else not searched",
-            dtype=np.int8,
-            texts=("0", "1", ""),
-            is_flag=True,
-        )
+    model_code: Codes = _result(
+        "model", "simplest exact model that gave the answer", dtype=np.int8, texts=MODELS
     )
-    model_code: Codes = field(
-        metadata=_described(
-            "model",
-            "simplest exact model that gave the answer",
-            dtype=np.int8,
-            texts=MODELS,
-        )
+    status: Codes = _result(
+        "status",
+        "kind of the numbers, or why there are none",
+        dtype=np.int8,
+        texts=tuple(status.label for status in Status),
     )
-    status: Codes = field(
-        metadata=_described(
-            "status",
-            "kind of the numbers, or why there are none",
-            dtype=np.int8,
-            texts=tuple(status.label for status in Status),
-        )
-    )
-    largest_multiplier: Floats = field(
-        metadata=_described(
-            "largest_multiplier",
-            "modulus of the largest Floquet multiplier: factor of a small disturbance over a period",
-            symbol=r"\max\lvert\lambda\rvert",
-            on_request=True,
-        )
+    largest_multiplier: Floats = _result(
+        "largest_multiplier",
+        "modulus of the largest Floquet multiplier: factor of a small disturbance over a period",
+        symbol=r"\max\lvert\lambda\rvert",
+        on_request=True,
     )
     long_patterns: dict[int, str] = field(default_factory=dict)
 
@@ -229,14 +193,10 @@ class SteadyCycle:
         """Simplest exact model that gave the answer, as text."""
         return np.array(MODELS)[self.model_code]
 
-    @shielded
-    def _repr_html_(self) -> str:
-        """Return the results as a table for notebooks, in the units of tables."""
-        from vibro.html_tables import html_table
-
+    def _table(self) -> tuple[str, list[tuple[str, str]], tuple[()]]:
         shape = np.shape(self.status)
         caption = " x ".join(map(str, shape)) + " steady cycles" if shape else "steady cycle"
-        return html_table(caption, summary(self))
+        return caption, summary(self), ()
 
     def arrays(self) -> dict[str, Any]:
         """Return all results by name.
@@ -293,21 +253,19 @@ def lengths_of(value: Any, shape: tuple[int, ...]) -> Floats:
     try:
         lengths = real_array(value)
     except NotRealError as exc:
-        raise SceneError((Problem("length", exc.value, exc.allowed),)) from None
+        raise SceneError.of("length", exc.value, exc.allowed) from None
     bad = ~WAY.allows(lengths)
     if bad.any():
-        raise SceneError((Problem("length", f"{lengths[bad].flat[0]:.15g} m", WAY.range_text),))
+        raise SceneError.of("length", f"{lengths[bad].flat[0]:.15g} m", WAY.range_text)
     try:
         return np.broadcast_to(lengths, np.broadcast_shapes(shape, lengths.shape))
     except ValueError:
         allowed = f"broadcastable against the scene's shape {shape}"
-        raise SceneError((Problem("length", f"shape {lengths.shape}", allowed),)) from None
+        raise SceneError.of("length", f"shape {lengths.shape}", allowed) from None
 
 
 def summary(cycle: SteadyCycle) -> list[tuple[str, str]]:
     """Summarise results, of however many cells: pairs of a name and a text, in the units of tables."""
-    from vibro.html_tables import counts, span
-
     rows = []
     for result in RESULTS:
         values = getattr(cycle, result.name)

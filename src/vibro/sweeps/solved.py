@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from vibro.axes import axis_of
 from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
+from vibro.html_tables import Shown, amount
 from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.reals import shielded
 from vibro.sweeps.run import solved_picture
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SolvedGrid(ABC):
+class SolvedGrid(Shown, ABC):
     """A grid with solved cells, in memory or in files."""
 
     _grid: Grid
@@ -41,11 +42,8 @@ class SolvedGrid(ABC):
         axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
         return f"<{type(self).__name__} of {' x '.join(axes) or 'one operating point'}>"
 
-    @shielded
-    def _repr_html_(self) -> str:
-        """Return axes, fixed quantities and a summary of the cells as a table for notebooks."""
-        from vibro.html_tables import amount, html_table
-
+    def _table(self) -> tuple[str, list[tuple[str, ...]], tuple[()]]:
+        """Return axes, fixed quantities and a summary of the cells."""
         rows = [tuple(str(axis).split(": ", 1)) for axis in self._grid.told_axes.values()]
         fixed = self._grid.told(self._grid.fixed)
         if self._grid.length is not None:
@@ -53,7 +51,7 @@ class SolvedGrid(ABC):
         if self._grid.motion is not None:
             rows.append(("motion", ", ".join(self._grid.motion.table)))
         rows += [(QUANTITIES[n].label, amount(x, QUANTITIES[n].unit)) for n, x in fixed.items()]
-        return html_table(repr(self).strip("<>"), [*rows, *self._summary()])
+        return repr(self).strip("<>"), [*rows, *self._summary()], ()
 
     @property
     def shape(self) -> tuple[int, ...]:
