@@ -442,17 +442,19 @@ def _case(
     return case
 
 
-def _masses(value: Any) -> Floats:
+def _numbers(name: str, value: Any) -> Floats:
+    """Read an argument by its name; InputError unless it is numbers."""
     try:
-        mass = real_array(value)
+        return real_array(value)
     except NotRealError as exc:
-        raise InputError(f"filling = {exc.value}: must be {exc.allowed}", fields=["filling"]) from None
-    good = QUANTITIES["filling"].allows(mass)
-    if not good.all():
-        wrong = float(mass[~good].flat[0])
-        raise InputError(
-            f"filling = {wrong:.15g} kg: must be {QUANTITIES['filling'].range_text}", fields=["filling"]
-        )
+        raise InputError(f"{name} = {exc.value}: must be {exc.allowed}", fields=[name]) from None
+
+
+def _masses(value: Any) -> Floats:
+    """Read masses of fillings [kg]."""
+    mass, allowed = _numbers("filling", value), QUANTITIES["filling"]
+    for wrong in mass[~allowed.allows(mass)][:1]:
+        raise InputError(f"filling = {wrong:.15g} kg: must be {allowed.range_text}", fields=["filling"])
     return mass
 
 
@@ -470,13 +472,9 @@ def _shares(mass: Any, damping: Any, shape: tuple[int, ...]) -> Complexes | None
         ("added_mass_share", mass),
         ("added_damping_share", 0.0 if damping is None else damping),
     ):
-        try:
-            x = real_array(value)
-        except NotRealError as exc:
-            raise InputError(f"{name} = {exc.value}: must be {exc.allowed}", fields=[name]) from None
-        if not np.all(np.isfinite(x)):
-            raise InputError(f"{name} = {x[~np.isfinite(x)].flat[0]}: must be finite", fields=[name])
-        values.append(x)
+        values.append(x := _numbers(name, value))
+        for wrong in x[~np.isfinite(x)][:1]:
+            raise InputError(f"{name} = {wrong}: must be finite", fields=[name])
     share = values[0] - 1j * values[1]
     if np.broadcast_shapes(share.shape, shape) != shape:
         raise InputError(f"added_mass_share of shape {share.shape}: must broadcast to {shape}")
