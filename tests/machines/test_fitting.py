@@ -140,3 +140,15 @@ def test_no_damping_ratio_where_its_square_is_negative() -> None:
     assert math.isnan(fit.damping_ratio)
     assert math.isnan(fit.damping_ratio_sd)
     assert fit.damping_ratio_interval[0] == 0.0
+
+
+def test_intervals_of_points_on_one_side_hold_all_that_fits() -> None:
+    """Of three points far above a resonance, and of points below one that do without damping."""
+    above = [(99.45, 1.29e-3), (101.25, 1.27e-3), (118.04, 1.19e-3)]
+    fit = fit_response(above, law="square", amplitude_error=0.006)
+    low, high = fit.natural_frequency_interval
+    assert 0.0 <= low < 50.0 < high < 99.45
+    frequency = [15.16, 18.58, 19.58, 20.61, 28.79, 39.34, 48.86]
+    amplitude = [1.14e-3, 1.10e-3, 1.19e-3, 1.21e-3, 1.51e-3, 2.76e-3, 9.79e-3]
+    below = fit_response(np.stack([frequency, amplitude], axis=1), amplitude_error=0.075)
+    assert below.damping_ratio_interval[0] == 0.0
