@@ -333,10 +333,10 @@ class _Search:
         least, aim = self.squares(best), math.sqrt(increase)
         limit = best[k] + way * _FARTHEST if k < 2 else (_MOST_DAMPING if way > 0.0 else 0.0)
 
-        def profile(value: float) -> Floats:
+        def profile(value: float, *others: Floats) -> Floats:
             near = inside.copy()
             near[k] = value
-            found = [self._minimum(p, free) for p in (near, self._starts(k, value)[0])]
+            found = [self._minimum(p, free) for p in (near, *others)]
             return min(near, *found, key=self.squares)
 
         def excess(p: Floats) -> float:
@@ -349,7 +349,7 @@ class _Search:
             value = inside[k] + way * step
             if way * (value - limit) >= 0.0:
                 value = limit
-            found = profile(value)
+            found = profile(value, self._starts(k, value)[0])
             if excess(found) >= 0.0:
                 break
             if value == limit:
