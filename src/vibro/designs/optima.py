@@ -47,7 +47,7 @@ _SEED: Final = 1
 _SCATTERED: Final = 4  # ratio of the sampled settings in the first round to those in each later round
 _ROUGH: Final = 0.5  # share of the generations where one scale of the bands of many is searched
 _STEPS: Final = 60  # iterations at most of the root search
-_AROUND: Final = 23  # settings around the best of an evolution, from which it is polished
+_AROUND: Final = 31  # settings around the best of an evolution, from which it is polished
 _NEAR: Final = 0.03  # [share of a range] standard deviation of these
 _POLISHED: Final = (
     1e-2  # [share of a range] around the best setting of an evolution, that is sampled at first
@@ -61,8 +61,8 @@ class Effort:
     Attributes
     ----------
     population, generations : int
-        Size of an evolution's population, as a base-2 logarithm, and its generations; for bodies that hop,
-        the first samples and the further rounds.
+        Size of an evolution's population over one coordinate or two, as a base-2 logarithm, and its
+        generations; for bodies that hop, the first samples and the further rounds.
     polish : int
         Generations of the polish.
     margins : int
@@ -282,9 +282,9 @@ class Exchange(ABC):
 
 # Of bodies in contact, of hops, and of bounces, which are slow to solve.
 _EFFORTS: Final = (
-    Effort(population=5, generations=50, polish=50, margins=33, margin=1e-4, scale=3e-2, exchanges=6),
-    Effort(population=7, generations=3, polish=0, margins=17, margin=1e-2, scale=0.1, exchanges=1),
-    Effort(population=5, generations=1, polish=0, margins=5, margin=0.1, scale=0.3, exchanges=1),
+    Effort(population=6, generations=50, polish=50, margins=33, margin=1e-4, scale=3e-2, exchanges=6),
+    Effort(population=8, generations=3, polish=0, margins=17, margin=1e-2, scale=0.1, exchanges=1),
+    Effort(population=6, generations=1, polish=0, margins=5, margin=0.1, scale=0.3, exchanges=1),
 )
 # [1] Costs of settings that are too slow, at rest, forbidden: in rising order, far above any load or speed.
 _SLOW: Final = 1e6
@@ -398,7 +398,9 @@ class _Evolution(Exchange):
 
         x = np.zeros((0, 1))
         if count:
-            x = self._minimised(whole, sobol(count, self._effort.population + count - 1, _SEED), share)
+            x = self._minimised(
+                whole, sobol(count, self._effort.population + max(count - 2, 0), _SEED), share
+            )
         setting = settings(x)[0]
         return setting._make(float(values[0]) for values in setting), float(whole(x)[0])
 
@@ -486,8 +488,8 @@ class LineOptimiser(_Evolution):
 
     _efforts = (
         Effort(population=6, generations=20, polish=50, margins=33, margin=1e-6, scale=1e-4, exchanges=8),
-        Effort(population=7, generations=8, polish=0, margins=33, margin=1e-3, scale=1e-2, exchanges=2),
-        Effort(population=6, generations=2, polish=0, margins=9, margin=3e-2, scale=3e-2, exchanges=1),
+        Effort(population=8, generations=8, polish=0, margins=33, margin=1e-3, scale=1e-2, exchanges=2),
+        Effort(population=7, generations=2, polish=0, margins=9, margin=3e-2, scale=3e-2, exchanges=1),
     )
     surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
     _least_set_by = "onset"
@@ -691,7 +693,7 @@ class MotionOptimiser(_Evolution):
 
     # a scene takes fifty times as long as an ellipse, and there are two coordinates at most
     _efforts = (
-        Effort(population=4, generations=15, polish=20, margins=9, margin=1e-4, scale=3e-2, exchanges=4),
+        Effort(population=5, generations=15, polish=20, margins=9, margin=1e-4, scale=3e-2, exchanges=4),
         *_EFFORTS[1:],
     )
 

@@ -209,8 +209,8 @@ class Finder:
         if speed <= self.target * (1.0 + TOLERANCES.at):
             return "speed"
         least = optimiser.least_set_by(best)
-        # where parts hop, the speed may jump past the target
-        return "speed" if least == "onset" and self.question.box(setting).may_hop else least
+        # where parts may hop, the speed may jump past the target, and settings are sampled
+        return "speed" if least == "onset" and self.question.flies else least
 
     def row(self, kind: str) -> Design:
         """Return a design as a row of a table; without a design the row has only what prevents it."""
