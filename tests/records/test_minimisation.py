@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt with geodesic acceleration, and edges, on problems whose least misfit is known."""
+"""Least squares in a pattern, and along its edges, on problems whose least misfit is known."""
 
 from __future__ import annotations
 
@@ -33,11 +33,10 @@ Floats = NDArray[np.float64]
 class Valley:
     """Rosenbrock's valley, its lowest point at (1, 1), and a shift that belongs at 0.3; y ends at an edge."""
 
-    def __init__(
-        self, edge: float = np.inf, *, is_curved: bool = False, shift_effect: float = 3.0, label: str = "F"
-    ) -> None:
-        self.edge, self.is_curved, self.shift_effect = edge, is_curved, shift_effect
-        self.label, self.points = label, 0
+    count = 3.0
+
+    def __init__(self, edge: float = np.inf, *, shift_effect: float = 3.0, label: str = "F") -> None:
+        self.edge, self.shift_effect, self.label = edge, shift_effect, label
 
     def scale(self, point: Floats) -> Floats:
         return np.ones(3)
@@ -46,7 +45,6 @@ class Valley:
         return np.where(points[:, 1] <= self.edge, self.label, "B")
 
     def residuals(self, label: str, points: Floats) -> Residuals:
-        self.points += points.shape[0]
         x, y, shift = points.T
         values = np.stack([10.0 * (y - x * x), 1.0 - x, self.shift_effect * (shift - 0.3)], axis=1)
         return Residuals(self.labels(points) == label, values)
@@ -60,23 +58,10 @@ def searched(valley: Problem, **options: Any) -> Minimum:
     return minimise(valley, best_of(valley, "F", np.array([[-1.2, 1.0, 0.0]])), 1e-12, **options)
 
 
-@pytest.mark.parametrize("is_curved", [False, True])
-def test_the_lowest_point_of_a_curved_valley_is_found(is_curved: bool) -> None:
-    found = searched(problem(is_curved=is_curved))
+def test_the_lowest_point_of_a_curved_valley_is_found() -> None:
+    found = searched(problem())
     assert found.point == pytest.approx([1.0, 1.0, 0.3], abs=1e-5)
     assert found.squares < 1e-10
-
-
-def test_geodesic_acceleration_reaches_farther_along_a_curved_valley() -> None:
-    """One step of a problem with a steep and quadratically curved valley; the straight step is short."""
-    reached = []
-    for is_curved in (False, True):
-        valley = problem(is_curved=is_curved)
-        begun = best_of(valley, "F", np.array([[-4.0, 16.0, 0.3]]))
-        reached.append(minimise(valley, begun, enough=80.0).squares / begun.squares)
-    straight, accelerated = reached
-    assert accelerated < 0.01
-    assert straight > 0.9
 
 
 def test_a_coordinate_that_is_fixed_stays() -> None:
@@ -99,15 +84,6 @@ def test_a_search_that_begins_outside_its_pattern_stays() -> None:
     outside = best_of(valley, "F", np.array([[0.0, 1.0, 0.0]]))
     assert np.isinf(outside.squares)
     assert minimise(valley, outside, 1e-9) is outside
-
-
-def test_a_hopeless_search_ends_early() -> None:
-    costs = []
-    for aim in (np.inf, -1e9):
-        valley = Valley()
-        searched(cast(Problem, valley), aim=aim)
-        costs.append(valley.points)
-    assert costs[1] < 0.2 * costs[0]
 
 
 @pytest.mark.parametrize("reach", [0.8, -0.8])
@@ -338,16 +314,3 @@ def test_without_a_step_out_of_the_pattern_no_edge_is_looked_for() -> None:
     valley = Watched()
     assert searched(cast(Problem, valley)).squares < 1e-10
     assert valley.looked == 0
-
-
-@pytest.mark.parametrize(("steps", "goes_on"), [(4.9, True), (5.1, False)])
-def test_a_search_goes_on_that_may_reach_its_aim_with_five_more_such_steps(
-    steps: float, goes_on: bool
-) -> None:
-    """One step alone is taken where any decrease is little enough."""
-    valley = problem()
-    begun = best_of(valley, "F", np.array([[-1.2, 1.0, 0.0]]))
-    one = minimise(valley, begun, enough=1e9)
-    gain = begun.squares - one.squares
-    found = minimise(valley, begun, 1e-12, aim=one.squares - steps * gain)
-    assert (found.squares < one.squares) == goes_on

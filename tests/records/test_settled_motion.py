@@ -16,7 +16,7 @@ from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.comparison import compare
 from vibro.records.fitting import fit
-from vibro.records.problem import FITTABLE, HOPS, Problem, scene_cycles
+from vibro.records.problem import FITTABLE, HOPS, scene_cycles
 from vibro.records.trough import motion_of
 
 GRAVITY, FREQUENCY, RATE = 9.81, 15.0, 600.0
@@ -166,18 +166,6 @@ def test_friction_is_fitted_with_harmonics(monkeypatch: pytest.MonkeyPatch) -> N
     wide = fit(scene_of(0.5, 0.36), record, names, [(more, less)]).parameters[0]
     assert wide.low < 0.4 < wide.high
     assert wide.high - wide.low > 3.0 * (exact.high - exact.low)
-
-
-def test_a_harmonic_that_is_smaller_than_its_error_has_a_size_whatever_the_error() -> None:
-    more, less = ({"normal_harmonics": [(1e-4, 0.0), (size, 0.5)]} for size in (2e-6, 5e-7))
-    scene = vibro.Scene(
-        along_harmonics=[(6e-4, 0.0)], normal_harmonics=[(1e-4, 0.0), (1e-6, 0.5)],
-        frequency=FREQUENCY, static_friction=0.5, kinetic_friction=0.4,
-    )  # fmt: skip
-    moved = Problem(scene, observed(), ["kinetic_friction"], [(more, less)])._drive_with(np.array([-5.0]))
-    (_, (size, phase)) = moved["normal_harmonics"]
-    assert size == pytest.approx(2.75e-6)
-    assert phase == pytest.approx(0.5 - math.pi)
 
 
 def test_a_measured_drive_is_moved_by_all_its_errors() -> None:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
+from operator import itemgetter
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
 import numpy as np
+from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
 from vibro.errors import InputError, cut, shown
@@ -25,18 +28,12 @@ if TYPE_CHECKING:
     _Move = Callable[[Floats], Floats]
 
 # ------------------------------------------------------------------------------
-# The least misfit of one pattern: Levenberg-Marquardt with geodesic acceleration, and steps along edges.
+# The least misfit of one pattern, by least squares within it, and along its edge.
 #
 # A slide begins with a finite length where its load passes static friction: the misfit jumps from pattern to
 # pattern, and its least value may lie on the edge of one, where no derivative vanishes. Inside a pattern the
-# motion is smooth. A step that would leave it is replaced by one along the edge: one coordinate follows the
-# edge, and the others move.
-#
-# References
-# ----------
-# Transtrum, M. K.; Sethna, J. P.: Improvements to the Levenberg-Marquardt algorithm for nonlinear
-# least-squares minimization. arXiv:1201.5885 (2012). Here several dampings are tried at once, because the
-# residuals of many points take hardly longer than those of one.
+# motion is smooth. A search that an edge stops goes on along it: one coordinate follows the edge, and the
+# others move.
 
 _DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(*TOL.distances)).ravel()
 
@@ -49,13 +46,8 @@ class Minimum(NamedTuple):
     squares: float
 
 
-class _Linear(NamedTuple):
-    """Residuals at a point, (K,), their Jacobian, (K, free coordinates), and whether the point is inside."""
-
-    point: Floats
-    inside: bool
-    residual: Floats
-    jacobian: Floats
+def _squares(minimum: Minimum) -> float:
+    return minimum.squares
 
 
 def minimise(
@@ -70,36 +62,99 @@ def minimise(
     start : Minimum
         First point; it is returned if it lies outside its pattern, with a sum of squares of inf.
     enough : float
-        Decrease of the sum of squares below which the search ends.
+        Decrease of the sum of squares of a record that is explained to its noise below which the search ends.
     aim : float
-        Sum of squares to reach: a search ends if it would need many more steps.
+        Sum of squares that is of use: no edge is followed that cannot lead there.
     fixed : sequence of int
         Coordinates that keep their values.
     """
     best, free = start, [i for i in range(start.point.size) if i not in fixed]
-    for _ in range(TOL.most_steps if np.isfinite(best.squares) else 0):
-        found = _best_step(problem, best, free, enough)
-        gain = best.squares - found.squares
-        if gain > 0.0:
-            best = found
-        if not gain > max(enough, (best.squares - aim) / TOL.patience):
+    for _ in range(TOL.edges if np.isfinite(start.squares) else 0):
+        best = _searched(problem, best, free, enough)
+        along = _along_an_edge(problem, best, free, enough, aim)
+        gain = best.squares - along.squares
+        best = along
+        if gain <= enough:
             break
     return best
 
 
+def _searched(
+    problem: Problem, start: Minimum, free: list[int], enough: float, move: _Move = np.copy
+) -> Minimum:
+    """Return the least squares of the free coordinates, by the method of Levenberg and Marquardt.
+
+    ``move`` moves each point before, for example to an edge. Outside the pattern residuals are so large that
+    the search shortens its step.
+    """
+
+    def placed(values: Floats) -> Floats:
+        point = start.point.copy()
+        point[free] = values
+        return point
+
+    def residuals(values: Floats) -> Floats:
+        (inside,), (found,) = problem.residuals(start.label, move(placed(values)[None]))
+        return found if inside else np.full_like(found, TOL.outside)
+
+    def jacobian(values: Floats) -> Floats:
+        return _linear(problem, start._replace(point=placed(values)), free, move)[1]
+
+    found = least_squares(
+        residuals,
+        start.point[free],
+        jacobian,
+        method="lm",
+        x_scale="jac",
+        ftol=max(enough / problem.count, TOL.rounding),
+        xtol=TOL.step,
+        max_nfev=TOL.most_steps if move is np.copy else TOL.steps_along_edge,
+    )
+    return min(start, best_of(problem, start.label, move(placed(found.x)[None])), key=_squares)
+
+
+def _along_an_edge(problem: Problem, at: Minimum, free: list[int], enough: float, aim: float) -> Minimum:
+    """Search along the edge that stops a search, if one does; return the better point.
+
+    The coordinate that has the edge nearest to it follows the edge.
+    """
+    residual, jacobian = _linear(problem, at, free)
+    steps = -_covariance(jacobian) @ (jacobian.T @ residual)
+    ahead = at.point.copy()
+    ahead[free] += steps
+    least = float(np.square(residual + jacobian @ steps).sum())
+    if least > min(at.squares - enough, aim) or problem.labels(ahead[None])[0] == at.label:
+        return at
+    edges = []
+    for follower, step in zip(free, steps.tolist(), strict=True):
+        if follower == at.point.size - 1 or not step:
+            continue
+        most = float(problem.scale(at.point)[follower])
+        small = math.copysign(TOL.edge_step * most, step)
+        reach = math.copysign(min(max(2.0 * abs(step), abs(small)), most), step)
+        to_edge = partial(move_to_edge, problem, at.label, follower=follower, reach=reach)
+        beyond = to_edge(at.point[None])
+        distance = abs(float(beyond[0, follower] - at.point[follower])) / most
+        beyond[0, follower] += small
+        if problem.labels(beyond)[0] != at.label:
+            edges.append((distance, follower, to_edge))
+    if not edges:
+        return at
+    _, follower, to_edge = min(edges, key=itemgetter(0))
+    along = _searched(problem, at, [f for f in free if f != follower], enough, to_edge)
+    return min(at, along, key=_squares)
+
+
 def best_of(problem: Problem, label: str, points: Floats) -> Minimum:
     """Return the point of least misfit; its sum of squares is inf if no point lies in the pattern."""
-    return _least(label, points, problem.residuals(label, points).squares)
-
-
-def _least(label: str, points: Floats, squares: Floats) -> Minimum:
+    squares = problem.residuals(label, points).squares
     place = int(np.argmin(squares))
     return Minimum(label, points[place], float(squares[place]))
 
 
 def jacobian_at(problem: Problem, minimum: Minimum) -> Floats:
     """Return the Jacobian of the residuals, (K, P + 1); 0 for coordinates without an effect."""
-    return _linear(problem, minimum, list(range(minimum.point.size))).jacobian
+    return _linear(problem, minimum, list(range(minimum.point.size)))[1]
 
 
 def error_covariance(problem: Problem, minimum: Minimum) -> Floats:
@@ -107,11 +162,16 @@ def error_covariance(problem: Problem, minimum: Minimum) -> Floats:
 
     Rows and columns of coordinates without an effect are 0.
     """
-    jacobian = jacobian_at(problem, minimum)
+    return _covariance(jacobian_at(problem, minimum))
+
+
+def _covariance(jacobian: Floats) -> Floats:
+    """Return the inverse of the normal equations; 0 for columns of 0."""
     sizes = np.linalg.norm(jacobian, axis=0)
     sizes = np.where(sizes > 0.0, sizes, np.inf)
     normed = jacobian / sizes
-    return np.asarray(np.linalg.pinv(normed.T @ normed, rcond=1e-12, hermitian=True) / np.outer(sizes, sizes))
+    inverse = np.linalg.pinv(normed.T @ normed, rcond=1e-12, hermitian=True)
+    return np.asarray(inverse / np.outer(sizes, sizes))
 
 
 def nearest_inside(problem: Problem, label: str, point: Floats, movable: Sequence[int]) -> Minimum | None:
@@ -147,11 +207,11 @@ def move_to_edge(problem: Problem, label: str, points: Floats, follower: int, re
         Largest distance; positive for an edge at greater values of the coordinate, negative at smaller ones.
     """
     low, high = np.full(points.shape[0], -reach), np.full(points.shape[0], reach)
-    shares, rows = np.linspace(0.0, 1.0, TOL.edge_places), np.arange(points.shape[0])
-    found = np.ones(points.shape[0], np.bool_)
+    rows, found = np.arange(points.shape[0]), np.ones(points.shape[0], np.bool_)
     for turn in range(TOL.edge_rounds):
+        shares = np.linspace(0.0, 1.0, TOL.edge_places[turn > 0])
         places = low[:, None] + (high - low)[:, None] * shares
-        trials = np.repeat(points, TOL.edge_places, axis=0)
+        trials = np.repeat(points, shares.size, axis=0)
         trials[:, follower] += places.ravel()
         inside = (problem.labels(trials) == label).reshape(places.shape)
         leaves = inside[:, :-1] & ~inside[:, 1:]
@@ -166,14 +226,12 @@ def move_to_edge(problem: Problem, label: str, points: Floats, follower: int, re
     return moved
 
 
-def _linear(
-    problem: Problem, at: Minimum, free: list[int], step: float = TOL.step, move: _Move = np.copy
-) -> _Linear:
-    """Differentiate the residuals: central differences, one-sided at an edge, 0 in a corner.
+def _linear(problem: Problem, at: Minimum, free: list[int], move: _Move = np.copy) -> tuple[Floats, Floats]:
+    """Return residuals, (K,), and their Jacobian, (K, free): one-sided at an edge, 0 in a corner.
 
     ``move`` moves the points before, for example to an edge.
     """
-    sizes = step * problem.scale(at.point)[free]
+    sizes = (TOL.step if move is np.copy else TOL.edge_step) * problem.scale(at.point)[free]
     moved = np.zeros((len(free), at.point.size))
     moved[range(len(free)), free] = sizes
     points = move(np.concatenate([at.point[None], at.point + moved, at.point - moved]))
@@ -184,85 +242,7 @@ def _linear(
     jacobian = (change / (sizes * np.maximum(ahead.astype(float) + behind, 1.0))[:, None]).T
     effects = np.linalg.norm(jacobian, axis=0) * sizes
     jacobian[:, effects < TOL.idle * effects.max(initial=0.0)] = 0.0
-    return _Linear(points[0], bool(inside[0]), values[0], jacobian)
-
-
-def _damped_steps(residual: Floats, jacobian: Floats, dampings: tuple[float, ...] = TOL.dampings) -> Floats:
-    """Return a step for each damping, shape (dampings, columns); 0 in coordinates without an effect.
-
-    The residuals have the shape (K,), or (dampings, K).
-    """
-    sizes = np.linalg.norm(jacobian, axis=0)
-    acting = sizes > 0.0
-    steps = np.zeros((len(dampings), sizes.size))
-    if acting.any():
-        normed = jacobian[:, acting] / sizes[acting]
-        values, vectors = np.linalg.eigh(normed.T @ normed)
-        damped = -(residual @ normed @ vectors) / (np.maximum(values, 0.0) + np.array(dampings)[:, None])
-        steps[:, acting] = (damped @ vectors.T) / sizes[acting]
-    return steps
-
-
-def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) -> Minimum:
-    """Return the best point of one step: damped, accelerated in a curved valley, or along an edge."""
-    linear = _linear(problem, at, free)
-    steps = _damped_steps(linear.residual, linear.jacobian)
-    points = _moved(at.point, free, steps)
-    tried = problem.residuals(at.label, points)
-    best = _least(at.label, points, tried.squares)
-    hoped = at.squares - float(np.square(linear.residual + linear.jacobian @ steps[0]).sum())
-    if at.squares - best.squares > TOL.fair * hoped:
-        return best
-    if problem.is_curved and hoped > TOL.accelerated:
-        best = min(best, _accelerated_step(problem, at, free, linear), key=lambda m: m.squares)
-    if tried.inside[0]:
-        return best
-    for coordinate, step in zip(free, steps[0].tolist(), strict=True):
-        if coordinate < at.point.size - 1 and step:
-            along = _step_along_edge(problem, at, [f for f in free if f != coordinate], coordinate, step)
-            if along is not None and along.squares < best.squares - enough:
-                return along
-    return best
-
-
-def _moved(point: Floats, free: list[int], steps: Floats) -> Floats:
-    """Return a point moved by each of several steps of its free coordinates."""
-    points = np.repeat(point[None], steps.shape[0], axis=0)
-    points[:, free] += steps
-    return points
-
-
-def _accelerated_step(problem: Problem, at: Minimum, free: list[int], linear: _Linear) -> Minimum:
-    """Return the best of lightly damped steps with their geodesic acceleration.
-
-    Amplitudes and phase of an ellipse can compensate each other: the valley of the misfit is narrow and
-    curved, and straight steps inside it are short. Each step is the velocity of a geodesic; the second
-    derivative of the residuals along it gives the acceleration, by the same damped equations.
-    """
-    h, dampings = TOL.acceleration_step, TOL.light_dampings
-    velocity = _damped_steps(linear.residual, linear.jacobian, dampings)
-    inside, ahead = problem.residuals(at.label, _moved(at.point, free, h * velocity))
-    second = 2.0 * ((ahead - linear.residual) / h - velocity @ linear.jacobian.T) / h
-    second[~inside] = 0.0
-    acceleration = _damped_steps(second, linear.jacobian, dampings)
-    return best_of(problem, at.label, _moved(at.point, free, velocity + 0.5 * acceleration))
-
-
-def _step_along_edge(
-    problem: Problem, at: Minimum, free: list[int], follower: int, step: float
-) -> Minimum | None:
-    """Step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
-    size = float(problem.scale(at.point)[follower])
-    reach = float(np.copysign(np.clip(2.0 * abs(step), TOL.edge_step * size, size), step))
-
-    def to_edge(points: Floats) -> Floats:
-        return move_to_edge(problem, at.label, points, follower, reach)
-
-    linear = _linear(problem, at, free, TOL.edge_step, to_edge)
-    if not linear.inside:
-        return None
-    trials = to_edge(_moved(linear.point, free, _damped_steps(linear.residual, linear.jacobian)))
-    return best_of(problem, at.label, np.concatenate([linear.point[None], trials]))
+    return values[0], jacobian
 
 
 _Intervals = tuple[tuple[float, float], ...]
@@ -463,10 +443,6 @@ def _half_width(intervals: _Intervals) -> float:
 # --- the search -----------------------------------------------------------------------------------------
 
 
-def _squares(minimum: Minimum) -> float:
-    return minimum.squares
-
-
 def _first_minima(problem: Problem, work: _Work) -> list[Minimum]:
     """Search from the best starts of each pattern; return the least misfit of each.
 
@@ -501,11 +477,8 @@ def _weighed_minima(problem: Problem, minima: list[Minimum], work: _Work) -> lis
     """Weight the signals by the residuals of the best pattern, and minimise all patterns again."""
     for _ in range(TOL.weighings):
         best = minima[0]
-        for _ in range(TOL.weighings):
-            problem.weigh(best.point)
-            best = minimise(problem, best_of(problem, best.label, best.point[None]), TOL.enough)
-            if problem.has_likely_drive(best.point):
-                break
+        problem.weigh(best.point)
+        best = minimise(problem, best_of(problem, best.label, best.point[None]), TOL.enough)
         others = [best_of(problem, m.label, m.point[None]) for m in minima[1:]]
         most = best.squares + TOL.excluded
         others = _least_of_each(problem, [*others, *_neighbours(problem, best)])

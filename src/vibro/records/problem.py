@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -265,7 +264,7 @@ _GRID: Final[Mapping[str, Sequence[float]]] = {
 _POWERS: Final = {"displacement": 1, "velocity": 2, "acceleration": 2, "friction": 2}
 # Powers of 2 pi f that turn the trough's amplitude into the size of a signal.
 _POWERS_OF_RATE: Final = {"displacement": 0, "velocity": 1, "acceleration": 2, "friction": 2}
-_NOT_NEGATIVE: Final = (*AMPLITUDES, "drive_angle")  # quantities of a drive that errors cannot make negative
+_AS_IT_IS: Final[Mapping[str, Any]] = {}  # fields of a drive without errors
 _JUMPING: Final = ("acceleration", "friction")  # signals that jump where a slide starts or ends
 
 
@@ -316,7 +315,7 @@ class Problem:
     A drive that was measured is known to its errors alone. In every pattern they can move the motion by more
     than the noise leaves open, mean speed first. So once weighed, sums of squares are the least over these
     errors too, each of which costs its own square in standard errors: the residuals are shrunk along what
-    the errors do, at the point that weighed them and the errors that were likely there.
+    the errors do at the point that weighed them.
     """
 
     def __init__(
@@ -340,9 +339,8 @@ class Problem:
         self._sensors: dict[str, Floats] = {}
         free = [[{n: x for n, x in fields.items() if n not in names} for fields in pair] for pair in moved]
         self._moved = [pair for pair in free if all(pair)]
-        self._errors = np.zeros(len(self._moved))  # of the drive, in standard errors
-        self._drive: dict[str, Any] = {}  # its fields with these errors
-        self._effects = np.empty((0, 0))  # of one standard error each on the weighted residuals, (errors, K)
+        # Directions of the weighted residuals in which errors of the drive move them, and by which share.
+        self._directions, self._shrunk = np.empty((0, 0)), np.empty(0)
         for name, values in observation.signals.items():
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
@@ -385,8 +383,7 @@ class Problem:
         cycles = scene_cycles(self._fields(points), hops=label == HOPS)
         model, signals = self._model(cycles, points), self.observation.signals
         values = self._weighted({name: measured - model[name] for name, measured in signals.items()})
-        if self._effects.size:
-            values += self._errors @ self._effects
+        if self._shrunk.size:
             values -= (values @ self._directions * self._shrunk) @ self._directions.T
         return Residuals(self._within(points, cycles.labels) == label, values)
 
@@ -428,9 +425,6 @@ class Problem:
         grows with the square of the slope.
         """
         observation = self.observation
-        if self._moved:
-            self._errors = self.likely_errors(point)
-            self._drive = self._drive_with(self._errors)
         cycles = scene_cycles(self._fields(point[None]))
         now, after, before = (self._model(cycles, point[None], lag) for lag in (0.0, 0.5, -0.5))
         drive = self._by_drive(point)
@@ -448,51 +442,28 @@ class Problem:
             self._filters[name] = whitening_filter(observation.time, shape * residual, observation.frequency)
             self._weigh(name, shape, residual)
         if self._moved:
-            self._effects = self._weighted(drive)
-            self._directions, sizes, _ = np.linalg.svd(self._effects.T, full_matrices=False)
+            # With effects E and errors e the least of |r - E e|^2 + |e|^2 over e is |(1 + E E')^(-1/2) r|^2.
+            self._directions, sizes, _ = np.linalg.svd(self._weighted(drive).T, full_matrices=False)
             self._shrunk = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
 
-    def likely_errors(self, point: Floats) -> Floats:
-        """Return the likely errors of the drive at a point, in standard errors; 0 before it is weighed."""
-        if not self._effects.size:
-            return self._errors
-        model = self._model(scene_cycles(self._fields(point[None])), point[None])
-        signals = self.observation.signals.items()
-        values = self._weighted({name: measured - model[name] for name, measured in signals})[0]
-        effects = self._effects
-        normal = np.eye(len(effects)) + effects @ effects.T
-        return np.asarray(np.linalg.solve(normal, effects @ (values + self._errors @ effects)))
-
-    def has_likely_drive(self, point: Floats) -> bool:
-        """Whether a point is weighed with nearly the errors of the drive that are likely there."""
-        return bool((np.abs(self.likely_errors(point) - self._errors) <= TOL.settled_errors).all())
-
-    def _drive_with(self, errors: Floats) -> dict[str, Any]:
-        """Return the fields of the drive with some errors; harmonics are added as phasors."""
-        fields: dict[str, NDArray[Any]] = {}
-        for error, (more, less) in zip(errors, self._moved, strict=True):
-            for name in more:
-                now = fields.get(name, _phasors(self.fixed[name]))
-                fields[name] = now + 0.5 * error * (_phasors(more[name]) - _phasors(less[name]))
-        found: dict[str, Any] = {}
-        for name, x in fields.items():
-            if x.ndim:
-                found[name] = list(zip(np.abs(x).tolist(), np.angle(x).tolist(), strict=True))
-            else:
-                found[name] = max(float(x), 0.0) if name in _NOT_NEGATIVE else float(x)
-        return found
-
     def _by_drive(self, point: Floats) -> dict[str, Floats]:
-        """Return what one standard error of each part of the drive makes of every signal, (errors, N)."""
+        """Return what one standard error of each part of the drive makes of every signal, (errors, N).
+
+        An error that leads to another pattern on one side, next to an onset, counts by its other side.
+        """
+        here = scene_cycles(self._fields(point[None]))
+        now = self._model(here, point[None])
         found: dict[str, list[Floats]] = {name: [] for name in self.observation.signals}
-        other = copy(self)
-        for step in np.eye(len(self._moved)):
-            ends = []
-            for way in (1.0, -1.0):
-                other._drive = self._drive_with(self._errors + way * step)
-                ends.append(self._model(scene_cycles(other._fields(point[None])), point[None]))
+        for pair in self._moved:
+            sides = [scene_cycles(self._fields(point[None], fields)) for fields in pair]
+            inside = [cycles.labels[0] == here.labels[0] for cycles in sides]
+            kept = inside if any(inside) else [True, True]
+            more, less = (
+                self._model(cycles, point[None]) if keep else now
+                for cycles, keep in zip(sides, kept, strict=True)
+            )
             for name, rows in found.items():
-                rows.append(0.5 * (ends[0][name][0] - ends[1][name][0]))
+                rows.append((more[name][0] - less[name][0]) / sum(kept))
         samples = self.observation.time.size
         return {name: np.reshape(rows, (len(self._moved), samples)) for name, rows in found.items()}
 
@@ -538,12 +509,12 @@ class Problem:
         window, absolute = TOL.jump_window * step, observation.absolute
         return cycles.signals(observation.signals, observation.time, shift, window, absolute=absolute)
 
-    def _fields(self, points: Floats) -> dict[str, Any]:
+    def _fields(self, points: Floats, drive: Mapping[str, Any] = _AS_IT_IS) -> dict[str, Any]:
         """Return the fields of the scenes at points, (M, P) or (M, P + 1), clipped to the bounds."""
         count = points.shape[0]
         values = {
             name: np.full(count, x) if isinstance(x, float) else x
-            for name, x in (self.fixed | self._drive).items()
+            for name, x in (self.fixed | dict(drive)).items()
         }
         clipped = np.clip(points[:, : len(self.names)], *self.bounds)
         return values | dict(zip(self.names, clipped.T.copy(), strict=True))
@@ -552,13 +523,6 @@ class Problem:
         """Empty the labels of points beyond the bounds."""
         values, (low, high) = points[:, : len(self.names)], self.bounds
         return np.where(((low <= values) & (values <= high)).all(axis=1), labels, "")
-
-
-def _phasors(field: Any) -> NDArray[Any]:
-    """Return the complex amplitudes of harmonics, pairs of size and phase; other fields as they are."""
-    if isinstance(field, float):
-        return np.asarray(field)
-    return np.array([size * np.exp(1j * phase) for size, phase in field])
 
 
 def _variances(observation: Observation, residual: Floats, squared_slopes: Floats) -> Floats:

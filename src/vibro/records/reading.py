@@ -144,21 +144,18 @@ class _Tolerances(NamedTuple):
     starts: int = 3  # starts of the search in each pattern
     at_once: int = 512  # scenes in memory
 
-    # --- Levenberg-Marquardt --------------------------------------------------------------------------
+    # --- least squares in a pattern -------------------------------------------------------------------
     # Relative step of derivatives: the model's noise is 1e-15, its curvature of order 1. It is also the error
-    # of edges.
+    # of edges, and of a search.
     step: float = 1e-6
     edge_step: float = 1e-4  # the same along an edge, whose position has the error above
     idle: float = 1e-6  # of the largest effect of a coordinate: less is rounding, and becomes 0
-    dampings: tuple[float, ...] = (1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0)  # of the normalised equations
-    light_dampings: tuple[float, ...] = tuple(np.geomspace(1e-7, 1e-2, 11).tolist())  # if accelerated
-    accelerated: float = 10.0  # [variances] predicted decrease above which geodesic acceleration pays
-    acceleration_step: float = 0.1  # of a step, for its second derivative: h of the paper
-    most_steps: int = 40
-    fair: float = 0.3  # of the decrease that a whole step predicts: after less, edges are searched
-    patience: float = 5.0  # steps with the decrease of the last one in which a search must reach its aim
-    edge_places: int = 65  # points between which an edge is searched, in each round
-    edge_rounds: int = 6  # largest number of rounds
+    outside: float = 1e60  # [standard deviations] residuals outside the pattern: their squares are doubles
+    most_steps: int = 80
+    edges: int = 6  # searches along edges,
+    steps_along_edge: int = 8  # and steps of each
+    edge_places: tuple[int, int] = (65, 9)  # points between which an edge is searched, at first and later
+    edge_rounds: int = 9  # largest number of rounds
     distances: tuple[float, float, int] = (1e-7, 0.5, 60)  # relative, at which a pattern is searched
     enough: float = 2e-3  # [variances] decrease of the sum of squares below which a search ends,
     rough: float = 1.0  # and a first one
@@ -172,8 +169,7 @@ class _Tolerances(NamedTuple):
     explained: float = 1.1  # largest sum of squares over the number of samples of an explained record
     better: float = 0.1  # of the threshold: a point better than the best by this starts another search,
     restarts: int = 3  # so often
-    settled_errors: float = 0.1  # [standard errors of a drive] by which another weighing may move them,
-    weighings: int = 3  # and how often that and the weights are found anew
+    weighings: int = 3  # how often the weights are found anew
     neighbours: int = 400  # points around a minimum at which other patterns are searched,
     widest: float = 4.0  # up to so many standard deviations,
     farthest_neighbour: float = 0.3  # and up to this relative distance
