@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from vibro.reals import Complexes, Floats
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
+_SIGNED: Final = ("normal_phase",)  # quantities of a drive that may be negative
 _TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
 _G: Final = SIGNAL_UNITS["acceleration"]["g"]
 
@@ -243,19 +244,24 @@ class MeasuredDrive(NamedTuple):
         ellipse forwards [s].
     warnings : tuple of str
         Reasons to doubt the measurement.
+    by_harmonics : list of pair of dict, optional
+        What ``moved`` is of a drive of several harmonics, whose errors depend on each other.
     """
 
     trough: Trough
     quantities: dict[str, Estimate]
     clock: Estimate
     warnings: tuple[str, ...]
+    by_harmonics: list[tuple[dict[str, Any], dict[str, Any]]] | None = None
 
     @property
-    def moved(self) -> list[tuple[dict[str, float], dict[str, float]]]:
+    def moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
         """Fields of the scene that each error changes, one standard error to either side [SI]."""
+        if self.by_harmonics is not None:
+            return self.by_harmonics
         certain = (0.0, math.inf)
         return [
-            ({name: value + error}, {name: value - error})
+            ({name: value + error}, {name: value - error if name in _SIGNED else max(value - error, 0.0)})
             for name, (value, error) in self.quantities.items()
             if error not in certain and not math.isnan(error)
         ]
@@ -394,7 +400,6 @@ def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | No
 # acceleration, which the loads of a drive are.
 
 
-_ALONG, _NORMAL = "trough_along", "trough_normal"
 _SEED: Final = 1
 
 
@@ -604,7 +609,7 @@ class MeasuredMotion:
         frequency = self.frequency + self.frequency_error * random.standard_normal(count)
         return self._motions(frequency, self.accelerations[..., None] + off)
 
-    def measured_drive(self) -> _HarmonicDrive:
+    def measured_drive(self) -> MeasuredDrive:
         """Return the harmonics as quantities with standard errors."""
         motion, both = self.motion, len(self.channels) == 2
         own = motion.along if _ALONG in self.channels else motion.normal
@@ -619,9 +624,8 @@ class MeasuredMotion:
                 phase = Estimate(float(np.angle(z)), float(self.phase_errors[k, channel]))
                 quantities |= {f"{way}_amplitude{end}": size, f"{way}_phase{end}": phase}
         warnings = self.trough.doubts(pure=False)
-        return _HarmonicDrive(
-            self.trough, quantities, self.trough.drive_on_ellipse().clock, warnings, self._moved
-        )
+        clock = self.trough.drive_on_ellipse().clock
+        return MeasuredDrive(self.trough, quantities, clock, warnings, self._moved)
 
     @property
     def _moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
@@ -658,16 +662,6 @@ class MeasuredMotion:
         (one,), slope = motion.transpose(1, 0, *range(2, motion.ndim)), math.tan(self.drive_angle)
         along, normal = (one, slope * one) if _ALONG in self.channels else (one / slope, one)
         return Motions(frequency, along, normal)
-
-
-class _HarmonicDrive(NamedTuple):
-    """Measured harmonics of a scene's drive, with the attributes of ``MeasuredDrive``."""
-
-    trough: Trough
-    quantities: dict[str, Estimate]
-    clock: Estimate
-    warnings: tuple[str, ...]
-    moved: list[tuple[dict[str, Any], dict[str, Any]]]
 
 
 @shielded
@@ -1216,7 +1210,7 @@ class TroughDrive(NamedTuple):
     ----------
     first : MeasuredDrive
         Line or ellipse of its first harmonic.
-    drive : MeasuredDrive or HarmonicDrive
+    drive : MeasuredDrive
         What stands in the scene.
     measured : MeasuredMotion or None
         All harmonics; None if the record does not determine them.
@@ -1225,7 +1219,7 @@ class TroughDrive(NamedTuple):
     """
 
     first: MeasuredDrive
-    drive: MeasuredDrive | _HarmonicDrive
+    drive: MeasuredDrive
     measured: MeasuredMotion | None
     notes: Sequence[str]
     warnings: Sequence[str]
