@@ -171,8 +171,7 @@ def test_every_cell_is_what_the_program_answers(
     """Whether there is an answer: how good it is does not matter here, so searches and samples are small."""
     monkeypatch.setattr("vibro.records.problem._GRID", dict.fromkeys(FITTABLE, ()))
     few = TOL._replace(weighings=1, restarts=1, most_steps=2, neighbours=2, kept=1)
-    for module in ("fitting", "minimisation"):
-        monkeypatch.setattr(f"vibro.records.{module}.TOL", few)
+    monkeypatch.setattr("vibro.records.fitting.TOL", few)
     monkeypatch.setattr("vibro.designs.windows._FIRST", 8)
     monkeypatch.setattr("vibro.designs.windows._ERROR", 1.0)
     lines = (EXAMPLES / "data" / "nut_trough_mv.csv").read_text(encoding="utf-8").splitlines()
