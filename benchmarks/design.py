@@ -196,7 +196,7 @@ def designed(row: Row) -> tuple[Callable[[], Any], Callable[[Any], float]]:
         value = getattr(design, name)
         return math.inf if value is None else abs(float(value / row["answer"][key]) - 1.0)
 
-    return lambda: vibro.design(spec_of(row)), error
+    return lambda: vibro.design(spec_of(row), digits=9), error
 
 
 def ranged(row: Row) -> tuple[Callable[[], Any], Callable[[Any], float]]:
