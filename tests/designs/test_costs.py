@@ -10,7 +10,7 @@ import pytest
 from helpers.scenes import replaced, scene_with
 
 import vibro
-from vibro.designs.design import speed_costs
+from vibro.designs.costs import speed_costs
 
 NAMES = ["amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle_deg"]
 STEP = 1e-5

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import Regime
-from vibro.designs.design import speed_costs
+from vibro.designs.costs import speed_costs
 from vibro.designs.proofs import extreme_ratio
 from vibro.designs.spaces import uncertainty_set
 

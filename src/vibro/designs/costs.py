@@ -1,0 +1,164 @@
+"""What small changes of each input do to the mean speed: as derivatives, and as solved again."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.drives import Ability
+from vibro.errors import Problem, SceneError
+from vibro.scene import Scene
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from vibro.results.steady import SteadyCycle
+
+_STEP: Final = 1e-5  # [1, rad] step of the finite differences
+_CHANGED: Final = 0.01  # [1] an input is raised by this share of it, or an angle by 1 deg
+_RAISED: Final = 0.1  # [1] and the whole drive by this share
+# Slopes below and above a setting differ by less than this share of the larger one where the speed is smooth.
+_SMOOTH: Final = 0.05
+_JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
+# Inputs of a scene, and whether each is an angle, of which 1 % may be too small a change.
+_OF_LINES: Final = {
+    "amplitude": False, "frequency": False, "drive_angle": False, "static_friction": False,
+    "kinetic_friction": False, "trough_angle": True,
+}  # fmt: skip
+_OF_MOTIONS: Final = {
+    "motion_scale": False, "frequency": False, "static_friction": False, "kinetic_friction": False,
+    "trough_angle": True,
+}  # fmt: skip
+_OF_ELLIPSES: Final = {
+    "along_amplitude": False, "normal_amplitude": False, "normal_phase": True, "frequency": False,
+    "static_friction": False, "kinetic_friction": False, "trough_angle": True,
+}  # fmt: skip
+
+
+def speed_costs(scene: Scene) -> dict[str, float | str]:
+    """Return by how many percent the mean speed changes for a small change of each input.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point, of shape ().
+
+    Returns
+    -------
+    dict of str to float or str
+        ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
+        1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
+        instead of amplitude and drive angle, given motions ``motion_scale``. ``trough_angle_deg`` and
+        ``normal_phase_deg``: change for 1 deg more, since 1 % of an angle near 0 is nothing. Positive
+        values mean faster, also for a body that is conveyed backwards [%]. A text says why there is no
+        number: the body rests, is not conveyed, runs away or hops irregularly, or its speed jumps or bends at
+        the scene.
+
+    Raises
+    ------
+    SceneError
+        If the scene is more than one operating point.
+
+    Notes
+    -----
+    Central differences of the speed, to 1e-6; there is a number where those below and above the scene agree.
+    """
+    _, inputs = _inputs(scene)
+    names = {name: name + "_deg" * is_angle for name, is_angle in inputs.items()}
+    cycle = solve(scene)
+    if why := _why_none(cycle):
+        return dict.fromkeys(names.values(), why)
+    return {key: _difference(scene, name, inputs[name]) for name, key in names.items()}
+
+
+def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
+    """Solve a scene, and again with a little more of each input, and with more of the whole drive.
+
+    Derivatives hold within the pattern of a scene. Where bodies hop, 1 % leads into other patterns; and where
+    they rest, hop irregularly or stand beside a threshold, there is no derivative at all.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point, of shape ().
+
+    Returns
+    -------
+    names : list of str
+        Inputs that are changed, as ``speed_costs`` names them: by 1 %, those that end in ``_deg`` by 1 deg.
+        The last one is ``drive``: its amplitudes are 10 % larger.
+    cycle : SteadyCycle
+        Of shape (1 + len(names),): the scene itself is first. Cells that cannot be are infeasible.
+
+    Raises
+    ------
+    SceneError
+        If the scene is more than one operating point.
+    """
+    is_line, inputs = _inputs(scene)
+    given = _fields(scene)
+    along = ["amplitude"] if is_line else ["along_amplitude", "normal_amplitude"]
+    drive = along if scene.motion is None else ["motion_scale"]
+    changed = {name: np.full(len(inputs) + 2, given[name]) for name in [*inputs, *drive]}
+    for cell, (name, is_angle) in enumerate(inputs.items(), 1):
+        changed[name][cell] += math.radians(1.0) if is_angle else _CHANGED * given[name]
+    for name in drive:
+        changed[name][-1] *= 1.0 + _RAISED
+    names = [name + "_deg" * is_angle for name, is_angle in inputs.items()]
+    return [*names, "drive"], solve(Scene.computed(**{**given, **changed}))
+
+
+def _inputs(scene: Scene) -> tuple[bool, Mapping[str, bool]]:
+    """Return whether a drive moves along a line, and its inputs: whether each is an angle."""
+    if scene.shape:
+        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    is_line = scene.arrays().can(Ability.PROOF)
+    return is_line, _OF_LINES if is_line else _OF_ELLIPSES if scene.motion is None else _OF_MOTIONS
+
+
+def _fields(scene: Scene) -> dict[str, Any]:
+    """Return the fields of a scene as ``Scene`` takes them."""
+    members = scene.arrays().members()
+    fields: dict[str, Any] = {known: float(x) for field, known, x in members if field == known}
+    return fields if scene.motion is None else {**fields, "motion": scene.motion}
+
+
+def _why_none(cycle: SteadyCycle) -> str:
+    """Return why the speed of a cycle has no sensitivities; empty where it may have some."""
+    status = Status(int(cycle.status))
+    if status is Status.AVERAGED:
+        return "hops: irregular"
+    if not status.answered:
+        return "runs away" if status is Status.RUNAWAY else f"no speed: {status.label}"
+    if cycle.regime == Regime.NO_SLIP:
+        return "rests: no speed to change"
+    return "" if cycle.mean_velocity != 0.0 else "slides to and fro: no speed to change"
+
+
+def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
+    """Return the change of the speed with one input by finite differences, or why it is not smooth there."""
+    fields = _fields(scene)
+    value = fields[name]
+    step = _STEP if is_angle else _STEP * value
+    cycle = solve(Scene.computed(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
+    # at mu_d = mu_s both slopes are taken on the side that can be
+    possible = np.asarray(cycle.status) != Status.INFEASIBLE
+    first = 1 if possible[1] and possible[3] else 0 if possible[1] else 2
+    at, speed = slice(first, first + 3), np.asarray(cycle.mean_velocity)
+    if np.any(np.asarray(cycle.status)[at] == Status.AVERAGED):
+        return "hops: irregular"
+    below, above = np.diff(speed[at]) / (_STEP * speed[2])
+    steepest = max(abs(below), abs(above))
+    if not steepest <= _JUMP:
+        return "jumps here"
+    if abs(above - below) > _SMOOTH * max(steepest, 1.0):
+        return "bends here"
+    slope = float(above + below) / 2.0
+    return 100.0 * math.radians(slope) if is_angle else slope
+
+
+# A design, its setting, and the amplitudes that it covers.
