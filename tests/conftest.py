@@ -68,7 +68,7 @@ _MARKED: Final = {
         "tables/test_plan.py", "test_axes.py",
         "test_errors.py", "test_friction_catalogue.py", "test_indexes.py", "test_makers.py",
         "test_mutants.py", "test_periodic.py", "test_quantities.py", "test_reference.py",
-        "test_scales.py", "test_scene.py", "test_slopes_of_motions.py", "test_steady.py", "test_steps.py",
+        "test_scales.py", "test_scene.py", "test_steady.py", "test_steps.py",
     ),
     "slow": (
         "accuracy/test_trade.py", "cli/test_capabilities.py", "cli/test_measure_trough.py",

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 import vibro
 from vibro import Filling, Scene, Status, filling
 from vibro.fillings import TYPICAL_MACHINES, amplitude_exponent, filling_of, most_mass_ratio
-from vibro.slopes import slides_of
+from vibro.steady import slides_of
 
 ROUNDING = 1e-12  # [1] of shares, which are of the order of 1
 ROWS = read_rows("reactions")

@@ -16,8 +16,7 @@ import vibro
 from vibro import Status
 from vibro.core.codes import MOST_LETTERS, spelt_code
 from vibro.core.flight import BOUNCE
-from vibro.slopes import scale_slope
-from vibro.steady import turned
+from vibro.steady import scale_slope, turned
 
 if TYPE_CHECKING:
     from pathlib import Path

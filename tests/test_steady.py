@@ -14,14 +14,15 @@ from helpers.scenes import (
     contact_groups,
     line_of,
     random_scenes,
+    replaced,
     scene_with,
     solve_one,
 )
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from vibro import Regime, Scene, SceneError, Status, solve, steady
-from vibro.core.codes import MODELS, PATTERNS
+from vibro import Motion, Regime, Scene, SceneError, Status, solve, steady
+from vibro.core.codes import MODELS, PATTERNS, Pattern
 from vibro.core.compiled import doors
 from vibro.motion.settled import cycle_phases
 
@@ -339,3 +340,100 @@ def test_progress_is_told_up_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None
     assert told[-1] == (997, 997)
     assert sorted(told) == told
     assert len(told) >= 5
+
+
+# --- how the displacement follows the load ---------------------------------------------------------
+
+FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
+
+
+def test_of_one_harmonic_they_are_the_closed_form() -> None:
+    """Wherever the difference is kept; it is left out next to onsets and changes of the pattern alone."""
+    x, y = 1e-3, np.array([2e-4, 3e-4])[:, np.newaxis]
+    frequency, phase = np.linspace(10.0, 25.0, 400), np.radians(-60.0)
+    ellipse = Scene(
+        along_amplitude=x, normal_amplitude=y, normal_phase=phase, frequency=frequency, **FRICTION
+    )
+    same = Scene(along_harmonics=[(x, 0.0)], normal_harmonics=[(y, phase)], frequency=frequency, **FRICTION)
+    cycle = solve(ellipse, flight=False)
+    found = steady.scale_slope(same, solve(same, flight=False))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # the unit of length grows with the motion: one more power of it
+        expected = 1.0 + steady.load_slope(ellipse, cycle.pattern_code) / (
+            cycle.displacement_per_cycle / ellipse.scale
+        )
+    known = np.isfinite(found)
+    moves = np.isfinite(expected) & (cycle.displacement_per_cycle != 0.0)
+    assert not known[~moves].any()
+    assert known[moves].mean() > 0.95
+    error = np.abs(found - expected)[known] / (1.0 + np.abs(expected[known]))
+    assert error.max() < 1e-6
+    assert np.median(error) < 1e-10
+
+
+def test_of_steps_they_follow_the_speed() -> None:
+    motion = Motion.steps([(0.8, 3.5), (0.2, -14.0)])
+    scene = Scene(motion=motion, frequency=5.0, **FRICTION)
+    slope = float(steady.scale_slope(scene, solve(scene)))
+    up, down = (
+        float(solve(Scene(motion=motion, motion_scale=c, frequency=5.0, **FRICTION)).mean_velocity)
+        for c in (1.01, 1.0 / 1.01)
+    )
+    assert slope == pytest.approx(math.log(up / down) / (2.0 * math.log(1.01)), rel=1e-4)
+
+
+@pytest.mark.parametrize("scale", [0.1, 3.924 / 14.0 * (1.0 + 1e-5), 100.0], ids=["rest", "onset", "hops"])
+def test_there_are_none_at_rest_beside_an_onset_and_in_flight(scale: float) -> None:
+    normal = [(0.5, 2.0), (0.5, -2.0)] if scale > 50.0 else None
+    motion = Motion.steps([(0.8, 3.5), (0.2, -14.0)], normal)
+    scene = Scene(motion=motion, motion_scale=scale, frequency=5.0, **FRICTION)
+    assert np.isnan(steady.scale_slope(scene, solve(scene)))
+
+
+def test_the_slope_is_0_at_rest_and_nan_without_a_cycle() -> None:
+    scene = at_load(np.array([[0.1], [1.0], [9.0]]), np.array([20.0, 15.0]), 0.74, 0.57)
+    pattern = np.array([[Pattern.R] * 2, [Pattern.F_] * 2, [Pattern.NONE] * 2])
+    slope, slides = steady.load_slope(scene, pattern), steady.slides_of(scene, pattern)
+    np.testing.assert_array_equal(slope == 0.0, pattern == Pattern.R)
+    np.testing.assert_array_equal(np.isnan(slope), pattern == Pattern.NONE)
+    assert slides.way.tolist() == [[[0, 0], [1, 1], [0, 0]], [[0, 0]] * 3]
+    assert slides.begin.shape == (2, 3, 2)
+    runs_away = scene_with(trough_angle=-math.radians(35.0), static_friction=0.74, kinetic_friction=0.01)
+    assert np.isnan(steady.load_slope(runs_away, np.array(Pattern.F_B_)))
+
+
+# Sign of the change of the displacement of each pattern with each input, theory, section 13; 0: either.
+SIGNS = {  # mu_s, mu_d, A, f, beta
+    "F_": (-1, -1, 1, 1, -1),
+    "B_": (1, 1, -1, -1, -1),
+    "F_B_": (0, 0, 0, 0, -1),
+    "FB_": (-1, 0, 1, 1, -1),
+    "F_B": (1, 1, 0, 0, -1),
+    "FB": (0, 0, 0, 0, -1),
+}
+MOVED = ("static_friction", "kinetic_friction", "amplitude", "frequency", "trough_angle")
+
+
+def test_signs_of_the_change_with_each_input() -> None:
+    random, count, step = np.random.default_rng(21), 20_000, 1e-5
+    mu_s = np.exp(random.uniform(np.log(0.05), np.log(1.5), count))
+    mu_d = mu_s * np.exp(random.uniform(np.log(0.02), -1e-3, count))
+    trough = random.uniform(-1.0, 1.0, count) * np.minimum(40.0, 0.98 * np.degrees(np.arctan(mu_s)))
+    load = np.exp(random.uniform(np.log(0.05), np.log(20.0), count))
+    scene = at_load(load, random.uniform(0.5, np.minimum(80.0, 85.0 - trough)), mu_s, mu_d, trough)
+    gentle = mu_s * np.tan(np.abs(np.radians(trough))) < 1.0  # what is known of beta
+    pattern = solve(scene, flight=False).pattern_code
+    for i, name in enumerate(MOVED):
+        value = getattr(scene, name)
+        by = step * (1.0 if name == "trough_angle" else value)
+        less, more = (solve(replaced(scene, **{name: value + way * by}), flight=False) for way in (-1, 1))
+        same = (less.pattern_code == pattern) & (more.pattern_code == pattern)
+        if name == "trough_angle":
+            same &= gentle
+        rise = more.mean_velocity - less.mean_velocity
+        noise = 1e-11 * (np.abs(more.mean_velocity) + scene.scale * scene.frequency)
+        for text, signs in SIGNS.items():
+            cells = same & (pattern == PATTERNS.index(text))
+            assert cells.sum() > 20, (name, text)
+            if signs[i]:
+                assert (signs[i] * rise > -noise)[cells].all(), (name, text)

@@ -14,8 +14,7 @@ from vibro.errors import SceneError
 from vibro.reals import shielded
 from vibro.results.operating import Filling
 from vibro.scene import Scene
-from vibro.slopes import speed_exponent
-from vibro.steady import solve
+from vibro.steady import solve, speed_exponent
 from vibro.threads import Grid, Scratch, doors, over_cells
 
 if TYPE_CHECKING:

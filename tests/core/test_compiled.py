@@ -23,7 +23,7 @@ from vibro.core import compiled as module
 from vibro.core.codes import SPELT_PATTERNS, Pattern
 from vibro.core.compiled import Doors, doors, library_path
 from vibro.fillings import filling_of
-from vibro.slopes import displacement_gradient, load_slope, slides_of
+from vibro.steady import load_slope, slides_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -133,10 +133,8 @@ def test_limits_slopes_and_slides_have_the_same_bits(name: str) -> None:
     patterns = vibro.solve(scene, flight=False).pattern_code
 
     def everything() -> list[Any]:
-        found: list[Any] = [vibro.critical_loads(scene), vibro.limits.tipping_load(scene, 0.3)]
-        if name == "lines":
-            found.append(displacement_gradient(scene, patterns))
-        return [*found, load_slope(scene, patterns), slides_of(scene, patterns)]
+        limits = [vibro.critical_loads(scene), vibro.limits.tipping_load(scene, 0.3)]
+        return [*limits, load_slope(scene, patterns), slides_of(scene, patterns)]
 
     assert_same(everything)
 
@@ -260,7 +258,6 @@ def test_no_wild_scene_raises_in_limits_slopes_and_slides(ellipse: bool) -> None
         vibro.limits.tipping_load(scene, 0.2)
         load_slope(scene, patterns)
         slides_of(scene, patterns)
-        displacement_gradient(scene, patterns)
         for pattern in list(Pattern):  # of another scene, too
             codes = np.full(scene.shape, pattern)
             load_slope(scene, codes)

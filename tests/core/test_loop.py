@@ -13,15 +13,12 @@ from helpers.solver_doors import plain
 
 import vibro
 from vibro import Regime, Scene, Status
-from vibro.core import loop
+from vibro.core import contact, loop
 from vibro.core.attractors import coexisting
 from vibro.core.codes import IRREGULAR, SPELT_PATTERNS, Model
 from vibro.core.compiled import Doors, doors
 from vibro.core.contact import (
-    Change,
     cycle_slides,
-    displacement_rate,
-    load_slope,
     ratio_of,
     regime_alone,
     steady_cycle,
@@ -34,7 +31,7 @@ from vibro.core.scenes import Place, Scenes, seek, unit_point_at
 from vibro.core.slides import thresholds
 from vibro.drives import Line
 from vibro.results.steady import RESULTS
-from vibro.slopes import Gradient, displacement_gradient, slides_of
+from vibro.steady import load_slope, slides_of
 from vibro.threads import Grid, Scratch
 
 if TYPE_CHECKING:
@@ -277,26 +274,12 @@ def test_tipping_loads_go_with_their_stand_ratios() -> None:
 
 
 @pytest.mark.parametrize("scene", [LINES, INCLINES], ids=["lines", "inclines"])
-def test_gradients_and_slides_go_to_their_fields(scene: Scene) -> None:
+def test_slopes_and_slides_go_to_their_fields(scene: Scene) -> None:
     patterns = vibro.solve(scene, flight=False).pattern_code
-    gradient = displacement_gradient(scene, patterns)
-    slides = slides_of(scene, patterns)
+    slopes, slides = load_slope(scene, patterns), slides_of(scene, patterns)
     for i, loads in enumerate(loads_of(scene)):
-        pattern = int(patterns[i])
-        a, b, n, t = loads[:4]
-        changes = {
-            "drive_angle": Change(-b, a, 0.0, 0.0, 0.0, 0.0, 0.0),
-            "static_friction": Change(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
-            "kinetic_friction": Change(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0),
-            "trough_angle": Change(0.0, 0.0, -t, n, 0.0, 0.0, 0.0),
-        }
-        expected = {"log_load": load_slope(loads, pattern)} | {
-            name: displacement_rate(loads, pattern, change) for name, change in changes.items()
-        }
-        assert set(expected) == set(Gradient._fields)
-        for name, rate in expected.items():
-            np.testing.assert_array_equal(getattr(gradient, name)[i], rate)
-        for half, leg in enumerate(cycle_slides(loads, pattern)):
+        np.testing.assert_array_equal(slopes[i], contact.load_slope(loads, int(patterns[i])))
+        for half, leg in enumerate(cycle_slides(loads, int(patterns[i]))):
             numbers = (leg.way, leg.zero, leg.begin, leg.end, leg.start.onset.load, leg.start.onset.k,
                        leg.displacement)  # fmt: skip
             np.testing.assert_array_equal([member[half, i] for member in slides], numbers)

@@ -27,7 +27,7 @@ from vibro.motion.settled import cycle_phases
 from vibro.quantities import QUANTITIES, SCALE, SIZES, as_given, scene_fields
 from vibro.results.operating import OPERATING, bent
 from vibro.scene import Scene
-from vibro.slopes import LEAST_DIFFERENCE
+from vibro.steady import LEAST_DIFFERENCE
 from vibro.sweeps.derived import WITH_ACCELERATION, WITH_BENT_SPEED, WITH_STROKE, standing, throughput
 from vibro.sweeps.weighed import weighed
 from vibro.units import LENGTH, SPEED

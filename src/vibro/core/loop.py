@@ -13,10 +13,8 @@ from vibro.core.attractors import Attractors, coexisting, list_attractors
 from vibro.core.boxes import cover, evolve
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Regime, Status
 from vibro.core.contact import (
-    Change,
     SlideLeg,
     cycle_slides,
-    displacement_rate,
     load_slope,
     outlasts_back,
     pair_of,
@@ -484,36 +482,6 @@ def load_slopes(scenes: Scenes, place: Place, pattern: Integers, out: Doubles, b
         out[i] = load_slope(loads, pattern[i])
 
 
-class _Gradients(NamedTuple):
-    """Derivatives of the displacements of cells, as ``vibro.slopes.Gradient`` describes them."""
-
-    log_load: Doubles
-    drive_angle: Doubles
-    static_friction: Doubles
-    kinetic_friction: Doubles
-    trough_angle: Doubles
-
-
-def displacement_gradients(
-    scenes: Scenes, place: Place, pattern: Integers, out: _Gradients, begin: int, end: int
-) -> None:
-    """Differentiate the displacement over A of lines' contact cycles with respect to each input."""
-    for i in range(begin, end):
-        seek(scenes, place, i)
-        loads = point_at(scenes, place).loads
-        a, b = loads.drive_tangential, loads.drive_normal
-        n, t = loads.weight_normal, loads.weight_tangential
-        out.log_load[i] = load_slope(loads, pattern[i])
-        turned = Change(-b, a, 0.0, 0.0, 0.0, 0.0, 0.0)
-        out.drive_angle[i] = displacement_rate(loads, pattern[i], turned)
-        tilted = Change(0.0, 0.0, -t, n, 0.0, 0.0, 0.0)
-        out.trough_angle[i] = displacement_rate(loads, pattern[i], tilted)
-        static = Change(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
-        out.static_friction[i] = displacement_rate(loads, pattern[i], static)
-        kinetic = Change(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
-        out.kinetic_friction[i] = displacement_rate(loads, pattern[i], kinetic)
-
-
 class _CycleLegs(NamedTuple):
     """Slides of cells, as ``vibro.slopes.Slides`` describes them.
 
@@ -644,7 +612,6 @@ DOORS: Final = (
     class_scales,
     cover,
     cycle_legs,
-    displacement_gradients,
     evolve,
     find_others,
     flights_along,

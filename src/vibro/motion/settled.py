@@ -15,8 +15,7 @@ from vibro.errors import VibroError
 from vibro.motion.histories import Start, follow_body, is_followed, simulate
 from vibro.reals import shielded
 from vibro.results.history import Legs
-from vibro.slopes import slides_of
-from vibro.steady import solve
+from vibro.steady import slides_of, solve
 from vibro.threads import Grid
 
 if TYPE_CHECKING:

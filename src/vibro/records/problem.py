@@ -32,8 +32,7 @@ from vibro.records.alignment import (
 from vibro.records.reading import TOL
 from vibro.results.steady import SteadyCycle
 from vibro.scene import Fields, Scene
-from vibro.slopes import slides_of
-from vibro.steady import solve
+from vibro.steady import slides_of, solve
 
 if TYPE_CHECKING:
     from vibro.reals import Floats

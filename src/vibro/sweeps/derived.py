@@ -24,7 +24,7 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.results.sweep import Block, Column
-from vibro.slopes import speed_exponent
+from vibro.steady import speed_exponent
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.machines import bent_speed
 from vibro.units import LENGTH, SPEED
