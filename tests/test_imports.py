@@ -134,6 +134,11 @@ def test_every_public_name_can_be_had_and_listed() -> None:
         assert name in dir(vibro)
 
 
+def test_type_checkers_see_every_public_name_where_it_lives() -> None:
+    seen = re.findall(r"    from (\S+) import (\w+) as \2\n", Path(vibro.__file__).read_text("utf-8"))
+    assert {name: home for home, name in seen} == vibro._HOMES
+
+
 def test_a_name_that_does_not_exist_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="module 'vibro' has no attribute 'conveyor'"):
         _ = vibro.conveyor

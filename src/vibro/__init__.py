@@ -11,115 +11,77 @@ TYPE_CHECKING = False  # typing and importlib take time in which a run could not
 if TYPE_CHECKING:
     from typing import Any
 
-    from vibro.core.codes import Regime, Status
-    from vibro.designs.design import design
-    from vibro.designs.guarantees import guarantee
-    from vibro.designs.windows import feasible_amplitudes, yield_share
-    from vibro.drives import Motion
-    from vibro.errors import FileError, InputError, SceneError, VibroError
-    from vibro.fillings import filling
-    from vibro.limits import critical_loads, transitions
-    from vibro.machines.machine import Calibration, Machine
-    from vibro.machines.operating import OperatingPoints, operate, operating_points
-    from vibro.motion.attractors import attractors
-    from vibro.motion.histories import arrival_time, simulate
-    from vibro.records.trough import MeasuredMotion, measured_motion, trough_motion
-    from vibro.results.attractors import Attractor, Attractors
-    from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
-    from vibro.results.history import History
-    from vibro.results.operating import Filling
-    from vibro.results.steady import SteadyCycle
-    from vibro.scene import Scene
-    from vibro.steady import solve
-    from vibro.sweeps.whole import read_scene, sweep
-    from vibro.tables.stored import open_sweep
-    from vibro.tables.writing import write_sweep
-
-__all__ = [
-    "Attractor",
-    "Attractors",
-    "Calibration",
-    "Certificate",
-    "DesignResult",
-    "FileError",
-    "Filling",
-    "Guarantee",
-    "History",
-    "InputError",
-    "Interval",
-    "Machine",
-    "MeasuredMotion",
-    "Motion",
-    "OperatingPoints",
-    "Regime",
-    "Scene",
-    "SceneError",
-    "Status",
-    "SteadyCycle",
-    "VibroError",
-    "arrival_time",
-    "attractors",
-    "critical_loads",
-    "design",
-    "feasible_amplitudes",
-    "filling",
-    "guarantee",
-    "measured_motion",
-    "open_sweep",
-    "operate",
-    "operating_points",
-    "read_scene",
-    "simulate",
-    "solve",
-    "sweep",
-    "transitions",
-    "trough_motion",
-    "write_sweep",
-    "yield_share",
-]
+    from vibro.core.codes import Regime as Regime
+    from vibro.core.codes import Status as Status
+    from vibro.designs.design import design as design
+    from vibro.designs.guarantees import guarantee as guarantee
+    from vibro.designs.windows import feasible_amplitudes as feasible_amplitudes
+    from vibro.designs.windows import yield_share as yield_share
+    from vibro.drives import Motion as Motion
+    from vibro.errors import FileError as FileError
+    from vibro.errors import InputError as InputError
+    from vibro.errors import SceneError as SceneError
+    from vibro.errors import VibroError as VibroError
+    from vibro.fillings import filling as filling
+    from vibro.limits import critical_loads as critical_loads
+    from vibro.limits import transitions as transitions
+    from vibro.machines.machine import Calibration as Calibration
+    from vibro.machines.machine import Machine as Machine
+    from vibro.machines.operating import OperatingPoints as OperatingPoints
+    from vibro.machines.operating import operate as operate
+    from vibro.machines.operating import operating_points as operating_points
+    from vibro.motion.attractors import attractors as attractors
+    from vibro.motion.histories import arrival_time as arrival_time
+    from vibro.motion.histories import simulate as simulate
+    from vibro.records.trough import MeasuredMotion as MeasuredMotion
+    from vibro.records.trough import measured_motion as measured_motion
+    from vibro.records.trough import trough_motion as trough_motion
+    from vibro.results.attractors import Attractor as Attractor
+    from vibro.results.attractors import Attractors as Attractors
+    from vibro.results.designs import Certificate as Certificate
+    from vibro.results.designs import DesignResult as DesignResult
+    from vibro.results.designs import Guarantee as Guarantee
+    from vibro.results.designs import Interval as Interval
+    from vibro.results.history import History as History
+    from vibro.results.operating import Filling as Filling
+    from vibro.results.steady import SteadyCycle as SteadyCycle
+    from vibro.scene import Scene as Scene
+    from vibro.steady import solve as solve
+    from vibro.sweeps.whole import read_scene as read_scene
+    from vibro.sweeps.whole import sweep as sweep
+    from vibro.tables.stored import open_sweep as open_sweep
+    from vibro.tables.writing import write_sweep as write_sweep
 
 _HOMES = {
-    "Attractor": "vibro.results.attractors",
-    "Attractors": "vibro.results.attractors",
-    "Calibration": "vibro.machines.machine",
-    "Certificate": "vibro.results.designs",
-    "DesignResult": "vibro.results.designs",
-    "FileError": "vibro.errors",
-    "Filling": "vibro.results.operating",
-    "Guarantee": "vibro.results.designs",
-    "History": "vibro.results.history",
-    "InputError": "vibro.errors",
-    "Interval": "vibro.results.designs",
-    "Machine": "vibro.machines.machine",
-    "MeasuredMotion": "vibro.records.trough",
-    "Motion": "vibro.drives",
-    "OperatingPoints": "vibro.machines.operating",
-    "Regime": "vibro.core.codes",
-    "Scene": "vibro.scene",
-    "SceneError": "vibro.errors",
-    "Status": "vibro.core.codes",
-    "SteadyCycle": "vibro.results.steady",
-    "VibroError": "vibro.errors",
-    "arrival_time": "vibro.motion.histories",
-    "attractors": "vibro.motion.attractors",
-    "critical_loads": "vibro.limits",
-    "design": "vibro.designs.design",
-    "feasible_amplitudes": "vibro.designs.windows",
-    "filling": "vibro.fillings",
-    "guarantee": "vibro.designs.guarantees",
-    "measured_motion": "vibro.records.trough",
-    "open_sweep": "vibro.tables.stored",
-    "operate": "vibro.machines.operating",
-    "operating_points": "vibro.machines.operating",
-    "read_scene": "vibro.sweeps.whole",
-    "simulate": "vibro.motion.histories",
-    "solve": "vibro.steady",
-    "sweep": "vibro.sweeps.whole",
-    "transitions": "vibro.limits",
-    "trough_motion": "vibro.records.trough",
-    "write_sweep": "vibro.tables.writing",
-    "yield_share": "vibro.designs.windows",
+    name: f"vibro.{home}"
+    for home, names in (
+        ("core.codes", "Regime Status"),
+        ("designs.design", "design"),
+        ("designs.guarantees", "guarantee"),
+        ("designs.windows", "feasible_amplitudes yield_share"),
+        ("drives", "Motion"),
+        ("errors", "FileError InputError SceneError VibroError"),
+        ("fillings", "filling"),
+        ("limits", "critical_loads transitions"),
+        ("machines.machine", "Calibration Machine"),
+        ("machines.operating", "OperatingPoints operate operating_points"),
+        ("motion.attractors", "attractors"),
+        ("motion.histories", "arrival_time simulate"),
+        ("records.trough", "MeasuredMotion measured_motion trough_motion"),
+        ("results.attractors", "Attractor Attractors"),
+        ("results.designs", "Certificate DesignResult Guarantee Interval"),
+        ("results.history", "History"),
+        ("results.operating", "Filling"),
+        ("results.steady", "SteadyCycle"),
+        ("scene", "Scene"),
+        ("steady", "solve"),
+        ("sweeps.whole", "read_scene sweep"),
+        ("tables.stored", "open_sweep"),
+        ("tables.writing", "write_sweep"),
+    )
+    for name in names.split()
 }
+__all__ = [*_HOMES]
 
 
 def __getattr__(name: str) -> Any:
