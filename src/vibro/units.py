@@ -101,25 +101,21 @@ TIME: Final = Kind("s", "s", "_s",
 PER_MINUTE: Final = Kind("1/min", "1/s", "_per_min", {}, per_si=60.0)
 MASS_FLOW: Final = Kind("kg/h", "kg/s", "_kg_h", {}, per_si=3600.0)
 # fmt: on
-#: Units outside as the CF conventions of netCDF spell them, in the units of UDUNITS, where g is a gram.
-CF_UNITS: Final[Mapping[str, str]] = {
+
+
+#: Units whose spelling by the CF conventions of netCDF (UDUNITS, where g is a gram) follows no rule.
+_CF_UNITS: Final = {
     PURE.unit: "1",
     PERCENT.unit: "percent",
     IN_GRAVITIES.unit: "1",  # over the gravity of the scene, which need not be that of the Earth
-    LENGTH.unit: "mm",
-    SPEED.unit: "mm s-1",
-    FREQUENCY.unit: "Hz",
     ANGLE.unit: "degree",
-    ACCELERATION.unit: "m s-2",
-    MASS.unit: "kg",
-    FORCE.unit: "N",
-    ENERGY.unit: "J",
-    POWER.unit: "W",
-    STIFFNESS.unit: "N m-1",
     ROTATION.unit: "min-1",
-    MOMENT.unit: "kg mm",
-    WORKING_MOMENT.unit: "kg cm",
-    TIME.unit: "s",
     PER_MINUTE.unit: "min-1",
-    MASS_FLOW.unit: "kg h-1",
 }
+
+
+def cf_unit(unit: str) -> str:
+    """Spell a unit outside as the CF conventions of netCDF do: ``mm/s`` is ``mm s-1``."""
+    over, _, under = unit.partition("/")
+    divisor, _, power = under.partition("^")
+    return _CF_UNITS.get(unit) or (f"{over} {divisor}-{power or 1}" if under else unit)

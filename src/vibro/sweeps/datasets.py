@@ -16,7 +16,7 @@ import numpy as np
 from vibro.errors import FileError, InputError, how_to_install, shown
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.solved import swept_axis
-from vibro.units import CF_UNITS
+from vibro.units import cf_unit
 from vibro.version import __version__
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ def _coordinates(grid: Grid, indices: Sequence[NDArray[np.intp]] | None) -> dict
                 dimensions.append(axis.column)
             else:
                 values = values.squeeze(len(dimensions))
-        attributes = {"long_name": quantity.meaning, "units": CF_UNITS[quantity.unit]}
+        attributes = {"long_name": quantity.meaning, "units": cf_unit(quantity.unit)}
         coordinates[quantity.column] = (dimensions, values, attributes)
     return coordinates
 
@@ -147,7 +147,7 @@ def _attributes(column: Column) -> dict[str, Any]:
     short = meaning.replace(":", ";").partition(";")[0]
     attributes: dict[str, Any] = {"long_name": short, **({} if meaning == short else {"comment": meaning})}
     if column.is_number:
-        return {**attributes, "units": CF_UNITS[column.unit]}
+        return {**attributes, "units": cf_unit(column.unit)}
     if column.texts is None:
         return attributes
     codes = _FLAGS if column.is_flag else {_word(text): code for text, code in column.codes.items()}
