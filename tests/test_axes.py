@@ -131,12 +131,8 @@ def test_numbers_of_a_list_are_not_read_as_texts(monkeypatch: pytest.MonkeyPatch
         raise AssertionError
 
     monkeypatch.setattr("vibro.axes.exact_number", read)
-    monkeypatch.setattr("vibro.axes.nearest_double", read)
     assert len(axis_of([i / 7 for i in range(1, 1000)], QUANTITIES["amplitude"]).values) == 999
     assert len(axis_of(list(range(1, 1000)), QUANTITIES["amplitude"]).values) == 999
-    monkeypatch.undo()
-    monkeypatch.setattr("vibro.quantities.Fraction", read)
-    assert axis_of(["800um", "0.9"], QUANTITIES["amplitude"]).values == (0.8, 0.9)
 
 
 def test_a_decimal_of_hundreds_of_digits_is_a_number() -> None:

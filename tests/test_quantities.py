@@ -37,7 +37,6 @@ from vibro.quantities import (
     find_quantity,
     given_unit,
     kinetic_friction,
-    nearest_double,
 )
 from vibro.records.reading import read_record
 from vibro.scene import Scene
@@ -210,7 +209,7 @@ def test_a_swept_ratio_may_exceed_1() -> None:
 @each("digits", ["\u0661\u0662", "\uff11\uff12", "\u0967", "1\u0660", "1e\u0662", "1_0", "\u00b2"])
 def test_the_digits_of_numbers_are_ascii(digits: str, tmp_path: Path) -> None:
     """Everywhere: in options, in texts of files, along axes, in cells of records."""
-    for read in (exact_number, nearest_double, checked_number, parse_axis, axis_of):
+    for read in (exact_number, checked_number, parse_axis, axis_of):
         with pytest.raises(InputError):
             read(digits, QUANTITIES["amplitude"])
     for axis in (f"1:{digits}9", f"1:9:{digits}", f"1,2{digits}", f"1:9:step={digits}"):

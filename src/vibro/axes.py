@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import QUANTITIES, Quantity, exact_number, nearest_double
+from vibro.quantities import QUANTITIES, Quantity, exact_number
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
@@ -20,54 +20,28 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-# ------------------------------------------------------------------------------
-# How to write a range that somebody wrote in another way: as in MATLAB, as in a text, or downwards.
-
+_BARE: Final = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
 _REPEATED: Final = 40  # characters of a text that a hint repeats
-_BARE = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
-_NUMBER: Final = r"([+-]?(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*([^\W\d_]+|\u00b0)?"
-_OTHERWISE = re.compile(rf"\s*{_NUMBER}\s*(\.{{2,}}|[-\u2013\u2014\u2026;]|to)\s*{_NUMBER}\s*", re.IGNORECASE)
-
-
-def _spelling_hint(text: str, quantity: Quantity) -> str:
-    """Return how to write a range given as ``5..60``, ``5-60``, ``5 to 60`` or ``5;60``; else an empty text.
-
-    A unit that stands at the end alone is meant for both ends.
-    """
-    match = _OTHERWISE.fullmatch(text) if len(text) <= _REPEATED else None
-    if match is None:
-        return ""
-    first, unit, between, last, last_unit = match.groups("")
-    ends = [first + (unit or last_unit), last + last_unit]
-    try:
-        ends.sort(key=lambda end: exact_number(end, quantity))
-    except InputError:
-        return ""
-    also = f", for two values '{', '.join(ends)}'" if between == ";" else ""
-    return f"for a range write {':'.join(ends)}{also}"
+# Two numbers between which something stands that vibro does not read: 5..60, 5-60, 5 to 60, 5;60.
+_OTHERWISE: Final = re.compile(r".*[0-9]\S*\s*(?:\.\.|[-\u2013\u2014\u2026;]|to)\s*[+-]?\.?[0-9].*")
 
 
 def _order_hint(parts: Sequence[str], quantity: Quantity) -> str:
-    """Return how to write a range whose parts are in another order, as in MATLAB's start:step:stop."""
+    """Return how to write a range that descends, or whose parts stand as in MATLAB's start:step:stop."""
     try:
-        numbers = [exact_number(part, quantity) for part in parts]
+        first, second, *third = (exact_number(part, quantity) for part in parts)
     except InputError:
-        numbers = []
-    if not numbers or max(map(len, parts)) > _REPEATED:
         return "write lo:hi:count, or lo:hi:step=d"
-    first, second, *third = numbers
     if third and 0 < second <= third[0] - first:
         return f"for start:step:stop write {parts[0]}:{parts[2]}:step={parts[1]}"
-    if third and 0 < third[0] <= second - first:
-        return f"write {parts[0]}:{parts[1]}:step={parts[2]}"
     if first == second:
         return f"write {parts[0]} for one value"
-    if first < second:
-        return f"write {parts[0]}:{parts[1]}:3 for 3 values, or {parts[0]}:{parts[1]}:step=d for a step of d"
     bare = [bool(_BARE.fullmatch(part)) for part in parts[:2]]
-    if quantity.unit and bare[0] != bare[1]:
+    if second < first and bare[0] != bare[1]:
         return f"a number without a unit is in {quantity.unit}: give both ends their unit"
-    return f"write {parts[1]}:{parts[0]}, or {parts[1]}:{parts[0]}:step=d for a step of d"
+    low, high = (parts[0], parts[1]) if first < second else (parts[1], parts[0])
+    step = parts[2] if third and 0 < third[0] <= abs(second - first) else "d"
+    return f"write {low}:{high}:step={step}" + f", or {low}:{high}:count" * (step == "d")
 
 
 # An axis longer than the largest sweep that is written to one table is a slip of the keyboard.
@@ -295,7 +269,7 @@ def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
     if isinstance(value, list | tuple):
         kinds = set(map(type, value))
         if not kinds <= {int, float} and any(issubclass(kind, str) for kind in kinds):
-            value = [nearest_double(item, quantity) if isinstance(item, str) else item for item in value]
+            value = [float(exact_number(item, quantity)) if isinstance(item, str) else item for item in value]
     return real_array(value, _ALLOWED)
 
 
@@ -341,44 +315,32 @@ def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
     """
     if ":" in text:
         return _parse_range(text, quantity)
-    if "," in text:
+    if "," in text and ";" not in text:
         return _parse_list(text, quantity)
     try:
         return AxisSpec(quantity, (exact_number(text, quantity),))
     except InputError as exc:
-        if hint := _spelling_hint(text, quantity):
+        if len(text) <= _REPEATED and _OTHERWISE.fullmatch(text):
+            hint = "write a range like 5:60, and a list like 15,20,25"
             raise InputError(*exc.problems, hint=hint) from None
         raise
-
-
-def _size(text: str) -> float:
-    """Return the number with which a text begins."""
-    found = re.match(r"[+-]?[0-9]+", text.replace("\u2212", "-"))
-    return float(found[0]) if found else 0.0
 
 
 def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(text) <= _REPEATED and (match := _DECIMAL_COMMA.fullmatch(text)):
         first, last = match[1].replace(".", ""), match[2]
-        two = f"'{', '.join(sorted(match.groups(), key=_size))}' for two values"
-        whole = f" {first}{last}," if re.match(r"[0-9]{3}(?![0-9])", last) else ""  # it may part thousands
         raise InputError(
             f"{quantity.label} = {shown(text)}: a decimal comma, or two values",
-            hint=f"write {first}.{last},{whole} or {two}",
+            hint=f"write {first}.{last} or '{first}, {last}' for two values",
         )
     items = text.split(",")
-    if ";" in text and len(text) <= _REPEATED:  # as spreadsheets write where decimals have a comma
-        raise InputError(
-            f"{quantity.label} = {shown(text)}: values are separated by commas, and decimals have a point",
-            hint=f"write {text.replace(',', '.').replace(';', ',')}",
-        )
     if not all(map(str.strip, items)):
         raise InputError(
             f"{quantity.label} = {shown(text)}: a list with an empty item", hint="write a list like 15,20,25"
         )
     if len(items) > MAX_VALUES:
         raise _too_many(shown(text), quantity)
-    values = np.array([nearest_double(item, quantity) for item in items])
+    values = np.array([float(exact_number(item, quantity)) for item in items])
     _check_order(values, shown(text), quantity, *(("'{}'", ", ") if values.size == 2 else ("{}", ",")))
     return AxisSpec(quantity, tuple(_unsigned(values).tolist()))
 

@@ -567,21 +567,6 @@ def given_unit(text: str, quantity: Quantity) -> tuple[str, Fraction]:
     return next((unit, size) for unit, size in quantity.kind.sizes.items() if unit.casefold() == given)
 
 
-def nearest_double(text: str, quantity: Quantity) -> float:
-    """Read a number as ``exact_number`` does, and round it, in half the time: lists may be long."""
-    digits, size = _split(text, quantity)
-    number = float(digits)
-    if size != _ONE and number and math.isfinite(number):
-        numerator, denominator = Decimal(digits).as_integer_ratio()
-        try:  # Python rounds a quotient of whole numbers correctly
-            number = numerator * size[0] / (denominator * size[1])
-        except OverflowError:
-            number = math.inf
-    if not math.isfinite(number):
-        raise _not_finite(text, quantity)
-    return number
-
-
 def _plain(text: str) -> str:
     """Write a number with a hyphen for a minus sign, and a point for a decimal comma."""
     text = text.strip().replace("\N{MINUS SIGN}", "-")
@@ -605,19 +590,10 @@ def _split(text: str, quantity: Quantity) -> tuple[str, tuple[int, int]]:
     size = quantity.kind.ratios.get(unit.casefold()) if unit else _ONE
     if size is None:
         problem = f"{quantity.label} = {shown(text)}: {shown(unit)} is no unit of {quantity.label}"
-        raise InputError(problem, hint=_unit_hint(digits, unit, quantity))
+        known = ", ".join(quantity.kind.sizes)
+        hint = f"its units are {known}" if quantity.unit else "it is a pure number, or one in %"
+        raise InputError(problem, hint=hint)
     return digits, size
-
-
-def _unit_hint(digits: str, unit: str, quantity: Quantity) -> str:
-    """Say which units there are, and of an angle of friction which coefficient that is."""
-    if quantity.name in _CATALOGUED and (degrees := ANGLE.sizes.get(unit.casefold())):
-        angle = float(digits) * float(degrees)
-        if 0.0 < angle < 90.0:
-            coefficient = math.tan(math.radians(angle))
-            return f"an angle of friction of {angle:g} deg is a coefficient of {coefficient:.3g}"
-    known = ", ".join(quantity.kind.sizes)
-    return f"its units are {known}" if quantity.unit else "it is a pure number, or one in %"
 
 
 def _not_finite(text: str, quantity: Quantity) -> InputError:
@@ -625,10 +601,6 @@ def _not_finite(text: str, quantity: Quantity) -> InputError:
 
 
 def _number_hint(text: str, quantity: Quantity) -> str:
-    thousands = re.fullmatch(r"([+-]?[0-9]+),([0-9]{3,})\s*(\D*)", text)
-    if thousands and text.isprintable() and len(text) <= _HINTED:
-        first, last, unit = thousands.groups()
-        return f"write {first}{last}{unit}, or {first}.{last}{unit} if that is meant"
     if quantity.unit:
         return f"write it like 1.5{quantity.unit}"
     return catalogue_hint(text, quantity) or "write it like 0.5"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
 from vibro.files.csv_tables import columns_of
-from vibro.quantities import MASS, QUANTITIES, TROUGH_MASS, nearest_double
+from vibro.quantities import MASS, QUANTITIES, TROUGH_MASS, exact_number
 from vibro.results.operating import MACHINE_RESULTS, OPERATING
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
 
 def _machine(given: GivenMachine, natural: float | None) -> str:
     masses = [str(given.table[key]) for key in _MASSES if key in given.table]
-    weights = [m if m == "floor" else f"{nearest_double(m, TROUGH_MASS):g} kg" for m in masses]
+    weights = [m if m == "floor" else f"{float(exact_number(m, TROUGH_MASS)):g} kg" for m in masses]
     parts = [given.kind, " against ".join(weights)]
     if given.has_springs and natural is not None:
         pack = next((f" ({name})" for name, f0 in given.packs.items() if f0 == natural), "")

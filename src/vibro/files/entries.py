@@ -16,7 +16,7 @@ import numpy as np
 from vibro.axes import axis_of, one_value_of, parse_axis
 from vibro.drives import LEAST_SAMPLES, MOST_PIECES
 from vibro.errors import MOST_TOLD, InputError, Problems, did_you_mean, shown
-from vibro.quantities import MOST_HARMONICS, QUANTITIES, STANDS_FOR, SWEPT, nearest_double
+from vibro.quantities import MOST_HARMONICS, QUANTITIES, STANDS_FOR, SWEPT, exact_number
 from vibro.reals import real_number
 from vibro.units import ACCELERATION, ANGLE, FREQUENCY, LENGTH, PURE
 
@@ -275,7 +275,7 @@ def ends_of(quantity: Quantity, value: Any) -> list[float]:
 
 
 def _double(quantity: Quantity, value: Any) -> float:
-    double = nearest_double(value, quantity) if isinstance(value, str) else real_number(value)
+    double = float(exact_number(value, quantity)) if isinstance(value, str) else real_number(value)
     if not math.isfinite(double):
         raise _refusal(quantity, value, "must be a finite number")
     return double
@@ -342,7 +342,7 @@ def _rows(says: str, most: int, example: str, *columns: Kind, least: int = 1) ->
         if not least <= len(rows) <= most or not all(_is_row(row, len(of)) for row in rows):
             raise ValueError
         found = [
-            [nearest_double(x, q) if isinstance(x, str) else x for q, x in zip(of, row, strict=True)]
+            [float(exact_number(x, q)) if isinstance(x, str) else x for q, x in zip(of, row, strict=True)]
             for row in rows
         ]
         return found if len(of) > 1 else [item for (item,) in found]

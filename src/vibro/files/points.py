@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.errors import InputError, Problems, shown
 from vibro.files.reading import read_text, rows_of
-from vibro.quantities import QUANTITIES, Quantity, Range, nearest_double
+from vibro.quantities import QUANTITIES, Quantity, Range, exact_number
 from vibro.units import PERCENT
 
 if TYPE_CHECKING:
@@ -108,9 +108,9 @@ def _value(cell: str, unit: str, quantity: Quantity) -> float:
     """Read a cell, in the unit of its column unless it has one of its own; return it in the SI unit."""
     if not cell:
         raise InputError(f"{quantity.label}: the cell is empty", hint="delete that row")
-    value = nearest_double(cell, quantity)  # raises an error that names the cell
+    value = float(exact_number(cell, quantity))  # raises an error that names the cell
     if cell[-1] in "0123456789.":
-        value = nearest_double(cell + unit, quantity)
+        value = float(exact_number(cell + unit, quantity))
     value = float(quantity.to_si(value))
     if not quantity.allows(value) or not value > 0.0:
         above = "above 0 % and below 100 %" if quantity is AMPLITUDE_ERROR else f"above 0 {quantity.unit}"
