@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from helpers.cases import each
 
-from vibro.errors import MOST_TOLD, InputError, Problems, cut, did_you_mean, shown
+from vibro.errors import MOST_LISTED, InputError, Problems, cut, did_you_mean, shown
 
 
 @each("value", [1.5, -3, "0.1:3", "it's", [1, 2.0, "3mm"], {"a": 1}, None, True, 1e-300, "µm", (0, 74)])
@@ -65,10 +65,10 @@ def test_a_text_is_cut_in_its_middle() -> None:
 def test_the_first_problems_are_told_and_the_others_counted() -> None:
     error = InputError(*(f"problem {i}" for i in range(20_000)), hint="\n".join(map(str, range(100))))
     assert error.problems[:2] == ("problem 0", "problem 1")
-    assert error.problems[-1] == f"{20_000 - MOST_TOLD} more such problems"
-    assert len(error.problems) == MOST_TOLD + 1
-    assert error.hint.splitlines()[-1] == f"{100 - MOST_TOLD} more such hints"
-    assert InputError(*(["x"] * MOST_TOLD)).problems == ("x",) * MOST_TOLD
+    assert error.problems[-1] == f"{20_000 - MOST_LISTED} more such problems"
+    assert len(error.problems) == MOST_LISTED + 1
+    assert error.hint.splitlines()[-1] == f"{100 - MOST_LISTED} more such hints"
+    assert InputError(*(["x"] * MOST_LISTED)).problems == ("x",) * MOST_LISTED
 
 
 def test_no_line_of_a_message_is_long_or_obeyed_by_a_terminal() -> None:
@@ -81,7 +81,7 @@ def test_problems_tell_of_which_fields_they_are() -> None:
     assert InputError("one", "two", fields=["a", ""]).fields == ("a", "")
     assert InputError("one").fields == ()
     many = InputError(*map(str, range(50)), fields=[f"f{n}" for n in range(50)])
-    assert len(many.fields) == MOST_TOLD == len(many.problems) - 1
+    assert len(many.fields) == MOST_LISTED == len(many.problems) - 1
 
 
 def refuse(*problems: str, hint: str = "", fields: tuple[str, ...] = ()) -> None:

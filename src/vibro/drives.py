@@ -739,14 +739,14 @@ class Drive:
     ----------
     kind : str
         Its motion, in the words of messages.
-    told_by : tuple of str
+    own_names : tuple of str
         Fields of a scene that distinguish this kind from the others.
     abilities : frozenset of Ability
         Results that can be computed for it.
     """
 
     kind: ClassVar[str]
-    told_by: ClassVar[tuple[str, ...]]
+    own_names: ClassVar[tuple[str, ...]]
     abilities: ClassVar[frozenset[Ability]] = frozenset()
 
     @classmethod
@@ -854,7 +854,7 @@ class Line(_LineFields, Drive):
 
     __slots__ = ()
     kind = "along a line"
-    told_by = LINEAR
+    own_names = LINEAR
     abilities = frozenset(Ability)
 
     @property
@@ -894,7 +894,7 @@ class Ellipse(_EllipseFields, Drive):
 
     __slots__ = ()
     kind = "along an ellipse"
-    told_by = ELLIPTICAL
+    own_names = ELLIPTICAL
     abilities = frozenset({Ability.ONE_HARMONIC})
 
     @property
@@ -941,7 +941,7 @@ class Moved(_MovedFields, Drive):
     """A drive that is a ``Motion``: its scene's fields; ``normal_acceleration`` is NaN for free bodies."""
 
     __slots__ = ()
-    told_by = ("motion", "along_harmonics", "normal_harmonics")
+    own_names = ("motion", "along_harmonics", "normal_harmonics")
 
     @property
     def _factor(self) -> Floats:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
 #: Largest number of problems of one input that a message lists; the others are counted.
-MOST_TOLD: Final = 20
+MOST_LISTED: Final = 20
 _LONGEST: Final = 60  # characters of a value in a message
 _RIGHT: Final = 24  # of these, from its end
 _LONGEST_LINE: Final = 500  # characters of a message; nobody reads more
@@ -112,11 +112,11 @@ def how_to_install(extra: str) -> str:
     return f"pip install '.[{extra}]' in the project's folder"
 
 
-def _told(lines: Sequence[str], what: str) -> tuple[str, ...]:
+def _listed(lines: Sequence[str], what: str) -> tuple[str, ...]:
     """Keep the first lines, none too long, and count the others."""
-    told = [cut(line, _LONGEST_LINE) for line in lines[:MOST_TOLD]]
-    more = len(lines) - len(told)
-    return tuple([*told, f"{more} more such {what}"] if more else told)
+    listed = [cut(line, _LONGEST_LINE) for line in lines[:MOST_LISTED]]
+    more = len(lines) - len(listed)
+    return tuple([*listed, f"{more} more such {what}"] if more else listed)
 
 
 class VibroError(Exception):
@@ -186,7 +186,7 @@ class InputError(VibroError):
     def __init__(self, *problems: str, hint: str = "", fields: Sequence[str] = ()) -> None:
         self.raw = problems, hint
         self.problems, self.hint = self._spelt(_of_calls)
-        self.fields = (*fields,)[:MOST_TOLD]
+        self.fields = (*fields,)[:MOST_LISTED]
         super().__init__("; ".join(self.problems))
         _note(self, self.hint)
 
@@ -196,8 +196,8 @@ class InputError(VibroError):
 
     def _spelt(self, spell: Callable[[str], str]) -> tuple[tuple[str, ...], str]:
         problems, hint = self.raw
-        hints = _told([*map(spell, hint.splitlines())], "hints")
-        return _told([*map(spell, problems)], "problems"), "\n".join(hints)
+        hints = _listed([*map(spell, hint.splitlines())], "hints")
+        return _listed([*map(spell, problems)], "problems"), "\n".join(hints)
 
 
 class Problems:

@@ -84,14 +84,14 @@ def counts(codes: Any, texts: Mapping[int, str]) -> str:
     found = np.asarray(codes)
     different, number = np.unique(found, return_counts=True)
     order = np.argsort(-number, kind="stable")
-    told = [texts.get(int(code), str(code)) for code in different[order]]
+    names = [texts.get(int(code), str(code)) for code in different[order]]
     if not found.ndim:
-        return told[0] or "none"
-    return in_numbers(zip(told, number[order].tolist(), strict=True))
+        return names[0] or "none"
+    return in_numbers(zip(names, number[order].tolist(), strict=True))
 
 
 def in_numbers(counted: Iterable[tuple[str, int]]) -> str:
     """List texts with the number of each, as far as there is any; of many the first."""
-    told = [f"{text or 'none'}: {n}" for text, n in counted if n]
-    more = len(told) - _LISTED
-    return ", ".join(told if more <= 0 else [*told[:_LISTED], f"{more} more"]) or "none"
+    listed = [f"{text or 'none'}: {n}" for text, n in counted if n]
+    more = len(listed) - _LISTED
+    return ", ".join(listed if more <= 0 else [*listed[:_LISTED], f"{more} more"]) or "none"

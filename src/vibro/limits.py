@@ -300,9 +300,9 @@ def _of_any_motion(scene: Scene, now: float) -> tuple[float, list[tuple[str, flo
         for low, high in spans[:count].tolist()
     ]
     begun = {name: low for name, low, _ in reversed(found)}
-    for name, told, onset in zip(_CLASSES[:2], _LOADS, onsets, strict=True):
+    for name, load, onset in zip(_CLASSES[:2], _LOADS, onsets, strict=True):
         if not math.isclose(begun.get(name, math.inf), onset, rel_tol=_SAME):
-            found.append((told, onset, hop))
+            found.append((load, onset, hop))
     return hop, found
 
 

@@ -151,8 +151,8 @@ class Quantity:
             nearest, side, end, slip = last, "below", self.text(low), self.slips[0]
         else:
             return ""
-        told = slip.format(f"{float(nearest):.15g}", f"{float(nearest) / 100.0:.15g}")
-        return f"{self.label} = {self.text(nearest)} is {side} what is usual, {end}: {told}"
+        remedy = slip.format(f"{float(nearest):.15g}", f"{float(nearest) / 100.0:.15g}")
+        return f"{self.label} = {self.text(nearest)} is {side} what is usual, {end}: {remedy}"
 
     def text(self, value: float | Fraction) -> str:
         """Write a value with its unit, as messages do."""
@@ -195,7 +195,7 @@ _PHASE: Final = Range(-_ROUND, _ROUND, with_high=True)
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
 MOST_HARMONICS: Final = 16  # of a drive
-TOLD_HARMONICS: Final = 2  # whose quantities are listed one by one; more would fill a page
+LISTED_HARMONICS: Final = 2  # whose quantities are listed one by one; more would fill a page
 
 
 # fmt: off
@@ -433,7 +433,7 @@ def drive_of(names: Collection[str]) -> tuple[str, ...]:
 def counted_harmonics(names: Collection[str]) -> list[str]:
     """Write how many harmonics quantities describe; empty if all are listed one by one."""
     highest = max((QUANTITIES[name].order for name in names), default=1)
-    return [f"{highest} harmonics"] * (highest > TOLD_HARMONICS)
+    return [f"{highest} harmonics"] * (highest > LISTED_HARMONICS)
 
 
 def kinetic_friction(ratio: Any, static_friction: Any) -> Any:

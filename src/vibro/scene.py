@@ -62,7 +62,7 @@ def field_range(name: str) -> str:
 
 def _kind_of(values: dict[str, Any]) -> type[Fields]:
     """Return the kind of drive that is given, and fill in fields that may be left out."""
-    given = {kind.told_by: [n for n in kind.told_by if values.get(n) is not None] for kind in KINDS}
+    given = {kind.own_names: [n for n in kind.own_names if values.get(n) is not None] for kind in KINDS}
     drives = [(names, found) for names, found in given.items() if found]
     if len(drives) != 1 or (values.get("motion") is not None and len(drives[0][1]) > 1):
         named = " and ".join(name for found in given.values() for name in found) or "none"
@@ -81,7 +81,7 @@ def _kind_of(values: dict[str, Any]) -> type[Fields]:
         values["normal_phase"] = 0.0
     if missing := [name for name in names if values.get(name) is None]:
         raise SceneError(tuple(Problem(name, "None", f"given beside {found[0]}") for name in missing))
-    return next(kind for kind in KINDS if kind.told_by == names)
+    return next(kind for kind in KINDS if kind.own_names == names)
 
 
 def _kind_of_motion(motion: object) -> type[Harmonics | Piecewise]:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from helpers.cases import each
 
-from vibro.errors import MOST_TOLD, FileError, InputError
+from vibro.errors import MOST_LISTED, FileError, InputError
 from vibro.files.scene_files import read_scene_file
 
 SCENE = """
@@ -125,9 +125,9 @@ def test_many_unknown_keys_are_counted(tmp_path: Path, monkeypatch: pytest.Monke
     ):
         with pytest.raises(InputError) as caught:
             read_scene_file(written(tmp_path, text))
-        assert len(caught.value.problems) == MOST_TOLD + 1
-        assert caught.value.problems[-1] == f"{5000 - MOST_TOLD} more such problems"
-        assert len(compared) == MOST_TOLD
+        assert len(caught.value.problems) == MOST_LISTED + 1
+        assert caught.value.problems[-1] == f"{5000 - MOST_LISTED} more such problems"
+        assert len(compared) == MOST_LISTED
         compared.clear()
 
 

@@ -93,10 +93,10 @@ def workbook(path: Path, solved: Sweep, **shown: Any) -> tuple[Any, list[dict[st
     grid, argv, name = solved._grid, shown.pop("argv", ["map"]), shown.pop("name", "nut")
     pictures = shown.pop("pictures", {})
     table = Table(table_columns(grid))
-    view = choose_view(grid.told_axes, **shown) if grid.axes else None
+    view = choose_view(grid.given_axes, **shown) if grid.axes else None
     book, rows = Xlsx(path, path.parent, grid, table, view), Rows()
     tally = write_table(grid, table, [book.write, rows.write])
-    book.close(run_record(argv, {"name": name, **sweep_record(grid, table, tally.told())}), pictures)
+    book.close(run_record(argv, {"name": name, **sweep_record(grid, table, tally.record())}), pictures)
     return openpyxl.load_workbook(path), rows.cells
 
 

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("unarranged")
 MARKS = ("fastest", "fastest_backwards")
 
 
-def told(figure: Figure) -> list[str]:
+def peak_notes(figure: Figure) -> list[str]:
     return [text for text in legend(figure) if text.startswith("fastest")]
 
 
@@ -39,15 +39,15 @@ def test_a_map_marks_its_fastest_cell(nut: SweepResult, pictures: dict[str, Figu
     figure = pictures["speed"]
     np.testing.assert_array_equal(curve(only_map(figure), "fastest"), [[frequency, amplitude]])
     place = f"$A$ = {amplitude:.5g} mm, $f$ = {frequency:.5g} Hz"
-    assert told(figure) == [f"fastest: {speed[i, j]:.5g} mm/s at {place}"]
+    assert peak_notes(figure) == [f"fastest: {speed[i, j]:.5g} mm/s at {place}"]
     for name in ("regime", "traverse"):
-        assert told(pictures[name]) == []
+        assert peak_notes(pictures[name]) == []
 
 
 def test_of_facets_only_the_fastest_is_marked_and_its_value_told(facets: dict[str, Figure]) -> None:
     figure = facets["speed"]
     ((panel, _),) = marked(figure)
-    (text,) = told(figure)
+    (text,) = peak_notes(figure)
     assert text.endswith(f", {maps_of(figure)[panel].get_title()}")
 
 
@@ -55,7 +55,7 @@ def test_where_transport_reverses_the_fastest_backwards_is_marked_too(
     climb: SweepResult, climb_pictures: dict[str, Figure]
 ) -> None:
     slowest = np.nanmin(1e3 * climb.cycle.mean_velocity)
-    _, backwards = told(climb_pictures["speed"])
+    _, backwards = peak_notes(climb_pictures["speed"])
     assert backwards.startswith(f"fastest backwards: \N{MINUS SIGN}{-slowest:.5g} mm/s at $A$ = ")
     assert marked(climb_pictures["speed"]) == [(0, "fastest"), (0, "fastest_backwards")]
 
@@ -65,7 +65,7 @@ def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[
     speed = 1e3 * one_axis.cycle.mean_velocity
     top = int(np.nanargmax(speed))
     amplitude = one_axis.axes["amplitude"].values[top]
-    assert told(figure) == [f"fastest: {speed[top]:.5g} mm/s at $A$ = {amplitude:.5g} mm"]
+    assert peak_notes(figure) == [f"fastest: {speed[top]:.5g} mm/s at $A$ = {amplitude:.5g} mm"]
     np.testing.assert_allclose(curve(figure.axes[1], "fastest"), [[amplitude, speed[top]]], rtol=1e-15)
 
 
@@ -81,7 +81,7 @@ def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[
 )
 def test_of_several_curves_the_fastest_is_marked_once(axes: dict[str, Any], place: str) -> None:
     figure = map_figures(sweep(points=41, **axes), ["speed"])["speed"]
-    (text,) = told(figure)
+    (text,) = peak_notes(figure)
     assert text.endswith(f" mm/s at {place}")
     assert len(marked(figure)) == 1
 
@@ -89,5 +89,5 @@ def test_of_several_curves_the_fastest_is_marked_once(axes: dict[str, Any], plac
 def test_the_fastest_cell_of_a_table_is_marked_where_it_lies(nut: SweepResult) -> None:
     table = {"fastest": Peak(900.0, 0.0, {"amplitude": 2.5, "frequency": 50.0})}
     figure = map_figures(replace(nut, peaks=table), ["speed"])["speed"]
-    assert told(figure) == ["fastest: 900 mm/s at $A$ = 2.5 mm, $f$ = 50 Hz"]
+    assert peak_notes(figure) == ["fastest: 900 mm/s at $A$ = 2.5 mm, $f$ = 50 Hz"]
     np.testing.assert_array_equal(curve(only_map(figure), "fastest"), [[50.0, 2.5]])

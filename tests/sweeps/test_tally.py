@@ -68,5 +68,5 @@ def test_a_tally_is_read_as_it_is_told(grid: Grid) -> None:
     for block in sweep_blocks(grid):
         tally.add(block)
     assert tally.peaks.keys() == {"fastest", "fastest_backwards"}
-    assert Tally.read(json.loads(json.dumps(tally.told()))) == tally
-    assert Tally.read(Tally().told()) == Tally()
+    assert Tally.read(json.loads(json.dumps(tally.record()))) == tally
+    assert Tally.read(Tally().record()) == Tally()

@@ -12,7 +12,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 from vibro.errors import printable
-from vibro.quantities import DEFAULTS, MACHINE, QUANTITIES, TOLD_HARMONICS
+from vibro.quantities import DEFAULTS, LISTED_HARMONICS, MACHINE, QUANTITIES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -245,7 +245,7 @@ def given_text(given: Mapping[str, float]) -> str:
     return ", ".join(
         f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
         for name, value in given.items()
-        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS and name not in MACHINE
+        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= LISTED_HARMONICS and name not in MACHINE
     )
 
 

@@ -82,7 +82,7 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
         record |= _motion_record(m, m.motion, m.onset)
     if m.comparison:
         figures = _figures(m, m.comparison)
-        taken = {n: x for n, x in request.told.items() if m.trough is None or n not in MEASURED}
+        taken = {n: x for n, x in request.given_values.items() if m.trough is None or n not in MEASURED}
         scene = ": ".join(filter(None, (printable(request.name or ""), given_text(taken))))
         facts.append(Fact("scene", f"{scene}, pattern {m.comparison.motion.pattern}"))
         tables += [_figure_table(figures, is_rare=is_rare) for is_rare in (False, True)]
@@ -342,7 +342,7 @@ def _notes(m: Measurement, request: Request) -> list[str]:
     known = {*(m.trough.drive.quantities if m.trough else ()), *(p.name for p in m.fit.parameters)}
     taken = {
         name: value
-        for name, value in request.told.items()
+        for name, value in request.given_values.items()
         if name in (*SIZES, "drive_angle") and STANDS_FOR.get(name, name) not in known
     }
     exact = [f"taken as exact, so that no interval holds its error: {given_text(taken)}"] * bool(taken)

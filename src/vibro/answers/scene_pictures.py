@@ -57,7 +57,7 @@ def _maps(request: Request, grid: Grid) -> dict[str, Figure]:
     fixed = {name: value for name, value in grid.fixed.items() if name not in axes}
     around = replace(grid, axes=axes, fixed=fixed, arrivals=False, coexistence=False)
     figures = map_figures(sweep_picture(around, {}, own, request.name or "Scene"), ["regime", "speed"])
-    over = " and ".join(axis.label for axis in around.told_axes.values())
+    over = " and ".join(axis.label for axis in around.given_axes.values())
     shows = {"regime": "What the part does", "speed": "How fast it is conveyed"}
     return {f"{shows[name]} over {over}": figure for name, figure in figures.items()}
 
@@ -79,4 +79,4 @@ def _motion(request: Request, one: OneScene) -> dict[str, Figure]:
     rows = trace(history, since=since, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
     panels = choose_panels("trough,velocity,position" + ",gap" * flies, flies=flies)
     title = request.name or "Motion"
-    return {shows: history_figure(phases, rows, panels, title, request.told, period=period)}
+    return {shows: history_figure(phases, rows, panels, title, request.given_values, period=period)}

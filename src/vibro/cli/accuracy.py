@@ -107,7 +107,7 @@ def _grid(request: Request, console: Console) -> Grid:
     from vibro.sweeps.grid import Grid
 
     grid = Grid(request.axes(_VALUES), request.fixed, None, in_stroke=request.in_stroke)
-    console.echo_all(map(str, grid.told_axes.values()))
+    console.echo_all(map(str, grid.given_axes.values()))
     return grid
 
 

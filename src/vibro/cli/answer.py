@@ -170,8 +170,8 @@ def answer_cells(runs: Sequence[Run], options: Options, name: str, *, every: boo
             unresolved |= bool((block.cycle.status == Status.UNRESOLVED).any())
             cells += [{**own, **record} for record in run.records(block)]
     whole = not runs[0].is_chosen
-    given = dict(zip(names, (run.request.told for run in runs), strict=True))
-    answer = cells_answer(cells, [*runs[0].grid.told_axes], given) if whole else Answer(())
+    given = dict(zip(names, (run.request.given_values for run in runs), strict=True))
+    answer = cells_answer(cells, [*runs[0].grid.given_axes], given) if whole else Answer(())
     forms = TABLES if len(runs) == 1 else tuple(form for form in TABLES if form != "xlsx")
     outputs = Outputs(options, name, forms=forms, pictures=())
 

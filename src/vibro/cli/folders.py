@@ -55,7 +55,7 @@ def write_stored(plan: Plan, outputs: Outputs, workers: int | str | None, pictur
     with outputs:
         with _progress(console, folder, plan) as report:
             summary = write_folder(folder, plan, workers, argv, force=options.force, report=report)
-        content = {**sweep_record(plan.grid, plan.table, summary.tally.told()), "digest": summary.digest}
+        content = {**sweep_record(plan.grid, plan.table, summary.tally.record()), "digest": summary.digest}
         with drawn(pictures, console, summary.tally) as figures:
             outputs.finish(content, figures)
     shards = f"{plan.shards} shard{'' if plan.shards == 1 else 's'}"

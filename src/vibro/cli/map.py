@@ -99,7 +99,7 @@ def map_command(
     part = part_of(pitch, mass)
     request = request_of(options, varies=True, reads_map=True, takes_axes=True, ranges=RANGES)
     grid = request.grid(output, coexistence=coexist)
-    console.echo_all(map(str, grid.told_axes.values()))
+    console.echo_all(map(str, grid.given_axes.values()))
     table = table_of(grid, columns, throughput(part), needed=NEEDS_PART, part=part)
     view, held = view_of(grid, x, y, held_axes(at or []), "--at")
     names = pictures_of(grid, view, on_request=False) + shown
@@ -112,10 +112,10 @@ def map_command(
         )
     cells, pictures = None, None
     if outputs.pictures or any(form == "xlsx" for _, form in outputs.tables.values()):
-        tell_choices(view, grid.told_axes, held, console)
+        tell_choices(view, grid.given_axes, held, console)
         cells = None if outputs.folder else DrawnCells.of(grid, view.drawn)
         pictures = _pictures(request, grid, view, names, target_speed, cells)
-    target = None if target_speed is None else TargetSpeed(grid.told_axes, target_speed)
+    target = None if target_speed is None else TargetSpeed(grid.given_axes, target_speed)
     bends = 0
 
     def look(block: Block) -> None:
@@ -175,7 +175,7 @@ def _tell_doubts(grid: Grid, tally: Tally, bends: int, console: Console) -> None
         )
     if tally.at_rest:
         limits = limits_of(grid.values())
-        console.echo(where_motion_begins(grid.told_axes, grid.told(grid.fixed), limits))
+        console.echo(where_motion_begins(grid.given_axes, grid.as_given(grid.fixed), limits))
 
 
 def _workers(text: str | None, outputs: Outputs) -> int | str | None:

@@ -133,7 +133,7 @@ def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request
         if not m.comparison:
             return {}
         title = f"{answer.title}, computed pattern {m.comparison.motion.pattern}"
-        return {"": comparison_figure(m.comparison, title, request.told, m.fitted)}
+        return {"": comparison_figure(m.comparison, title, request.given_values, m.fitted)}
 
     texts = {"toml": lambda _: scene_file(m, data, request)}
     shows = {"": "The part's signals, measured and computed"}

@@ -151,7 +151,9 @@ def _figure(
     seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
     rows = trace(history, since=since, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
     period = 1.0 / float(history.scene.frequency)
-    return history_figure(phases, rows, seen, request.name or "Motion", request.told, part, period=period)
+    return history_figure(
+        phases, rows, seen, request.name or "Motion", request.given_values, part, period=period
+    )
 
 
 def _part(since: float, until: float, history: History) -> str:

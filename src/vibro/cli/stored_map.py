@@ -74,12 +74,12 @@ def map_stored(
     shards = open_shards(folder)
     plan, grid, tally = shards.plan, shards.plan.grid, shards.summary.tally
     _refuse_unsolved(grid, folder, shown, speed)
-    console.echo_all(map(str, grid.told_axes.values()))
+    console.echo_all(map(str, grid.given_axes.values()))
     view, held = view_of(grid, x, y, held_axes(at), "--at")
     names = pictures_of(grid, view, on_request=False) + shown
     if not names:
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
-    tell_choices(view, grid.told_axes, held, console)
+    tell_choices(view, grid.given_axes, held, console)
     name = folder.resolve().stem
     if "-" in (options.output or []):
         raise InputError(f"-o -: the cells of {folder} are solved already", hint=_OTHERWISE.format("it"))
@@ -92,7 +92,7 @@ def map_stored(
     )
     with outputs:
         origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
-        content = {"sweep": origin, **sweep_record(grid, plan.table, tally.told())}
+        content = {"sweep": origin, **sweep_record(grid, plan.table, tally.record())}
         with drawn(pictures, console, tally) as figures:
             outputs.finish(content, figures)
     tell_peaks(tally, grid, console)

@@ -147,7 +147,7 @@ def write_sweep(
             sinks.append(csv_sink(sys.stdout.buffer, table, form))
         with console.progress("solving", grid.size) as bar:
             tally = write_table(grid, table, sinks, report=bar, look=look)
-        content = sweep_record(grid, table, tally.told())
+        content = sweep_record(grid, table, tally.record())
         with drawn(pictures if outputs.pictures or books else None, console, tally) as figures:
             if page is not None:
                 outputs.write_texts({"html": page}, figures)
@@ -200,7 +200,7 @@ def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
     from vibro.scene import Scene
 
     for name, peak in tally.peaks.items():
-        console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.told_axes)}")
+        console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.given_axes)}")
         motion = {} if grid.motion is None else {"motion": grid.motion.motion}
         load = float(f"{float(Scene(**scene_fields({**peak.values, **motion})).load):.4g}")
         if doubt := LOAD.doubt(load, load):

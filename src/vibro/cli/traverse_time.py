@@ -30,7 +30,7 @@ def traverse_time_command(
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     grid = request.grid(arrivals=follows)
-    options.console.echo_all(map(str, grid.told_axes.values()))
+    options.console.echo_all(map(str, grid.given_axes.values()))
     table = table_of(grid, columns, extra, needed={WITH_ARRIVAL.name: "--exact"})
     run = Run(request, grid, table, table.columns, columns is not None)
     if request.varying:

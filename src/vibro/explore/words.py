@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from vibro.explore.bands import box_of
 from vibro.plots.style import UNIT_SIGNS, number_text, value_text
-from vibro.quantities import QUANTITIES, TOLD_HARMONICS, counted_harmonics
+from vibro.quantities import LISTED_HARMONICS, QUANTITIES, counted_harmonics
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -49,7 +49,7 @@ def caption_of(state: State) -> str:
     parts = []
     for name, quantity in QUANTITIES.items():
         low, high = spans.get(name, (None, None))
-        if low is None or high is None or quantity.order > TOLD_HARMONICS:
+        if low is None or high is None or quantity.order > LISTED_HARMONICS:
             continue
         if low != high or low != quantity.default:
             ends = dict.fromkeys((value_text(name, low), value_text(name, high)))

@@ -15,7 +15,7 @@ import numpy as np
 
 from vibro.axes import axis_of, one_value_of, parse_axis
 from vibro.drives import LEAST_SAMPLES, MOST_PIECES
-from vibro.errors import MOST_TOLD, InputError, Problems, did_you_mean, shown
+from vibro.errors import MOST_LISTED, InputError, Problems, did_you_mean, shown
 from vibro.quantities import MOST_HARMONICS, QUANTITIES, STANDS_FOR, SWEPT, exact_number
 from vibro.reals import real_number
 from vibro.units import ACCELERATION, ANGLE, FREQUENCY, LENGTH, PURE
@@ -114,9 +114,9 @@ class Entry(NamedTuple):
             return self.form.read(self.quantity, value)
         except InputError as exc:
             label = f"{self.quantity.label} = "
-            told = (f"{self.key} = {p[len(label) :]}" if p.startswith(label) else p for p in exc.problems)
+            problems = (f"{self.key} = {p[len(label) :]}" if p.startswith(label) else p for p in exc.problems)
             hint = exc.hint if self.key in exc.hint or not exc.hint else f"{self.key}: {exc.hint}"
-            raise InputError(*told, hint=hint) from None
+            raise InputError(*problems, hint=hint) from None
         except (KeyError, ValueError):
             says = f"a {self.form.says}" if self.form.spellings else self.form.says
             hint = did_you_mean(value, self.form.words) or f"write {self.key} = {self.form.example}"
@@ -231,7 +231,7 @@ def refuse_unknown(
     homes = [kind.heading for kind in tables if word in kind.entries]
     if homes:
         meant = f"; it belongs in {' or '.join(homes)}"
-    elif len(problems.found) >= MOST_TOLD:
+    elif len(problems.found) >= MOST_LISTED:
         meant = ""  # the message leaves it out, and each lookup takes 0.1 ms
     else:
         known = [*known]

@@ -118,8 +118,8 @@ def _clamped(scene: dict[str, Any]) -> dict[str, AxisSpec]:
     if force is None or mass is None or clamped.name in scene:
         both = f"{NORMAL_FORCE.column} and {MASS.column}"
         alone = f"{MASS.column if force is None else NORMAL_FORCE.column} is given alone"
-        told = f"{both} beside {clamped.column}" if clamped.name in scene else alone
-        raise InputError(told, hint=f"give {both}, or {clamped.column}")
+        problem = f"{both} beside {clamped.column}" if clamped.name in scene else alone
+        raise InputError(problem, hint=f"give {both}, or {clamped.column}")
     return {clamped.name: axis_of(force / mass, clamped)}
 
 

@@ -82,7 +82,7 @@ def curve_figure(
         for f, look in zip(fields, looks, strict=True):
             values = f.panel.cycle[subject.result][0]
             values = np.where(values > 0.0, values, np.nan) if picture == "traverse" else values
-            values = subject.told(values, result.length)
+            values = subject.in_unit(values, result.length)
             _draw_numbers(a, f, values, look, uncertain=subject.result == "mean_velocity")
             shown.append(values)
         for f, look, values in zip(fields, looks, shown, strict=True):

@@ -123,9 +123,9 @@ def head_sweep(figure: Figure, heading: str, result: SweepResult, panels: Sequen
     """Write the content of a picture and the title of the sweep; below, what all panels have in common."""
     first = panels[0].values.items()
     common = {name: value for name, value in first if all(p.values[name] == value for p in panels)}
-    told = style.values_text(common, hops=result.hops)
+    values = style.values_text(common, hops=result.hops)
     headline = f"{heading} – {result.title}" if result.title else heading
-    set_heading(figure, headline, "\n".join(filter(None, [told, result.rest_text])))
+    set_heading(figure, headline, "\n".join(filter(None, [values, result.rest_text])))
 
 
 def set_heading(figure: Figure, headline: str, below: str = "") -> None:

@@ -79,7 +79,7 @@ def _draw_numbers(
         f = layers.fields
         hops = f.panel.cycle["regime"] == Regime.HOPPING
         numbers = f.reaching(subject.result, hops) if subject.in_flight else f.velocity
-        values.append(subject.told(numbers, length))
+        values.append(subject.in_unit(numbers, length))
         known = layers.open & np.isfinite(values[-1])
         kinds = known, known & (f.regular > 0.0), known & (f.log_ratio["hop"] <= 0.0)
         for numbers_of, among in zip(seen, kinds, strict=True):

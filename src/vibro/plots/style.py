@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.quantities import QUANTITIES, TOLD_HARMONICS, counted_harmonics
+from vibro.quantities import LISTED_HARMONICS, QUANTITIES, counted_harmonics
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -197,7 +197,7 @@ def values_text(values: Mapping[str, float], *, all_of_them: bool = False, hops:
         for name, quantity in QUANTITIES.items()
         if name in values
         if all_of_them or quantity.default != values[name] or (hops and name == "restitution")
-        if quantity.order <= TOLD_HARMONICS or all_of_them
+        if quantity.order <= LISTED_HARMONICS or all_of_them
     ]
     return ", ".join([*parts, *counted_harmonics(values)])
 

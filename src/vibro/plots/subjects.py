@@ -26,7 +26,7 @@ class Subject(NamedTuple):
     size: float = _MILLIMETRE
     in_flight: bool = False
 
-    def told(self, values: Floats, length: float | None) -> Floats:
+    def in_unit(self, values: Floats, length: float | None) -> Floats:
         """Return numbers of its result in its unit; times over a length [mm]."""
         if self is SUBJECTS["traverse"]:
             return (length or np.nan) / (_MILLIMETRE * np.maximum(values, _LEAST_VELOCITY))

@@ -100,13 +100,13 @@ class Attractors(Shown, Sequence[Attractor]):
     def covered(self) -> str:
         """One sentence that says how complete the search was."""
         if self.complete:
-            told = "all cycles are known"
+            text = "all cycles are known"
         elif self.starts == 1:
-            told = "cycles in contact, perhaps not all; bouncing bodies were not searched"
+            text = "cycles in contact, perhaps not all; bouncing bodies were not searched"
         else:
-            told = f"{self.starts} start{'s' * (self.starts > 1)} followed, {self.unsettled} led to no cycle"
-            told += "; cycles that attract none of these starts are missing"
-        return told + ("; a body pushed down the trough may never stop" if self.runs_away else "")
+            text = f"{self.starts} start{'s' * (self.starts > 1)} followed, {self.unsettled} led to no cycle"
+            text += "; cycles that attract none of these starts are missing"
+        return text + ("; a body pushed down the trough may never stop" if self.runs_away else "")
 
     def __repr__(self) -> str:
         """Return a table of the cycles, and what the search covered."""

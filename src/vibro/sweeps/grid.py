@@ -72,12 +72,12 @@ class Grid:
     machine: GivenMachine | None = None
 
     @property
-    def told_axes(self) -> dict[str, Axis]:
+    def given_axes(self) -> dict[str, Axis]:
         """The axes in the quantities that were given, by their names, for texts."""
         axes = [axis.in_stroke if self.in_stroke else axis for axis in self.axes.values()]
         return {axis.name: axis for axis in axes}
 
-    def told(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def as_given(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return quantities as they were given, by their names, for texts."""
         return as_given(values, in_stroke=self.in_stroke)
 
@@ -104,11 +104,11 @@ class Grid:
         has its column anyway; the trough's length where there is one.
         """
         hops = self.flight and "normal_acceleration" not in {*self.axes, *self.fixed}
-        told = {
+        names = {
             "restitution": hops and "restitution" not in self.axes,
             "trough_length": self.length is not None,
         }
-        return tuple(name for name, is_told in told.items() if is_told)
+        return tuple(name for name, is_needed in names.items() if is_needed)
 
     @property
     def is_dear(self) -> bool:

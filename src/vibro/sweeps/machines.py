@@ -99,8 +99,8 @@ def bent_speed(values: Mapping[str, Any], scene: Scene) -> Any:
 def empty_amplitude(given: GivenMachine, values: Mapping[str, float]) -> float:
     """Return the amplitude of the empty trough [mm]."""
     case = case_of(given, values)
-    told = {name: case[name] for name in ("setting", "voltage", "natural_frequency")}
-    return float(LENGTH.from_si(given.machine.response(case["frequency"], **told).amplitude))
+    supply = {name: case[name] for name in ("setting", "voltage", "natural_frequency")}
+    return float(LENGTH.from_si(given.machine.response(case["frequency"], **supply).amplitude))
 
 
 def check_operating(given: GivenMachine, values: Mapping[str, Any]) -> None:

@@ -117,7 +117,7 @@ class Request:
         return LINEAR if self.machine is not None else drive_of(self.specs)
 
     @property
-    def told(self) -> dict[str, float]:
+    def given_values(self) -> dict[str, float]:
         """``fixed`` in the quantities that were given, for texts."""
         return as_given(self.fixed, in_stroke=self.in_stroke)
 
@@ -353,11 +353,11 @@ def _check_machine(
     """Check the values given for a machine, and add the natural frequency of its springs as a default."""
     natural, describe = QUANTITIES["natural"], "describe one in the table [machine] of a scene file"
     for slot in (slot for slot in MACHINE if slot in given):
-        told = _text(given[slot], given[slot].values[0])
+        found = _text(given[slot], given[slot].values[0])
         if machine is None:
-            problems.add(f"{told}: there is no machine", f"leave it out, or {describe}", slot)
+            problems.add(f"{found}: there is no machine", f"leave it out, or {describe}", slot)
         elif not machine.takes(slot):
-            problems.add(f"{told}: does not apply to a machine of kind {machine.kind}", "leave it out", slot)
+            problems.add(f"{found}: does not apply to a machine of kind {machine.kind}", "leave it out", slot)
     if machine is None:
         if pack is not None:
             problems.add(f"spring pack {shown(pack)}: there is no machine", describe, natural.name)
@@ -437,7 +437,7 @@ def _text(spec: AxisSpec, value: Fraction | float) -> str:
 
 
 def _check_values(slot: str, specs: Specs, caller: Caller, takes_axes: bool, problems: _Problems) -> None:
-    """Check whether a quantity may vary, and every value; the first wrong one is told."""
+    """Check whether a quantity may vary, and every value; only the first wrong one is reported."""
     spec, is_swept = specs[slot], slot in SWEPT
     if spec.varies and not (takes_axes and is_swept):
         ends = "...".join(spec.quantity.text(v) for v in (spec.values[0], spec.values[-1]))
@@ -455,15 +455,15 @@ def _check_clamped(drive: tuple[str, ...], specs: Specs, caller: Caller, problem
     clamped = specs.get("normal_acceleration")
     if clamped is None or "normal_acceleration" in problems.slots:
         return
-    told = _text(clamped, clamped.values[0])
+    found = _text(clamped, clamped.values[0])
     if drive is LINEAR:
         x, y = (caller.name(QUANTITIES[name]) for name in TWO_AXIS[:2])
         why = "of a clamped part, whose trough moves along itself alone"
-        problems.add(f"{told}: {why}", f"in place of amplitude and drive angle give {x}, and 0 for {y}")
+        problems.add(f"{found}: {why}", f"in place of amplitude and drive angle give {x}, and 0 for {y}")
     for slot, spec in specs.items():
         if slot.startswith("normal_amplitude") and any(spec.values):
             moves = _text(spec, spec.values[-1])
-            problems.add(f"{told} beside {moves}: the trough of a clamped part moves along itself alone")
+            problems.add(f"{found} beside {moves}: the trough of a clamped part moves along itself alone")
             return
 
 

@@ -212,15 +212,15 @@ def _result(
 ) -> SweepResult:
     """Hand a solved grid to pictures, in the quantities that were given."""
     return SweepResult(
-        part.told_axes,
-        part.told(part.fixed),
+        part.given_axes,
+        part.as_given(part.fixed),
         cycle,
         limits_of(values),
         part.length,
-        None if point is None else part.told(point),
+        None if point is None else part.as_given(point),
         title,
         None if part.machine is None else values["amplitude"],
-        None if peaks is None else {k: p._replace(values=part.told(p.values)) for k, p in peaks.items()},
+        None if peaks is None else {k: p._replace(values=part.as_given(p.values)) for k, p in peaks.items()},
     )
 
 

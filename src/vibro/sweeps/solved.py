@@ -44,8 +44,8 @@ class SolvedGrid(Shown, ABC):
 
     def _table(self) -> tuple[str, list[tuple[str, ...]], tuple[()]]:
         """Return axes, fixed quantities and a summary of the cells."""
-        rows = [tuple(str(axis).split(": ", 1)) for axis in self._grid.told_axes.values()]
-        fixed = self._grid.told(self._grid.fixed)
+        rows = [tuple(str(axis).split(": ", 1)) for axis in self._grid.given_axes.values()]
+        fixed = self._grid.as_given(self._grid.fixed)
         if self._grid.length is not None:
             fixed["trough_length"] = self._grid.length
         if self._grid.motion is not None:
@@ -145,12 +145,12 @@ def view_of(
     held: dict[str, float] = {}
     for called, value in at:
         quantity = axis_called(called, argument)
-        given = grid.told({quantity.name: one_value(value, quantity, argument)})
+        given = grid.as_given({quantity.name: one_value(value, quantity, argument)})
         if held.keys() & given.keys():
             raise InputError(f"{argument}: {quantity.label} is given twice", hint="give it once")
         held |= given
     x, y = (found.name if (found := find_quantity(axis or "")) else axis for axis in (x, y))
-    return choose_view(grid.told_axes, x, y, held, grid.told(grid.fixed)), held
+    return choose_view(grid.given_axes, x, y, held, grid.as_given(grid.fixed)), held
 
 
 def pictures_of(grid: Grid, view: View, *, on_request: bool = True) -> list[str]:

@@ -35,12 +35,12 @@ class Tally:
     peaks: dict[str, Peak] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, told: Mapping[str, Any]) -> Self:
-        """Make a tally from the mapping that ``told`` returns."""
+    def read(cls, record: Mapping[str, Any]) -> Self:
+        """Make a tally from the mapping that ``record`` returns."""
         return cls(
-            Counter({code: told["status"].get(code.label, 0) for code in Status}),
-            Counter({code: told["regime"].get(code.label or _NO_REGIME, 0) for code in Regime}),
-            {name: _read_peak(cell) for name, cell in told.get("peaks", {}).items()},
+            Counter({code: record["status"].get(code.label, 0) for code in Status}),
+            Counter({code: record["regime"].get(code.label or _NO_REGIME, 0) for code in Regime}),
+            {name: _read_peak(cell) for name, cell in record.get("peaks", {}).items()},
         )
 
     def add(self, block: Block) -> None:
@@ -66,12 +66,12 @@ class Tally:
         """Whether every body rests, or is infeasible."""
         return self.status.total() == self.regime[Regime.NO_SLIP] + self.status[Status.INFEASIBLE]
 
-    def told(self) -> dict[str, Any]:
+    def record(self) -> dict[str, Any]:
         """Return the counts that are not 0, by label, and the peaks, by column."""
         return {
             "status": {code.label: self.status[code] for code in Status if self.status[code]},
             "regime": {code.label or _NO_REGIME: self.regime[code] for code in Regime if self.regime[code]},
-            "peaks": {name: _told_peak(peak) for name, peak in self.peaks.items()},
+            "peaks": {name: _peak_record(peak) for name, peak in self.peaks.items()},
         }
 
 
@@ -79,15 +79,15 @@ def _order(peak: Peak) -> tuple[float, list[float]]:
     return abs(peak.speed), [-value for value in peak.values.values()]
 
 
-def _told_peak(peak: Peak) -> dict[str, float]:
+def _peak_record(peak: Peak) -> dict[str, float]:
     # a crank has no natural frequency
     here = {QUANTITIES[name].column: value for name, value in peak.values.items() if math.isfinite(value)}
     return {_SPEED: peak.speed, _ERROR: peak.error, **here}
 
 
-def _read_peak(told: Mapping[str, float]) -> Peak:
-    values = {name: told[q.column] for name, q in QUANTITIES.items() if q.column in told}
-    return Peak(told[_SPEED], told[_ERROR], values)
+def _read_peak(record: Mapping[str, float]) -> Peak:
+    values = {name: record[q.column] for name, q in QUANTITIES.items() if q.column in record}
+    return Peak(record[_SPEED], record[_ERROR], values)
 
 
 def _counted(codes: NDArray[np.int8], kind: Callable[[int], _Code]) -> dict[_Code, int]:

@@ -151,7 +151,7 @@ class Plan:
 
     def differences(self, there: Plan) -> str:
         """Say how the plan in the folder differs from this one, as far as it changes the shards."""
-        said = _differences(_told(there.content), _told(self.content))
+        said = _differences(_described(there.content), _described(self.content))
         return "; ".join(said or _differences(_counted(there.content), _counted(self.content)))
 
 
@@ -207,7 +207,7 @@ def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
     return {**counted, "columns": list(content["columns"].items())}
 
 
-def _told(content: Mapping[str, Any]) -> dict[str, Any]:
+def _described(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the fingerprint covers, for people."""
     counted = _counted(content)
     del counted["cells"]  # they follow from the axes

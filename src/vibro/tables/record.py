@@ -29,7 +29,7 @@ def sweep_record(
     table : Table
         What is written.
     counts : mapping, optional
-        Counts of the cells, from ``Tally.told``.
+        Counts of the cells, from ``Tally.record``.
     every_value : bool
         Whether every value of an axis is listed, not only those that do not follow from its ends.
     """

@@ -103,7 +103,7 @@ class Summary:
         files = {shard_name(shard): self.made[shard][:4] for shard in sorted(self.made)}
         sweep = {"fingerprint": plan.fingerprint, "cells": self.tally.status.total()}
         counts = {"shards": len(files), "bytes": self.size, "digest": self.digest}
-        return sealed({**sweep, **counts, **self.tally.told(), "files": files})
+        return sealed({**sweep, **counts, **self.tally.record(), "files": files})
 
     @classmethod
     def read(cls, text: bytes, plan: Plan) -> Self:
@@ -119,7 +119,7 @@ class Summary:
         names = [shard_name(shard) for shard in range(plan.shards)]
         if content["fingerprint"] != plan.fingerprint or list(files) != names:
             raise ValueError("it is of another sweep")
-        return cls({shard: Made(*told) for shard, told in enumerate(files.values())}, tally)
+        return cls({shard: Made(*made) for shard, made in enumerate(files.values())}, tally)
 
 
 def make_shard(
@@ -156,8 +156,8 @@ def make_shard(
 
     if made_by() != plan.content["made_by"]:
         here, there = (", ".join(map(" ".join, of.items())) for of in (made_by(), plan.content["made_by"]))
-        told = f"a worker has {here}; this sweep is made with {there}"
-        raise FileError(told, hint="install the same everywhere")
+        problem = f"a worker has {here}; this sweep is made with {there}"
+        raise FileError(problem, hint="install the same everywhere")
     if not running.is_dir():
         raise FileError(f"a worker finds no folder {running}", hint=_SAME_FILES)
     path = folder / shard_name(shard)
@@ -177,7 +177,7 @@ def make_shard(
                 writer.write_table(cells, size)
             assert writer is not None
             place = {"fingerprint": plan.fingerprint, "first_cell": first, "cells": end - first}
-            writer.add_key_value_metadata({_FOOTER: sealed({**place, **tally.told()}), _WHOLE: _BLANK})
+            writer.add_key_value_metadata({_FOOTER: sealed({**place, **tally.record()}), _WHOLE: _BLANK})
             writer.close()
     finally:
         if writer is not None:

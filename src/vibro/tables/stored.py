@@ -172,12 +172,12 @@ class StoredSweep(SolvedGrid):
             ("folder", f"{self._shards.folder}: {shards} files, {columns} columns"),
             ("regime", in_numbers((code.label or NO_REGIME, n) for code, n in tally.regime.most_common())),
             ("status", in_numbers((code.label, n) for code, n in tally.status.most_common())),
-            *((name.replace("_", " "), self._told(peak)) for name, peak in tally.peaks.items()),
+            *((name.replace("_", " "), self._where(peak)) for name, peak in tally.peaks.items()),
         ]
 
-    def _told(self, peak: Peak) -> str:
-        told, axes = self._grid.told(peak.values), self._grid.told_axes.items()
-        at = ", ".join(f"{axis.label} {amount(told[name], axis.unit)}" for name, axis in axes)
+    def _where(self, peak: Peak) -> str:
+        given, axes = self._grid.as_given(peak.values), self._grid.given_axes.items()
+        at = ", ".join(f"{axis.label} {amount(given[name], axis.unit)}" for name, axis in axes)
         return f"{amount(peak.speed, SPEED.unit)}{' at ' if at else ''}{at}"
 
     def _cells(

@@ -121,7 +121,7 @@ class Xlsx:
         from xlsxwriter.exceptions import FileCreateError
 
         self._book.set_properties({"title": visible(record.get("name", "")), "created": datetime(2000, 1, 1)})
-        for row, cells in enumerate(self._told(record)):
+        for row, cells in enumerate(self._overview(record)):
             self._write_row(self._summary, row, cells, self._bold if len(cells) == 1 else None)
         self._summary.set_column(0, 2, 26)
         if self._view is not None and self._view.y is not None and len(self._view.x) < _MOST_COLUMNS:
@@ -154,9 +154,9 @@ class Xlsx:
             elif cell is not None and math.isfinite(cell):
                 sheet.write_number(row, place, cell, style)
 
-    def _told(self, record: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
-        """Tell what was solved and what was found, a row each; one of a single cell is a heading."""
-        grid, axes, cells = self._grid, self._grid.told_axes, record["cells"]
+    def _overview(self, record: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+        """Yield what was solved and what was found, a row each; one of a single cell is a heading."""
+        grid, axes, cells = self._grid, self._grid.given_axes, record["cells"]
         yield (record.get("name") or "Sweep",)
         yield "command", shlex.join(map(str, record.get("argv", ())))
         yield "vibro", record.get("version", "")
@@ -174,7 +174,7 @@ class Xlsx:
         for label, count in {**record["regime"], **record["status"]}.items():
             yield label, count, f"{count / cells:.2%}", messages.get(label, "")
         for label, cell in record["peaks"].items():
-            values = grid.told({name: cell[axis.column] for name, axis in grid.axes.items()})
+            values = grid.as_given({name: cell[axis.column] for name, axis in grid.axes.items()})
             place = ", ".join(f"{axis.column} = {values[name]:.10g}" for name, axis in axes.items())
             yield label.replace("_", " "), cell["mean_velocity_mm_s"], "mm/s", place
         yield ("Columns of Cells",)
@@ -186,7 +186,7 @@ class Xlsx:
         view = self._view
         assert view is not None
         assert view.y is not None
-        sheet, axes = self._sheet(_OVER_AXES[name]), self._grid.told_axes
+        sheet, axes = self._sheet(_OVER_AXES[name]), self._grid.given_axes
         styles = {}
         for regime, colour in REGIME_COLOURS.items():
             ink = "#FFFFFF" if regime is Regime.HOPPING else INK
