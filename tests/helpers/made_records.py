@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro.drives import Ellipse
-from vibro.records.alignment import Estimate, Observation
+from vibro.records.alignment import Observation
 from vibro.records.problem import HOPS
 from vibro.records.reading import Record
-from vibro.records.trough import Trough, Wave
 
 Floats = NDArray[np.float64]
 
@@ -231,14 +230,3 @@ def trough_record(
         wave = -peak * part * (np.sin(phase + ahead) + harmonic * np.sin(3.0 * (phase + ahead)))
         signals[name] = wave + offset + noise * random.standard_normal(time.size)
     return Record(time + start, {}, signals, {name: name for name in columns})
-
-
-def wave(size: float, phase: float = 0.0, error: float = 0.0, **others: Any) -> Wave:
-    """Make a wave of a motion: its acceleration is opposed to it."""
-    values: dict[str, Any] = {"header": "u [g]", "harmonics": 0.0, "rest": 0.0, "sensitivity": ""}
-    return Wave(value=-size * complex(math.cos(phase), math.sin(phase)), error=error, **(values | others))
-
-
-def moved(along: Wave | None, normal: Wave | None) -> Trough:
-    """Make a trough of 15 Hz that moves with these waves."""
-    return Trough(Estimate(15.0, 0.0), along, normal, 2.0)

@@ -29,7 +29,7 @@ from vibro.records.alignment import Estimate, Observation
 from vibro.records.fitting import Fit, Minimum, Parameter, _profile, fit
 from vibro.records.problem import FITTABLE, Problem
 from vibro.records.reading import read_record
-from vibro.records.trough import trough_of
+from vibro.records.trough import motion_of
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
@@ -503,9 +503,7 @@ def fitted_with_its_drive(seed: int, *, carried: bool) -> Fit:
     record = trough_record(1e-3, FREQUENCY, math.radians(20.0), noise=1.5, seed=seed, trigger=0.0137)
     random = np.random.default_rng(seed + 1000)
     way = Walked(nut()).displacement(record.time + 0.0137) + 2e-6 * random.standard_normal(record.time.size)
-    trough = trough_of(record)
-    assert trough is not None
-    drive = trough.drive_on_line()
+    drive = motion_of(record).drive_on_line()
     scene = nut(**{name: estimate.value for name, estimate in drive.quantities.items()})
     observation = Observation.of(replace(record, signals={"displacement": way}), float(scene.frequency))
     return fit(scene, observation, ["static_friction", "kinetic_friction"], drive.moved if carried else ())
@@ -530,10 +528,9 @@ def test_a_drive_that_is_known_exactly_widens_nothing() -> None:
     scene, names = nut(), ["static_friction", "kinetic_friction"]
     observation = Walked(scene).observe("displacement", cycles=6)
     plain = fit(scene, observation, names)
-    trough = trough_of(trough_record())
-    assert trough is not None
+    drive = motion_of(trough_record()).drive_on_line()
     for error in (0.0, math.nan, math.inf):
-        exact = trough.drive_on_line()._replace(quantities={"amplitude": Estimate(1e-3, error)})
+        exact = drive._replace(quantities={"amplitude": Estimate(1e-3, error)})
         assert exact.moved == []
     # Of a quantity that is fitted itself the measured value does not count.
     fitted = [({"kinetic_friction": 0.6}, {"kinetic_friction": 0.5})]

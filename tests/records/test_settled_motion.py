@@ -171,7 +171,7 @@ def test_friction_is_fitted_with_harmonics(monkeypatch: pytest.MonkeyPatch) -> N
 def test_a_measured_drive_is_moved_by_all_its_errors() -> None:
     """By twice as many as there are harmonics of both sensors, and by that of the frequency."""
     measured = motion_of(feeder(3).record(3))
-    drive = measured.measured_drive()
+    drive = measured.drive_by_harmonics()
     assert len(drive.moved) == 4 * 3 + 1
     squares = np.zeros((2, 3))
     late = 0.0
@@ -194,7 +194,7 @@ def test_a_measured_drive_is_moved_by_all_its_errors() -> None:
 
 def test_one_sensor_gives_both_motions_the_same_relative_errors() -> None:
     measured = motion_of(feeder(3).record(3, sensors=1), drive_angle=0.4)
-    drive = measured.measured_drive()
+    drive = measured.drive_by_harmonics()
     assert len(drive.moved) == 2 * 3 + 1
     for end in ("", "_2", "_3"):
         along, normal = (drive.quantities[f"{way}_amplitude{end}"] for way in ("along", "normal"))

@@ -57,8 +57,8 @@ def test_velocities_and_displacements_give_the_same_motion(kind: str) -> None:
     assert exact.order == 3
     np.testing.assert_allclose(exact.along, true.on_its_clock.along, rtol=1e-6)
     np.testing.assert_allclose(exact.normal, true.on_its_clock.normal, rtol=1e-6)
-    of_accelerations = motion_of(true.record(3, density=0.0)).trough
-    assert exact.trough.waves[0].harmonics == pytest.approx(of_accelerations.waves[0].harmonics, rel=1e-4)
+    of_accelerations = motion_of(true.record(3, density=0.0))
+    assert exact.sensors[0].harmonics == pytest.approx(of_accelerations.sensors[0].harmonics, rel=1e-4)
 
 
 def test_errors_of_velocities_and_displacements_are_those_of_noise() -> None:
@@ -178,7 +178,7 @@ def test_one_harmonic_is_an_ellipse_of_scenes() -> None:
     drive = measured.drive()
     assert drive.keys() == {"along_amplitude", "normal_amplitude", "normal_phase", "frequency"}
     assert drive["normal_phase"] == pytest.approx(lead, abs=5e-3)
-    assert measured.trough.on_an_ellipse
+    assert measured.on_an_ellipse
     assert vibro.Scene(**measured.draws(7), **FRICTION).shape == (7,)
 
 

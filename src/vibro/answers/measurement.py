@@ -207,16 +207,16 @@ def _trough_record(trough: TroughDrive) -> dict[str, Any]:
     for name, estimate in trough.drive.quantities.items():
         fact = _estimated(name, estimate)
         content[QUANTITIES[name].column] = {"measured": fact.value, "standard_error": fact.error}
-    motion = trough.drive.trough
+    motion = trough.drive.motion
     content["phase_normal_to_along_deg"] = math.degrees(motion.phase)
-    for name, wave in (("along", motion.along), ("normal", motion.normal)):
-        if wave is not None:
-            content[name] = {
-                "column": wave.header,
-                "acceleration_m_s2": {"measured": abs(wave.value), "standard_error": wave.error},
-                "harmonics": wave.harmonics,
-                "rest": wave.rest,
-            }
+    sizes, errors = abs(motion.accelerations[0]).tolist(), motion.acceleration_errors[0].tolist()
+    for channel, sensor, size, error in zip(motion.channels, motion.sensors, sizes, errors, strict=True):
+        content[_WAYS[channel]] = {
+            "column": sensor.header,
+            "acceleration_m_s2": {"measured": size, "standard_error": error},
+            "harmonics": sensor.harmonics,
+            "rest": sensor.rest,
+        }
     return content
 
 

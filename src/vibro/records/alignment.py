@@ -146,15 +146,23 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     size, middle = trends + 2 * count, float(time[0]) + 0.5 * span
     empty = Folded(frequency, trends, middle, 0.5 * span, np.zeros(size), np.zeros((size, size)))
     basis = empty._basis(time)
-    # Normal equations lose digits. Harmonics are nearly orthogonal: few digits are lost, and one step of
-    # refinement restores them.
-    inverse = np.linalg.pinv(basis.T @ basis)
-    coefficients = inverse @ (basis.T @ signal)
-    coefficients += inverse @ (basis.T @ (signal - basis @ coefficients))
+    coefficients, inverse = regress(basis, signal)
     residual = signal - basis @ coefficients
     freedom = max(1, time.size - size)
     variance = float(residual @ residual) / freedom / independent_share(residual)
     return replace(empty, coefficients=coefficients, covariance=np.asarray(variance * inverse))
+
+
+def regress(basis: Floats, values: Floats, inverse: Floats | None = None) -> tuple[Floats, Floats]:
+    """Return the coefficients of least squares, and the inverse of the normal equations.
+
+    Normal equations lose digits. Harmonics are nearly orthogonal: few digits are lost, and one step of
+    refinement restores them.
+    """
+    known = np.asarray(np.linalg.pinv(basis.T @ basis)) if inverse is None else inverse
+    coefficients = known @ (basis.T @ values)
+    coefficients += known @ (basis.T @ (values - basis @ coefficients))
+    return np.asarray(coefficients), known
 
 
 def independent_samples(time: Floats, residual: Floats, frequency: float) -> float:

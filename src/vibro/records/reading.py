@@ -104,6 +104,7 @@ class _Tolerances(NamedTuple):
     band: float = 0.35  # of the drive's frequency, to each side of a harmonic: noise there is that in it
     # Two bins to each side of a harmonic, of which two channels need more than one for their covariance.
     motion_cycles: float = 6.0
+    least_bins: int = 2  # to each side; with fewer noise counts as white
     about: float = 1e-3  # by which cycles and samples may fall short, as the frequency is measured
     usual_samples: float = 40.0  # a cycle, which show 16 harmonics
     by_chance: float = 1e-3  # probability by which noise passes for a harmonic

@@ -1,7 +1,8 @@
-"""The trough's motion and the drive of a scene, measured by sensors on the trough.
+"""The trough's periodic motion, measured by sensors on it, and the drive of a scene that follows from it.
 
-Accelerations are what parts feel, so that every motion is told as one: a harmonic of a velocity or of a
-displacement is multiplied by i k w once or twice.
+Each record is regressed as it was recorded: a displacement by double integration would drift by many
+amplitudes, and an acceleration by differences would be noise. Harmonics are those of the acceleration, which
+the loads of a drive are: of a velocity or a displacement they are multiplied by i k w once or twice.
 """
 
 from __future__ import annotations
@@ -15,15 +16,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from vibro.core.codes import Regime, Status
 from vibro.drives import Motion
-from vibro.errors import InputError, VibroError, argument, shown
+from vibro.errors import InputError, argument, shown
 from vibro.quantities import AMPLITUDES, DRIVES, ELLIPTICAL, LINEAR, MOST_HARMONICS, QUANTITIES
 from vibro.reals import shielded
-from vibro.records.alignment import Estimate, Repetition, fold, harmonics
+from vibro.records.alignment import Estimate, Repetition, harmonics, independent_share, regress
 from vibro.records.reading import SIGNAL_UNITS, TOL, Record, doubt, read_record, read_sensitivities, rounded
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -37,369 +37,6 @@ _ALONG, _NORMAL = "trough_along", "trough_normal"
 _SIGNED: Final = ("normal_phase",)  # quantities of a drive that may be negative
 _TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
 _G: Final = SIGNAL_UNITS["acceleration"]["g"]
-
-
-@dataclass(frozen=True)
-class Wave:
-    """The fundamental of an acceleration of the trough.
-
-    Attributes
-    ----------
-    header : str
-        Header of its column.
-    value : complex
-        Amplitude of the sine at the drive's frequency; its angle is the phase at the clock's zero [m/s^2].
-    error : float
-        Standard error of the amplitude, and of the phase times the amplitude [m/s^2].
-    harmonics, rest : float
-        Root mean square of the harmonics, and of the residual, over that of the fundamental.
-    sensitivity : str
-        Sensitivity of a voltage, as typed; empty for an acceleration.
-    """
-
-    header: str
-    value: complex
-    error: float
-    harmonics: float
-    rest: float
-    sensitivity: str
-
-
-@dataclass(frozen=True)
-class Trough:
-    """The measured motion of the trough.
-
-    Attributes
-    ----------
-    frequency : Estimate
-        Drive frequency [Hz].
-    along, normal : Wave or None
-        Accelerations along the trough's surface, positive in the conveying direction, and normal to it,
-        positive up and away from it.
-    span : float
-        Length of the record [s].
-    """
-
-    frequency: Estimate
-    along: Wave | None
-    normal: Wave | None
-    span: float
-
-    @property
-    def waves(self) -> tuple[Wave, ...]:
-        """The one or two accelerations that were measured."""
-        return tuple(wave for wave in (self.along, self.normal) if wave is not None)
-
-    @property
-    def phase(self) -> float:
-        """Phase by which the normal motion leads the motion along the trough, in (-pi, pi] [rad].
-
-        NaN unless both were measured and are large enough for their phase to matter.
-        """
-        if self.along is None or self.normal is None:
-            return math.nan
-        sizes = abs(self.along.value), abs(self.normal.value)
-        error = max(self.along.error, self.normal.error)
-        if min(sizes) < max(TOL.least_component * max(sizes), TOL.likely_sigmas * error):
-            return math.nan
-        return float(np.angle(self.normal.value / self.along.value))
-
-    @property
-    def phase_error(self) -> float:
-        """Standard error of the phase [rad]; NaN without one."""
-        if math.isnan(self.phase):
-            return math.nan
-        return math.hypot(*(wave.error / abs(wave.value) for wave in self.waves))
-
-    @property
-    def on_an_ellipse(self) -> bool:
-        """Whether the phase differs from a line's by more than noise and the delay of two channels."""
-        return abs(math.remainder(self.phase, math.pi)) > max(
-            math.radians(TOL.channel_phase), TOL.likely_sigmas * self.phase_error
-        )
-
-    @property
-    def drive_angle(self) -> Estimate | None:
-        """Angle of the longer axis above the trough's surface; None unless both were measured [rad]."""
-        if self.along is None or self.normal is None:
-            return None
-        x, y = self.along.value, self.normal.value
-        angle = 0.5 * math.atan2(2.0 * (x * y.conjugate()).real, abs(x) ** 2 - abs(y) ** 2)
-        if angle < 0.0:  # by noise, as ``trough_of`` refuses lines that lead down: one of both is next to 0
-            angle = 0.0 if abs(x) > abs(y) else 0.5 * math.pi
-        across = math.hypot(self.along.error * math.sin(angle), self.normal.error * math.cos(angle))
-        return Estimate(angle, across / math.hypot(abs(x), abs(y)))
-
-    def drive_on_line(self, drive_angle: float | None = None) -> MeasuredDrive:
-        """Return the quantities of a drive along a line.
-
-        Parameters
-        ----------
-        drive_angle : float, optional
-            Drive angle of the scene, if only one acceleration was measured [rad].
-
-        Raises
-        ------
-        InputError
-            If the only acceleration is at right angles to the drive's line.
-        """
-        angle = self.drive_angle
-        value, error = self._along_the_drive(angle.value if angle else drive_angle or 0.0)
-        found = {"amplitude": self._amplitude(value, error), "frequency": self.frequency}
-        found |= {"drive_angle": angle} if angle else {}
-        return MeasuredDrive(self, found, self._clock(value, error), self.warnings)
-
-    def drive_on_ellipse(self, normal_phase: float | None = None) -> MeasuredDrive:
-        """Return the quantities of an elliptical drive.
-
-        Parameters
-        ----------
-        normal_phase : float, optional
-            Phase of the scene [rad]; None if the scene moves along a line, or gives no drive.
-
-        Notes
-        -----
-        Each acceleration gives its own amplitude, both together give the phase. The clock comes from the
-        acceleration along the trough, or else from the normal one and the phase of the scene.
-        """
-        waves = {"along_amplitude": self.along, "normal_amplitude": self.normal}
-        found = {name: self._amplitude(w.value, w.error) for name, w in waves.items() if w is not None}
-        found["frequency"] = self.frequency
-        if not math.isnan(self.phase):
-            found["normal_phase"] = Estimate(self.phase, self.phase_error)
-        wave, ahead = self.along, 0.0
-        if wave is None or abs(wave.value) < TOL.likely_sigmas * wave.error:
-            wave, ahead = self.normal, normal_phase or 0.0
-        assert wave is not None
-        warnings = (*self.warnings, *_doubts(self, found, normal_phase))
-        return MeasuredDrive(self, found, self._clock(wave.value, wave.error, ahead), warnings)
-
-    def _amplitude(self, value: complex, error: float) -> Estimate:
-        """Return the amplitude of a motion from its acceleration and the error of that [m]."""
-        frequency, frequency_error = self.frequency
-        size = Estimate(abs(value), error).scaled((math.tau * frequency) ** -2)
-        return Estimate(size.value, math.hypot(size.error, 2.0 * size.value * frequency_error / frequency))
-
-    def _clock(self, value: complex, error: float, ahead: float = 0.0) -> Estimate:
-        """Return the trough time at the clock's zero from an acceleration that leads by a phase [s]."""
-        frequency, frequency_error = self.frequency
-        rate = math.tau * frequency
-        # The acceleration of A sin(w t) has the opposite sign.
-        shift = (float(np.angle(-value)) - ahead) / rate % (1.0 / frequency)
-        # The error of the frequency adds to that of the phase at the ends of the record.
-        late = 0.5 * self.span * frequency_error / frequency
-        return Estimate(shift, math.hypot(error / abs(value) / rate, late))
-
-    def _along_the_drive(self, drive_angle: float) -> tuple[complex, float]:
-        """Return the acceleration along the drive's line, and its standard error."""
-        cosine, sine = math.cos(drive_angle), math.sin(drive_angle)
-        if self.along is not None and self.normal is not None:
-            x, y = self.along, self.normal
-            return x.value * cosine + y.value * sine, math.hypot(x.error * cosine, y.error * sine)
-        (wave,) = self.waves
-        part, name, other = (cosine, _ALONG, _NORMAL) if self.along is not None else (sine, _NORMAL, _ALONG)
-        if part < TOL.least_component:
-            at = f"at a drive angle of {math.degrees(drive_angle):.6g} deg"
-            hint = f"check the drive angle, or give {other}"
-            raise InputError(f"{name} cannot measure the motion {at}", hint=hint)
-        return wave.value / part, wave.error / part
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Reasons to doubt that each of the two motions is one sinusoid."""
-        return self.doubts(pure=True)
-
-    def doubts(self, *, pure: bool) -> tuple[str, ...]:
-        """Return reasons to doubt the sensors, and if ``pure`` that each motion is one sinusoid."""
-        found = []
-        for wave in self.waves:
-            size, text = abs(wave.value), f"column {shown(wave.header)}: "
-            if size < TOL.likely_sigmas * wave.error:
-                text += f"no wave of {self.frequency.value:.5g} Hz stands out: is the sensor connected,"
-                found.append(f"{text} and does it point the right way?")
-                continue
-            if size > TOL.usual_acceleration:
-                usual = f"{size / _G:.3g} g is more than conveyors usually have"
-                found.append(f"{text}{usual}: {doubt(wave.sensitivity)}")
-            if pure and wave.harmonics > TOL.few_harmonics:
-                share = f"harmonics have {100.0 * wave.harmonics:.0f} % of the fundamental"
-                found.append(f"{text}{share}, but the computed trough moves as a pure sine")
-            if wave.rest > TOL.much_rest:
-                share = f"the residual has {100.0 * wave.rest:.0f} % of the fundamental"
-                found.append(f"{text}{share}: noise, another machine, or a frequency that changes")
-        return tuple(found)
-
-
-class MeasuredDrive(NamedTuple):
-    """Measured quantities of a scene's drive.
-
-    Attributes
-    ----------
-    trough : Trough
-        The motion of the trough.
-    quantities : dict of str to Estimate
-        Measured quantities, by the names of the scene's fields [SI].
-    clock : Estimate
-        Trough time at the clock's zero, in [0, period); at 0 the trough passes its middle upwards, on an
-        ellipse forwards [s].
-    warnings : tuple of str
-        Reasons to doubt the measurement.
-    by_harmonics : list of pair of dict, optional
-        What ``moved`` is of a drive of several harmonics, whose errors depend on each other.
-    """
-
-    trough: Trough
-    quantities: dict[str, Estimate]
-    clock: Estimate
-    warnings: tuple[str, ...]
-    by_harmonics: list[tuple[dict[str, Any], dict[str, Any]]] | None = None
-
-    @property
-    def moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-        """Fields of the scene that each error changes, one standard error to either side [SI]."""
-        if self.by_harmonics is not None:
-            return self.by_harmonics
-        certain = (0.0, math.inf)
-        return [
-            ({name: value + error}, {name: value - error if name in _SIGNED else max(value - error, 0.0)})
-            for name, (value, error) in self.quantities.items()
-            if error not in certain and not math.isnan(error)
-        ]
-
-
-def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> Trough | None:
-    """Measure the trough's motion; return None for a record without any.
-
-    Parameters
-    ----------
-    record : Record
-        Record with motions of the trough; offsets, such as gravity, have no effect.
-    reverse : bool
-        Whether the axis along the trough points against the conveying direction.
-    down : bool
-        Whether to allow a line that leads down in the conveying direction, which is an ellipse with a phase
-        of half a turn.
-
-    Raises
-    ------
-    InputError
-        If no wave stands out; if the record is too short or too coarse for it; or if the trough moves down
-        along a line while it moves forwards, and ``down`` is false: one of the sensors is inverted.
-
-    Notes
-    -----
-    The frequency minimises the misfit of all harmonics together over the whole record: its error is far below
-    the inverse of the record's length. Amplitudes come from the regression of ``folding``.
-    """
-    if not record.trough:
-        return None
-    signals = _trough_signals(record, reverse=reverse)
-    found = _drive_frequency(record, signals)
-    frequency = Estimate(float(spelled(*found)), found.error)
-    waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
-    trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
-    if not down:
-        _refuse_line_down(trough, reverse=reverse)
-    return trough
-
-
-def _trough_signals(record: Record, *, reverse: bool) -> dict[str, Floats]:
-    """Return the motions of the trough as recorded, positive in the conveying direction and upwards."""
-    return {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
-
-
-def _to_accelerations(record: Record, frequency: float, count: int) -> dict[str, NDArray[np.complex128]]:
-    """Return what turns the first harmonics of each motion of the trough into those of its acceleration."""
-    rates = 2j * math.pi * frequency * np.arange(1, count + 1)
-    return {name: np.asarray(rates**power) for name, power in record.trough_derivatives.items()}
-
-
-def _drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
-    """Return the frequency at which motions of the trough repeat [Hz].
-
-    Raises
-    ------
-    InputError
-        If a signal does not vibrate, or no wave stands out.
-    """
-    repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
-    for name, alive in zip(signals, repetition.alive, strict=True):
-        if not alive or float(np.abs(signals[name]).max()) < 1.0 / TOL.largest:
-            dead = f"column {shown(record.headers[name])} for {name} does not vibrate"
-            raise InputError(dead, hint="is its sensor connected?")
-    frequency = repetition.fundamental()
-    if frequency is None:
-        columns = " and ".join(shown(record.headers[name]) for name in signals)
-        hint = "was the trough running?"
-        raise InputError(f"no wave stands out in column {columns}", hint=hint)
-    return frequency
-
-
-def _refuse_line_down(trough: Trough, *, reverse: bool) -> None:
-    """Raise InputError if the trough moves down along a line while it moves forwards."""
-    if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:  # no drive angle is below 0
-        why = "the axis along the trough points against the conveying direction"
-        option = argument("reverse")
-        hint = f"{f'leave out {option}, unless' if reverse else f'give {option}, if'} {why}"
-        inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
-        raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
-
-
-def spelled(value: float, error: float) -> str:
-    """Write a value to two digits below the first digit of its error."""
-    digits = TOL.digits - math.floor(math.log10(error)) if error > 0.0 else sys.float_info.dig
-    return f"{value:.{min(max(0, digits), sys.float_info.dig)}f}"
-
-
-def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
-    """Return the fundamental of an acceleration, by regression on all harmonics."""
-    folded = fold(record.time, values, frequency, _TRENDS)
-    cosines, sines = folded.coefficients[_TRENDS:].reshape(2, -1)
-    factors = _to_accelerations(record, frequency, len(sines))[name]
-    powers = 0.5 * (cosines**2 + sines**2)
-    fundamental = max(float(powers[0]), TOL.rounding**2 * float(np.mean(values**2)))
-    variances = np.diagonal(folded.covariance)[_TRENDS:].reshape(2, -1).sum(axis=0)
-    left = values - folded.fitted(record.time)
-    over_first = np.abs(factors / factors[0]) ** 2
-    harmonics = max(0.0, float(((powers - 0.5 * variances) * over_first)[1:].sum()))
-    return Wave(
-        record.headers[name],
-        complex(complex(sines[0], cosines[0]) * factors[0]),
-        math.sqrt(0.5 * float(variances[0])) * float(abs(factors[0])),
-        math.sqrt(harmonics / fundamental),
-        math.sqrt(float(np.mean(left**2)) / fundamental),
-        record.sensitivities.get(name, ""),
-    )
-
-
-def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | None) -> list[str]:
-    """Warn of an ellipse instead of a line, and of a phase more than 90 deg from the scene's."""
-    doubts = []
-    if normal_phase is None and trough.on_an_ellipse:
-        said = []
-        for name in ELLIPTICAL:
-            quantity = QUANTITIES[name]
-            text = spelled(*map(quantity.from_si, found[name]))
-            said.append(f"{quantity.label} {text} {quantity.unit}")
-        taken = f"{', '.join(said)}; this ellipse is taken"
-        doubts.append(f"the trough moves on an ellipse, not on a line: {taken}")
-    off = math.remainder(trough.phase - (normal_phase or 0.0), math.tau)
-    if abs(off) > 0.5 * math.pi:
-        than = "that along the trough" if normal_phase is None else "where the scene has it"
-        lead = f"{abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'} {than}"
-        why = "one of the two sensors may be inverted; a negative sensitivity turns it"
-        doubts.append(f"the normal motion is {lead}: {why}")
-    return doubts
-
-
-# ------------------------------------------------------------------------------
-# The trough's motion with all its harmonics, measured by sensors on it, and its uncertainty.
-#
-# Each record is regressed as it was recorded: a displacement by double integration would drift by many
-# amplitudes, and an acceleration by differences would be noise. Its harmonics are told as those of the
-# acceleration, which the loads of a drive are.
-
-
 _SEED: Final = 1
 
 
@@ -456,6 +93,24 @@ class Motions:
         return replace(self, along=self.along * kept, normal=self.normal * kept)
 
 
+class Sensor(NamedTuple):
+    """One sensor on the trough.
+
+    Attributes
+    ----------
+    header, sensitivity : str
+        Header of its column; sensitivity of a voltage, as typed, empty without one.
+    harmonics, rest : float
+        Root mean square of the harmonics of the acceleration, and of the residual, over that of the
+        fundamental.
+    """
+
+    header: str
+    sensitivity: str
+    harmonics: float
+    rest: float
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredMotion:
     """Periodic motion of a trough, measured by one or two sensors on it; returned by ``measured_motion``.
@@ -488,8 +143,8 @@ class MeasuredMotion:
         Length of the record [s].
     rows : int
         Number of rows of the record.
-    trough : Trough
-        The first harmonic alone: line or ellipse, with standard errors.
+    sensors : tuple of Sensor
+        Header and noise of each channel.
     warnings : tuple of str
         Reasons to doubt the measurement.
     """
@@ -506,7 +161,7 @@ class MeasuredMotion:
     clock: float
     span: float
     rows: int
-    trough: Trough
+    sensors: tuple[Sensor, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -532,8 +187,12 @@ class MeasuredMotion:
     @property
     def standard_errors(self) -> Floats:
         """Standard errors of the displacement amplitudes, shape (H, channels) [m]."""
-        variances = 0.5 * np.diagonal(self.covariance, axis1=1, axis2=2).real
-        return np.asarray(np.sqrt(variances) / self._rates[:, None] ** 2)
+        return np.asarray(self.acceleration_errors / self._rates[:, None] ** 2)
+
+    @property
+    def acceleration_errors(self) -> Floats:
+        """Standard errors of the amplitudes of the accelerations, shape (H, channels) [m/s^2]."""
+        return np.asarray(np.sqrt(0.5 * np.diagonal(self.covariance, axis1=1, axis2=2).real))
 
     @property
     def phase_errors(self) -> Floats:
@@ -609,12 +268,88 @@ class MeasuredMotion:
         frequency = self.frequency + self.frequency_error * random.standard_normal(count)
         return self._motions(frequency, self.accelerations[..., None] + off)
 
-    def measured_drive(self) -> MeasuredDrive:
+    # --- the first harmonic: a line, or an ellipse ------------------------------------------------------
+
+    @property
+    def is_short(self) -> bool:
+        """Whether the record has too few cycles for harmonics: their errors are those of white noise."""
+        return self.span * self.frequency < TOL.motion_cycles * (1.0 - TOL.about)
+
+    @property
+    def phase(self) -> float:
+        """Phase by which the first harmonic normal to the trough leads that along it, in (-pi, pi] [rad].
+
+        NaN unless both were measured and are large enough for their phase to matter.
+        """
+        sizes, error = abs(self.accelerations[0]), float(self.acceleration_errors[0].max())
+        if sizes.size == 1 or sizes.min() < max(TOL.least_component * sizes.max(), TOL.likely_sigmas * error):
+            return math.nan
+        return float(np.angle(self.accelerations[0, 1] / self.accelerations[0, 0]))
+
+    @property
+    def on_an_ellipse(self) -> bool:
+        """Whether the phase differs from a line's by more than noise and the delay of two channels."""
+        if math.isnan(phase := self.phase):
+            return False
+        noise = TOL.likely_sigmas * float(self.phase_errors[0, 1])
+        return abs(math.remainder(phase, math.pi)) > max(math.radians(TOL.channel_phase), noise)
+
+    @property
+    def line_angle(self) -> Estimate:
+        """Angle of the longer axis above the trough's surface [rad]; with one sensor, the given one."""
+        if self.drive_angle is not None:
+            return Estimate(self.drive_angle, 0.0)
+        x, y = self.accelerations[0].tolist()
+        angle = 0.5 * math.atan2(2.0 * (x * y.conjugate()).real, abs(x) ** 2 - abs(y) ** 2)
+        if angle < 0.0:  # by noise, as ``_refuse_line_down`` refuses lines that lead down: one is next to 0
+            angle = 0.0 if abs(x) > abs(y) else 0.5 * math.pi
+        across = self._error_along(-math.sin(angle), math.cos(angle))
+        return Estimate(angle, across / math.hypot(abs(x), abs(y)))
+
+    def drive_on_line(self) -> MeasuredDrive:
+        """Return the quantities of a drive along a line."""
+        angle, first = self.line_angle, self.accelerations[0]
+        cosine, sine = math.cos(angle.value), math.sin(angle.value)
+        if first.size == 2:
+            value, error = complex(first @ (cosine, sine)), self._error_along(cosine, sine)
+        else:
+            part = cosine if self.channels == (_ALONG,) else sine
+            value, error = complex(first[0]) / part, float(self.acceleration_errors[0, 0]) / part
+        found = {"amplitude": self._amplitude(value, error), "frequency": self._frequency}
+        found |= {"drive_angle": angle} if first.size == 2 else {}
+        return MeasuredDrive(self, found, self._clock(value, error))
+
+    def drive_on_ellipse(self, normal_phase: float | None = None) -> MeasuredDrive:
+        """Return the quantities of an elliptical drive.
+
+        Parameters
+        ----------
+        normal_phase : float, optional
+            Phase of the scene [rad]; None if the scene moves along a line, or gives no drive.
+
+        Notes
+        -----
+        Each acceleration gives its own amplitude, both together give the phase. The clock comes from the
+        acceleration along the trough, or else from the normal one and the phase of the scene.
+        """
+        sizes, errors = self.accelerations[0].tolist(), self.acceleration_errors[0].tolist()
+        found = {
+            f"{channel.removeprefix('trough_')}_amplitude": self._amplitude(size, error)
+            for channel, size, error in zip(self.channels, sizes, errors, strict=True)
+        }
+        found["frequency"] = self._frequency
+        if not math.isnan(self.phase):
+            found["normal_phase"] = Estimate(self.phase, float(self.phase_errors[0, 1]))
+        by_normal = self.channels == (_NORMAL,) or abs(sizes[0]) < TOL.likely_sigmas * errors[0]
+        place, ahead = (-1, normal_phase or 0.0) if by_normal else (0, 0.0)
+        clock = self._clock(sizes[place], errors[place], ahead)
+        return MeasuredDrive(self, found, clock, _doubts(self, found, normal_phase))
+
+    def drive_by_harmonics(self) -> MeasuredDrive:
         """Return the harmonics as quantities with standard errors."""
         motion, both = self.motion, len(self.channels) == 2
         own = motion.along if _ALONG in self.channels else motion.normal
-        frequency = Estimate(self.frequency, self.frequency_error)
-        quantities = {"frequency": frequency}
+        quantities = {"frequency": self._frequency}
         for i, (way, values) in enumerate((("along", motion.along), ("normal", motion.normal))):
             for k, z in enumerate(values):
                 end = f"_{k + 1}" if k else ""
@@ -623,11 +358,43 @@ class MeasuredMotion:
                 size = Estimate(float(abs(z)), float(share * self.standard_errors[k, channel]))
                 phase = Estimate(float(np.angle(z)), float(self.phase_errors[k, channel]))
                 quantities |= {f"{way}_amplitude{end}": size, f"{way}_phase{end}": phase}
-        warnings = self.trough.doubts(pure=False)
-        clock = self.trough.drive_on_ellipse().clock
-        return MeasuredDrive(self.trough, quantities, clock, warnings, self._moved)
+        return MeasuredDrive(self, quantities, self.drive_on_ellipse().clock, (), self._moved())
 
     @property
+    def impurities(self) -> list[str]:
+        """Doubts that each direction moves as one sinusoid."""
+        few = TOL.few_harmonics
+        return [
+            f"column {shown(sensor.header)}: harmonics have {100.0 * sensor.harmonics:.0f} % of the"
+            " fundamental, but the computed trough moves as a pure sine"
+            for sensor in self.sensors
+            if sensor.harmonics > few and math.isfinite(sensor.harmonics)
+        ]
+
+    @property
+    def _frequency(self) -> Estimate:
+        return Estimate(self.frequency, self.frequency_error)
+
+    def _error_along(self, along: float, normal: float) -> float:
+        """Return the standard error of the first harmonic in a direction, of two sensors [m/s^2]."""
+        way = np.array([along, normal])
+        return math.sqrt(max(0.5 * float(way @ self.covariance[0].real @ way), 0.0))
+
+    def _amplitude(self, value: complex, error: float) -> Estimate:
+        """Return the amplitude of a motion from its acceleration and the error of that [m]."""
+        size = Estimate(abs(value), error).scaled((math.tau * self.frequency) ** -2)
+        by_frequency = 2.0 * size.value * self.frequency_error / self.frequency
+        return Estimate(size.value, math.hypot(size.error, by_frequency))
+
+    def _clock(self, value: complex, error: float, ahead: float = 0.0) -> Estimate:
+        """Return the trough time at the clock's zero from an acceleration that leads by a phase [s]."""
+        rate, period = math.tau * self.frequency, 1.0 / self.frequency
+        # The acceleration of A sin(w t) has the opposite sign.
+        shift = ((float(np.angle(-value)) - ahead) / rate - self.clock) % period
+        # The error of the frequency adds to that of the phase at the ends of the record.
+        late = 0.5 * self.span * self.frequency_error * period
+        return Estimate(shift, math.hypot(error / abs(value) / rate, late))
+
     def _moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
         """Fields of a scene for each independent error, one standard error to either side."""
         offsets = []
@@ -662,6 +429,79 @@ class MeasuredMotion:
         (one,), slope = motion.transpose(1, 0, *range(2, motion.ndim)), math.tan(self.drive_angle)
         along, normal = (one, slope * one) if _ALONG in self.channels else (one / slope, one)
         return Motions(frequency, along, normal)
+
+
+class MeasuredDrive(NamedTuple):
+    """Measured quantities of a scene's drive.
+
+    Attributes
+    ----------
+    motion : MeasuredMotion
+        The motion of the trough.
+    quantities : dict of str to Estimate
+        Measured quantities, by the names of the scene's fields [SI].
+    clock : Estimate
+        Trough time at the clock's zero, in [0, period); at 0 the trough passes its middle upwards, on an
+        ellipse forwards [s].
+    warnings : sequence of str
+        Reasons to doubt that it is the drive of the scene.
+    by_harmonics : list of pair of dict, optional
+        What ``moved`` is of a drive of several harmonics, whose errors depend on each other.
+    """
+
+    motion: MeasuredMotion
+    quantities: dict[str, Estimate]
+    clock: Estimate
+    warnings: Sequence[str] = ()
+    by_harmonics: list[tuple[dict[str, Any], dict[str, Any]]] | None = None
+
+    @property
+    def moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+        """Fields of the scene that each error changes, one standard error to either side [SI]."""
+        if self.by_harmonics is not None:
+            return self.by_harmonics
+        certain = (0.0, math.inf)
+        return [
+            ({name: value + error}, {name: value - error if name in _SIGNED else max(value - error, 0.0)})
+            for name, (value, error) in self.quantities.items()
+            if error not in certain and not math.isnan(error)
+        ]
+
+
+def spelled(value: float, error: float) -> str:
+    """Write a value to two digits below the first digit of its error."""
+    digits = TOL.digits - math.floor(math.log10(error)) if error > 0.0 else sys.float_info.dig
+    return f"{value:.{min(max(0, digits), sys.float_info.dig)}f}"
+
+
+def _doubts(motion: MeasuredMotion, found: dict[str, Estimate], normal_phase: float | None) -> list[str]:
+    """Warn of an ellipse instead of a line, and of a phase more than 90 deg from the scene's."""
+    doubts = []
+    if normal_phase is None and motion.on_an_ellipse:
+        sizes = []
+        for name in ELLIPTICAL:
+            quantity = QUANTITIES[name]
+            text = spelled(*map(quantity.from_si, found[name]))
+            sizes.append(f"{quantity.label} {text} {quantity.unit}")
+        taken = f"{', '.join(sizes)}; this ellipse is taken"
+        doubts.append(f"the trough moves on an ellipse, not on a line: {taken}")
+    off = math.remainder(motion.phase - (normal_phase or 0.0), math.tau)
+    if abs(off) > 0.5 * math.pi:
+        than = "that along the trough" if normal_phase is None else "where the scene has it"
+        lead = f"{abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'} {than}"
+        why = "one of the two sensors may be inverted; a negative sensitivity turns it"
+        doubts.append(f"the normal motion is {lead}: {why}")
+    return doubts
+
+
+def _refuse_line_down(motion: MeasuredMotion, *, reverse: bool) -> None:
+    """Raise InputError if the trough moves down along a line while it moves forwards."""
+    if abs(motion.phase) > 0.5 * math.pi and not motion.on_an_ellipse:  # no drive angle is below 0
+        why = "the axis along the trough points against the conveying direction"
+        option = argument("reverse")
+        hint = f"{f'leave out {option}, unless' if reverse else f'give {option}, if'} {why}"
+        inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
+        raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
 
 
 @shielded
@@ -772,61 +612,106 @@ def trough_motion(path: str | PathLike[str], **columns: Any) -> Motion:
 
 
 def motion_of(
-    record: Record, *, reverse: bool = False, drive_angle: float | None = None, down: bool = False
+    record: Record,
+    *,
+    reverse: bool = False,
+    drive_angle: float | None = None,
+    down: bool = False,
+    short: bool = False,
 ) -> MeasuredMotion:
     """Measure the trough's motion from a record of it.
 
-    Parameters and errors are those of ``measured_motion``, and ``down`` of ``trough_of``.
+    Parameters and errors are those of ``measured_motion``, and two more.
+
+    Parameters
+    ----------
+    down : bool
+        Whether to allow a line that leads down in the conveying direction, which is an ellipse with a phase
+        of half a turn.
+    short : bool
+        Whether a record of fewer than six cycles gives its first harmonic, with the errors of white noise;
+        else it is refused.
     """
     _check_sensors(record, drive_angle)
-    signals = _trough_signals(record, reverse=reverse)
+    signals = {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
     span = float(np.ptp(record.time))
     frequency = _frequency(record, signals)
-    _check_size(record, span, frequency)
+    _check_size(record, span, frequency, TOL.least_cycles if short else TOL.motion_cycles)
     middle = 0.5 * float(record.time[0] + record.time[-1])
     time, values = record.time - middle, np.stack(list(signals.values()), axis=1)
-    rate = (time.size - 1) / span
-    count = min(TOL.motion_harmonics, int(TOL.of_sampling * rate / frequency))
+    count = min(TOL.motion_harmonics, int(TOL.of_sampling * (time.size - 1) / span / frequency))
 
     frequency = _refined(time, values, frequency, count)
-    _, _, p_values, _ = _measured(time, values, frequency, count)
+    p_values = _noise_of(_Regression(time, values, frequency, count)).p_values
     standing = np.flatnonzero(p_values < TOL.by_chance)
     significant = int(standing[-1]) + 1 if standing.size else 1
     # Noise in a harmonic that the motion lacks would shift the frequency, the more the higher it is.
     frequency = _refined(time, values, frequency, significant)
-    sizes, covariance, p_values, bins = _measured(time, values, frequency, count)
-    order = min(significant, MOST_HARMONICS)
-    sizes, covariance = sizes[:order], covariance[:order]
-    error = _frequency_error(time, values, frequency, sizes, covariance)
-    channels = tuple(signals)
+    regression = _Regression(time, values, frequency, count)
+    noise = _noise_of(regression)
+    order = (
+        1 if span * frequency < TOL.motion_cycles * (1.0 - TOL.about) else min(significant, MOST_HARMONICS)
+    )
+    kept = _Regression(time, values, frequency, order)
+    error = _frequency_error(kept, regression.sizes[:order], noise.covariance[:order])
 
-    factors = np.stack([_to_accelerations(record, frequency, order)[name] for name in channels], axis=1)
-    sizes = sizes * factors
-    covariance = covariance * factors[:, :, None] * factors[:, None, :].conj()
-    first = _reference(sizes, covariance)
-    phase = float(np.angle(-sizes[0, first]))
-    rest = _rest(time, values, frequency, order) * abs(factors[0])
-    trough = _fundamental(record, Estimate(frequency, error), sizes, covariance, rest, span)
-    if not down:
-        _refuse_line_down(trough, reverse=reverse)
-    beyond = significant - order
-    too_many = f"the motion has {significant} harmonics, a drive has at most {order}: {beyond} are left out"
-    return MeasuredMotion(
+    # (i k w)^power turns a harmonic of a displacement or a velocity into one of the acceleration.
+    rates = 2j * math.pi * frequency * np.arange(1, significant + 1)
+    factors = np.stack([rates**power for power in record.trough_derivatives.values()], axis=1)
+    sizes = regression.sizes[:significant] * factors
+    powers = 0.5 * abs(sizes) ** 2
+    own = np.where(powers[0] > 0.0, powers[0], 1.0)
+    rest = np.sqrt(np.square(kept.left).mean(axis=0) * abs(factors[0]) ** 2 / own)
+    sizes, factors = sizes[:order], factors[:order]
+    covariance = noise.covariance[:order] * factors[:, :, None] * factors[:, None, :].conj()
+    phase = float(np.angle(-sizes[0, _reference(sizes, covariance)]))
+    columns = [(record.headers[name], record.sensitivities.get(name, "")) for name in signals]
+    numbers = zip(np.sqrt(powers[1:].sum(axis=0) / own).tolist(), rest.tolist(), strict=True)
+    motion = MeasuredMotion(
         frequency=frequency,
         frequency_error=error,
-        channels=channels,
+        channels=tuple(signals),
         accelerations=sizes * np.exp(-1j * np.arange(1, order + 1) * phase)[:, None],
         covariance=covariance,
-        freedom=2.0 * (bins - len(channels) + 1),
-        p_values=p_values,
+        freedom=noise.freedom,
+        p_values=noise.p_values,
         significant=significant,
         drive_angle=drive_angle,
         clock=middle - phase / (math.tau * frequency),
         span=span,
         rows=time.size,
-        trough=trough,
-        warnings=(*trough.doubts(pure=False), *_clipped(record), *([too_many] if beyond else [])),
+        sensors=tuple(Sensor(*column, *pair) for column, pair in zip(columns, numbers, strict=True)),
+        warnings=(),
     )
+    if not down:
+        _refuse_line_down(motion, reverse=reverse)
+    return replace(motion, warnings=(*_sensor_doubts(motion), *_clipped(record), *_left_out(motion)))
+
+
+def _sensor_doubts(motion: MeasuredMotion) -> list[str]:
+    """Doubt sensors that show no wave, far too large a one, or much besides its harmonics."""
+    found = []
+    sizes, errors = abs(motion.accelerations[0]).tolist(), motion.acceleration_errors[0].tolist()
+    for sensor, size, error in zip(motion.sensors, sizes, errors, strict=True):
+        text = f"column {shown(sensor.header)}: "
+        if size < TOL.likely_sigmas * error:
+            text += f"no wave of {motion.frequency:.5g} Hz stands out: is the sensor connected,"
+            found.append(f"{text} and does it point the right way?")
+            continue
+        if size > TOL.usual_acceleration:
+            usual = f"{size / _G:.3g} g is more than conveyors usually have"
+            found.append(f"{text}{usual}: {doubt(sensor.sensitivity)}")
+        if sensor.rest > TOL.much_rest:
+            share = f"the residual has {100.0 * sensor.rest:.0f} % of the fundamental"
+            found.append(f"{text}{share}: noise, another machine, or a frequency that changes")
+    return found
+
+
+def _left_out(motion: MeasuredMotion) -> list[str]:
+    """Warn of more harmonics than a drive can have."""
+    beyond = 0 if motion.is_short else motion.significant - motion.order
+    many = f"the motion has {motion.significant} harmonics, a drive has at most {motion.order}"
+    return [f"{many}: {beyond} are left out"] if beyond else []
 
 
 def _check_sensors(record: Record, drive_angle: float | None) -> None:
@@ -837,45 +722,60 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
             raise InputError(both, hint="leave out the drive angle, or one of the sensors")
         return
     (name,) = record.trough
-    other = _NORMAL if name == _ALONG else _ALONG
+    other, missing, line = _NORMAL, "normal to the trough", math.cos
+    if name == _NORMAL:
+        other, missing, line = _ALONG, "along it", math.sin
     if drive_angle is None:
-        missing = "normal to the trough" if other == _NORMAL else "along it"
         unknown = f"one sensor alone does not measure the motion {missing}"
         hint = f"name {argument(other)} too, or give the drive angle, if the trough moves along a line"
         raise InputError(unknown, hint=hint)
     quantity = QUANTITIES["drive_angle"]
     if not (math.isfinite(drive_angle) and quantity.allows(drive_angle)):
-        said = f"drive angle = {quantity.text(quantity.from_si(drive_angle))}"
-        raise InputError(f"{said}: must be {quantity.allowed.text(quantity.unit)}")
-    if name == _NORMAL and math.sin(drive_angle) < TOL.least_component:
-        level = f"{argument(name)} cannot measure a motion along the trough, at a drive angle of"
-        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {argument(other)}")
+        given = f"drive angle = {quantity.text(quantity.from_si(drive_angle))}"
+        raise InputError(f"{given}: must be {quantity.allowed.text(quantity.unit)}")
+    if line(drive_angle) < TOL.least_component:
+        at = f"at a drive angle of {math.degrees(drive_angle):.6g} deg"
+        hint = f"name {argument(other)}, or check the drive angle"
+        raise InputError(f"{argument(name)} cannot measure the motion {at}", hint=hint)
 
 
-def _check_size(record: Record, span: float, frequency: float) -> None:
+def _check_size(record: Record, span: float, frequency: float, least: float) -> None:
     """Refuse a record that is too short for errors, or too coarse for harmonics."""
     cycles, samples = span * frequency, (record.time.size - 1) / (span * frequency)
-    if cycles < TOL.motion_cycles * (1.0 - TOL.about):
+    if cycles < least * (1.0 - TOL.about):
         short = f"the record has {math.floor(100.0 * cycles) / 100.0:g} cycles of {frequency:.6g} Hz"
-        raise InputError(f"{short}: at least {TOL.motion_cycles:g} are needed", hint="record longer")
+        raise InputError(f"{short}: at least {least:g} are needed", hint="record longer")
     if samples < TOL.least_samples * (1.0 - TOL.about):
-        coarse = (
-            f"the record has {math.floor(100.0 * samples) / 100.0:g} samples a cycle of {frequency:.6g} Hz"
-        )
+        seen = math.floor(100.0 * samples) / 100.0
+        coarse = f"the record has {seen:g} samples a cycle of {frequency:.6g} Hz"
         faster = math.ceil(TOL.usual_samples * frequency)
         hint = f"sample faster: at {faster} Hz and more harmonics are seen"
         raise InputError(f"{coarse}: at least {TOL.least_samples} are needed", hint=hint)
 
 
 def _frequency(record: Record, signals: Mapping[str, Floats]) -> float:
-    """Return the frequency of a record to well within 1/T, T its length.
+    """Return the frequency at which the motions repeat, to well within 1/T, T the record's length [Hz].
 
     The search takes long in many rows: it begins in the middle of a long record, whose part then grows.
+
+    Raises
+    ------
+    InputError
+        If a signal does not vibrate, or no wave stands out.
     """
     size, rows = record.time.size, min(record.time.size, TOL.frequency_rows)
     part = slice((size - rows) // 2, (size - rows) // 2 + rows)
     middle = {name: values[part] for name, values in signals.items()}
-    frequency = _drive_frequency(replace(record, time=record.time[part]), middle).value
+    repetition = Repetition(record.time[part], middle, dict.fromkeys(signals, 0))
+    for name, alive in zip(signals, repetition.alive, strict=True):
+        if not alive or float(np.abs(middle[name]).max()) < 1.0 / TOL.largest:
+            dead = f"column {shown(record.headers[name])} for {name} does not vibrate"
+            raise InputError(dead, hint="is its sensor connected?")
+    found = repetition.fundamental()
+    if found is None:
+        columns = " and ".join(shown(record.headers[name]) for name in signals)
+        raise InputError(f"no wave stands out in column {columns}", hint="was the trough running?")
+    frequency = found.value
     while (rows := TOL.frequency_growth * rows) < size:
         part = slice((size - rows) // 2, (size - rows) // 2 + rows)
         time = record.time[part] - 0.5 * float(record.time[part][0] + record.time[part][-1])
@@ -893,20 +793,38 @@ def _reference(sizes: Complexes, covariance: Complexes) -> int:
 # --- regression -----------------------------------------------------------------------------------------
 
 
-def _basis(time: Floats, frequency: float, count: int) -> Floats:
-    trend = np.vander(time / float(time[-1]), _TRENDS, increasing=True)
-    return np.hstack([trend, harmonics(time, frequency, count)])
+class _Regression:
+    """Least squares of all channels, (N, channels), on a trend and the first harmonics of a frequency.
 
+    Attributes
+    ----------
+    sizes : complex array, shape (count, channels)
+        Amplitude of the sine of each harmonic; its angle is the phase at time 0.
+    left : array, shape (N, channels)
+        Residuals.
+    weights : array, shape (channels,)
+        Inverse of their variance, which is at least that of rounding.
+    """
 
-def _inverse(basis: Floats) -> Floats:
-    """Return the inverse of the normal equations: in long records its products take most of the time."""
-    return np.asarray(np.linalg.pinv(basis.T @ basis))
+    def __init__(self, time: Floats, values: Floats, frequency: float, count: int) -> None:
+        trend = np.vander(time / float(time[-1]), _TRENDS, increasing=True)
+        self.time, self.values, self.frequency, self.count = time, values, frequency, count
+        self.basis = np.hstack([trend, harmonics(time, frequency, count)])
+        # In long records the products of the normal equations take most of the time: once for all.
+        coefficients, self.inverse = regress(self.basis, values)
+        self.left = values - self.basis @ coefficients
+        cosines, sines = coefficients[_TRENDS:].reshape(2, count, -1)
+        self.sizes = sines + 1j * cosines
+        variances = np.square(self.left).mean(axis=0) + TOL.rounding * np.square(values).mean(axis=0)
+        self.weights = 1.0 / variances
 
-
-def _solved(basis: Floats, values: Floats, inverse: Floats) -> Floats:
-    """Return the coefficients of least squares, refined once, as normal equations lose digits."""
-    coefficients = inverse @ (basis.T @ values)
-    return np.asarray(coefficients + inverse @ (basis.T @ (values - basis @ coefficients)))
+    def step(self) -> float:
+        """Return the step of Gauss and Newton's method to the best frequency [Hz]."""
+        rates = math.tau * np.arange(1, self.count + 1)[:, None]  # of phases, over the frequency
+        sines, cosines = self.sizes.real * rates, self.sizes.imag * rates
+        slope = self.basis[:, _TRENDS:] @ np.concatenate([sines, -cosines]) * self.time[:, None]
+        slope -= self.basis @ regress(self.basis, slope, self.inverse)[0]
+        return float((slope * self.left).sum(axis=0) @ self.weights / ((slope**2).sum(axis=0) @ self.weights))
 
 
 def _refined(time: Floats, values: Floats, frequency: float, count: int) -> float:
@@ -915,62 +833,53 @@ def _refined(time: Floats, values: Floats, frequency: float, count: int) -> floa
     Each channel weighs by the inverse of its residual's variance.
     """
     step_limit = TOL.frequency_step / float(np.ptp(time))
-    rates = math.tau * np.arange(1, count + 1)[:, None]  # of phases, over the frequency
     for _ in range(TOL.frequency_rounds):
-        basis = _basis(time, frequency, count)
-        inverse = _inverse(basis)
-        coefficients = _solved(basis, values, inverse)
-        left = values - basis @ coefficients
-        cosines, sines = coefficients[_TRENDS:].reshape(2, count, -1) * rates
-        slope = basis[:, _TRENDS:] @ np.concatenate([sines, -cosines]) * time[:, None]
-        slope -= basis @ _solved(basis, slope, inverse)
-        weights = 1.0 / _variances(left, values)
-        step = float((slope * left).sum(axis=0) @ weights / ((slope**2).sum(axis=0) @ weights))
+        step = _Regression(time, values, frequency, count).step()
         frequency += min(max(step, -step_limit), step_limit)
         if abs(step) < TOL.frequency_close * step_limit:
             break
     return frequency
 
 
-def _variances(left: Floats, values: Floats) -> Floats:
-    """Return the variance of each residual, at least that of rounding."""
-    return np.asarray(np.square(left).mean(axis=0) + TOL.rounding * np.square(values).mean(axis=0))
+class _Noise(NamedTuple):
+    """Error covariance of each harmonic, its degrees of freedom, and how likely noise is so large."""
+
+    covariance: Complexes
+    freedom: float
+    p_values: Floats
 
 
-def _measured(
-    time: Floats, values: Floats, frequency: float, count: int
-) -> tuple[Complexes, Complexes, Floats, int]:
-    """Return all harmonics, (K, channels), their covariances, how likely noise is so large, and the bins."""
-    basis = _basis(time, frequency, count)
-    coefficients = _solved(basis, values, _inverse(basis))
-    cosines, sines = coefficients[_TRENDS:].reshape(2, count, -1)
-    sizes = sines + 1j * cosines
-    covariance, bins = _covariances(time, values - basis @ coefficients, frequency, count)
-    # Data may be exact: add their rounding.
-    rounding = TOL.rounding * np.square(values).mean(axis=0) / time.size
-    covariance = covariance + np.diag(rounding)
-    statistic = np.einsum("ka,kab,kb->k", sizes.conj(), np.linalg.inv(covariance), sizes).real
+def _noise_of(regression: _Regression) -> _Noise:
+    """Return the noise in each harmonic: from the spectrum beside it, in a short record as of white noise."""
+    values, sizes = regression.values, regression.sizes
     channels = sizes.shape[1]
+    covariance, bins = _spectral(regression)
+    # Data may be exact: add their rounding.
+    covariance = covariance + np.diag(TOL.rounding * np.square(values).mean(axis=0) / len(values))
+    statistic = np.einsum("ka,kab,kb->k", sizes.conj(), np.linalg.inv(covariance), sizes).real
     freedom = bins - channels + 1
     p_values = fdtrc(2.0 * channels, 2.0 * freedom, statistic * freedom / (bins * channels))
-    return sizes, covariance, np.asarray(p_values), bins
+    return _Noise(covariance, 2.0 * freedom, np.asarray(p_values))
 
 
-def _covariances(time: Floats, left: Floats, frequency: float, count: int) -> tuple[Complexes, int]:
+def _spectral(regression: _Regression) -> tuple[Complexes, float]:
     """Return the covariance of each harmonic by the spectrum of the residual beside it, and its bins.
 
     The bins lie at whole multiples of 1/T from the harmonic, where they are independent of it and of each
     other. They see noise through the same window as the regression does: no taper is wanted. Rows that are
     left out, and times that are rounded, do no harm where each row takes the nearest place of an even clock.
     """
+    time, left, frequency = regression.time, regression.left, regression.frequency
     steps = np.diff(time)
     # Where times are rounded the median is too: the mean of the steps over which no row is left out is not.
     step = float(steps[steps < 1.5 * np.median(steps)].mean())
     places = np.rint((time - time[0]) / step).astype(np.intp)
     clock = np.zeros((int(places[-1]) + 1, left.shape[1]), np.complex128)
     each = int(TOL.band * frequency * len(clock) * step)
-    found = np.empty((count, left.shape[1], left.shape[1]), np.complex128)
-    for k in range(1, count + 1):
+    if each < TOL.least_bins:
+        return _white(regression)
+    found = np.empty((regression.count, left.shape[1], left.shape[1]), np.complex128)
+    for k in range(1, regression.count + 1):
         clock[:] = 0.0
         np.add.at(clock, places, left * np.exp(-1j * math.tau * k * frequency * time)[:, None])
         waves = np.fft.fft(clock, axis=0)
@@ -979,44 +888,27 @@ def _covariances(time: Floats, left: Floats, frequency: float, count: int) -> tu
     return found, 2 * each
 
 
-def _frequency_error(
-    time: Floats, values: Floats, frequency: float, sizes: Complexes, covariance: Complexes
-) -> float:
+def _white(regression: _Regression) -> tuple[Complexes, float]:
+    """Return the covariance of each harmonic as of white noise, and half its degrees of freedom.
+
+    Neighbours that are correlated make fewer independent samples (``independent_share``).
+    """
+    left, (rows, columns) = regression.left, regression.basis.shape
+    shares = np.array([independent_share(x) for x in left.T])
+    freedom = max(1, rows - columns)
+    noise = left.T @ left / freedom / np.sqrt(np.outer(shares, shares))
+    # E|d|^2 of the sines and cosines together: 4 / N, where these are orthogonal
+    gains = np.diagonal(regression.inverse)[_TRENDS:].reshape(2, -1).sum(axis=0)
+    return gains[:, None, None] * noise.astype(np.complex128), max(0.5 * freedom * float(shares.min()), 2.0)
+
+
+def _frequency_error(kept: _Regression, sizes: Complexes, covariance: Complexes) -> float:
     """Return the standard error of the frequency, from the noise around each harmonic."""
-    basis = _basis(time, frequency, len(sizes))
-    weights = 1.0 / _variances(values - basis @ _solved(basis, values, _inverse(basis)), values)
     rates = (math.tau * np.arange(1, len(sizes) + 1)) ** 2
-    noise = np.einsum("ka,kab,kb->k", (sizes * weights).conj(), covariance, sizes * weights).real @ rates
-    power = (abs(sizes) ** 2 @ weights) @ rates
-    return math.sqrt(6.0 * float(noise)) / (float(power) * float(np.ptp(time)))
-
-
-def _rest(time: Floats, values: Floats, frequency: float, order: int) -> Floats:
-    """Return the root mean square of what harmonics leave of each channel, as recorded."""
-    basis = _basis(time, frequency, order)
-    left = values - basis @ _solved(basis, values, _inverse(basis))
-    return np.asarray(np.sqrt(np.square(left).mean(axis=0)))
-
-
-def _fundamental(
-    record: Record, frequency: Estimate, sizes: Complexes, covariance: Complexes, rest: Floats, span: float
-) -> Trough:
-    """Return the fundamental; ``rest`` are the residuals by channel [m/s^2]."""
-    middle = 0.5 * float(record.time[0] + record.time[-1])
-    at_zero = np.exp(-1j * math.tau * frequency.value * middle)
-    powers = 0.5 * abs(sizes) ** 2
-    waves: dict[str, Wave] = {}
-    for i, name in enumerate(record.trough):
-        own = float(powers[0, i]) or 1.0
-        waves[name] = Wave(
-            record.headers[name],
-            complex(sizes[0, i] * at_zero),
-            math.sqrt(0.5 * float(covariance[0, i, i].real)),
-            math.sqrt(float(powers[1:, i].sum()) / own),
-            float(rest[i]) / math.sqrt(own),
-            record.sensitivities.get(name, ""),
-        )
-    return Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), span)
+    weighed = sizes * kept.weights
+    noise = np.einsum("ka,kab,kb->k", weighed.conj(), covariance, weighed).real @ rates
+    power = (abs(sizes) ** 2 @ kept.weights) @ rates
+    return math.sqrt(6.0 * float(noise)) / (float(power) * float(np.ptp(kept.time)))
 
 
 def _clipped(record: Record) -> list[str]:
@@ -1170,7 +1062,7 @@ def hop_onset(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
         {"along_amplitude": abs(motion.along[0]), "normal_amplitude": abs(motion.normal[0])}
         for motion in motions
     )
-    if not measured.trough.on_an_ellipse:
+    if not measured.on_an_ellipse:
         now, drawn = ({"amplitude": np.hypot(*sizes.values())} for sizes in (now, drawn))
     # The throw number is proportional to the whole motion.
     amplitudes = {name: estimate(now[name] / known, drawn[name] / sample) for name in now}
@@ -1265,7 +1157,7 @@ def trough_drive(
     Raises
     ------
     InputError
-        As for ``motion_of`` where its harmonics must be known, else as for ``trough_of``.
+        As for ``motion_of``; a record that is too short for harmonics is compared with, without them.
 
     Notes
     -----
@@ -1274,48 +1166,34 @@ def trough_drive(
     """
     elliptical = not own.keys().isdisjoint(ELLIPTICAL)
     is_single = len(record.trough) == 1
-    angle = own.get("drive_angle") if is_single else None
     is_half = is_single and elliptical and others is not None  # of a motion whose other half the scene gives
-    measured = None
-    try:
-        measured = motion_of(
-            record, reverse=reverse, drive_angle=_ANY_LINE if is_half else angle, down=elliptical
+    angle = _ANY_LINE if is_half else own.get("drive_angle") if is_single else None
+    compares = others is not None and not fits
+    motion = motion_of(record, reverse=reverse, drive_angle=angle, down=elliptical, short=compares)
+    if elliptical or motion.on_an_ellipse:
+        first = motion.drive_on_ellipse(own.get("normal_phase", 0.0) if elliptical else None)
+    else:
+        first = motion.drive_on_line()
+    if fits and is_half and motion.order > 1:
+        raise InputError(
+            f"the trough moves with {motion.order} harmonics: one sensor measures one direction alone",
+            hint=f"a fit needs {argument('trough_along')} and {argument('trough_normal')}",
         )
-    except VibroError:  # the record may be too short for harmonics
-        if fits or others is None or (is_single and not is_half and angle is None):
-            raise
-    if measured is None:
-        trough = trough_of(record, reverse=reverse, down=elliptical)
-        assert trough is not None
-    else:
-        trough = measured.trough
-    if elliptical or trough.on_an_ellipse:
-        first = trough.drive_on_ellipse(own.get("normal_phase", 0.0) if elliptical else None)
-    else:
-        first = trough.drive_on_line(angle)
-    if measured is not None and is_half:
-        if fits and measured.order > 1:
-            raise InputError(
-                f"the trough moves with {measured.order} harmonics: one sensor measures one direction alone",
-                hint=f"a fit needs {argument('trough_along')} and {argument('trough_normal')}",
-            )
-        measured = None
-    far_off = _far_off(first, own)
-    if measured is None:
-        return TroughDrive(first, first, None, (), (*first.warnings, *far_off))
+    measured = None if is_half or motion.is_short else motion
+    warnings = [*motion.warnings, *_far_off(first, own)]
     takes, text = (True, "") if others is None else _takes_harmonics(measured, others, fits=fits)
     if takes:
-        drive = measured.measured_drive() if measured.order > 1 else first
-        return TroughDrive(first, drive, measured, (text,) if text else (), (*measured.warnings, *far_off))
-    doubts = dict.fromkeys((*first.warnings, *measured.warnings, *far_off, text))
-    return TroughDrive(first, first, measured, (), [*filter(None, doubts)])
+        drive = motion.drive_by_harmonics() if motion.order > 1 else first
+        return TroughDrive(first, drive, measured, (text,) if text else (), warnings)
+    warnings += [*motion.impurities, *first.warnings, *filter(None, [text])]
+    return TroughDrive(first, first, measured, (), warnings)
 
 
 def _takes_harmonics(
-    measured: MeasuredMotion, others: Mapping[str, float], *, fits: bool
+    measured: MeasuredMotion | None, others: Mapping[str, float], *, fits: bool
 ) -> tuple[bool, str]:
     """Return whether a part is computed on all harmonics; and a note if it is, a warning if it is not."""
-    if measured.order == 1:
+    if measured is None or measured.order == 1:
         return False, ""
     many = f"the trough moves with {measured.order} harmonics"
     if fits:
@@ -1331,12 +1209,12 @@ def _takes_harmonics(
 
 def _far_off(drive: MeasuredDrive, own: Mapping[str, float]) -> list[str]:
     """Question the sensors where an amplitude, or the drive angle, is far from the scene's."""
-    waves, found = drive.trough.waves, []
-    columns = " and ".join(shown(wave.header) for wave in waves)
+    sensors, found = drive.motion.sensors, []
+    columns = " and ".join(shown(sensor.header) for sensor in sensors)
     for name in {*AMPLITUDES} & drive.quantities.keys() & own.keys():
         ratio = drive.quantities[name].value / own[name] if own[name] else 1.0
         if not 1.0 / TOL.far_off <= ratio <= TOL.far_off:
-            texts = dict.fromkeys(wave.sensitivity for wave in waves if wave.sensitivity)
+            texts = dict.fromkeys(sensor.sensitivity for sensor in sensors if sensor.sensitivity)
             what = f"the {QUANTITIES[name].label} is about {rounded(float(ratio))} times the scene's"
             found.append(f"column {columns}: {what}: {doubt(' or '.join(texts))}")
     angle, given = drive.quantities.get("drive_angle"), own.get("drive_angle")
