@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
-import math
 import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from extremes import extreme_fields
+from extremes import KINDS, cells_of, corners_of, extreme_fields
+from helpers import frozen_questions
 from helpers.draws import draws
 from helpers.reference_tables import CONTACT, HOPPING, columns_of, read_rows, scene_of
 from helpers.scenes import random_scenes
@@ -26,62 +26,22 @@ from vibro.fillings import filling_of
 from vibro.steady import load_slope, slides_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-
-RIGHT = 0.5 * math.pi
+REGIMES = {"rests": (0.02, 0.98, 0.0), "hops": (1.2, 5.0, 0.0), "bounces": (1.2, 4.0, 0.3)}
+DRAWN = pytest.mark.parametrize("kind", KINDS)
 
 
-# --------------------------------------------------------------------------------------------- scenes
+def drawn(kind: str, regime: str, count: int) -> dict[str, Any]:
+    """Draw scenes of a kind of drive, with throw numbers and a restitution: their fields."""
+    *throw, restitution = REGIMES[regime]
+    draw = frozen_questions.Draws(f"twin {kind} {regime}")
+    fields: dict[str, Any] = getattr(frozen_questions, kind)(draw, count, tuple(throw), restitution)
+    return fields | {"kinetic_friction": np.minimum(fields["kinetic_friction"], fields["static_friction"])}
 
 
-TABLES = [*CONTACT, *HOPPING]
-
-
-def hopping_lines(count: int, seed: int) -> Scene:
-    """Draw lines that hop, on inclines too, with and without restitution."""
-    random = np.random.default_rng(seed)
-    mu_s, drive = random.uniform(0.1, 1.2, count), random.uniform(0.05, 1.2, count)
-    throw = np.exp(random.uniform(math.log(1.0001), math.log(8.0), count))
-    trough = random.choice([0.0, 1.0], count) * random.uniform(-0.3, 0.3, count)
-    return Scene(
-        amplitude=throw * 9.81 * np.cos(trough) / np.sin(drive) / (50.0 * math.pi) ** 2,
-        frequency=25.0,
-        drive_angle=drive,
-        static_friction=mu_s,
-        kinetic_friction=mu_s * random.uniform(0.0, 1.0, count),
-        trough_angle=trough,
-        restitution=random.choice([0.0, 1.0], count) * random.uniform(0.0, 0.9, count),
-    )
-
-
-def ellipses(count: int, seed: int, throw: tuple[float, float]) -> Scene:
-    """Draw ellipses of some throw numbers."""
-    random = np.random.default_rng(seed)
-    mu_s, trough = random.uniform(0.1, 1.2, count), random.uniform(-0.2, 0.2, count)
-    unit = 9.81 / (50.0 * math.pi) ** 2
-    return Scene(
-        along_amplitude=unit * mu_s * np.exp(random.uniform(-1.0, 3.0, count)),
-        normal_amplitude=unit * np.cos(trough) * throw[0] * (throw[1] / throw[0]) ** random.random(count),
-        normal_phase=random.uniform(-math.pi, math.pi, count),
-        frequency=25.0,
-        static_friction=mu_s,
-        kinetic_friction=mu_s * random.uniform(0.0, 1.0, count),
-        trough_angle=random.choice([0.0, 1.0], count) * trough,
-        restitution=random.choice([0.0, 1.0], count) * random.uniform(0.0, 0.9, count),
-    )
-
-
-DRAWN = {
-    "lines": lambda: random_scenes(600, 1, most_trough_deg=20.0, least_ratio=0.02),
-    "extreme": lambda: Scene.allowing_infeasible(**extreme_fields(600, seed=3)),
-    "hopping": lambda: hopping_lines(16, 4),
-    "ellipses": lambda: ellipses(600, 5, (0.01, 0.9999)),
-    "hopping ellipses": lambda: ellipses(16, 6, (1.0001, 6.0)),
-}
+def one_of(fields: dict[str, Any], i: int) -> Scene:
+    return Scene(**{name: x[..., i] if np.ndim(x) else x for name, x in fields.items()})
 
 
 # --------------------------------------------------------------------------------------- the same bits
@@ -109,59 +69,46 @@ def assert_same(call: Callable[[], Any]) -> None:
         assert ours == bits(call())
 
 
-@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize("name", [*CONTACT, *HOPPING])
 def test_reference_tables_have_the_same_bits(name: str) -> None:
     scene = scene_of(columns_of(read_rows(name)))
     assert_same(lambda: [vibro.solve(scene, threads=1), vibro.solve(scene, output="regimes")])
 
 
-@pytest.mark.parametrize("name", DRAWN)
-def test_random_scenes_have_the_same_bits(name: str) -> None:
-    scene = DRAWN[name]()
+@DRAWN
+def test_drawn_scenes_have_the_same_bits(kind: str) -> None:
+    one_harmonic = kind in ("line", "ellipse")
+    counts, searched = ((600, 12, 6), 3) if one_harmonic else ((20, 4, 2), 1)
 
-    def everything() -> list[Any]:
-        cycle = vibro.solve(scene, flight="extreme" not in name)
-        return [cycle, filling_of(scene, cycle)]
+    def answers() -> Iterator[Any]:
+        for regime, n in zip(REGIMES, counts, strict=True):
+            scene = Scene(**drawn(kind, regime, n))
+            cycle = vibro.solve(scene)
+            yield cycle
+            if one_harmonic:
+                yield filling_of(scene, cycle, averages=True)
+                yield from (load_slope(scene, cycle.pattern_code), slides_of(scene, cycle.pattern_code))
+            if regime == "rests":
+                few = Scene(**drawn(kind, regime, n // 4))
+                yield from (vibro.critical_loads(few), vibro.limits.tipping_load(few, 0.3))
+            else:
+                yield vibro.solve(Scene(**drawn(kind, regime, searched)), coexistence=True)
 
-    assert_same(everything)
-
-
-@pytest.mark.parametrize("name", ["lines", "ellipses"])
-def test_limits_slopes_and_slides_have_the_same_bits(name: str) -> None:
-    whole = DRAWN[name]()
-    scene = Scene(**{key: x[:300] if np.ndim(x) else x for key, x in whole.arrays()._asdict().items()})
-    patterns = vibro.solve(scene, flight=False).pattern_code
-
-    def everything() -> list[Any]:
-        limits = [vibro.critical_loads(scene), vibro.limits.tipping_load(scene, 0.3)]
-        return [*limits, load_slope(scene, patterns), slides_of(scene, patterns)]
-
-    assert_same(everything)
+    assert_same(lambda: list(answers()))
 
 
-@pytest.mark.parametrize("name", ["hopping", "hopping ellipses"])
-def test_searches_for_other_motions_have_the_same_bits(name: str) -> None:
-    scene = DRAWN[name]()
-    few = Scene(**{key: x[:4] if np.ndim(x) else x for key, x in scene.arrays()._asdict().items()})
-    assert_same(lambda: vibro.solve(few, coexistence=True))
+@DRAWN
+def test_arrivals_histories_and_transitions_have_the_same_bits(kind: str) -> None:
+    def answers() -> Iterator[Any]:
+        for regime in REGIMES:
+            fields = drawn(kind, regime, 3)
+            yield vibro.arrival_time(Scene(**fields), 0.02)
+            for i in range(3):
+                history = vibro.simulate(one_of(fields, i), cycles=7.3, start_phase=0.4)
+                yield [[ord(leg.kind[0]), leg.start, leg.end] for leg in history.phases]
+        yield [t.ratio for t in vibro.transitions(one_of(fields, 0))]
 
-
-def test_arrivals_and_histories_have_the_same_bits() -> None:
-    found = columns_of(read_rows("arrival"))
-    scene = scene_of(found)
-    assert_same(lambda: vibro.arrival_time(scene, found["length_mm"] / 1000.0))
-    scenes = [DRAWN[name]() for name in ("lines", "hopping", "hopping ellipses")]
-
-    def histories() -> list[Any]:
-        legs = []
-        for scene in scenes:
-            for i in range(4):
-                fields = {key: x[i] if np.ndim(x) else x for key, x in scene.arrays()._asdict().items()}
-                history = vibro.simulate(Scene(**fields), cycles=7.3, start_phase=0.4)
-                legs.append([(p.kind, p.start, p.end) for p in history.phases])
-        return [[[row[1:] for row in leg] for leg in legs], [[ord(row[0]) for row in leg] for leg in legs]]
-
-    assert_same(histories)
+    assert_same(lambda: list(answers()))
 
 
 def test_threads_do_not_matter() -> None:
@@ -173,122 +120,51 @@ def test_threads_do_not_matter() -> None:
 # ---------------------------------------------------------------------------------------- wild scenes
 
 
-def wild(count: int, seed: int, *, ellipse: bool) -> Scene:
-    """Draw scenes over 24 decades of amplitude and frequency, with frictions and angles at their ends."""
-    random = np.random.default_rng(seed)
-
-    def pick(*values: Any) -> Floats:
-        which = random.integers(0, len(values), count)
-        return np.choose(which, [np.broadcast_to(np.asarray(v, float), count) for v in values])
-
-    def decades(low: float, high: float) -> Floats:
-        return np.asarray(10.0 ** random.uniform(low, high, count))
-
-    usual = random.uniform(0.0, 1.5, count)
-    mu_s = pick(0.0, 1e-300, decades(-12, 2), usual, usual, 1e6, 1e12)
-    ratio = pick(0.0, 1.0, 1.0 - 2.0**-53, decades(-20, 0), random.uniform(0.0, 1.0, count))
-    end = np.nextafter(RIGHT, 0.0)
-    hold = np.arctan(mu_s) * (1.0 + random.integers(-6, 7, count) * 2.0**-52)
-    slide = np.arctan(mu_s * ratio) * (1.0 + random.integers(-6, 7, count) * 2.0**-52)
-    trough = pick(0.0, 0.0, random.uniform(-1.5, 1.5, count), hold, -slide, slide, end, -end, 1e-300)
-    others: dict[str, Any] = {
-        "frequency": pick(25.0, 25.0, decades(-12, 12)),
-        "static_friction": mu_s,
-        "kinetic_friction": np.minimum(mu_s * ratio, mu_s),
-        "trough_angle": np.clip(trough, -end, end),
-        "restitution": pick(0.0, 0.0, 0.5, 0.9999, random.uniform(0.0, 1.0, count)),
-    }
-    load = pick(1.0, random.uniform(0.1, 3.0, count), decades(-1, 6), decades(-12, 12), mu_s + 1e-300)
-    # [m], of G = A w^2 / g
-    amplitude = np.minimum(9.81 / (2.0 * math.pi * others["frequency"]) ** 2 * load, 1e6)
-    if ellipse:
-        return Scene(
-            along_amplitude=amplitude
-            * pick(0.0, 1.0, 1e-300, decades(-16, 0), random.uniform(0.0, 1.0, count)),
-            normal_amplitude=amplitude
-            * pick(0.0, 1.0, 1e-300, decades(-16, 0), random.uniform(0.0, 1.0, count)),
-            normal_phase=pick(
-                0.0, math.pi, -math.pi, RIGHT, -RIGHT, 1e6, random.uniform(-math.pi, math.pi, count)
-            ),
-            **others,
-        )
-    drive = pick(0.0, 1e-300, decades(-12, 0), random.uniform(0.0, RIGHT, count), end, RIGHT - np.abs(trough))
-    return Scene(amplitude=np.maximum(amplitude, 1e-15), drive_angle=np.clip(drive, 0.0, end), **others)
-
-
-def assert_weighed(found: vibro.Filling) -> None:
-    """Check that shares are within their bound where there is a cycle, and nowhere else."""
-    cycles = np.isin(found.status, (Status.OK, Status.BOUNDARY))
-    assert (np.isfinite(found.share) == cycles)[found.status != Status.AVERAGED].all()
-    means = found.status == Status.AVERAGED
-    errors = found.added_mass_share_error + found.added_damping_share_error
-    assert (np.abs(found.share) <= found.bound + 4.0 * errors)[means & np.isfinite(found.share)].all()
-    assert (np.abs(found.share[cycles]) <= found.bound[cycles] * (1.0 + 1e-9) + 1e-12).all()
-
-
-WILD = pytest.mark.parametrize("ellipse", [False, True], ids=["lines", "ellipses"])
-
-
-def assert_answered(cycle: vibro.SteadyCycle) -> None:
-    """Check that each status has its numbers."""
+def assert_answered(scene: Scene, cycle: vibro.SteadyCycle) -> None:
+    """Check that each status has its numbers, and that shares are within their bound."""
     answered = np.isin(cycle.status, (Status.OK, Status.BOUNDARY, Status.AVERAGED))
     assert (np.isfinite(cycle.displacement_per_cycle) == answered).all()
     assert ((cycle.pattern_code != Pattern.NONE) == answered).all()
     assert not (cycle.status == Status.UNRESOLVED).any()
+    found = filling_of(scene, cycle)
+    cycles = np.isin(found.status, (Status.OK, Status.BOUNDARY))
+    assert (np.isfinite(found.share) == cycles)[found.status != Status.AVERAGED].all()
+    assert (np.abs(found.share[cycles]) <= found.bound[cycles] * (1.0 + 1e-9) + 1e-12).all()
 
 
-@WILD
-def test_no_wild_scene_raises_or_divides_by_zero_in_contact(ellipse: bool) -> None:
-    scene = wild(2000, 1, ellipse=ellipse)
+def test_no_extreme_scene_raises_or_divides_by_zero() -> None:
+    scene = Scene.allowing_infeasible(**extreme_fields(2000, seed=11))
     with plain():
         cycle = vibro.solve(scene, flight=False)
-        assert_answered(cycle)
+        assert_answered(scene, cycle)
         vibro.solve(scene, output="regimes")
-        assert_weighed(filling_of(scene, cycle))
-    seen = set(cycle.pattern_code[cycle.status == Status.OK].tolist())
-    assert seen >= {Pattern.R, Pattern.F_, Pattern.B_, Pattern.FB}
-
-
-@WILD
-def test_no_wild_scene_raises_in_limits_slopes_and_slides(ellipse: bool) -> None:
-    scene = wild(500, 3, ellipse=ellipse)
-    with plain():
-        patterns = vibro.solve(scene, flight=False).pattern_code
         vibro.critical_loads(scene)
-        vibro.limits.tipping_load(scene, 0.2)
-        load_slope(scene, patterns)
-        slides_of(scene, patterns)
-        for pattern in list(Pattern):  # of another scene, too
-            codes = np.full(scene.shape, pattern)
+        for pattern in [cycle.pattern_code, *list(Pattern)]:  # of another scene, too
+            codes = np.broadcast_to(pattern, scene.shape)
             load_slope(scene, codes)
             slides_of(scene, codes)
+    seen = {*cycle.pattern_code[cycle.status == Status.OK].tolist()}
+    assert seen >= {Pattern.F_, Pattern.B_, Pattern.FB}
+    assert_same(lambda: [vibro.solve(scene, flight=False), vibro.critical_loads(scene)])
 
 
-@WILD
-def test_no_wild_scene_raises_in_flight(ellipse: bool) -> None:
-    scene = wild(draws(60), 4, ellipse=ellipse)
+def test_no_extreme_scene_that_hops_raises() -> None:
+    every = Scene.allowing_infeasible(**extreme_fields(draws(600), seed=4))
+    hops = vibro.solve(every, flight=False).throw_number > 1.0
+    scene = Scene.allowing_infeasible(**{k: x[hops] for k, x in extreme_fields(draws(600), seed=4).items()})
     with plain():
         cycle = vibro.solve(scene)
-        assert_weighed(filling_of(scene, cycle, averages=True))
-    hops = cycle.throw_number > 1.0 + 1e-12
-    assert hops.sum() > 20
-    modelled = hops & (cycle.status != Status.FLIGHT_NOT_MODELLED)
-    assert (cycle.throw_number[hops & ~modelled] > 0.99e6).all()
-    assert modelled.sum() > 10
-    assert (cycle.pattern_code[modelled & (cycle.status == Status.OK)] >= SPELT_PATTERNS).any()
+        assert_answered(scene, cycle)
+    assert (cycle.throw_number[cycle.status == Status.FLIGHT_NOT_MODELLED] > 0.99e6).all()
+    assert (cycle.pattern_code[cycle.status == Status.OK] >= SPELT_PATTERNS).sum() > 10
 
 
-def test_extreme_scenes_raise_nothing() -> None:
-    scene = Scene.allowing_infeasible(**extreme_fields(3000, seed=11))
+@DRAWN
+def test_no_corner_raises(kind: str) -> None:
     with plain():
-        assert_answered(vibro.solve(scene, flight=False))
-        vibro.critical_loads(scene)
-
-
-@WILD
-def test_wild_scenes_have_the_same_bits(ellipse: bool) -> None:
-    scene = wild(1000, 5, ellipse=ellipse)
-    assert_same(lambda: [vibro.solve(scene, flight=False), vibro.critical_loads(scene)])
+        for row in corners_of(kind):
+            for scene in cells_of(row, 30 if kind in ("line", "ellipse") else 3, 2):
+                vibro.solve(scene, flight=False)
 
 
 # ------------------------------------------------------------------------------------------ libraries
