@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
@@ -21,159 +21,58 @@ if TYPE_CHECKING:
 
 
 # ------------------------------------------------------------------------------
-# A linear machine of one or two masses, Eq. (83): motion for a force of 1 N, and its logarithmic slopes.
+# Kinds of machine: the numbers that describe each, and the force that drives it, Eq. (80).
 
 
-class Transfer(NamedTuple):
-    """Motion of the masses over the force, and what it is made of; arrays of one shape.
+class _Number(NamedTuple):
+    """A number that describes a machine: finite and > 0, unless it may be 0 or infinite."""
 
-    Attributes
-    ----------
-    trough, counter, relative : complex array
-        X_1, X_2 and X_1 - X_2 over F [m/N].
-    compliance : complex array
-        H of Eq. (85), A / A_0 = 1 / abs(1 + m H) for a complex added mass m [1/kg].
-    kappa : complex array
-        k + k_r + i w c [N/m].
-    added_mass : complex array
-        Of the filling [kg].
-    impedance : complex array
-        -Z / (m2 w^2) of Eq. (83) [N/m].
-    """
+    unit: str = ""
+    may_be_0: bool = False
+    may_be_infinite: bool = False
+    below: float = math.inf
+    remedy: str = ""
 
-    trough: Complexes
-    counter: Complexes
-    relative: Complexes
-    compliance: Complexes
-    kappa: Complexes
-    added_mass: Complexes
-    impedance: Complexes
+    def allowed(self, least: float | None) -> str:
+        """Return its range in words."""
+        if self.below < math.inf:
+            return f"in [0, {self.below:g})"
+        bound = f">= {least:.6g}" if least is not None else ">= 0" if self.may_be_0 else "> 0"
+        return f"{'' if self.may_be_infinite else 'finite and '}{bound} {self.unit}".rstrip()
 
 
-class _Slopes(NamedTuple):
-    """d ln A / d ln q with the force's own dependence, Eq. (84), each with all other inputs held [1].
-
-    ``stiffness`` is k without the rod, ``damping`` c, ``filling`` the added mass.
-    """
-
-    frequency: Floats
-    trough_mass: Floats
-    filling: Floats
-    stiffness: Floats
-    damping: Floats
-
-
-def transfer(machine: Machine, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
-    """Solve Eq. (83) for a force of 1 N.
-
-    Parameters
-    ----------
-    machine : Machine
-        Its masses, damping, and mount.
-    frequency, natural_frequency : array_like
-        Of the drive and of the empty machine between its masses, without the base mount [Hz].
-    added_mass : complex array_like
-        The filling's mass m (lambda - i delta) [kg].
-
-    Notes
-    -----
-    Z is divided by -m2 w^2, so that a counter mass may be infinite, and grouped about the resonance: the
-    detuning w0^2 - w^2 is a product, exact to rounding where the two nearly cancel.
-    """
-    m1, r, mu = machine.trough_mass, 1.0 / machine.counter_mass, machine.reduced_mass
-    f, f0 = np.asarray(frequency, np.float64), np.asarray(natural_frequency, np.float64)
-    w = TURN * f
-    ww, w0 = w * w, TURN * f0
-    damping = 2j * machine.damping_ratio * mu * w0 * w
-    kappa = mu * w0 * w0 + damping
-    g = machine.base_stiffness * r / ww
-    free = 1.0 - g
-    coupling = kappa * r - ww * free  # dZ/dM
-    detuning = mu * TURN**2 * (f0 - f) * (f0 + f) + damping
-    empty = (1.0 + m1 * r) * detuning - g * (kappa - m1 * ww)
-    added = np.asarray(added_mass, np.complex128)
-    mass = m1 + added
-    impedance = empty + added * coupling
-    if machine.kind == "exciter":
-        trough, counter, relative = -kappa * r / ww, (mass - kappa / ww) * r, -mass * r
-    else:
-        trough, counter, relative = free, -mass * r, free + mass * r
-    return Transfer(
-        np.asarray(trough / impedance),
-        np.asarray(counter / impedance),
-        np.asarray(relative / impedance),
-        np.asarray(coupling / empty),
-        kappa,
-        added,
-        impedance,
-    )
-
-
-def _slopes(machine: Machine, frequency: Any, found: Transfer) -> _Slopes:
-    """Differentiate ln A, Eq. (84).
-
-    Parameters
-    ----------
-    machine : Machine
-        Its masses, damping, and mount.
-    frequency : array_like
-        Of the drive [Hz].
-    found : Transfer
-        Its solution.
-    """
-    ww = (TURN * np.asarray(frequency, np.float64)) ** 2
-    r, kappa, mass = 1.0 / machine.counter_mass, found.kappa, machine.trough_mass + found.added_mass
-    exponent = machine.force_exponent
-    elastic, damping = kappa.real, 1j * kappa.imag
-    spring = elastic - machine.rod_stiffness
-    g = machine.base_stiffness * r / ww
-    free = 1.0 - g
-    split, coupling = free + mass * r, kappa * r - ww * free
-    if machine.kind == "exciter":  # terms of the force through the springs are merged: no cancellation
-        through = mass * ww * free / kappa
-        forced = (exponent - 2.0) * found.impedance
-        changed = 2.0 * mass * ww - 2.0 * g * kappa - damping * through
-        frequency_slope = (forced + changed) / found.impedance
-        spring_slope, damping_slope = -spring * through, -damping * through
-    else:
-        frequency_slope = (
-            (exponent * elastic + (exponent - 1.0) * damping) * split
-            + (2.0 - exponent * free) * mass * ww
-            - 2.0 * g * kappa
-        ) / found.impedance + 2.0 * g / free
-        spring_slope, damping_slope = -spring * split, -damping * split
-    return _Slopes(
-        np.real(frequency_slope),
-        np.real(-machine.trough_mass * coupling / found.impedance),
-        np.real(-found.added_mass * coupling / found.impedance),
-        np.real(spring_slope / found.impedance),
-        np.real(damping_slope / found.impedance),
-    )
-
-
-#: Quantities by which ``Response.elasticities`` differentiates.
-ELASTICITIES: Final = ("frequency", "setting", "voltage", "trough_mass", "filling", "stiffness", "damping")
-
-_LAWS: Final = {"current": 0.0, "voltage": -2.0}  # exponent of a magnet's force over the frequency
-
-
-# Numbers that describe a machine: units of those that have one, and those that may be 0, or infinite.
-_UNITS: Final = {
-    "trough_mass": "kg", "vibrating_mass": "kg", "counter_mass": "kg", "filling": "kg",
-    "natural_frequency": "Hz", "mount_frequency": "Hz", "frequency": "Hz", "force_frequency": "Hz",
-    "base_stiffness": "N/m", "rod_stiffness": "N/m", "radius": "m", "gap": "m", "amplitude": "m",
-    "static_moment": "kg m", "force": "N",
-}  # fmt: skip
-_MAY_BE_0: Final = {"mount_frequency", "damping_ratio", "base_stiffness", "voltage_exponent", "filling"}
-_MAY_BE_INFINITE: Final = {"counter_mass", "gap"}
-_REMEDIES: Final = {
-    "natural_frequency": "measure it: let the empty machine ring down, or fit amplitudes over frequencies on"
-    " both sides of resonance; which side of resonance the drive is on decides what a filling does",
-    "damping_ratio": "count the cycles n in which the free vibration halves: it is 0.11 / n; leaf springs"
-    " have 0.01 to 0.05",
+_NUMBERS: Final = {
+    "trough_mass": _Number("kg"),
+    "vibrating_mass": _Number("kg"),
+    "counter_mass": _Number("kg", may_be_infinite=True),
+    "natural_frequency": _Number(
+        "Hz",
+        remedy="measure it: let the empty machine ring down, or fit amplitudes over frequencies on both sides"
+        " of resonance; which side of resonance the drive is on decides what a filling does",
+    ),
+    "mount_frequency": _Number("Hz", may_be_0=True),
+    "damping_ratio": _Number(
+        may_be_0=True,
+        below=1.0,
+        remedy="count the cycles n in which the free vibration halves: it is 0.11 / n; leaf springs have 0.01"
+        " to 0.05",
+    ),
+    "base_stiffness": _Number("N/m", may_be_0=True),
+    "rod_stiffness": _Number("N/m"),
+    "radius": _Number("m"),
+    "gap": _Number("m", may_be_infinite=True),
+    "static_moment": _Number("kg m"),
+    "force": _Number("N"),
+    "force_frequency": _Number("Hz"),
+    "voltage_exponent": _Number(may_be_0=True),
+    "amplitude": _Number("m"),
+    "frequency": _Number("Hz"),
+    "setting": _Number(),
+    "voltage": _Number(),
+    "filling": _Number("kg", may_be_0=True),
 }
 _SPRINGS: Final = ("trough_mass", "counter_mass", "natural_frequency", "damping_ratio", "base_stiffness")
-#: Numbers that describe each kind of machine.
+#: Numbers of each kind of machine, by the names of the arguments of its classmethod.
 _KINDS: Final = {
     "unbalance": ("vibrating_mass", "mount_frequency", "damping_ratio", "static_moment"),
     "magnet": (*_SPRINGS, "voltage_exponent", "gap"),
@@ -182,8 +81,61 @@ _KINDS: Final = {
     "rod": ("trough_mass", "natural_frequency", "damping_ratio", "rod_stiffness", "radius"),
     "measured": ("trough_mass", "counter_mass", "voltage_exponent", "gap"),
 }
-_CALIBRATION: Final = ("amplitude", "frequency", "setting", "voltage", "filling")
 _FIELDS: Final = {"vibrating_mass": "trough_mass", "mount_frequency": "natural_frequency"}  # of Machine
+_LAWS: Final = {"current": 0.0, "voltage": -2.0}  # exponent of a magnet's force over the frequency
+_CALIBRATION: Final = ("amplitude", "frequency", "setting", "voltage", "filling")
+
+
+def _checked(
+    problems: Problems, name: str, value: Any, *, one: bool = False, least: float | None = None
+) -> Floats:
+    """Read one number, or an array, in the range of its name, or from ``least`` on; NaN after a problem."""
+    number = _NUMBERS[name]
+    if value is None:
+        problems.add(f"{name}: missing", number.remedy or f"give {name} [{number.unit or 1}]", name)
+        return np.array(math.nan)
+    try:
+        x = np.asarray(real_number(value)) if one else real_array(value)
+    except NotRealError as exc:
+        problems.add(f"{name} = {exc.value}: must be {exc.allowed}", field=name)
+        return np.array(math.nan)
+    low, with_low = (0.0, number.may_be_0) if least is None else (least, True)
+    good = ((x > low) | (x == low) & with_low) & ((x < number.below) | (number.may_be_infinite & (x > 0.0)))
+    if good.all():
+        return x
+    wrong, remedy = float(x[~good].flat[0]), ""
+    if name == "damping_ratio" and 1.0 <= wrong < 100.0:
+        remedy = f"of {wrong:.15g} % give {wrong / 100.0:.6g}"
+    text = f"{name} = {wrong:.15g} {number.unit}".rstrip()
+    problems.add(f"{text}: must be {number.allowed(least)}", remedy, name)
+    return np.array(math.nan)
+
+
+def _fields_of(kind: str, given: Mapping[str, Any], problems: Problems) -> dict[str, float]:
+    """Read the numbers of a kind, and return the fields of ``Machine`` that follow from them."""
+    numbers = {name: float(_checked(problems, name, given[name], one=True)) for name in _KINDS[kind]}
+    fields = {_FIELDS.get(name, name): x for name, x in numbers.items()}
+    if fields.get("counter_mass") == math.inf:
+        if fields.get("base_stiffness", 0.0) > 0.0:
+            base = f"base_stiffness = {fields['base_stiffness']:.15g} N/m"
+            why, hint = "the springs stand on the floor", "give the counter_mass that stands on that mount"
+            problems.add(f"{base}: must be left out where {why}", hint, "base_stiffness")
+        if kind == "exciter":
+            text = "counter_mass = inf kg: must be finite, as the motors sit on it"
+            problems.add(text, field="counter_mass")
+    if "static_moment" in fields:  # F = S w^2, here at 1 Hz
+        fields |= {"force": fields.pop("static_moment") * TURN**2, "force_exponent": 2.0}
+    if kind == "crank":
+        fields["force"] = fields.pop("radius")
+    if kind == "rod":  # F = k_r e
+        rod = fields["rod_stiffness"]
+        springs = fields["trough_mass"] * (TURN * fields["natural_frequency"]) ** 2
+        fields["force"] = rod * fields.pop("radius")
+        if rod > springs:
+            text = f"rod_stiffness = {rod:.15g} N/m: must be <= {springs:.6g} N/m, that of all springs"
+            hint = "natural_frequency is that on all springs, with the rod's while the crank stands"
+            problems.add(text, hint, "rod_stiffness")
+    return fields
 
 
 @dataclass(frozen=True)
@@ -236,10 +188,6 @@ class Response:
     compliance : complex array
         H: with a complex added mass m the amplitude is that of the empty machine over ``abs(1 + m H)``
         [1/kg].
-    elasticities : mapping of str to array
-        Relative change of the amplitude over the relative change of one quantity, the others constant:
-        ``frequency``, ``setting``, ``voltage``, ``trough_mass``, ``filling``, ``stiffness`` (of the springs
-        without a rod) and ``damping`` [1].
     """
 
     amplitude: Floats
@@ -248,10 +196,74 @@ class Response:
     relative_amplitude: Floats
     filled_natural_frequency: Floats
     compliance: Complexes
-    elasticities: Mapping[str, Floats]
 
 
-@dataclass(frozen=True, init=False)
+# ------------------------------------------------------------------------------
+# A linear machine of one or two masses, Eq. (81): its motion for a force of 1 N.
+
+
+class Transfer(NamedTuple):
+    """Motion of the masses over the force; arrays of one shape.
+
+    Attributes
+    ----------
+    trough, counter, relative : complex array
+        X_1, X_2 and X_1 - X_2 over F [m/N]; of a crank over its radius [1].
+    compliance : complex array
+        H of Eq. (85), A / A_0 = 1 / abs(1 + m H) for a complex added mass m [1/kg].
+    """
+
+    trough: Complexes
+    counter: Complexes
+    relative: Complexes
+    compliance: Complexes
+
+
+def transfer(machine: Machine, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
+    """Solve Eq. (81) for a force of 1 N.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its masses, damping, and mount.
+    frequency, natural_frequency : array_like
+        Of the drive and of the empty machine between its masses, without the base mount [Hz].
+    added_mass : complex array_like
+        The filling's mass m (lambda - i delta) [kg].
+
+    Notes
+    -----
+    Z is divided by -m2 w^2, so that a counter mass may be infinite, and grouped about the resonance: the
+    detuning w0^2 - w^2 is a product, exact to rounding where the two nearly cancel.
+    """
+    m1, r, mu = machine.trough_mass, 1.0 / machine.counter_mass, machine.reduced_mass
+    f, f0 = np.asarray(frequency, np.float64), np.asarray(natural_frequency, np.float64)
+    added = np.asarray(added_mass, np.complex128)
+    if machine.kind == "crank":
+        one = np.ones(np.broadcast_shapes(f.shape, added.shape), np.complex128)
+        return Transfer(one, 0.0 * one, one, 0.0 * one)
+    w = TURN * f
+    ww, w0 = w * w, TURN * f0
+    damping = 2j * machine.damping_ratio * mu * w0 * w
+    kappa = mu * w0 * w0 + damping
+    g = machine.base_stiffness * r / ww
+    free = 1.0 - g
+    coupling = kappa * r - ww * free  # dZ/dM
+    detuning = mu * TURN**2 * (f0 - f) * (f0 + f) + damping
+    empty = (1.0 + m1 * r) * detuning - g * (kappa - m1 * ww)  # Z_0, Eq. (82)
+    mass = m1 + added
+    impedance = empty + added * coupling
+    # Eq. (83)
+    if machine.kind == "exciter":
+        trough, counter, relative = -kappa * r / ww, (mass - kappa / ww) * r, -mass * r
+    else:
+        trough, counter, relative = free, -mass * r, free + mass * r
+    return Transfer(
+        trough / impedance, counter / impedance, relative / impedance, np.asarray(coupling / empty)
+    )
+
+
+@dataclass(frozen=True)
 class Machine:
     """A linear machine that drives a trough along a line, against the floor or a counter mass.
 
@@ -277,13 +289,12 @@ class Machine:
     rod_stiffness : float
         Stiffness of the springs through which a crank acts [N/m].
     force : float
-        Amplitude of the force at 100 % setting and voltage and at ``force_frequency``; 0 for a crank [N].
+        Amplitude of the force at 100 % setting and voltage and at ``force_frequency`` [N]; of a crank, which
+        moves the trough itself, its radius [m].
     force_frequency, force_exponent : float
         The force is proportional to ``(frequency / force_frequency) ** force_exponent`` [Hz], [1].
     voltage_exponent : float
         The force is proportional to ``voltage ** voltage_exponent`` [1].
-    radius : float
-        Radius of a crank; 0 for other machines [m].
     gap : float
         Relative amplitude at which the masses strike each other [m].
 
@@ -293,8 +304,6 @@ class Machine:
     ...                         damping_ratio=0.015, calibration=Calibration(0.35e-3, 50))
     >>> print(f"{feeder.force:.1f} N, {feeder.load_proof_frequency(50):.1f} Hz")
     20.2 N, 86.6 Hz
-    >>> print(f"{feeder.response(50, added_mass=0.2).elasticities['filling']:.3f}")
-    -0.189
     """
 
     kind: str
@@ -308,33 +317,15 @@ class Machine:
     force_frequency: float = 1.0
     force_exponent: float = 0.0
     voltage_exponent: float = 0.0
-    radius: float = 0.0
     gap: float = math.inf
-
-    def __init__(self) -> None:
-        raise InputError(
-            "Machine() cannot be called: every machine has a kind",
-            hint="call Machine.unbalance, .magnet, .exciter, .crank, .rod or .measured",
-        )
 
     @classmethod
     def _made(cls, kind: str, given: Mapping[str, Any]) -> Machine:
         """Make a machine that the numbers of its kind describe."""
-        read = _Reading(kind)
-        values = read.fields(given)
-        read.settle()
-        return cls._of(kind, **values)
-
-    @classmethod
-    def _of(cls, kind: str, **values: float) -> Machine:
-        machine = cls.__new__(cls)
-        for field in fields(cls)[1:]:
-            object.__setattr__(machine, field.name, values.get(field.name, field.default))
-        object.__setattr__(machine, "kind", kind)
-        return machine
-
-    def _changed(self, **values: float) -> Machine:
-        return self._of(self.kind, **{**{f.name: getattr(self, f.name) for f in fields(self)[1:]}, **values})
+        problems = Problems(f"Machine.{kind}: ")
+        fields = _fields_of(kind, given, problems)
+        problems.settle()
+        return cls(kind, **fields)
 
     @classmethod
     @shielded
@@ -381,20 +372,12 @@ class Machine:
     @classmethod
     @shielded
     def magnet(
-        cls,
-        *,
-        trough_mass: float,
-        counter_mass: float = math.inf,
-        natural_frequency: float | None = None,
-        damping_ratio: float | None = None,
-        force: float | None = None,
-        calibration: Calibration | None = None,
-        voltage_exponent: float = 2.0,
+        cls, *, trough_mass: float, counter_mass: float = math.inf, natural_frequency: float | None = None,
+        damping_ratio: float | None = None, force: float | None = None,
+        calibration: Calibration | None = None, voltage_exponent: float = 2.0,
         law: Literal["current", "voltage"] = "current",
-        force_frequency: float | None = None,
-        base_stiffness: float = 0.0,
-        gap: float = math.inf,
-    ) -> Machine:
+        force_frequency: float | None = None, base_stiffness: float = 0.0, gap: float = math.inf,
+    ) -> Machine:  # fmt: skip
         """Make a trough on springs that a magnet or a piezo drive moves against a counter mass or the floor.
 
         Parameters
@@ -441,45 +424,51 @@ class Machine:
         >>> print(f"{1e3 * machine.response(50).amplitude:.3f} mm")
         0.315 mm
         """
-        read = _Reading("magnet")
-        values = read.fields(locals())
+        problems = Problems("Machine.magnet: ")
+        fields = _fields_of("magnet", locals(), problems)
         if law not in _LAWS:
-            read.add(f"law = {shown(law)}: must be 'current' or 'voltage'", field="law")
+            problems.add(f"law = {shown(law)}: must be 'current' or 'voltage'", field="law")
         if (force is None) == (calibration is None):
-            read.add(
+            problems.add(
                 f"force = {shown(force)} and calibration = {shown(calibration)}: must be one or the other",
                 "give the force, or one amplitude that was measured:"
                 " calibration=vibro.Calibration(amplitude=0.35e-3, frequency=50)",
                 "force",
             )
-        values["force"] = 1.0 if force is None else read.number("force", force)
+        fields["force"] = 1.0 if force is None else float(_checked(problems, "force", force, one=True))
+        known: object = calibration
+        if known is not None and not isinstance(known, Calibration):
+            wrong = f"calibration = {shown(calibration)}: must be a vibro.Calibration"
+            problems.add(wrong, field="calibration")
+        elif calibration is not None:
+            numbers = ((name, getattr(calibration, name)) for name in _CALIBRATION)
+            calibration = Calibration(*(float(_checked(problems, *pair, one=True)) for pair in numbers))
         if law == "voltage":
-            if force_frequency is None and isinstance(calibration, Calibration):
-                force_frequency = calibration.frequency
-            values["force_frequency"] = read.number("force_frequency", force_frequency)
+            at = calibration.frequency if force_frequency is None and calibration else force_frequency
+            fields["force_frequency"] = float(_checked(problems, "force_frequency", at, one=True))
         elif force_frequency is not None:
-            read.add(
-                f"force_frequency = {shown(force_frequency)}: must be left out where law = {shown(law)}",
-                "only with law='voltage' does the force depend on the frequency",
-                "force_frequency",
-            )
-        known = None if calibration is None else read.calibration(calibration)
-        read.settle()
-        machine = cls._of("magnet", force_exponent=_LAWS[law], **values)
-        return machine if known is None else machine._calibrated(known)
+            text = f"force_frequency = {shown(force_frequency)}: must be left out where law = {shown(law)}"
+            hint = "only with law='voltage' does the force depend on the frequency"
+            problems.add(text, hint, "force_frequency")
+        problems.settle()
+        machine = cls("magnet", force_exponent=_LAWS[law], **fields)
+        if calibration is None:
+            return machine
+        at_100 = machine.response(
+            calibration.frequency,
+            setting=calibration.setting,
+            voltage=calibration.voltage,
+            added_mass=calibration.filling,
+        )
+        return replace(machine, force=calibration.amplitude / float(at_100.amplitude))
 
     @classmethod
     @shielded
     def exciter(
-        cls,
-        *,
-        trough_mass: float,
-        counter_mass: float,
-        static_moment: float,
-        natural_frequency: float | None = None,
-        damping_ratio: float | None = None,
+        cls, *, trough_mass: float, counter_mass: float, static_moment: float,
+        natural_frequency: float | None = None, damping_ratio: float | None = None,
         base_stiffness: float = 0.0,
-    ) -> Machine:
+    ) -> Machine:  # fmt: skip
         """Make a trough on springs on an exciter mass that is driven by unbalance motors.
 
         Parameters
@@ -544,14 +533,9 @@ class Machine:
     @classmethod
     @shielded
     def rod(
-        cls,
-        *,
-        radius: float,
-        rod_stiffness: float,
-        trough_mass: float,
-        natural_frequency: float | None = None,
-        damping_ratio: float | None = None,
-    ) -> Machine:
+        cls, *, radius: float, rod_stiffness: float, trough_mass: float,
+        natural_frequency: float | None = None, damping_ratio: float | None = None,
+    ) -> Machine:  # fmt: skip
         """Make a trough on springs that is driven by a crank through a soft rod.
 
         Parameters
@@ -591,15 +575,10 @@ class Machine:
     @classmethod
     @shielded
     def measured(
-        cls,
-        *,
-        points: Any,
-        trough_mass: float,
-        counter_mass: float = math.inf,
-        law: Literal["constant", "square"] = "constant",
-        voltage_exponent: float | None = None,
+        cls, *, points: Any, trough_mass: float, counter_mass: float = math.inf,
+        law: Literal["constant", "square"] = "constant", voltage_exponent: float | None = None,
         gap: float = math.inf,
-    ) -> Machine:
+    ) -> Machine:  # fmt: skip
         """Make a machine from measured amplitudes of the empty trough at several frequencies.
 
         Parameters
@@ -645,27 +624,25 @@ class Machine:
         fit, is_square = fit_response(points, law=law), law == "square"
         if voltage_exponent is None:
             voltage_exponent = 0.0 if is_square else 2.0
-        read = _Reading("measured")
-        values = read.fields(locals())
-        if is_square and values["counter_mass"] < math.inf:
-            read.add(
-                f"counter_mass = {counter_mass:.15g} kg: must be left out where law = 'square'",
-                "unbalance on a counter mass has law='constant' for the trough",
-                "counter_mass",
-            )
+        problems = Problems("Machine.measured: ")
+        fields = _fields_of("measured", locals(), problems)
+        if is_square and fields["counter_mass"] < math.inf:
+            text = f"counter_mass = {counter_mass:.15g} kg: must be left out where law = 'square'"
+            hint = "unbalance on a counter mass has law='constant' for the trough"
+            problems.add(text, hint, "counter_mass")
         f0, damping = fit.natural_frequency, fit.damping_ratio
         if math.isnan(f0) or math.isnan(damping):
-            read.add(
+            problems.add(
                 f"points: they do not determine the {'natural frequency' if math.isnan(f0) else 'damping'}",
                 "measure on both sides of the resonance, some points within 5 % of it; or describe a magnet,"
                 " by its natural frequency and damping ratio",
                 "points",
             )
-        read.settle()
+        problems.settle()
         # static amplitude times stiffness; times m1 w^2 at 1 Hz where the force grows with the square
-        force = fit.static_amplitude * (values["trough_mass"] * TURN**2) * (1.0 if is_square else f0**2)
-        values |= {"natural_frequency": f0, "damping_ratio": damping, "force": force}
-        return cls._of("measured", force_exponent=2.0 if is_square else 0.0, **values)
+        force = fit.static_amplitude * (fields["trough_mass"] * TURN**2) * (1.0 if is_square else f0**2)
+        fields |= {"natural_frequency": f0, "damping_ratio": damping, "force": force}
+        return cls("measured", force_exponent=2.0 if is_square else 0.0, **fields)
 
     @shielded
     def with_natural_frequency(self, natural_frequency: float) -> Machine:
@@ -686,25 +663,19 @@ class Machine:
         InputError
             If the frequency is out of its range, or the machine is a crank.
         """
-        self._require_springs("natural_frequency", natural_frequency)
         problems = Problems()
         value = self._naturals(problems, natural_frequency)
         if value.shape:
             problems.add(f"natural_frequency = {shown(natural_frequency)}: must be one real number")
         problems.settle()
-        return self._changed(natural_frequency=float(value))
+        return replace(self, natural_frequency=float(value))
 
     @shielded
     def response(
-        self,
-        frequency: ArrayLike,
-        *,
-        setting: ArrayLike = 1.0,
-        voltage: ArrayLike = 1.0,
-        added_mass: Any = 0.0,
-        natural_frequency: ArrayLike | None = None,
-    ) -> Response:
-        """Return the steady motion of the machine: amplitudes, phase, natural frequency and elasticities.
+        self, frequency: ArrayLike, *, setting: ArrayLike = 1.0, voltage: ArrayLike = 1.0,
+        added_mass: Any = 0.0, natural_frequency: ArrayLike | None = None,
+    ) -> Response:  # fmt: skip
+        """Return the steady motion of the machine: amplitudes, phase and natural frequency.
 
         Parameters
         ----------
@@ -731,7 +702,7 @@ class Machine:
 
         Notes
         -----
-        Eqs. (83) to (85); within 1e-12 of a computation in 60 digits on 40 machines
+        Eqs. (80) to (85); within 1e-12 of a computation in 60 digits on 40 machines
         (tests/machines/test_machine.py).
 
         Examples
@@ -742,46 +713,20 @@ class Machine:
         """
         f, s, u, f0, added = self.broadcast(frequency, setting, voltage, natural_frequency, added_mass)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            return self._response(f, s, u, f0, added)
-
-    def _response(self, f: Floats, s: Floats, u: Floats, f0: Floats, added: Complexes) -> Response:
-        zero, one = np.zeros(f.shape), np.ones(f.shape)
-        if self.kind == "crank":
-            amplitude, nothing = self.radius * s, dict.fromkeys(ELASTICITIES, zero[()])
+            found, force = transfer(self, f, f0, added), self.force_at(f, s, u)
             return Response(
-                amplitude=amplitude[()],
-                phase=zero[()],
-                counter_amplitude=zero[()],
-                relative_amplitude=amplitude[()],
-                filled_natural_frequency=np.full(f.shape, math.inf)[()],
-                compliance=np.zeros(f.shape, np.complex128)[()],
-                elasticities={**nothing, "setting": one[()]},
+                amplitude=(force * np.abs(found.trough))[()],
+                phase=np.angle(found.trough + 0.0)[()],
+                counter_amplitude=(force * np.abs(found.counter))[()],
+                relative_amplitude=(force * np.abs(found.relative))[()],
+                filled_natural_frequency=self.filled_natural_frequency(f0, added.real)[()],
+                compliance=found.compliance[()],
             )
-        found = transfer(self, f, f0, added)
-        force = self.force_at(f, s, u)
-        slope = _slopes(self, f, found)
-        return Response(
-            amplitude=(force * np.abs(found.trough))[()],
-            phase=np.angle(found.trough + 0.0)[()],
-            counter_amplitude=(force * np.abs(found.counter))[()],
-            relative_amplitude=(force * np.abs(found.relative))[()],
-            filled_natural_frequency=self.filled_natural_frequency(f0, added.real)[()],
-            compliance=found.compliance[()],
-            elasticities={
-                "setting": one[()],
-                "voltage": (self.voltage_exponent * one)[()],
-                **{name: value[()] for name, value in slope._asdict().items()},
-            },
-        )
 
     def broadcast(
-        self,
-        frequency: ArrayLike,
-        setting: ArrayLike,
-        voltage: ArrayLike,
-        natural_frequency: ArrayLike | None,
-        added_mass: Any = 0.0,
-    ) -> tuple[Floats, Floats, Floats, Floats, Complexes]:
+        self, frequency: ArrayLike, setting: ArrayLike, voltage: ArrayLike,
+        natural_frequency: ArrayLike | None, added_mass: Any = 0.0,
+    ) -> tuple[Floats, Floats, Floats, Floats, Complexes]:  # fmt: skip
         """Check the arguments of ``response`` and broadcast them against each other.
 
         Returns
@@ -789,31 +734,38 @@ class Machine:
         frequency, setting, voltage, natural_frequency, added_mass : array
             Arrays of the common shape.
         """
-        if natural_frequency is not None:
-            self._require_springs("natural_frequency", natural_frequency)
         problems = Problems()
-        own = np.asarray(self.natural_frequency)
-        real = [
-            _positive(problems, "frequency", frequency, "Hz"),
-            _positive(problems, "setting", setting),
-            _positive(problems, "voltage", voltage),
-            own if natural_frequency is None else self._naturals(problems, natural_frequency),
-        ]
-        added = _complex(problems, added_mass)
-        problems.settle()
-        f, s, u, f0, m = broadcast(
-            ("frequency", "setting", "voltage", "natural_frequency", "added_mass"), (*real, added)
+        given = {"frequency": frequency, "setting": setting, "voltage": voltage}
+        arrays: dict[str, Any] = {name: _checked(problems, name, value) for name, value in given.items()}
+        own = natural_frequency is None
+        arrays["natural_frequency"] = (
+            np.asarray(self.natural_frequency) if own else self._naturals(problems, natural_frequency)
         )
+        added = np.asarray(added_mass)
+        if added.dtype.kind not in "fciu" or not np.all(np.isfinite(added)):
+            wrong = f"added_mass = {shown(added_mass)}: must be finite numbers, real or complex"
+            problems.add(wrong, field="added_mass")
+        problems.settle()
+        arrays["added_mass"] = added.astype(np.complex128)
+        f, s, u, f0, m = broadcast(arrays)
         return f, s, u, f0, m
 
-    def _naturals(self, problems: Problems, natural_frequency: ArrayLike) -> Floats:
+    def _naturals(self, problems: Problems, natural_frequency: Any) -> Floats:
+        """Read natural frequencies of spring packs, which a crank has not."""
+        if self.kind == "crank":
+            raise InputError(
+                f"natural_frequency = {shown(natural_frequency)}: must be left out of a crank, whose"
+                " amplitude is its radius",
+                hint="Machine.rod is a crank that acts through springs",
+                fields=["natural_frequency"],
+            )
         least = 0.0 if self.kind == "unbalance" else None
         if self.rod_stiffness:  # the springs cannot be softer than the rod's among them
-            least = math.sqrt(self.rod_stiffness / self.trough_mass) / (TURN)
-        return _positive(problems, "natural_frequency", natural_frequency, "Hz", least)
+            least = math.sqrt(self.rod_stiffness / self.trough_mass) / TURN
+        return _checked(problems, "natural_frequency", natural_frequency, least=least)
 
     def force_at(self, frequency: Any, setting: Any = 1.0, voltage: Any = 1.0) -> Any:
-        """Return the amplitude of the force [N].
+        """Return the amplitude of the force, Eq. (80) [N].
 
         Parameters
         ----------
@@ -870,22 +822,22 @@ class Machine:
         InputError
             If the machine has no counter mass, or its base mount is too stiff.
         """
-        read = _Reading(self.kind)
-        f = read.number("frequency", frequency)
-        read.settle()
+        problems = Problems(f"Machine.{self.kind}: ")
+        f = float(_checked(problems, "frequency", frequency, one=True))
+        problems.settle()
         if not self.counter_mass < math.inf:
             raise InputError(
                 f"counter_mass = {self.counter_mass:.15g} kg: no spring pack makes this machine load-proof",
                 hint="it takes two masses, one of them free to move: the counter mass acts as an absorber",
             )
-        stiffness = self.counter_mass * (TURN * f) ** 2 - self.base_stiffness
-        if not stiffness > 0.0:
+        inertia = self.counter_mass * (TURN * f) ** 2
+        if not (stiffness := inertia - self.base_stiffness) > 0.0:  # k = m2 w^2 - k_b, Eq. (86)
             raise InputError(
-                f"base_stiffness = {self.base_stiffness:.15g} N/m: must be < m2 w^2 ="
-                f" {self.counter_mass * (TURN * f) ** 2:.6g} N/m for a load-proof pack",
+                f"base_stiffness = {self.base_stiffness:.15g} N/m: must be < m2 w^2 = {inertia:.6g} N/m for a"
+                " load-proof pack",
                 hint="mount the counter mass softer",
             )
-        return math.sqrt(stiffness / self.reduced_mass) / (TURN)
+        return math.sqrt(stiffness / self.reduced_mass) / TURN
 
     @shielded
     def load_proof_force(self, frequency: float) -> float:
@@ -930,8 +882,6 @@ class Machine:
         1.26 kg
         """
         f, _, _, f0, _ = self.broadcast(frequency, 1.0, 1.0, natural_frequency)
-        if self.kind == "crank":
-            return np.full(f.shape, math.inf)[()]
         r, m1 = 1.0 / self.counter_mass, self.trough_mass
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             detuning = (f0 - f) * (f0 + f)  # f0^2 - f^2, exact near resonance
@@ -939,126 +889,17 @@ class Machine:
             added = detuning * (1.0 + m1 * r) / left
         return np.where(left > 0.0, added, math.inf)[()]
 
-    def _calibrated(self, known: Calibration) -> Machine:
-        reached = self.response(
-            known.frequency, setting=known.setting, voltage=known.voltage, added_mass=known.filling
-        )
-        return self._changed(force=self.force * known.amplitude / float(reached.amplitude))
 
-    def _require_springs(self, name: str, value: Any) -> None:
-        if self.kind == "crank":
-            raise InputError(
-                f"{name} = {shown(value)}: must be left out of a crank, whose amplitude is its radius",
-                hint="Machine.rod is a crank that acts through springs",
-                fields=[name],
-            )
-
-
-class _Reading(Problems):
-    """Reads the numbers of one kind of machine, and collects what is wrong with them."""
-
-    def __init__(self, kind: str) -> None:
-        super().__init__(f"Machine.{kind}: ")
-        self._kind = kind
-
-    def number(self, name: str, value: Any) -> float:
-        """Read a number by its name; NaN after a problem."""
-        unit = f" {_UNITS.get(name, '')}".rstrip()
-        if value is None:
-            self.add(f"{name}: missing", _REMEDIES.get(name, f"give {name} [{unit[1:] or 1}]"), name)
-            return math.nan
-        try:
-            x = real_number(value)
-        except NotRealError as exc:
-            self.add(f"{name} = {exc.value}: must be {exc.allowed}", field=name)
-            return math.nan
-        is_finite, sign = name not in _MAY_BE_INFINITE, ">=" if name in _MAY_BE_0 else ">"
-        if not (x > 0.0 or (x == 0.0 and sign == ">=")) or (is_finite and x == math.inf):
-            allowed = f"{'finite and ' * is_finite}{sign} 0{unit}"
-            self.add(f"{name} = {x:.15g}{unit}: must be {allowed}", field=name)
-            return math.nan
-        if name == "damping_ratio" and x >= 1.0:
-            remedy = f"of {x:.15g} % give {x / 100.0:.6g}" if x < 100.0 else ""
-            self.add(f"damping_ratio = {x:.15g}: must be in [0, 1)", remedy, name)
-        return x
-
-    def fields(self, given: Mapping[str, Any]) -> dict[str, float]:
-        """Read the numbers of the kind, and return the fields of ``Machine`` that follow from them."""
-        numbers = {name: self.number(name, given[name]) for name in _KINDS[self._kind]}
-        fields = {_FIELDS.get(name, name): x for name, x in numbers.items()}
-        floor = fields.get("counter_mass") == math.inf
-        if floor and fields.get("base_stiffness", 0.0) > 0.0:
-            self.add(
-                f"base_stiffness = {fields['base_stiffness']:.15g} N/m: must be left out where the springs"
-                " stand on the floor",
-                "give the counter_mass that stands on that mount",
-                "base_stiffness",
-            )
-        if floor and self._kind == "exciter":
-            text = "counter_mass = inf kg: must be finite, as the motors sit on it"
-            self.add(text, field="counter_mass")
-        if "static_moment" in fields:  # F = S w^2, here at 1 Hz
-            fields |= {"force": fields.pop("static_moment") * TURN**2, "force_exponent": 2.0}
-        if self._kind == "rod":  # F = k_r R
-            rod, total = (
-                fields["rod_stiffness"],
-                fields["trough_mass"] * (TURN * fields["natural_frequency"]) ** 2,
-            )
-            fields["force"] = rod * fields.pop("radius")
-            if rod > total:
-                self.add(
-                    f"rod_stiffness = {rod:.15g} N/m: must be <= {total:.6g} N/m, that of all springs",
-                    "natural_frequency is that on all springs, with the rod's while the crank stands",
-                    "rod_stiffness",
-                )
-        return fields
-
-    def calibration(self, given: object) -> Calibration | None:
-        """Read the numbers of a calibration."""
-        if not isinstance(given, Calibration):
-            self.add(f"calibration = {shown(given)}: must be a vibro.Calibration", field="calibration")
-            return None
-        return Calibration(*(self.number(name, getattr(given, name)) for name in _CALIBRATION))
-
-
-def broadcast(names: tuple[str, ...], arrays: tuple[Any, ...]) -> tuple[Any, ...]:
+def broadcast(arrays: Mapping[str, Any]) -> tuple[Any, ...]:
     """Broadcast arguments against each other; InputError with their shapes if that cannot be."""
     try:
-        return tuple(np.broadcast_arrays(*arrays))
+        return tuple(np.broadcast_arrays(*arrays.values()))
     except ValueError:
-        shapes = ", ".join(f"{name} {np.shape(x)}" for name, x in zip(names, arrays, strict=True))
+        shapes = ", ".join(f"{name} {np.shape(x)}" for name, x in arrays.items())
         raise InputError(f"shapes = {shapes}: must be broadcastable against each other") from None
 
 
-def _positive(
-    problems: Problems, name: str, value: Any, unit: str = "", least: float | None = None
-) -> Floats:
-    """Read an array of finite numbers > 0, or >= ``least``."""
-    try:
-        x = real_array(value)
-    except NotRealError as exc:
-        problems.add(f"{name} = {exc.value}: must be {exc.allowed}", field=name)
-        return np.ones(())
-    good = np.isfinite(x) & ((x > 0.0) if least is None else (x >= least))
-    if not np.all(good):
-        unit = f" {unit}" if unit else ""
-        allowed = f"finite and > 0{unit}" if least is None else f"finite and >= {least:.6g}{unit}"
-        wrong = float(x[~good].flat[0])
-        problems.add(f"{name} = {wrong:.15g}{unit}: must be {allowed}", field=name)
-    return x
-
-
-def _complex(problems: Problems, value: Any) -> Complexes:
-    array = np.asarray(value)
-    if array.dtype.kind in "fciu" and np.all(np.isfinite(array)):
-        return array.astype(np.complex128)
-    problems.add(f"added_mass = {shown(value)}: must be finite numbers, real or complex", field="added_mass")
-    return np.zeros((), np.complex128)
-
-
-def driven(machine: Machine, f: Floats, s: Floats, u: Floats, f0: Floats) -> tuple[Floats, Transfer | None]:
-    """Return the empty machine's amplitude and its transfer; None for a crank, whose amplitude is fixed."""
-    if machine.kind == "crank":
-        return machine.radius * s, None
+def driven(machine: Machine, f: Floats, s: Floats, u: Floats, f0: Floats) -> tuple[Floats, Transfer]:
+    """Return the empty machine's amplitude and its transfer."""
     found = transfer(machine, f, f0, 0.0)
     return machine.force_at(f, s, u) * np.abs(found.trough), found

@@ -214,14 +214,14 @@ class _Case(NamedTuple):
     natural: Floats
     filling: Floats
     empty: Floats
-    linear: Transfer | None
+    linear: Transfer
     body: dict[str, Floats]
     unbounded: NDArray[np.bool_]
 
     @property
     def compliance(self) -> Complexes:
         """H [1/kg]."""
-        return np.zeros(self.empty.shape, np.complex128) if self.linear is None else self.linear.compliance
+        return self.linear.compliance
 
 
 @shielded
@@ -411,7 +411,7 @@ def _case(
     mass = _masses(filling)
     known = Scene.allowing_infeasible(amplitude=1.0, frequency=f, **body)  # refuses angles by their names
     rest = {name: getattr(known, name) for name in (*_FRICTIONS, *_DEFAULTS)}
-    shape = broadcast(("frequency", "filling", *rest), (f, mass, *rest.values()))[0].shape
+    shape = broadcast({"frequency": f, "filling": mass, **rest})[0].shape
 
     def flat(x: Any) -> Any:
         return np.ascontiguousarray(np.broadcast_to(x, shape)).reshape(-1)
@@ -575,20 +575,16 @@ def _reach(case: _Case) -> Floats:
 
 def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
     """Assemble the results."""
-    zero = np.zeros(case.empty.shape)
     added = np.where(
         case.filling > 0.0, case.filling * np.where(np.isnan(found.share), 0.0, found.share), 0.0
     )
-    if machine.kind == "crank":
-        phase, relative, harmonic, ratio, filled = zero, found.amplitude, 0j * zero, zero, zero
-    else:
-        moved = transfer(machine, case.frequency, case.natural, added)
-        twice = transfer(machine, 2.0 * case.frequency, case.natural, 0.0)
-        force = machine.force_at(case.frequency, case.setting, case.voltage)
-        phase, relative = np.angle(moved.trough + 0.0), force * np.abs(moved.relative)
-        harmonic = -0.25 * case.filling * found.second * twice.compliance
-        ratio = np.where(case.unbounded, case.frequency / _NEIGHBOUR, case.frequency) / case.natural
-        filled = case.frequency / machine.filled_natural_frequency(case.natural, added.real)
+    moved = transfer(machine, case.frequency, case.natural, added)
+    twice = transfer(machine, 2.0 * case.frequency, case.natural, 0.0)
+    force = machine.force_at(case.frequency, case.setting, case.voltage)
+    phase, relative = np.angle(moved.trough + 0.0), force * np.abs(moved.relative)
+    harmonic = -0.25 * case.filling * found.second * twice.compliance  # Eq. (90)
+    ratio = np.where(case.unbounded, case.frequency / _NEIGHBOUR, case.frequency) / case.natural
+    filled = case.frequency / machine.filled_natural_frequency(case.natural, added.real)
     unknown = np.isnan(found.amplitude)
     phase, relative, filled = (np.where(unknown, np.nan, np.real(x)) for x in (phase, relative, filled))
     relative = np.where(case.unbounded, np.inf, relative)
