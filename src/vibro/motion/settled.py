@@ -8,29 +8,29 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import LETTERS, Mode, Regime, Status
+from vibro.core.codes import Regime, Status
 from vibro.core.numbers import TURN
 from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.histories import Start, follow_body, is_followed, simulate
 from vibro.reals import shielded
-from vibro.results.history import Legs
+from vibro.results.history import History, Legs, SolvedMotion
 from vibro.steady import slides_of, solve
 from vibro.threads import Grid
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
-    from vibro.results.history import History, Phase, Sample
+    from vibro.results.history import Phase, Sample
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
 
 
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
-_PERIODIC: Final = 1e-6  # relative change between cycles that count as the same
 _LONGEST_RUN: Final = 1000.0  # [drive cycles] from rest in which phases with flights must begin to repeat
 _ROUNDING: Final = 1e-12  # [drive cycles] shorter phases at the ends of a cycle are rounding
 _DIFFERENCE: Final = 1e-5  # [drive cycles] half the time of a difference: ten digits of a speed are left
 _SHORT: Final = 1e-2  # [rad] shorter flights are listed as one phase
+_NONE: Final = "no steady motion to compare with"
 
 
 @dataclass(frozen=True)
@@ -70,66 +70,71 @@ def cycle_phases(scene: Scene) -> tuple[_CyclePhase, ...]:
         where flights do not begin to repeat within 1000 drive cycles.
     """
     grid = Grid(scene.arrays())
-    if not is_followed(grid):
-        return ()
     cycle = solve(scene, flight=False)
-    hops = cycle.regime == Regime.HOPPING
-    legs = _followed_legs(scene, grid, _LONGEST_RUN) if hops else _contact_legs(scene, grid, cycle)
-    w, scale = TURN * float(scene.frequency), float(scene.scale)
-    return tuple(_CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
+    if not is_followed(grid) or (cycle.regime != Regime.HOPPING and not cycle.pattern):
+        return ()
+    steady = _steady_cycle(scene, grid, cycle, _LONGEST_RUN)
+    if steady is None:
+        return ()
+    short = _SHORT / (TURN * float(scene.frequency))
+    found: list[_CyclePhase] = []
+    for p in _at_trough_times(steady):
+        kind = "h" if p.kind == "H" and p.end - p.start < short else p.kind
+        moved, start = p.end_position - p.start_position, p.start
+        if found and found[-1].kind == kind == "h":
+            start, moved = found[-1].start, found.pop().displacement + moved
+        found.append(_CyclePhase(kind, start, p.end, moved))
+    return tuple(found)
 
 
-class _Leg(NamedTuple):
-    """One leg of a cycle: its kind as in a pattern, drive phases at its ends [rad], displacement [A].
+class _SteadyCycle(NamedTuple):
+    """One steady cycle, from the start of a leg on, and the trough time of that, in [0, period) [s]."""
 
-    The first leg starts in [0, 2 pi), each other one at the end before it.
+    history: History
+    lag: float
+
+
+def _steady_cycle(scene: Scene, grid: Grid, cycle: SteadyCycle, most: float) -> _SteadyCycle | None:
+    """Return the cycle that a body at rest settles into; None if none repeats within ``most`` drive cycles.
+
+    Its first leg is that of the pattern.
     """
+    drive, pattern = scene.arrays(), str(cycle.pattern)
+    hops, one_harmonic = cycle.regime == Regime.HOPPING, drive.can(Ability.ONE_HARMONIC)
+    rate = TURN * float(scene.frequency)
+    if pattern == "_" or (one_harmonic and not hops):
+        # The first slide of the cycle begins at rest, at a known phase.
+        phase = 0.0 if pattern == "_" else float(slides_of(scene, cycle.pattern_code).begin.flat[0])
+        return _SteadyCycle(simulate(scene, cycles=1.0, start_phase=phase), phase / rate)
+    motion = follow_body(grid, Start(0.0, 0.0, 0.0, 0.0), most)
+    legs = Legs._make(x[motion.first :] for x in motion.legs)
+    if not legs.mode.size:
+        return None
+    first = 0
+    if not one_harmonic:  # patterns of waves begin where their letters are least in the order of ``Mode``
+        modes = legs.mode.tolist()
+        first = min(range(len(modes)), key=lambda i: modes[i:] + modes[:i])
+    later = np.arange(legs.mode.size) < first
+    position = legs.position + np.where(later, motion.advance, 0.0)
+    legs = legs._replace(cycle=legs.cycle + np.where(later, motion.period, 0), position=position)
+    legs = Legs._make(np.roll(x, -first) for x in legs)
+    legs = legs._replace(cycle=legs.cycle - legs.cycle[0], position=legs.position - legs.position[0])
+    # A drive of one harmonic counts phases from the middle of its motion along the trough.
+    phase = (float(legs.phase[0]) - math.remainder(drive.phase.item(), TURN)) % TURN
+    steady = SolvedMotion(legs, 0, motion.period, motion.advance)
+    end = motion.period / float(scene.frequency)
+    return _SteadyCycle(History(scene, end, phase, 0.0, steady, grid), phase / rate)
 
-    kind: str
-    start: float
-    end: float
-    displacement: float
 
-
-def _contact_legs(scene: Scene, grid: Grid, cycle: SteadyCycle) -> list[_Leg]:
-    """Legs of a steady contact cycle, in the order of its pattern; none if there is none."""
-    pattern = str(cycle.pattern)
-    if pattern in ("", "_"):
-        return [_Leg("_", 0.0, TURN, 0.0)] if pattern else []
-    if not scene.arrays().can(Ability.ONE_HARMONIC):
-        return _followed_legs(scene, grid, _SETTLING)
-    slides = slides_of(scene, cycle.pattern_code)
-    columns = (x.tolist() for x in (slides.begin, slides.end, slides.displacement))
-    legs = [_Leg(kind, *leg) for kind, *leg in zip(pattern.replace("_", ""), *columns, strict=False)]
-    for i, kind in enumerate(pattern):
-        if kind == "_":
-            until = legs[i].start if i < len(legs) else legs[0].start + TURN
-            legs.insert(i, _Leg("_", legs[i - 1].end, until, 0.0))
-    return legs
-
-
-def _followed_legs(scene: Scene, grid: Grid, most: float) -> list[_Leg]:
-    """Legs of the steady cycle, by following a body from rest; none if they do not repeat within ``most``."""
-    motion, drive = follow_body(grid, Start(0.0, 0.0, 0.0, 0.0), most), scene.arrays()
-    steady = Legs._make(x[motion.first :] for x in motion.legs)
-    turns = TURN * motion.period
-    # a drive of one harmonic counts phases from the middle of its motion along the trough
-    starts = TURN * steady.cycle + steady.phase - math.remainder(drive.phase.item(), TURN)
-    columns = (steady.mode, starts, starts + steady.length, steady.displacement)
-    legs: list[_Leg] = []
-    for mode, start, end, displacement in zip(*(column.tolist() for column in columns), strict=True):
-        kind = "h" if mode == Mode.FLIGHT and end - start < _SHORT else LETTERS[mode]
-        if legs and legs[-1].kind == kind == "h":
-            start, displacement = legs[-1].start, legs.pop().displacement + displacement
-        legs.append(_Leg(kind, start, end, displacement))
-    if legs and not drive.can(Ability.ONE_HARMONIC):
-        # its patterns begin where their letters are least in the order of ``Mode``
-        order = [LETTERS.index(leg.kind.upper()) for leg in legs]
-        first = min(range(len(legs)), key=lambda i: order[i:] + order[:i])
-        later = [leg._replace(start=leg.start + turns, end=leg.end + turns) for leg in legs[:first]]
-        legs = legs[first:] + later
-    since = TURN * math.floor(legs[0].start / TURN) if legs else 0.0
-    return [leg._replace(start=leg.start - since, end=leg.end - since) for leg in legs]
+def _at_trough_times(steady: _SteadyCycle) -> list[Phase]:
+    """Return the phases of a cycle, without those that rounding makes at its ends."""
+    history, lag = steady
+    rounding = _ROUNDING / float(history.scene.frequency)
+    return [
+        replace(p, start=p.start + lag, end=p.end + lag)
+        for p in history.phases
+        if p.end > rounding and p.start < history.end - rounding
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,9 +157,7 @@ class SettledMotion:
     period: float
     advance: float
     phases: tuple[Phase, ...]
-    _history: History
-    _since: float
-    _lag: float
+    _steady: _SteadyCycle
 
     @property
     def slides(self) -> tuple[tuple[int, float, float], ...]:
@@ -164,17 +167,16 @@ class SettledMotion:
 
     def sample(self, time: Floats) -> Sample:
         """Motion and forces at any trough times, also before the first cycle."""
-        since = time - self._lag
-        turns = np.floor(since / self.period)
-        within = np.clip(since - turns * self.period, 0.0, self.period)
-        sample = self._history.sample(self._since + within)
+        history, lag = self._steady
+        turns = np.floor((time - lag) / self.period)
+        sample = history.sample(np.clip(time - lag - turns * self.period, 0.0, self.period))
         return replace(sample, time=time, position=sample.position + turns * self.advance)
 
     def trough(self, time: Floats) -> dict[str, Floats]:
         """Displacement, velocity, acceleration of the trough along itself at trough times [m, m/s, m/s^2]."""
         step = _DIFFERENCE * self.period
         before, now, after = (self.sample(time + x) for x in (-step, 0.0, step))
-        scene = self._history.scene
+        scene = self._steady.history.scene
         weight = float(scene.gravity) * math.sin(float(scene.trough_angle))
         return {
             "displacement": now.trough_along,
@@ -204,52 +206,14 @@ def settled_motion(scene: Scene) -> SettledMotion:
     cycle = solve(scene)
     status = Status(int(cycle.status))
     if status is Status.AVERAGED or not status.answered:
-        raise VibroError(f"no steady motion to compare with: {status.message}")
-    frequency = float(scene.frequency)
+        raise VibroError(f"{_NONE}: {status.message}")
     grid = Grid(scene.arrays())
     if not is_followed(grid):
-        raise VibroError("no steady motion to compare with: its loads or frictions are too extreme")
-    contact = [] if cycle.regime == Regime.HOPPING else _contact_legs(scene, grid, cycle)
-    if contact:
-        # The cycle has a slide that begins at a known phase: start there instead of following the transient.
-        history = simulate(scene, cycles=1.0, start_phase=contact[0].start)
-        since, lag = 0.0, contact[0].start / (TURN * frequency)
-    else:
-        history, since = _settled_flight(scene)
-        lag = since % (1.0 / frequency)
-    ends = history.sample([since, since + 1.0 / frequency], side="left")
-    advance = float(cycle.displacement_per_cycle)
-    moved = float(ends.position[1] - ends.position[0])
-    if abs(moved - advance) > _PERIODIC * max(abs(advance), float(scene.scale)):
-        raise VibroError(
-            "no steady motion to compare with: the body repeats its motion only every few cycles"
-        )
-    return SettledMotion(
-        pattern=str(cycle.pattern),
-        period=1.0 / frequency,
-        advance=advance,
-        phases=tuple(_at_trough_times(history, since, lag)),
-        _history=history,
-        _since=since,
-        _lag=lag,
-    )
-
-
-def _settled_flight(scene: Scene) -> tuple[History, float]:
-    """Follow a hopping body until it repeats its motion; return the start of a flight from then on too."""
-    settles_at = simulate(scene, cycles=_SETTLING).settles_at
-    if math.isinf(settles_at):
-        raise VibroError("no steady motion to compare with: the body hops without a period")
-    history = simulate(scene, cycles=settles_at * float(scene.frequency) + 3.0)
-    return history, next(p.start for p in history.phases if p.kind == "H" and p.start >= settles_at)
-
-
-def _at_trough_times(history: History, since: float, lag: float) -> list[Phase]:
-    """Cut one cycle out of a history."""
-    period = 1.0 / float(history.scene.frequency)
-    until, rounding = since + period, _ROUNDING * period
-    return [
-        replace(p, start=max(p.start, since) - since + lag, end=min(p.end, until) - since + lag)
-        for p in history.phases
-        if p.end > since + rounding and p.start < until - rounding
-    ]
+        raise VibroError(f"{_NONE}: its loads or frictions are too extreme")
+    steady = _steady_cycle(scene, grid, cycle, _SETTLING)
+    if steady is None:
+        raise VibroError(f"{_NONE}: the body hops without a period")
+    if steady.history.period_cycles > 1:
+        raise VibroError(f"{_NONE}: the body repeats its motion only every few cycles")
+    period, advance = 1.0 / float(scene.frequency), float(cycle.displacement_per_cycle)
+    return SettledMotion(str(cycle.pattern), period, advance, tuple(_at_trough_times(steady)), steady)
