@@ -414,16 +414,6 @@ def test_the_error_of_a_measured_frequency_is_one_of_the_advance() -> None:
     assert measured["mean_speed"] == given["mean_speed"]
 
 
-def test_a_signal_is_too_large_by_what_repeats_in_it() -> None:
-    """Ten times, with noise of as much: noise is no motion."""
-    observation = Walked(nut()).observe("velocity")
-    large = 10.0 * observation.signals["velocity"]
-    noise = float(np.std(large)) * np.random.default_rng(1).standard_normal(large.size)
-    noisy = Observation(observation.time, {"velocity": large + noise}, FREQUENCY)
-    (warning,) = (text for text in compare(nut(), noisy).warnings if "times the computed" in text)
-    assert 9.0 < float(warning.split("about ")[1].split()[0]) < 11.5
-
-
 def test_data_that_run_the_other_way_are_noticed_and_turned() -> None:
     record = read_record(STUDY_FILE)
     reversed_ = Observation.of(record, FREQUENCY, mass=MASS, reverse=True)

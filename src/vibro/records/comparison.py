@@ -293,18 +293,17 @@ def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[R
 
 def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
     """Warn of signals so much larger or smaller than computed that their unit may be wrong."""
-    cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     found = []
-    for name, values in observation.model(motion, cycle).items():
-        drifting = name == "displacement"
-        size = float(np.std(values - drifting * motion.advance / motion.period * cycle))
-        # Noise is no motion: what repeats decides whether a signal is too large, all of it if too small.
-        repeated = float(np.std(observation.folded[name].periodic(cycle)))
-        whole = float(np.std(detrended(observation.time, observation.signals[name], int(drifting))))
-        moved = repeated if repeated > TOL.far_off * size else whole
-        if size and whole and not size / TOL.far_off <= moved <= TOL.far_off * size:
+    for name, model in observation.model(motion, observation.time).items():
+        # The slope of a displacement is its conveying speed.
+        degree = int(name == "displacement")
+        measured, computed = (
+            float(np.std(detrended(observation.time, x, degree))) for x in (observation.signals[name], model)
+        )
+        if computed and measured and not 1.0 / TOL.far_off <= measured / computed <= TOL.far_off:
             what = doubt(observation.sensitivities.get(name, "")) + " Is the mass?" * (name == "friction")
-            found.append(f"the {name} is about {rounded(moved / size)} times the computed one: {what}")
+            times = rounded(measured / computed)
+            found.append(f"the {name} is about {times} times the computed one: {what}")
     return found
 
 
@@ -330,12 +329,10 @@ def _of_another_frequency(observation: Observation) -> list[str]:
 
 def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Alignment) -> list[str]:
     """Warn if the body's signals alone would place the record elsewhere in the cycle."""
-    if observation.clock is None:
-        return []
-    own = align(replace(observation, clock=None), motion)
+    own = clock if observation.clock is None else align(replace(observation, clock=None), motion)
     off = math.remainder(own.shift - clock.shift, motion.period)
     least = max(TOL.sigmas * math.hypot(own.error, clock.error), TOL.clocks_apart * motion.period)
-    if math.isnan(off) or abs(off) < least:
+    if not abs(off) > least:
         return []
     apart = f"{1e3 * off:+.3g} ms ({360.0 * off / motion.period:+.0f} deg)"
     why = "a channel lags or is inverted, or the body does not move as computed"

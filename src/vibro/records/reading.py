@@ -127,8 +127,8 @@ class _Tolerances(NamedTuple):
     slide_level: float = 0.1  # of a slide's computed peak speed, at its start and end
     fine: int = 4096  # points a cycle at which folded signals are searched
     curve: int = 1001  # points of a smooth curve
-    proposed: float = 0.01  # [cycles] drift of a proposed frequency from the data over the record
     clocks_apart: float = 0.02  # [cycles] least difference of the clocks of trough and body to warn of
+    proposed: float = 0.01  # [cycles] drift of a proposed frequency from the data over the record
 
     # --- residuals of a fit ---------------------------------------------------------------------------
     jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
@@ -321,7 +321,6 @@ class _Sensitivity(NamedTuple):
 # Possessive quantifiers: the time for a text is proportional to its length, not to the square of it.
 _NUMBER: Final = r"[+-]?+(?:(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+|(?i:nan|inf))"
 _SENSITIVITY: Final = re.compile(rf"({_NUMBER})\s*+([^\W\d].*|\(.*)")
-_DECIMAL_COMMA: Final = re.compile(r"([+-]?[0-9]{1,20}),([0-9].{0,20})")
 _HINT: Final = f"write it like {', '.join(_EXAMPLES.values())} or 125mm/s/V"
 
 
@@ -360,29 +359,27 @@ def _given(text: str) -> str:
 def _sensitivity(text: str) -> _Sensitivity:
     name, equals, value = text.rpartition("=")
     role = name.strip().removeprefix("--").replace("-", "_").casefold()
-    said = _given(text)
+    given = _given(text)
     if equals and (role not in _KINDS or role == "time"):
         known = ", ".join(r.replace("_", "-") for r in _KINDS if r != "time")
-        raise InputError(f"{said}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
+        raise InputError(f"{given}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
     value = value.strip()
     match = _SENSITIVITY.fullmatch(value)
     if match is None:
-        comma = _DECIMAL_COMMA.fullmatch(value)
-        hint = f"write a decimal point: {comma[1]}.{comma[2]}" if comma and comma[2].isprintable() else _HINT
-        raise InputError(f"{said}: not a number with a unit", hint=hint)
+        raise InputError(f"{given}: not a number, with a decimal point, and a unit", hint=_HINT)
     number, unit_text = float(match[1]), match[2].strip()
     unit = _unit(unit_text)
     if unit is None:
-        raise InputError(f"{said}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
+        raise InputError(f"{given}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
     kind, size, inverse = unit
     if role and kind not in _kinds_of(role):
-        other = f"{said}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(_kinds_of(role)))}"
+        other = f"{given}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(_kinds_of(role)))}"
         raise InputError(other, hint=f"write it like {_EXAMPLES[_KINDS[role]]}")
     if number == 0.0 or not math.isfinite(number):
-        raise InputError(f"{said}: must be finite and not 0", hint=_HINT)
+        raise InputError(f"{given}: must be finite and not 0", hint=_HINT)
     per_volt = number * size if inverse else size / number
     if not 1.0 / TOL.largest <= abs(per_volt) <= TOL.largest:
-        raise InputError(f"{said}: 1 V would be {per_volt:g} in SI units, which is beyond any sensor")
+        raise InputError(f"{given}: 1 V would be {per_volt:g} in SI units, which is beyond any sensor")
     return _Sensitivity(text.strip(), role, kind, per_volt)
 
 
@@ -454,6 +451,15 @@ class _Column(NamedTuple):
 
 #: Columns by the keys of ``_KINDS``.
 _Columns = dict[str, _Column]
+
+_NAME_ONE: Final = (
+    f"name one, with its unit: {argument('displacement', 'X [mm]')}; a voltage with its sensitivity:"
+    f" {argument('acceleration', 'a [mV]')} {argument('sensitivity', _EXAMPLES['acceleration'])}"
+)
+_NAME_THE_TROUGH: Final = (
+    "name one or both, with the unit:"
+    f" {argument('trough_along', 'ax [m/s^2]')} {argument('trough_normal', 'ay [m/s^2]')}"
+)
 
 
 def _headers(above: list[list[str]]) -> list[_Header]:
@@ -548,14 +554,14 @@ def _columns_of(path: Path, above: list[list[str]], wanted: _Wanted) -> _Columns
     if not problems and found.keys().isdisjoint((*_SIGNALS, *_TROUGH) if wanted.body else _TROUGH):
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
-        hints.append(_name_one(headers, wanted))
+        hints.append(_NAME_ONE if wanted.body else _NAME_THE_TROUGH)
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
-    _check_use(path, headers, found, wanted)
+    _check_use(path, found, wanted)
     return {role: found[role] for role in _KINDS if role in found}
 
 
-def _check_use(path: Path, headers: list[_Header], columns: _Columns, wanted: _Wanted) -> None:
+def _check_use(path: Path, columns: _Columns, wanted: _Wanted) -> None:
     """Refuse a column that is given as two signals, and a sensitivity that no voltage uses."""
     for column in columns.values():
         same = [role for role, other in columns.items() if other.header == column.header]
@@ -566,38 +572,9 @@ def _check_use(path: Path, headers: list[_Header], columns: _Columns, wanted: _W
     for sensitivity in wanted.sensitivities:
         if sensitivity not in used:
             role = sensitivity.role or next(name for name in _SIGNALS if _KINDS[name] == sensitivity.kind)
-            read = [column.header for column in columns.values()]
-            free = [header.text for header in _voltages(headers) if header not in read]
-            hint = f"name the column: {argument(role, free[0])}" if free else "leave it out"
-            said = f"{path}: no column that is read as {role.replace('_', ' ')}"
-            raise InputError(
-                f"{said} is a voltage for {argument('sensitivity', sensitivity.text)}", hint=hint
-            )
-
-
-def _voltages(headers: list[_Header]) -> list[_Header]:
-    return [header for header in headers if header.unit and header.unit[0] == "voltage"]
-
-
-def _name_one(headers: list[_Header], wanted: _Wanted) -> str:
-    """Show how to name a signal, with a sensitivity if the table holds a voltage."""
-    if not wanted.body:
-        sensitivities = {"voltage": f" {argument('sensitivity', _EXAMPLES['acceleration'])}"}
-        of_kind = {header.unit[0]: header for header in reversed(headers) if header.unit}
-        for kind in ("voltage", *DERIVATIVES):
-            if kind in of_kind:
-                example = f"{argument('trough_along', of_kind[kind].text)}{sensitivities.get(kind, '')}"
-                return f"name one or both, along and normal to the trough: {example}"
-        both = argument("trough_along", "ax [m/s^2]"), argument("trough_normal", "ay [m/s^2]")
-        return f"name one or both, with the unit: {both[0]} {both[1]}"
-    for header in _voltages(headers):
-        role = next((role for role in _SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
-        name = argument(role, header.text)
-        if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
-            return f"name the voltage: {name}"
-        example = _EXAMPLES[_KINDS[role]]
-        return f"name one, and the sensitivity of its sensor: {name} {argument('sensitivity', example)}"
-    return f"name one, with its unit: {argument('displacement', 'X [mm]')}"
+            none = f"{path}: no column that is read as {role.replace('_', ' ')} is a voltage for"
+            hint = f"name the column, {argument(role, 'HEADER')}, or leave the sensitivity out"
+            raise InputError(f"{none} {argument('sensitivity', sensitivity.text)}", hint=hint)
 
 
 def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _Column:
@@ -621,32 +598,23 @@ def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _C
     unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
     if unit is not None and unit[0] in _kinds_of(role):
         return _Column(header, *unit)
-    said, example = f"{path}: column {shown(header.text)} for {role}", _EXAMPLES.get(kind)
+    column, example = f"{path}: column {shown(header.text)} for {role}", _EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
         serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
         if serving:
             # A sensitivity of this column has priority over one of its kind.
             sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
             return _Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity)
-        what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
-        idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
-        if (other := next(idle, None)) is not None:
-            given = argument("sensitivity", other.text)
-            what = f"{given} is a sensitivity of {other.kind}, one of {kind} is needed"
-            if other.kind == kind:
-                what = f"{given} is for {other.served}, for which no column is named"
-                column = argument(other.role, "HEADER")
-                hint = f"name that column too, {column}, and give this sensor's sensitivity:"
-                example = f"{role.replace('_', '-')}={example}"
-        raise InputError(f"{said}: {what}", hint=f"{hint} {argument('sensitivity', example)}")
-    stated = unit_text or header.stated
-    kinds = " or ".join(_kinds_of(role))
+        own = argument("sensitivity", f"{role.replace('_', '-')}={example}")
+        missing = f"{column}: the sensitivity of its sensor is missing"
+        raise InputError(missing, hint=f"give a sensitivity of {_a(kind)}: {own}")
+    stated, kinds = unit_text or header.stated, " or ".join(_kinds_of(role))
     problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
-    voltage = f", or mV and V with {argument('sensitivity', example)}" if example else ""
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
     named = argument(role, f"{header.name} [{usual}]")
     hint = f"write the unit in brackets: {named}; units of {kind} are {units}"
-    raise InputError(f"{said}: {problem}", hint=hint + voltage)
+    voltage = f", or mV and V with {argument('sensitivity', example)}" if example else ""
+    raise InputError(f"{column}: {problem}", hint=hint + voltage)
 
 
 def _detected(path: Path, headers: list[_Header], role: str) -> _Columns:
@@ -807,11 +775,10 @@ def read_record(
     values = {role: column[kept] for role, column in values.items()}
     _check_time(table, chosen["time"].header, values["time"], np.flatnonzero(kept))
     if not kept.all():
-        rows = [table.rows[i][0] for i in np.flatnonzero(~kept)]
-        more = f" and {len(rows) - TOL.cells_named} more" if len(rows) > TOL.cells_named else ""
-        named = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[: TOL.cells_named]))}{more}"
-        lack = "lack a value and are" if len(rows) > 1 else "lacks a value and is"
-        notes.append(f"{path.name}: {len(rows)} of {kept.size} rows {lack} skipped: {named}")
+        rows = [str(table.rows[i][0]) for i in np.flatnonzero(~kept)]
+        named = ", ".join([*rows[: TOL.cells_named], *(["..."] if len(rows) > TOL.cells_named else [])])
+        skipped = f"skipped rows without a value: {named} ({len(rows)} of {kept.size})"
+        notes.append(f"{path.name}: {skipped}")
     texts = {role: column.sensitivity.text for role, column in chosen.items() if column.sensitivity}
     headers = {role: column.header.text for role, column in chosen.items()}
     for role, header in headers.items():
@@ -895,12 +862,9 @@ def _check_time(table: _Table, header: _Header, time: Floats, kept: NDArray[np.i
         places = np.flatnonzero(bad)
         if places.size:
             i = int(places[0]) + 1
-            before, now = time[i - 1], time[i]
-            where = f"{table.path}: row {table.rows[kept[i]][0]}, column {shown(header.text)}"
-            others = places.size - 1
-            more = f"; {others} more such row{'s' if others > 1 else ''}" if others else ""
-            said = f"time {what} {now:.9g} s" + (f" after {before:.9g} s" if now != before else "")
-            skipped = int(kept[i] - kept[i - 1]) - 1
-            lost = "row before it lacks" if skipped == 1 else f"{skipped} rows before it lack"
-            between = f", as the {lost} a value" if skipped else ""
-            raise InputError(f"{where}: {said}, usual steps are {usual:.3g} s{between}{more}", hint=hint)
+            row = f"{table.path}: row {table.rows[kept[i]][0]}, column {shown(header.text)}"
+            moves = f"time {what} {time[i]:.9g} s after {time[i - 1]:.9g} s, usual steps are {usual:.3g} s"
+            lost = int(kept[i] - kept[i - 1]) - 1
+            between = f"; rows without a value before it: {lost}" if lost else ""
+            more = f"; such rows in all: {places.size}" if places.size > 1 else ""
+            raise InputError(f"{row}: {moves}{between}{more}", hint=hint)
