@@ -173,7 +173,7 @@ def test_a_margin_is_found_again_for_every_slower_body(monkeypatch: pytest.Monke
     search = optimiser(one_drive({"static_friction": "0.7:0.78", "kinetic_friction": 0.57}, drive, 5.0))
     margins, slower = iter([3.0, 2.0, 1.5]), iter([True, True, False])
     monkeypatch.setattr(search, "_margin", lambda *_: next(margins))
-    monkeypatch.setattr(search, "finds_slower", lambda *_: next(slower))
+    monkeypatch.setattr(search, "confirmed", lambda optimum, _: (optimum, next(slower)))
     setting = SPACES[Line].setting(amplitude=1e-3, frequency=15.0, drive_angle=math.radians(20.0))
     assert search.margin(setting, 5e-3) == 1.5
 

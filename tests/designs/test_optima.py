@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from helpers.questions import LOOSE, UNIT, asked, one_drive
 import vibro
 from vibro import Regime, Scene, solve
 from vibro.designs.guarantees import guarantee_of
-from vibro.designs.optima import MOST_MARGIN, EllipseOptimiser, LineOptimiser
+from vibro.designs.optima import MOST_MARGIN, EllipseOptimiser, LineOptimiser, Optimum
 from vibro.designs.questions import Drift, Drive, Goal, Question, Spec
 from vibro.designs.reading import read_spec
 from vibro.designs.spaces import Setting
@@ -23,8 +23,6 @@ from vibro.drives import Line
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from vibro.designs.optima import Optimum
 
     Floats = NDArray[np.float64]
 
@@ -221,6 +219,59 @@ def test_the_gentlest_setting_beside_a_jump_over_the_drive_angle_is_found() -> N
     assert found is not None
     load = float(Question(spec, drive, Regime.BACK_SLIP).load(found.setting))
     assert load <= 0.736003376 * (1 + 1e-9)  # a setting that another search has found
+
+
+# ------------------------------------------------------------------------------ margins and scenarios
+
+
+def line_search(**changes: Any) -> LineOptimiser:
+    drive = {"amplitude_mm": "0.5:1.25", "frequency_hz": 15, "drive_angle_deg": "10:40"}
+    return LineOptimiser(
+        asked(one_drive({"static_friction": "0.66:0.82", "friction_ratio": 0.77}, drive, **changes))
+    )
+
+
+def on_line(search: LineOptimiser, amplitude: float) -> Setting:
+    return search._question.space.setting(amplitude=amplitude, frequency=15.0, drive_angle=math.radians(20.0))
+
+
+@pytest.mark.parametrize(
+    ("speed", "most", "margin"),
+    [(0.04, 99.0, 4.0), (0.04, 2.5, 2.5), (0.005, 99.0, 0.5), (0.2, 99.0, 10.0), (0.2, 0.3, 0.3)],
+)
+def test_a_margin_ends_where_speed_or_regime_fail(
+    speed: float, most: float, margin: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = line_search()
+    monkeypatch.setattr(search, "least", lambda _, scale: speed / np.maximum(scale, 1e-9))
+    monkeypatch.setattr(search, "_holds", lambda _, scale: scale <= most)
+    found = search._margin(on_line(search, 1e-3), 0.01)
+    assert found is not None
+    assert found == (pytest.approx(margin, abs=1.1e-6) if margin < MOST_MARGIN else MOST_MARGIN)
+    assert found <= margin
+    monkeypatch.setattr(search, "_holds", lambda _, scale: scale < 0.0)
+    assert search._margin(on_line(search, 1e-3), 0.01) is None
+
+
+@pytest.mark.parametrize(("surplus", "slower"), [(-1e-6, False), (0.0, False), (5e-10, False), (1e-8, True)])
+def test_a_body_joins_that_is_slower_than_the_scenarios(surplus: float, slower: bool) -> None:
+    search = line_search(drift={"amplitude_percent": 2})
+    setting = on_line(search, 1e-3)
+    least = guarantee_of(search._question.box(setting)).speed_min
+    search.scenarios = np.full((5, 1), 0.5)
+    assert search.confirmed(Optimum(setting, least * (1.0 + surplus)))[1] is slower
+    assert search.scenarios.shape == (5, 1 + slower)
+    assert not search.confirmed(Optimum(setting, least * (1.0 + surplus)))[1]
+
+
+@pytest.mark.parametrize("kind", [LineOptimiser, EllipseOptimiser])
+def test_bodies_that_are_slow_to_solve_are_searched_less(
+    kind: type[LineOptimiser | EllipseOptimiser],
+) -> None:
+    question = row_question("fastest-05") if kind is LineOptimiser else asked(LOOSE)
+    bouncing = replace(question, spec=replace(question.spec, restitution=0.3))
+    asks = (bouncing, replace(question, highest=Regime.HOPPING), replace(bouncing, highest=Regime.HOPPING))
+    assert tuple(kind(one)._effort for one in asks) == kind._efforts
 
 
 # ------------------------------------------------------------------------------------------ ellipses

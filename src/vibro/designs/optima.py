@@ -22,7 +22,7 @@ from vibro.designs.proofs import (
     slip_ratio,
     tip_load,
 )
-from vibro.designs.questions import MOST_DESIGN_THROW, Goal, Scenarios, at_loads
+from vibro.designs.questions import MOST_DESIGN_THROW, Goal
 from vibro.designs.search import close_in, evolve, placed, scatter, sobol
 from vibro.designs.spaces import SPACES, TOLERANCES, Scaled, Setting, inside
 from vibro.drives import Line
@@ -30,9 +30,7 @@ from vibro.drives import Line
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
-    from vibro.designs.questions import Question
+    from vibro.designs.questions import Drive, Question
     from vibro.designs.spaces import AnySetting, Span, UncertaintySet
     from vibro.reals import Bools, Floats
     from vibro.results.designs import Guarantee
@@ -82,8 +80,20 @@ class Effort:
     exchanges: int
 
 
+# Of bodies in contact, of hops, and of bounces, which are slow to solve.
+_EFFORTS: Final = (
+    Effort(population=6, generations=50, polish=50, margins=33, margin=1e-4, scale=3e-2, exchanges=6),
+    Effort(population=8, generations=3, polish=0, margins=17, margin=1e-2, scale=0.1, exchanges=1),
+    Effort(population=6, generations=1, polish=0, margins=5, margin=0.1, scale=0.3, exchanges=1),
+)
+# [1] Costs of settings that are too slow, at rest, forbidden: in rising order, far above any load or speed.
+_SLOW: Final = 1e6
+_RESTS: Final = 2e6
+_FORBIDDEN: Final = 3e6
+
+
 class Optimum(NamedTuple):
-    """A setting, and the least speed of the scenarios there [m/s]."""
+    """A setting, and the least speed there, of the scenarios or of all bodies [m/s]."""
 
     setting: AnySetting
     speed: float
@@ -97,51 +107,96 @@ class Found:
     printed: tuple[float, ...]
     guarantee: Guarantee
     margin: float | None = None
-    optimiser: Exchange | None = None
+    optimiser: Optimiser | None = None
 
 
-class Exchange(ABC):
-    """Finds optimal settings for one question.
+class Optimiser(ABC):
+    """Finds optimal settings of one question: of least acceleration, top speed or largest margin.
+
+    Every free knob is a coordinate of one search.
 
     Parameters
     ----------
     question : Question
         Drive, goal and bands.
-    effort : Effort
-        Sizes of the searches.
-    coordinates : (axes, n) array
-        Unit-cube coordinates of the first scenarios.
     """
 
-    #: Bodies in a higher regime than this count as the slowest; where the load excludes them it is hopping.
-    _checked = Regime.HOPPING
-
+    #: Sizes of the searches of bodies in contact, of hops and of bounces, which are slow to solve.
+    _efforts: tuple[Effort, Effort, Effort] = _EFFORTS
     #: Relative surpluses over the goal, tried in turn until a least-acceleration setting survives rounding.
-    surpluses: tuple[float, ...]
+    surpluses: tuple[float, ...] = (0.0, 1e-4, 1e-2)  # one search each
     #: The active constraint of a least-acceleration design that exceeds its target.
-    _least_set_by: str
+    _least_set_by = "limit"
 
-    def __init__(self, question: Question, effort: Effort, coordinates: Floats) -> None:
-        self._question, self._effort = question, effort
-        #: The bodies for which settings are optimised.
-        self.scenarios = Scenarios.fixed(coordinates)
-
-    @abstractmethod
-    def _fastest(self, scale: float, share: float = 1.0) -> Optimum | None:
-        """Return the fastest setting for the current scenarios."""
-
-    @abstractmethod
-    def _least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least load that reaches a speed, for the current scenarios."""
+    def __init__(self, question: Question) -> None:
+        self._question = question
+        self._effort = self._efforts[question.flies * (2 if question.spec.restitution else 1)]
+        #: Unit-cube coordinates, (axes, n), of the bodies for which settings are optimised.
+        self.scenarios = corners(question.box(_at_ends(question.drive, 1)).varies)
+        #: Bodies in a higher regime than this count as the slowest.
+        self._checked = question.highest
+        choices = question.drive.choices
+        #: Of every knob one of its ranges, in all combinations.
+        self._ranges: list[Spans] = list(product(*(choices[knob] for knob in question.space.knobs)))
 
     @abstractmethod
-    def limit(self, found: Found, scale: float) -> str:
-        """Return the name of a setting's active constraint, with bands scaled by a factor."""
+    def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[AnySetting, Floats, Bools]:
+        """Return settings at unit-cube coordinates, the sum of their sizes' shares, and which can be."""
+
+    def _free(self, spans: Spans) -> Bools:
+        """Return which coordinates are free."""
+        return np.array([low < high for low, high in spans])
+
+    # What may be asked of it: optima, margins, and what they are set by.
+
+    def fastest(self, scale: float = 1.0) -> Optimum | None:
+        """Return the setting of the largest guaranteed speed; None if no setting guarantees any."""
+        return self._exchanged(lambda: (self._fastest(scale), scale))[0]
+
+    def least_acceleration(self, target: float) -> Optimum | None:
+        """Return the setting of least acceleration that guarantees a speed [m/s]; None if there is none."""
+        return self._exchanged(lambda: (self._least_acceleration(target), 1.0))[0]
+
+    def safest(self, target: float) -> Optimum | None:
+        """Return the setting of the largest margin for a speed [m/s]; None if none guarantees the speed."""
+        if not self._question.spec.has_bands:
+            best = self.fastest()
+            return best if best is not None and best.speed >= target else None
+        return self._exchanged(lambda: self._safest(target))[0]
+
+    def margin(self, setting: AnySetting, target: float) -> float | None:
+        """Return the largest scale of the bands at which a setting guarantees a speed; None without one."""
+
+        def widest() -> tuple[Optimum | None, float]:
+            margin = self._margin(setting, target)
+            return None if margin is None else Optimum(setting, target), margin or 0.0
+
+        found, margin = self._exchanged(widest)
+        return None if found is None else margin
+
+    def holds(self, setting: AnySetting, target: float) -> bool:
+        """Return whether all scenarios reach a speed at a setting, within the regime."""
+        one = setting._make(np.array([float(x)]) for x in setting)
+        return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
 
     def is_allowed(self, setting: AnySetting) -> bool:
         """Return whether the drive's acceleration allows a setting."""
         load = float(self._question.load(setting))
         return load <= self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
+
+    def has_more(self) -> bool:
+        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
+        question = self._question
+        widest = question.box(_at_ends(question.drive, 1), MOST_MARGIN)
+        return not question.flies or widest.throw_number > 1.0 - TOLERANCES.beside
+
+    def keeps_to_regime(self, found: Found) -> bool:
+        """Return whether every body found by the searches keeps to the regime."""
+        if any(regime > self._question.highest for regime in found.guarantee.regimes):
+            return False
+        if self._question.highest is not Regime.FORWARD_SLIP:
+            return True
+        return slip_ratio(self._question.box(found.setting))[0] <= 1.0
 
     def least_set_by(self, found: Found) -> str:
         """Return the active constraint of a least-acceleration setting that exceeds its target."""
@@ -149,52 +204,84 @@ class Exchange(ABC):
         least = question.drive.accelerations[0] / question.spec.gravity * (1.0 + TOLERANCES.at)
         return "limit" if question.load(found.setting) <= least else self._least_set_by
 
-    @abstractmethod
+    def limit(self, found: Found, scale: float) -> str:
+        """Return the name of a setting's active constraint, with bands scaled by a factor."""
+        question, setting, drive = self._question, found.setting, self._question.drive
+        if question.landings.scaled(TOLERANCES.nearly).worst(question.box(setting, scale)).size:
+            return "limit"
+        nearly = 1.0 - TOLERANCES.at
+        if not question.flies and question.box(setting, scale).throw_number >= nearly:
+            return "hop"
+        beyond = setting.scaled(1.0 + TOLERANCES.at)
+        both: Any = setting._make(np.array(pair) for pair in zip(setting, beyond, strict=True))
+        here, there = self.least(both, scale)
+        if math.isinf(there):
+            return self._forbids(beyond, scale)
+        if there < here * (1.0 - TOLERANCES.fall):
+            return "back slip"
+        sizes = question.space.turned(setting)
+        at_most = [sizes[knob] >= drive.span(knob)[1] * nearly for knob in question.space.sizes]
+        at_most.append(float(question.load(setting)) >= drive.acceleration * nearly)
+        return "limit" if any(at_most) else "speed"
+
+    def _forbids(self, setting: AnySetting, scale: float) -> str:
+        """Return the constraint that forbids a setting: the one without which it would be allowed."""
+        spec = self._question.spec
+        anywhere = replace(spec, stand_ratio=math.inf)
+        for name, question in {
+            "tip": replace(self._question, spec=anywhere),
+            "limit": replace(self._question, spec=replace(anywhere, goal=Goal(spec.goal.speed))),
+            "back slip": replace(self._question, spec=anywhere, highest=Regime.BACK_SLIP),
+        }.items():
+            one = setting._make(np.array([x]) for x in setting)
+            if np.isfinite(least_of(question.speeds(one, self.scenarios, scale))[0]):
+                return name
+        return "hop"
+
     def first_cap(self) -> str:
         """Return the constraint that bounds the load before any speed is guaranteed."""
+        question = self._question
+        throw = question.box(_at_ends(question.drive, 0)).throw_number
+        if throw > (MOST_DESIGN_THROW if question.flies else 1.0):
+            return "hop"
+        others = {}
+        if math.isfinite(question.spec.stand_ratio):
+            others["tip"] = replace(question, spec=replace(question.spec, stand_ratio=math.inf))
+        if question.highest is Regime.FORWARD_SLIP:
+            others["back slip"] = replace(question, highest=Regime.BACK_SLIP)
+        return next((name for name, other in others.items() if type(self)(other).fastest()), "limit")
 
-    def has_more(self) -> bool:
-        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
-        return True
+    # The searches, of the scenarios alone.
 
-    def keeps_to_regime(self, found: Found) -> bool:
-        """Return whether every body of a setting keeps to the regime."""
-        return True
+    def least(self, setting: AnySetting, scale: Floats | float) -> Floats:
+        """Return the least speed of the scenarios at each setting [m/s]."""
+        return least_of(self._question.speeds(setting, self.scenarios, scale))
 
-    def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, share: float = 1.0) -> Floats:
-        """Return the point of least cost, of shape (d, 1), by a share of the generations.
+    def _holds(self, setting: AnySetting, scale: Floats | float) -> Bools:
+        """Return whether critical loads allow settings; bodies are not solved here."""
+        return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
 
-        An evolution finds the valley, and a second one of few points around its best polishes it. Costs of
-        hopping bodies are sampled: one call for many settings is cheaper than many calls for a few.
-        """
-        effort = self._effort
-        if self._question.flies:
-            more = first.shape[1] // _SCATTERED
-            return scatter(cost, first, more=more, rounds=effort.generations, seed=_SEED)[0]
-        best, _ = evolve(cost, first, generations=round(share * effort.generations), seed=_SEED)
-        around = np.random.default_rng(_SEED).standard_normal((len(best), _AROUND))
-        near = np.hstack([best, np.clip(best + _NEAR * around, 0.0, 1.0)])
-        return evolve(cost, near, generations=round(share * effort.polish), seed=_SEED)[0]
+    def _fastest(self, scale: float, share: float = 1.0) -> Optimum | None:
+        def cost(setting: AnySetting, shares: Floats) -> Floats:
+            speeds = self.least(setting, scale)
+            return np.where(
+                speeds == 0.0, _RESTS - shares, np.where(np.isinf(speeds), _FORBIDDEN + shares, -speeds)
+            )
 
-    def fastest(self, scale: float = 1.0) -> Optimum | None:
-        """Return the setting of the largest guaranteed speed; None if no setting guarantees any."""
-        return self._exchanged(lambda: self._fastest(scale), scale)
+        setting, least = self._best(cost, scale, share)
+        return Optimum(setting, -least) if least < 0.0 else None
 
-    def least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least acceleration that guarantees a speed [m/s]; None if there is none."""
-        return self._exchanged(lambda: self._least_acceleration(target), 1.0)
+    def _least_acceleration(self, target: float) -> Optimum | None:
+        def cost(setting: AnySetting, shares: Floats) -> Floats:
+            speeds = self.least(setting, 1.0)
+            slow = np.where(np.isinf(speeds), _FORBIDDEN + shares, _SLOW * (2.0 - speeds / target))
+            return np.where(speeds >= target, self._question.load(setting), slow)
 
-    def safest(self, target: float) -> Optimum | None:
-        """Return the setting of the largest margin for a speed [m/s]; None if none guarantees the speed."""
-        if not self._question.spec.has_bands:
-            best = self.fastest()
-            return best if best is not None and best.speed >= target else None
-        found = None
-        for _ in range(self._effort.exchanges):
-            found, scale = self._safest(target)
-            if found is None or not self.finds_slower(found, scale):
-                break
-        return found
+        setting, least = self._best(cost, 1.0)
+        if least >= _SLOW:
+            return None
+        columns = setting._make(np.array([x]) for x in setting)
+        return Optimum(setting, float(self.least(columns, 1.0)[0]))
 
     def _safest(self, target: float) -> tuple[Optimum | None, float]:
         """Return the setting that reaches the speed at the largest scale of the bands, and that scale."""
@@ -217,19 +304,12 @@ class Exchange(ABC):
         widest = max(holds)
         return holds[widest], widest
 
-    def margin(self, setting: AnySetting, target: float) -> float | None:
-        """Return the largest scale of the bands at which a setting guarantees a speed; None without one.
+    def _margin(self, setting: AnySetting, target: float) -> float | None:
+        """Return the margin of a setting.
 
         Boxes of growing scale contain each other, so a setting that fails at one fails at every larger one.
         """
-        margin = self._margin(setting, target)
-        for _ in range(self._effort.exchanges):
-            if not margin or not self.finds_slower(Optimum(setting, target), margin):
-                break
-            margin = self._margin(setting, target)
-        return margin
 
-    def _margin(self, setting: AnySetting, target: float) -> float | None:
         def surplus(scales: Floats) -> Floats:
             many = setting._make(np.full(scales.size, float(x)) for x in setting)
             holds = self._holds(many, scales.ravel()) & (self.least(many, scales.ravel()) >= target)
@@ -243,153 +323,22 @@ class Exchange(ABC):
         inside, _ = close_in(surplus, 0.0, MOST_MARGIN, absolute=effort.margin, sections=effort.margins)
         return float(inside)
 
-    def holds(self, setting: AnySetting, target: float) -> bool:
-        """Return whether all scenarios reach a speed at a setting, within the regime."""
-        one = setting._make(np.array([float(x)]) for x in setting)
-        return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
-
-    def _holds(self, setting: AnySetting, scale: Floats | float) -> NDArray[np.bool_]:
-        """Return whether critical loads allow settings; bodies are not solved here."""
-        return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
-
-    def least(self, setting: AnySetting, scale: Floats | float) -> Floats:
-        """Return the least speed of the scenarios at each setting [m/s]."""
-        return least_of(self._question.speeds(setting, self.scenarios, scale))
-
-    def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
-        """Repeat an optimisation until no body is slower at the optimum than the scenarios."""
-        found = best()
-        for _ in range(self._effort.exchanges):
-            if found is None or not self.finds_slower(found, scale):
-                break
-            found = best()
-        return found
-
-    def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
-        """Search for a body slower than all scenarios at an optimum, add it; return whether there is one."""
-        box = self._question.box(optimum.setting, scale)
-        slowest = bound(box, fast=False, seen=Seen(), boxes=BRIEF, highest=self._checked).extreme
-        new = self._question.landings.worst(box)
-        if slowest.speed < optimum.speed - TOLERANCES.searched * abs(optimum.speed):
-            new = np.hstack([new, at_loads(box, slowest.coordinates, slowest.coordinates[0, 0])])
-        known = self.scenarios.size
-        self.scenarios = self.scenarios.joined(box, new)
-        return self.scenarios.size > known
-
-
-# ------------------------------------------------------------------------------
-# Find settings by evolution over all knobs: of least acceleration, top speed or largest margin.
-
-# Of bodies in contact, of hops, and of bounces, which are slow to solve.
-_EFFORTS: Final = (
-    Effort(population=6, generations=50, polish=50, margins=33, margin=1e-4, scale=3e-2, exchanges=6),
-    Effort(population=8, generations=3, polish=0, margins=17, margin=1e-2, scale=0.1, exchanges=1),
-    Effort(population=6, generations=1, polish=0, margins=5, margin=0.1, scale=0.3, exchanges=1),
-)
-# [1] Costs of settings that are too slow, at rest, forbidden: in rising order, far above any load or speed.
-_SLOW: Final = 1e6
-_RESTS: Final = 2e6
-_FORBIDDEN: Final = 3e6
-
-
-class _Evolution(Exchange):
-    """Optimal settings of a drive whose best load is not known by the corners of its box.
-
-    Every free knob is a coordinate of one search.
-
-    Parameters
-    ----------
-    question : Question
-        Drive, goal and bands.
-    """
-
-    #: In contact, of hops and of bounces.
-    _efforts = _EFFORTS
-
-    surpluses: tuple[float, ...] = (0.0, 1e-4, 1e-2)  # one search each
-    _least_set_by = "limit"
-
-    def __init__(self, question: Question) -> None:
-        effort = self._efforts[question.flies * (2 if question.spec.restitution else 1)]
-        super().__init__(question, effort, corners(question.box(self._one(question)).varies))
-        self._checked = question.highest
-        choices = question.drive.choices
-        #: Of every knob one of its ranges, in all combinations.
-        self._ranges: list[Spans] = list(product(*(choices[knob] for knob in question.space.knobs)))
-
-    @abstractmethod
-    def _one(self, question: Question) -> AnySetting:
-        """Return the setting of a factor of 1 at 1 Hz."""
-
-    def _free(self, spans: Spans) -> Bools:
-        """Return which coordinates are free."""
-        return np.array([low < high for low, high in spans])
-
-    @abstractmethod
-    def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[AnySetting, Floats, Bools]:
-        """Return settings at unit-cube coordinates, the sum of their sizes' shares, and which can be."""
-
-    def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
-        """Search for slower bodies and, if none may slip back, for the one that slips back first."""
-        slower = super().finds_slower(optimum, scale)
-        if self._checked is not Regime.FORWARD_SLIP:
-            return slower
-        box = self._question.box(optimum.setting, scale)
-        ratio, coordinates = slip_ratio(box)
-        known = self.scenarios.size
-        if ratio > 1.0:
-            self.scenarios = self.scenarios.joined(box, coordinates)
-        return slower or self.scenarios.size > known
-
-    def _fastest(self, scale: float, share: float = 1.0) -> Optimum | None:
-        """Return the fastest setting for the current scenarios."""
-
-        def cost(setting: AnySetting, shares: Floats) -> Floats:
-            speeds = self.least(setting, scale)
-            return np.where(
-                speeds == 0.0, _RESTS - shares, np.where(np.isinf(speeds), _FORBIDDEN + shares, -speeds)
-            )
-
-        setting, least = self._best(cost, scale, share)
-        return Optimum(setting, -least) if least < 0.0 else None
-
-    def _least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least load that reaches a speed, for the current scenarios."""
-
-        def cost(setting: AnySetting, shares: Floats) -> Floats:
-            speeds = self.least(setting, 1.0)
-            slow = np.where(np.isinf(speeds), _FORBIDDEN + shares, _SLOW * (2.0 - speeds / target))
-            return np.where(speeds >= target, self._question.load(setting), slow)
-
-        setting, least = self._best(cost, 1.0)
-        if least >= _SLOW:
-            return None
-        columns = setting._make(np.array([x]) for x in setting)
-        return Optimum(setting, float(self.least(columns, 1.0)[0]))
-
     def _best(
         self, cost: Callable[[AnySetting, Floats], Floats], scale: float, share: float = 1.0
     ) -> tuple[AnySetting, float]:
-        """Return the best setting of all ranges, and its cost."""
+        """Return the setting of least cost of all ranges, and its cost."""
         found = [self._best_of(cost, spans, scale, share) for spans in self._ranges]
         return min(found, key=lambda best: best[1])
 
     def _best_of(
-        self,
-        cost: Callable[[AnySetting, Floats], Floats],
-        spans: Spans,
-        scale: float,
-        share: float,
+        self, cost: Callable[[AnySetting, Floats], Floats], spans: Spans, scale: float, share: float
     ) -> tuple[AnySetting, float]:
         """Return the setting of least cost within one range of every knob, and its cost."""
         free = self._free(spans)
         count = int(free.sum())
 
-        def settings(x: Floats) -> tuple[AnySetting, Floats, Bools]:
-            return self._settings(placed(free, x), spans, scale)
-
         def whole(x: Floats) -> Floats:
-            setting, shares, possible = settings(x)
+            setting, shares, possible = self._settings(placed(free, x), spans, scale)
             costs = np.full(x.shape[1], 2.0 * _FORBIDDEN) + shares
             if possible.any():
                 some = setting._make(values[possible] for values in setting)
@@ -398,69 +347,64 @@ class _Evolution(Exchange):
 
         x = np.zeros((0, 1))
         if count:
-            x = self._minimised(
-                whole, sobol(count, self._effort.population + max(count - 2, 0), _SEED), share
-            )
-        setting = settings(x)[0]
+            first = sobol(count, self._effort.population + max(count - 2, 0), _SEED)
+            x = self._minimised(whole, first, share)
+        setting = self._settings(placed(free, x), spans, scale)[0]
         return setting._make(float(values[0]) for values in setting), float(whole(x)[0])
 
-    def keeps_to_regime(self, found: Found) -> bool:
-        """Return whether every body found by the searches keeps to the regime."""
-        if any(regime > self._question.highest for regime in found.guarantee.regimes):
-            return False
-        if self._question.highest is not Regime.FORWARD_SLIP:
-            return True
-        return slip_ratio(self._question.box(found.setting))[0] <= 1.0
+    def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, share: float) -> Floats:
+        """Return the point of least cost, of shape (d, 1), by a share of the generations.
 
-    def limit(self, found: Found, scale: float) -> str:
-        """Return the name of a setting's active constraint, with bands scaled by a factor."""
-        question, setting, drive = self._question, found.setting, self._question.drive
-        if question.landings.scaled(TOLERANCES.nearly).worst(question.box(setting, scale)).size:
-            return "limit"
-        nearly = 1.0 - TOLERANCES.at
-        if not question.flies and question.box(setting, scale).throw_number >= nearly:
-            return "hop"
-        beyond = setting.scaled(1.0 + TOLERANCES.at)
-        both: Any = setting._make(np.array(pair) for pair in zip(setting, beyond, strict=True))
-        here, there = self.least(both, scale)
-        if math.isinf(there):
-            return self._forbids(beyond, scale)
-        if there < here * (1.0 - TOLERANCES.fall):
-            return "back slip"
-        sizes = question.space.turned(setting)
-        at_most = [sizes[knob] >= drive.span(knob)[1] * nearly for knob in question.space.sizes]
-        at_most.append(float(question.load(setting)) >= drive.acceleration * nearly)
-        return "limit" if any(at_most) else "speed"
+        An evolution finds the valley, and a second one of few points around its best polishes it. Costs of
+        hopping bodies are sampled: one call for many settings is cheaper than many calls for a few.
+        """
+        effort = self._effort
+        if self._question.flies:
+            more = first.shape[1] // _SCATTERED
+            return scatter(cost, first, more=more, rounds=effort.generations, seed=_SEED)[0]
+        best, _ = evolve(cost, first, generations=round(share * effort.generations), seed=_SEED)
+        around = np.random.default_rng(_SEED).standard_normal((len(best), _AROUND))
+        near = np.hstack([best, np.clip(best + _NEAR * around, 0.0, 1.0)])
+        return evolve(cost, near, generations=round(share * effort.polish), seed=_SEED)[0]
 
-    def first_cap(self) -> str:
-        """Return the constraint that bounds the load before any speed is guaranteed."""
-        question = self._question
-        if not self._keeps_contact():
-            return "hop"
-        others = {}
-        if math.isfinite(question.spec.stand_ratio):
-            others["tip"] = replace(question, spec=replace(question.spec, stand_ratio=math.inf))
-        if question.highest is Regime.FORWARD_SLIP:
-            others["back slip"] = replace(question, highest=Regime.BACK_SLIP)
-        return next((name for name, other in others.items() if type(self)(other).fastest()), "limit")
+    # Scenarios: bodies that the searches of whole uncertainty sets find slower join them.
 
-    @abstractmethod
-    def _keeps_contact(self) -> bool:
-        """Return whether the least sizes at the lowest frequency keep below the loads that are searched."""
+    def _exchanged(self, find: Callable[[], tuple[Optimum | None, float]]) -> tuple[Optimum | None, float]:
+        """Repeat a search until no body is slower at what it finds; return that, and its scale of bands."""
+        for _ in range(self._effort.exchanges + 1):
+            found, scale = find()
+            if found is None:
+                break
+            found, joined = self.confirmed(found, scale)
+            if not joined:
+                break
+        return found, scale
 
-    def _forbids(self, setting: AnySetting, scale: float) -> str:
-        """Return the constraint that forbids a setting: the one without which it would be allowed."""
-        spec = self._question.spec
-        anywhere = replace(spec, stand_ratio=math.inf)
-        for name, question in {
-            "tip": replace(self._question, spec=anywhere),
-            "limit": replace(self._question, spec=replace(anywhere, goal=Goal(spec.goal.speed))),
-            "back slip": replace(self._question, spec=anywhere, highest=Regime.BACK_SLIP),
-        }.items():
-            one = setting._make(np.array([x]) for x in setting)
-            if np.isfinite(least_of(question.speeds(one, self.scenarios, scale))[0]):
-                return name
-        return "hop"
+    def confirmed(self, optimum: Optimum, scale: float = 1.0) -> tuple[Optimum, bool]:
+        """Return an optimum with the least speed of all bodies, and whether bodies joined the scenarios.
+
+        Those join that are slower than all scenarios or beyond limits, and differ from them in six decimals:
+        the slowest body may be where back slip begins, and move with every setting.
+        """
+        question, box = self._question, self._question.box(optimum.setting, scale)
+        slowest = bound(box, fast=False, seen=Seen(), boxes=BRIEF, highest=self._checked).extreme
+        new = [self.scenarios, question.landings.worst(box)]
+        if slowest.speed < optimum.speed - TOLERANCES.searched * abs(optimum.speed):
+            new.append(slowest.coordinates)
+            optimum = optimum._replace(speed=slowest.speed)
+        if self._checked is Regime.FORWARD_SLIP:
+            ratio, first = slip_ratio(box)
+            new += [first] * (ratio > 1.0)
+        bodies, known = np.hstack(new), self.scenarios.shape[1]
+        _, different = np.unique(np.round(bodies, TOLERANCES.digits), axis=1, return_index=True)
+        self.scenarios = bodies[:, np.sort(different)]
+        return optimum, different.size > known
+
+
+def _at_ends(drive: Drive, end: int) -> AnySetting:
+    """Return the setting with the least (0) or the largest (1) value of every knob."""
+    ends = {knob: (min, max)[end](span[end] for span in spans) for knob, spans in drive.choices.items()}
+    return drive.space.setting(**ends)
 
 
 def below(most: Floats, span: Span, share: Floats) -> tuple[Floats, Bools]:
@@ -477,7 +421,7 @@ def below(most: Floats, span: Span, share: Floats) -> tuple[Floats, Bools]:
 # settings with one load the lowest frequency is the best: what is left to choose is a load and a drive angle.
 
 
-class LineOptimiser(_Evolution):
+class LineOptimiser(Optimiser):
     """Optimal settings of a drive along a line; limits of the load keep all bodies to the regime, proved.
 
     Parameters
@@ -497,10 +441,6 @@ class LineOptimiser(_Evolution):
     def __init__(self, question: Question) -> None:
         super().__init__(question)
         self._checked = Regime.HOPPING
-
-    def _one(self, question: Question) -> Setting:
-        """Return the setting of an amplitude of 1 m at 1 Hz, at the first drive angle."""
-        return _unit(question.drive.choices["drive_angle"][0][0])
 
     def _free(self, spans: Spans) -> Bools:
         """Return which coordinates are free: the load, and the drive angle, but no frequency."""
@@ -573,7 +513,7 @@ class LineOptimiser(_Evolution):
         amplitude = np.clip(weight / (f * f), least, most)
         return question.space.setting(amplitude=amplitude, frequency=f, drive_angle=drive_angle)
 
-    def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
+    def _holds(self, setting: Setting, scale: Floats | float) -> Bools:
         """Return whether settings keep to the regime."""
         question = self._question
         angles = question.space.turned(setting)["drive_angle"]
@@ -584,10 +524,6 @@ class LineOptimiser(_Evolution):
 
     def keeps_to_regime(self, found: Found) -> bool:
         """Return whether every body of a setting keeps to the regime, as its load is below all limits."""
-        return True
-
-    def has_more(self) -> bool:
-        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
         return True
 
     def limit(self, found: Found, scale: float) -> str:
@@ -613,9 +549,6 @@ class LineOptimiser(_Evolution):
         caps["limit"] = min(caps["limit"], reach)
         return min(caps, key=lambda name: caps[name])
 
-    def _keeps_contact(self) -> bool:
-        return True
-
 
 def _unit(drive_angle: Any) -> Setting:
     """Return the setting of an amplitude of 1 m at 1 Hz."""
@@ -626,16 +559,12 @@ def _unit(drive_angle: Any) -> Setting:
 # Find settings of an elliptical drive, by evolution.
 
 
-class EllipseOptimiser(_Evolution):
+class EllipseOptimiser(Optimiser):
     """Optimal settings of an elliptical drive.
 
     Every free amplitude, phase and frequency is a coordinate of one search. The lowest frequency is not
     always the best here, since one amplitude may be fixed.
     """
-
-    def _one(self, question: Question) -> Setting:
-        """Return the setting of both amplitudes 1 m, in phase, at 1 Hz."""
-        return Setting(1.0, 1.0, 0.0, 1.0)
 
     def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[Setting, Floats, Bools]:
         """Return settings at unit-cube coordinates, the sum of their sizes' shares, and which can be."""
@@ -670,25 +599,12 @@ class EllipseOptimiser(_Evolution):
         most = reach * np.sqrt(np.nan_to_num(rest, nan=0.0)) * (1.0 - TOLERANCES.beside)
         return np.where(normal_amplitude <= reach, most, 0.0)
 
-    def has_more(self) -> bool:
-        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
-        question, drive = self._question, self._question.drive
-        fastest = max(high for _, high in drive.frequency)
-        widest = question.box(Setting(1.0, drive.span("normal_amplitude")[1], 0.0, fastest), MOST_MARGIN)
-        return not question.flies or widest.throw_number > 1.0 - TOLERANCES.beside
-
-    def _keeps_contact(self) -> bool:
-        """Return whether the least sizes at the lowest frequency keep below the loads that are searched."""
-        drive = self._question.drive
-        lowest = min(low for low, _ in drive.frequency)
-        return drive.span("normal_amplitude")[0] <= float(self._most_normal(np.array(lowest), 1.0))
-
 
 # ------------------------------------------------------------------------------
 # Find settings of a drive that is a given motion, by evolution over its scale and its frequency.
 
 
-class MotionOptimiser(_Evolution):
+class MotionOptimiser(Optimiser):
     """Optimal settings of a drive that is a given motion."""
 
     # a scene takes fifty times as long as an ellipse, and there are two coordinates at most
@@ -696,10 +612,6 @@ class MotionOptimiser(_Evolution):
         Effort(population=5, generations=15, polish=20, margins=9, margin=1e-4, scale=3e-2, exchanges=4),
         *_EFFORTS[1:],
     )
-
-    def _one(self, question: Question) -> Scaled:
-        """Return the whole motion at 1 Hz."""
-        return Scaled(1.0, 1.0)
 
     def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[Scaled, Floats, Bools]:
         """Return settings at unit-cube coordinates, the shares of their scales, and which can be."""
@@ -716,16 +628,3 @@ class MotionOptimiser(_Evolution):
         most = (MOST_DESIGN_THROW if question.flies else 1.0) * hop / question.growth(scale)
         limit = question.drive.acceleration / question.load(one)
         return np.asarray(np.minimum(most, limit) * (1.0 - TOLERANCES.beside))
-
-    def has_more(self) -> bool:
-        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
-        question, drive = self._question, self._question.drive
-        largest = Scaled(drive.span("motion_scale")[1], max(high for _, high in drive.frequency))
-        widest = question.box(largest, MOST_MARGIN)
-        return not question.flies or widest.throw_number > 1.0 - TOLERANCES.beside
-
-    def _keeps_contact(self) -> bool:
-        """Return whether the least scale at the lowest frequency keeps below the loads that are searched."""
-        drive = self._question.drive
-        lowest = min(low for low, _ in drive.frequency)
-        return drive.span("motion_scale")[0] <= float(self._most(np.array(lowest), 1.0))

@@ -22,7 +22,7 @@ from vibro.units import SPEED
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from vibro.designs.optima import Exchange, Optimum
+    from vibro.designs.optima import Optimiser, Optimum
     from vibro.designs.questions import Drive, Met, Question
     from vibro.designs.spaces import AnySetting, Span
 
@@ -140,7 +140,7 @@ _MISSED: Final = 8  # roundings of one number of digits whose guarantee may miss
 _MARGINS: Final = 4  # roundings of one number of digits whose margin is searched
 _COARSEST: Final = 1e-5  # relative: above the resolution of all margins in contact
 _LOWERED: Final = 10  # steps of the last digit by which the frequency of the nearest drive may be lowered
-_OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
+_OPTIMISERS: Final[Mapping[type, Callable[[Question], Optimiser]]] = {
     Line: LineOptimiser,
     Ellipse: EllipseOptimiser,
     Harmonics: MotionOptimiser,
@@ -167,7 +167,7 @@ class Finder:
     ----------
     question : Question
         Drive, goal and bands.
-    optimiser : Exchange
+    optimiser : Optimiser
         Finds optimal settings; it keeps the scenarios that it met.
     found : mapping of str to Rounded
         The designs by their kind; those that do not exist are left out.
@@ -178,7 +178,7 @@ class Finder:
     """
 
     question: Question
-    optimiser: Exchange
+    optimiser: Optimiser
     found: Mapping[str, Rounded]
     digits: int = DIGITS
     refused: frozenset[str] = frozenset()
