@@ -10,7 +10,7 @@ from helpers.made_records import FREQUENCY, ON_ELLIPSES, Walked, bowl, nut
 
 import vibro
 from vibro.records.alignment import Observation, detrended
-from vibro.records.problem import HOPS, Problem, _candidates, _variances, fittable, starts
+from vibro.records.problem import HOPS, Problem, fittable, starts
 
 SLIP = ("static_friction", "kinetic_friction")
 TRUE = np.array([0.74, 0.57, 0.0137 * 15.0])
@@ -41,20 +41,6 @@ def test_what_a_sensor_adds_has_no_residual() -> None:
     np.testing.assert_allclose(one, other, atol=1e-9)
 
 
-def test_samples_that_are_late_weigh_less_where_the_signal_is_steep() -> None:
-    walked = Walked(nut())
-    observed = walked.observe("velocity", cycles=30)
-    slope = walked.acceleration(observed.time + 0.0137)
-    random = np.random.default_rng(1)
-    late = 1e-3 * slope * random.standard_normal(slope.size) + 2e-3 * random.standard_normal(slope.size)
-    expected = slope**2 + 4.0
-    found = _variances(observed, late, slope**2)
-    assert found / found.mean() == pytest.approx(expected / expected.mean(), rel=0.4)
-    assert np.corrcoef(found, expected)[0, 1] > 0.99
-    white = 2e-3 * random.standard_normal(slope.size)
-    assert (_variances(observed, white, slope**2) == 1.0).all()
-
-
 def test_weights_fall_where_samples_are_late_and_the_signal_is_steep() -> None:
     walked = Walked(nut())
     time = np.arange(401) / 600.0
@@ -76,15 +62,6 @@ def test_no_drive_angle_is_tried_beyond_the_vertical(trough_deg: float) -> None:
     assert steepest == pytest.approx(min(80.0, 89.5 - trough_deg))
 
 
-def test_amplitudes_are_tried_relative_to_the_scenes_and_phases_beside_its() -> None:
-    scene = ON_ELLIPSES["FB_"]
-    names = ["along_amplitude", "normal_phase"]
-    problem = Problem(scene, Walked(scene).observe("velocity", cycles=3), names)
-    assert problem.bounds[:, 0] == pytest.approx([0.2e-3, 5e-3])
-    assert np.degrees(problem.bounds[:, 1]) == pytest.approx([-600.0, 480.0])
-    assert problem.labels(np.array([[1e-3, -1.0, 0.0], [5.1e-3, -1.0, 0.0]])).tolist()[1] == ""
-
-
 def test_the_best_start_is_near_the_truth() -> None:
     """From the grid alone, and with the shift that one correlation gives."""
     scene = nut(static_friction=0.2, kinetic_friction=0.1)
@@ -98,14 +75,6 @@ def test_the_best_start_is_near_the_truth() -> None:
     labels = [label for label, _ in found]
     assert len(set(labels)) > 2
     assert max(labels.count(label) for label in labels) == 3
-
-
-def test_kinetic_friction_is_tried_as_a_share_of_static_friction() -> None:
-    own, *points = _candidates(slip_problem("velocity"))
-    assert own == pytest.approx(TRUE[:2])
-    shares = np.array([kinetic / static for static, kinetic in points])
-    assert (shares.min(), shares.max()) == pytest.approx((0.1, 0.99))
-    assert len(points) == 24 * 11
 
 
 def test_the_shift_of_a_rough_search_is_that_of_the_record() -> None:
@@ -143,20 +112,6 @@ def test_what_is_tried_of_each_quantity() -> None:
 def test_what_can_be_fitted_of_each_drive() -> None:
     assert fittable(nut()) == (*SLIP, "amplitude", "drive_angle")
     assert fittable(bowl()) == (*SLIP, "along_amplitude", "normal_amplitude", "normal_phase")
-
-
-def test_the_scenes_own_values_lie_within_what_is_tried() -> None:
-    steep = nut(static_friction=5.0, kinetic_friction=0.0, drive_angle=math.radians(85.0))
-    own = any_problem(steep, *SLIP, "drive_angle").own
-    assert own == pytest.approx([3.0, 1e-3, math.radians(80.0)])
-
-
-def test_sizes_of_coordinates() -> None:
-    """Their own, a thousandth of the greatest that is tried at least; 1 of phases and shifts."""
-    problem = any_problem(bowl(), *SLIP, "normal_amplitude", "normal_phase")
-    sizes = problem.scale(np.array([0.4, 1e-3, 3e-4, -7.0, 0.2]))
-    assert sizes == pytest.approx([0.4, 3e-3, 3e-4, 1.0, 1.0])
-    assert problem.scale(np.array([0.4, 0.3, 1e-7, 0.0, 0.9]))[2:] == pytest.approx([2.5e-6, 1.0, 1.0])
 
 
 def test_sides_and_turns_of_phases() -> None:
@@ -226,41 +181,6 @@ def test_samples_beside_a_jump_take_no_part(signal: str) -> None:
     used = int(np.count_nonzero(values))
     # two coefficients, the shift, and the sensor's offset and drift are taken from the rest
     assert problem.count * (used - 5) / time.size == pytest.approx(float(values @ values), rel=1e-6)
-
-
-def test_the_number_of_samples_is_that_of_all_signals() -> None:
-    one, other, both = (slip_problem(*names) for names in (SIGNALS[:1], SIGNALS[1:2], SIGNALS[:2]))
-    assert [p.count for p in (one, other, both)] == [161, 161, 322]
-    for problem in (one, other, both):
-        problem.weigh(TRUE)
-        problem.weigh(TRUE)
-    assert both.count == pytest.approx(one.count + other.count)
-    (squares,), (first,), (second,) = (p.residuals("F_", TRUE[None]).squares for p in (both, one, other))
-    assert squares == pytest.approx(first + second)
-
-
-@pytest.mark.parametrize("point", [(0.7, 0.5), (0.8, 0.6)])
-def test_rough_squares_are_those_of_the_residuals_at_their_shift(point: tuple[float, float]) -> None:
-    problem = slip_problem("velocity", cycles=10)
-    (rough,), (shift,) = problem.rough_squares(np.array([point]))
-    (exact,) = problem.residuals("F_", np.array([[*point, shift]])).squares
-    assert rough == pytest.approx(float(exact), rel=0.05)
-    for other in (0.02, -0.02):
-        assert problem.residuals("F_", np.array([[*point, shift + other]])).squares[0] > exact
-
-
-def test_a_displacement_is_roughly_compared_without_its_growth() -> None:
-    """A point with another speed fits as badly as its waves do."""
-    problem = slip_problem("displacement", cycles=10)
-    (rough,), (shift,) = problem.rough_squares(np.array([[0.7, 0.5]]))
-    time = problem.observation.time
-    walked = Walked(nut(static_friction=0.7, kinetic_friction=0.5))
-    model = detrended(time, walked.displacement(time + shift / FREQUENCY), 1)
-    left = detrended(time, problem.observation.signals["displacement"], 1) - model
-    folded = problem.observation.folded["displacement"]
-    noise = problem.observation.signals["displacement"] - folded.fitted(time)
-    # a coefficient of the sensor, two of friction and the shift are taken from its 401 samples
-    assert rough == pytest.approx(397.0 * float(left @ left) / float(noise @ noise), rel=0.02)
 
 
 def test_of_a_resting_body_or_none_there_are_no_rough_squares() -> None:

@@ -556,7 +556,7 @@ def measured_motion(
     drive frequency on both sides of it. Harmonics are kept up to the last one that is significant in an
     F-test at the level of 1 in 1000. The errors are those of noise, without those of calibration: on
     synthetic feeders 68 % of the results lie within one standard error and 95 % within two
-    (tests/records/test_waveforms.py).
+    (tests/records/test_trough_harmonics.py).
 
     Examples
     --------

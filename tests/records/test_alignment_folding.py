@@ -15,7 +15,7 @@ from helpers.cases import each
 from helpers.made_records import FREQUENCY
 
 from vibro.errors import InputError
-from vibro.records.alignment import detrended, fold, harmonics, independent_samples, independent_share
+from vibro.records.alignment import fold, harmonics, independent_samples, independent_share
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
@@ -54,21 +54,6 @@ def test_a_trend_and_its_error_are_in_the_signals_unit_per_second() -> None:
     assert slope.error == pytest.approx(math.sqrt(12.0 / 640.0) / 40.0 * math.sqrt(640.0 / 624.0), rel=2e-3)
 
 
-def test_what_trend_and_harmonics_take_is_missing_in_the_degrees_of_freedom() -> None:
-    """64 samples less 1 + 14 coefficients leave 49, so that the variance is 64/49, and the mean's a 64th."""
-    folded = fold(clock(), 5.0 + alternating(64), 1.0, 1)
-    assert folded.coefficients.size == 1 + 2 * 7
-    assert folded.trend(0) == pytest.approx((5.0, 1.0 / 7.0), rel=1e-9)
-    # each harmonic adds two 64ths
-    np.testing.assert_allclose(folded.error(np.array([0.0, 0.3])), math.sqrt(15.0) / 7.0, rtol=1e-9)
-
-
-def test_noise_that_lasts_raises_the_errors() -> None:
-    """A wave of half the frequency is as long as the record: two samples at least are independent."""
-    mean = fold(clock(), np.sin(math.pi * clock()), 1.0, 1).trend(0)
-    assert mean == pytest.approx((0.0, math.sqrt(32.0 / 49.0 * 64.0 / 2.0 / 64.0)), rel=1e-6, abs=1e-9)
-
-
 @each(("samples", "count"), [(8, 3), (12, 5), (13, 5), (30, 13), (53, 23), (54, 24), (100, 24)])
 def test_harmonics_are_resolved_up_to_nine_tenths_of_half_the_rate(samples: int, count: int) -> None:
     """But no more than 24 of them."""
@@ -98,42 +83,7 @@ def test_two_cycles_may_be_short_by_the_rounding_of_the_clock() -> None:
         fold(time * (1.0 - 1e-6), time, 1.0, 1)
 
 
-@pytest.mark.parametrize("power", [0, 1, 2])
-def test_a_polynomial_is_taken_off(power: int) -> None:
-    """What is left of the next power has no part of the lower ones."""
-    time = 5.0 + np.linspace(0.0, 1.0, 101)
-    made = sum((k + 1.0) * time**k for k in range(power + 1)) + 0.0 * time
-    np.testing.assert_allclose(detrended(time, made, power), 0.0, atol=1e-10)
-    left = detrended(time, time ** (power + 1), power)
-    assert float(np.abs(left).max()) > 0.01
-    for k in range(power + 1):
-        assert float(left @ (time - 5.5) ** k) == pytest.approx(0.0, abs=1e-9)
-
-
 # --- independent samples ------------------------------------------------------------------------------
-
-
-def test_each_strong_harmonic_counts_as_two_samples() -> None:
-    """Of powers p and q as many as 2 (p + q)^2 / (p^2 + q^2)."""
-    time = clock(40)
-    one, other = np.sin(2.0 * math.pi * time), np.cos(6.0 * math.pi * time)
-    assert independent_samples(time, one + other, 1.0) == pytest.approx(4.0)
-    assert independent_samples(time, one + 2.0 * other, 1.0) == pytest.approx(2.0 * 25.0 / 17.0)
-
-
-@pytest.mark.parametrize("offset", [0.0, 3.0])
-def test_a_wave_in_noise_counts_by_both_their_powers(offset: float) -> None:
-    """The variance of a mean: that of the noise over its number, and half the wave's power."""
-    time = clock(40)
-    values = offset + alternating(640) + 0.5 * np.sin(2.0 * math.pi * time)
-    assert independent_samples(time, values, 1.0) == pytest.approx(1.125 / (1.0 / 640.0 + 0.0625))
-    slow = np.sin(math.pi * time)  # noise of power 1/2, of which neighbours are alike
-    share = independent_share(slow)
-    assert share < 0.02
-    wanted = (0.5 + 0.5) / (0.5 / (640.0 * share) + 0.25)
-    assert independent_samples(time, slow + np.sin(2.0 * math.pi * time), 1.0) == pytest.approx(
-        wanted, rel=0.01
-    )
 
 
 @pytest.mark.parametrize(("power", "counts"), [(0.0245, False), (0.0255, True)])
@@ -143,14 +93,6 @@ def test_a_harmonic_counts_beyond_eight_times_what_noise_leaves(power: float, co
     values = alternating(640) + math.sqrt(2.0 * power) * np.sin(4.0 * math.pi * time)
     expected = (1.0 + power) / (1.0 / 640.0 + 0.5 * power) if counts else 640.0
     assert independent_samples(time, values, 1.0) == pytest.approx(expected, rel=1e-6)
-
-
-def test_three_samples_are_the_least_that_tell_of_their_neighbours() -> None:
-    assert independent_share(np.array([1.0, 1.0])) == 1.0
-    assert independent_share(np.array([1.0, 1.0, 1.0])) == pytest.approx(2.0 / 3.0)
-    assert independent_share(np.array([1.0, -1.0, 1.0])) == 1.0
-    # neighbours correlated by 0.5 leave a third
-    assert independent_share(np.array([1.0, 1.0, 0.0, 0.0] * 500)) == pytest.approx(1.0 / 3.0, rel=1e-2)
 
 
 # --- at 600 1/s ---------------------------------------------------------------------------------------

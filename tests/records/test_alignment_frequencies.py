@@ -134,23 +134,6 @@ def test_a_multiple_is_no_other_frequency_where_the_drives_own_wave_is_seen() ->
     assert seen(Observation(time, {"velocity": values}, 15.0)) is None
 
 
-def test_powers_of_waves_add_up_to_that_of_the_signal() -> None:
-    time = np.arange(1201) / 600.0
-    values = np.sin(2.0 * math.pi * 15.0 * time) + 0.5 * np.sin(2.0 * math.pi * 30.0 * time)
-    powers = Repetition(time, {"velocity": values}, {"velocity": 0})._powers_of_waves(15.0)
-    assert powers[:3, 0] == pytest.approx([0.8, 0.2, 0.0], abs=0.01)
-
-
-def test_what_is_left_of_noise_is_made_up_for_the_number_of_waves() -> None:
-    """Else a frequency with more harmonics would explain more of it."""
-    random, time = np.random.default_rng(1), np.arange(121) / 600.0
-    shares = []
-    for _ in range(200):
-        noise = Repetition(time, {"velocity": random.standard_normal(time.size)}, {"velocity": 0})
-        shares.append(noise.share(12.0))
-    assert np.mean(shares) < 0.1
-
-
 @pytest.mark.parametrize("kind", ["noise", "slow", "still", "drift", "digits"])
 def test_data_without_a_wave_have_no_frequency(kind: str) -> None:
     random = np.random.default_rng(5)
@@ -205,12 +188,6 @@ def test_a_frequency_explains_more_beyond_five_sigma_and_the_number_of_frequenci
     assert not found.explains_more(1.37, 1.0)
 
 
-def test_the_share_is_that_of_the_signal_that_is_explained_best() -> None:
-    expected = 1.0 - 640.0 / 624.0 / 3.0
-    for amplitudes in ((2.0,), (2.0, 1.0), (1.0, 2.0), (0.0, 2.0)):
-        assert waves_and_steps(*amplitudes).share(1.0) == pytest.approx(expected, rel=1e-3)
-
-
 @pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
 def test_signals_that_do_not_vibrate_do_not_count(size: float) -> None:
     time = np.arange(101) / 100.0
@@ -223,28 +200,6 @@ def test_signals_that_do_not_vibrate_do_not_count(size: float) -> None:
     }
     made = {name: size * values for name, values in made.items()}
     assert Repetition(time, made, dict.fromkeys(made, 0)).alive.tolist() == [False, False, False, True]
-
-
-@pytest.mark.parametrize("power", [-1, 0, 1])
-def test_the_largest_wave_is_that_of_the_velocity(power: int) -> None:
-    """Waves of 4 and 12 Hz, whose velocities are as 1 to 0.8 or to 1.25."""
-    time = np.arange(801) / 100.0
-    for ratio, expected in ((0.8, 4.0), (1.25, 12.0)):
-        high = ratio / 3.0**power
-        made = np.sin(8.0 * math.pi * time) + high * np.sin(24.0 * math.pi * time + 1.0)
-        peak = Repetition(time, {"u": made}, {"u": power})._peak
-        assert peak == pytest.approx(expected, abs=1.0 / 16.0)
-
-
-def test_signals_of_any_size_count_alike_for_the_largest_wave() -> None:
-    """Two signals have it at 4 Hz, and one that is a thousand times as large at 12 Hz."""
-    time = np.arange(801) / 100.0
-    four, twelve = np.sin(8.0 * math.pi * time), np.sin(24.0 * math.pi * time)
-    made = {"one": four, "two": 0.5 * four, "large": 1e3 * twelve}
-    assert Repetition(time, made, dict.fromkeys(made, 0))._peak == pytest.approx(4.0, abs=1.0 / 16.0)
-    # powers of the frequency are no size either
-    powers = {"one": 0, "two": 0, "large": 2}
-    assert Repetition(time, made, powers)._peak == pytest.approx(4.0, abs=1.0 / 16.0)
 
 
 @pytest.mark.parametrize(("frequency", "seen_so"), [(24.5, True), (25.5, False), (0.26, True), (0.2, False)])

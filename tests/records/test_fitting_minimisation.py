@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from vibro.records.fitting import (
     Minimum,
-    _bounded,
-    _half_width,
-    _merged,
     _profile,
     best_of,
     error_covariance,
     jacobian_at,
     minimise,
-    move_to_edge,
-    nearest_inside,
 )
 from vibro.records.problem import HOPS, Problem, Residuals
 
@@ -64,12 +57,6 @@ def test_the_lowest_point_of_a_curved_valley_is_found() -> None:
     assert found.squares < 1e-10
 
 
-def test_a_coordinate_that_is_fixed_stays() -> None:
-    found = searched(problem(), fixed=[0])
-    assert found.point == pytest.approx([-1.2, 1.44, 0.3], abs=1e-6)
-    assert found.squares == pytest.approx(2.2**2)
-
-
 def test_the_least_misfit_on_an_edge_is_found_along_it() -> None:
     edge = 0.49
     along = minimize_scalar(lambda x: 100.0 * (edge - x * x) ** 2 + (1.0 - x) ** 2, bounds=(0.5, 1.0))
@@ -84,25 +71,6 @@ def test_a_search_that_begins_outside_its_pattern_stays() -> None:
     outside = best_of(valley, "F", np.array([[0.0, 1.0, 0.0]]))
     assert np.isinf(outside.squares)
     assert minimise(valley, outside, 1e-9) is outside
-
-
-@pytest.mark.parametrize("reach", [0.8, -0.8])
-def test_points_are_moved_to_the_edge_just_inside(reach: float) -> None:
-    points = np.array([[0.0, 0.1, 0.0], [0.0, 0.9, 0.0], [0.0, -9.0, 0.0]])
-    moved = move_to_edge(problem(edge=0.5), "F", points, 1, reach)
-    # The pattern has one edge, above it; a point that is too far from one stays.
-    expected = [0.5, 0.5, -9.0] if reach > 0.0 else [0.1, 0.9, -9.0]
-    assert moved[:, 1] == pytest.approx(expected, abs=1e-6)
-    assert reach < 0.0 or (moved[:2, 1] <= 0.5).all()
-    assert (moved[:, [0, 2]] == points[:, [0, 2]]).all()
-
-
-def test_the_nearest_point_of_a_pattern_is_as_near_as_its_edge() -> None:
-    valley = problem(edge=0.5)
-    found = nearest_inside(valley, "F", np.array([0.3, 0.501, 0.0]), [0, 1])
-    assert found is not None
-    assert 0.499 < found.point[1] <= 0.5
-    assert nearest_inside(valley, "F", np.array([0.3, 0.501, 0.0]), [0]) is None
 
 
 def test_an_interval_of_a_body_that_hops_comes_from_the_curvature() -> None:
@@ -134,35 +102,6 @@ def test_a_quantity_without_an_effect_has_an_interval_without_ends() -> None:
     flat = cast(Problem, Flat())
     found = minimise(flat, best_of(flat, "F", np.array([[0.5, 0.1, 0.1]])), 1e-12)
     assert _profile(flat, [found], 4.0, 0)[0] == ((-np.inf, np.inf),)
-
-
-def test_intervals_that_overlap_are_one() -> None:
-    """One that lies inside another does not end it."""
-    assert _merged([(20.0, 21.0), (0.0, 10.0), (1.0, 2.0)]) == ((0.0, 10.0), (20.0, 21.0))
-
-
-def test_what_reaches_the_end_of_what_is_tried_has_no_interval() -> None:
-    inside = ((0.2, 0.3), (0.6, 0.8))
-    assert _bounded(inside, 0.0, 1.0) == inside
-    assert _bounded(((0.0, 0.3),), 0.0, 1.0) == ()
-    assert _bounded(((0.2, 1.0),), 0.0, 1.0) == ()
-    # nor has one that ends a thousandth of it short of there
-    assert _bounded(((-1.9985, 0.9985),), -2.0, 1.0) == ()
-    assert _bounded(((-1.9975, 0.9995),), -2.0, 1.0) == ()
-    assert _bounded(((-1.9975, 0.9985),), -2.0, 1.0) == ((-1.9975, 0.9985),)
-    assert _half_width(inside) == pytest.approx(0.3)
-    assert _half_width(()) == math.inf
-
-
-def test_a_coordinate_whose_effect_is_rounding_has_none() -> None:
-    """Else it would move by far, and have a variance."""
-    valley = problem(shift_effect=1e-7)
-    point = np.array([0.3, 0.4, 0.0])
-    found = best_of(valley, "F", point[None])
-    assert (jacobian_at(valley, found)[:, 2] == 0.0).all()
-    covariance = error_covariance(valley, found)
-    assert (covariance[2] == 0.0).all()
-    assert covariance[0, 0] > 0.0
 
 
 # --- coordinates of other sizes, and patterns with more edges -----------------------------------------
@@ -208,71 +147,6 @@ def test_coordinates_may_have_any_size(sizes: tuple[float, ...]) -> None:
     np.testing.assert_allclose(covariance, np.linalg.inv(jacobian.T @ jacobian), rtol=1e-3, atol=1e-6)
 
 
-@pytest.mark.parametrize("sizes", [(1.0, 1.0, 1.0), SIZES, (1.0, 1e-4, 1.0)])
-def test_edges_and_nearest_points_are_as_sharp_in_any_size(sizes: tuple[float, ...]) -> None:
-    valley, units = shaped(lambda x, y: y <= 0.5, *sizes), np.array(sizes)
-    moved = move_to_edge(valley, "F", np.array([[0.0, 0.1, 0.0]]) * units, 1, 0.8 * sizes[1])
-    assert 0.5 - 1e-6 < moved[0, 1] / units[1] <= 0.5
-    near = nearest_inside(valley, "F", np.array([0.3, 0.501, 0.0]) * units, [0, 1])
-    assert near is not None
-    assert 0.4995 < near.point[1] / units[1] <= 0.5
-    assert near.point[0] == 0.3 * units[0]
-
-
-@each(
-    ("begin", "reach", "edge"),
-    [
-        (0.25, 0.5, 0.3),
-        (0.21, 0.5, 0.3),
-        (0.25, -0.5, 0.2),
-        (0.29, -0.5, 0.2),
-        (0.15, 0.5, 0.1),
-        (0.15, -0.5, 0.2),
-    ],
-)
-def test_of_several_edges_the_nearest_is_taken(begin: float, reach: float, edge: float) -> None:
-    """Stripes: the pattern lies in [0, 0.1], [0.2, 0.3] and so on; its upper edges, or its lower ones."""
-    stripes = shaped(lambda x, y: np.floor(10.0 * y).astype(int) % 2 == 0)
-    (moved,) = move_to_edge(stripes, "F", np.array([[0.7, begin, 0.2]]), 1, reach)
-    assert moved == pytest.approx([0.7, edge, 0.2], abs=1e-6)
-    assert stripes.labels(moved[None]).tolist() == ["F"]
-
-
-@pytest.mark.parametrize(("point", "moves"), [((0.5, 0.31), 1), ((0.6, 0.21), 0)])
-def test_of_several_coordinates_that_with_the_least_misfit_is_moved(
-    point: tuple[float, float], moves: int
-) -> None:
-    """Into x + y <= 0.8: down to where y = x^2 lies, or back."""
-    begun = np.array([*point, 0.3])
-    found = nearest_inside(shaped(lambda x, y: x + y <= 0.8), "F", begun, [0, 1])
-    assert found is not None
-    assert found.point[1 - moves] == begun[1 - moves]
-    assert 0.79 < found.point[:2].sum() <= 0.8
-
-
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_the_nearest_point_may_lie_on_either_side(way: float) -> None:
-    found = nearest_inside(
-        shaped(lambda x, y: way * x >= 0.5), "F", np.array([0.499 * way, 0.2, 0.0]), [0, 1]
-    )
-    assert found is not None
-    assert found.point[0] * way == pytest.approx(0.5, abs=1e-3)
-
-
-def test_derivatives_at_a_lower_edge_and_in_a_corner() -> None:
-    """One-sided at an edge, and none where both sides lie outside."""
-    point = np.array([0.3, 0.5, 0.0])
-    for inside, expected in (
-        (lambda x, y: y >= 0.5, 10.0),
-        (lambda x, y: y <= 0.5, 10.0),
-        (lambda x, y: y == 0.5, 0.0),
-    ):
-        problem = shaped(inside)
-        jacobian = jacobian_at(problem, best_of(problem, "F", point[None]))
-        assert jacobian[:, 1] == pytest.approx([expected, 0.0, 0.0], rel=1e-6)
-        assert jacobian[:, 0] == pytest.approx([-6.0, -1.0, 0.0], rel=1e-6)
-
-
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_the_least_misfit_on_a_lower_edge_or_across_x_is_found(way: float) -> None:
     """The valley's lowest point lies outside: y stays above 1.5, or x below or above -0.5."""
@@ -297,20 +171,3 @@ def test_a_search_does_not_end_higher_than_it_began(radius: float) -> None:
     assert np.isfinite(found.squares)
     assert found.squares < begun.squares
     assert island.labels(found.point[None]).tolist() == ["F"]
-
-
-def test_without_a_step_out_of_the_pattern_no_edge_is_looked_for() -> None:
-    class Watched(Valley):
-        looked = 0
-
-        def labels(self, points: Floats) -> NDArray[np.str_]:
-            self.looked += 1
-            return super().labels(points)
-
-        def residuals(self, label: str, points: Floats) -> Residuals:
-            self.looked -= 1
-            return super().residuals(label, points)
-
-    valley = Watched()
-    assert searched(cast(Problem, valley)).squares < 1e-10
-    assert valley.looked == 0
