@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 
-from vibro.errors import Problem, SceneError, shown
+from vibro.errors import SceneError, shown
 from vibro.reals import NotRealError, real_array, shielded
 
 if TYPE_CHECKING:
@@ -117,6 +117,9 @@ class _LeastSquares(NamedTuple):
     static_amplitude_sd: float
 
 
+_UNKNOWN: Final = _LeastSquares(*[math.nan] * 6)
+
+
 @shielded
 def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = None) -> ResponseFit:
     """Estimate natural frequency, damping ratio and static amplitude from measured amplitudes.
@@ -163,31 +166,19 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
     if law not in _LAWS:
         raise SceneError.of("law", shown(law), "constant or square")
     frequency, amplitude, stated = _checked(points, amplitude_error)
-    error = np.ones(frequency.size) if stated is None else stated
-    search = _Search(frequency, amplitude, error, law)
+    search = _Search(frequency, amplitude, np.ones(frequency.size) if stated is None else stated, law)
     best = search.best()
-    spare = frequency.size - len(best)
-    factor, quantile = 1.0, 1.0
+    freedom, factor = math.inf, 1.0  # of the errors: what they are over those of the search
     if stated is None:
-        knows = frequency.size >= POINTS_FOR_ERROR
-        factor = math.sqrt(search.squares(best) / spare) if knows else math.nan
-        error = error * factor
+        freedom = float(frequency.size - best.size)
+        is_known = frequency.size >= POINTS_FOR_ERROR
+        factor = math.sqrt(search.squares(best) / freedom) if is_known else math.nan
+    intervals = [(math.nan, math.nan)] * 3
     if not math.isnan(factor):
-        quantile = _quantile(spare if stated is None else math.inf)
+        quantile = _quantile(freedom)
         intervals = search.intervals(best, (quantile * factor) ** 2)
-    else:
-        intervals = [(math.nan, math.nan)] * 3
-    peak = frequency[np.argmax(amplitude)]
-    brackets = bool(frequency[0] < peak < frequency[-1])
-    linear = least_squares(
-        frequency, amplitude, error if not math.isnan(factor) else np.ones(error.size), law
-    )
-    if math.isnan(factor):
-        linear = linear._replace(
-            natural_frequency_sd=math.nan, damping_squared_sd=math.nan, static_amplitude_sd=math.nan
-        )
-    if not brackets:
-        linear = _LeastSquares(*[math.nan] * 6)
+    brackets = bool(frequency[0] < frequency[np.argmax(amplitude)] < frequency[-1])
+    linear = least_squares(frequency, amplitude, search.error, law) if brackets else _UNKNOWN
     damping = math.sqrt(linear.damping_squared) if linear.damping_squared > 0.0 else math.nan
     curve = (linear.natural_frequency, damping, linear.static_amplitude)
     if math.isnan(damping):
@@ -200,13 +191,13 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
         damping_ratio=damping,
         static_amplitude=linear.static_amplitude,
         damping_squared=linear.damping_squared,
-        natural_frequency_sd=linear.natural_frequency_sd,
-        damping_ratio_sd=linear.damping_squared_sd / (2.0 * damping),
-        static_amplitude_sd=linear.static_amplitude_sd,
+        natural_frequency_sd=factor * linear.natural_frequency_sd,
+        damping_ratio_sd=factor * linear.damping_squared_sd / (2.0 * damping),
+        static_amplitude_sd=factor * linear.static_amplitude_sd,
         static_amplitude_interval=intervals[0],
         natural_frequency_interval=intervals[1],
         damping_ratio_interval=intervals[2],
-        amplitude_error=error,
+        amplitude_error=factor * search.error,
         is_error_stated=stated is not None,
         brackets_peak=brackets,
         residual=amplitude / _amplitudes(frequency, curve, law) - 1.0,
@@ -222,7 +213,7 @@ def least_squares(frequency: Floats, amplitude: Floats, error: Floats, law: str)
     rows = np.stack([x * x, x, np.ones(x.size)], axis=1) / (2.0 * error * y)[:, None]
     (a, b, c), *_ = np.linalg.lstsq(rows, 1.0 / (2.0 * error), rcond=None)
     if not (a > 0.0 and c > 0.0):
-        return _LeastSquares(*[math.nan] * 6)
+        return _UNKNOWN
     covariance = np.linalg.pinv(rows.T @ rows, hermitian=True)
     ratio = 1.0 / math.sqrt(a * c)
     gain = 1.0 / math.sqrt(a if _LAWS[law] else c)
@@ -317,13 +308,10 @@ class _Search:
 
     def intervals(self, best: Floats, increase: float) -> list[tuple[float, float]]:
         """Return intervals of static amplitude [m], natural frequency [Hz] and damping ratio [1]."""
-        ends = [[self._end(best, k, way, increase) for way in (-1.0, 1.0)] for k in range(3)]
-        (a, b), (c, d), (e, f) = ends
-        return [
-            (math.exp(a), math.exp(b)),
-            (math.exp(0.5 * c), math.exp(0.5 * d)),
-            (0.5 * e, 0.5 * f),
-        ]
+        ends = np.array([[self._end(best, k, way, increase) for way in (-1.0, 1.0)] for k in range(3)])
+        ends[1:] *= 0.5
+        ends[:2] = np.exp(ends[:2])
+        return [(low, high) for low, high in ends.tolist()]
 
     def _end(self, best: Floats, k: int, way: float, increase: float) -> float:
         """Return where the profile of a coordinate has risen by ``increase``; infinite if it does not."""
@@ -368,33 +356,25 @@ def _quantile(freedom: float) -> float:
 
 def _checked(points: Any, amplitude_error: Any) -> tuple[Floats, Floats, Floats | None]:
     """Return frequencies, amplitudes and stated errors by ascending frequency."""
-    problems = []
-    table, error = np.empty((0, 2)), None
-    try:
-        table = real_array(points)
-    except NotRealError as exc:
-        problems.append(Problem("points", exc.value, exc.allowed))
-    else:
-        if table.ndim != 2 or table.shape[1] != 2 or np.unique(table[:, 0]).size < LEAST_POINTS:
-            rule = (
-                f"pairs of frequency [Hz] and amplitude [m] at {LEAST_POINTS} or more different frequencies"
-            )
-            problems.append(Problem("points", shown(points), rule))
-        elif not np.all(np.isfinite(table) & (table > 0.0)):
-            bad = table[~np.all(np.isfinite(table) & (table > 0.0), axis=1)][0]
-            problems.append(Problem("points", shown(bad.tolist()), "positive and finite"))
-    if amplitude_error is not None:
-        try:
-            error = real_array(amplitude_error)
-        except NotRealError as exc:
-            problems.append(Problem("amplitude_error", exc.value, exc.allowed))
-        else:
-            if not np.all((error > 0.0) & (error < 1.0)) or error.shape not in ((), (len(table),)):
-                rule = "one relative error, such as 0.02, or one for each point, above 0 and below 1"
-                problems.append(Problem("amplitude_error", shown(amplitude_error), rule))
-    if problems:
-        raise SceneError(tuple(problems))
+    table = _numbers("points", points)
+    if table.ndim != 2 or table.shape[1] != 2 or np.unique(table[:, 0]).size < LEAST_POINTS:
+        rule = f"pairs of frequency [Hz] and amplitude [m] at {LEAST_POINTS} or more different frequencies"
+        raise SceneError.of("points", shown(points), rule)
+    for bad in table[~np.all(np.isfinite(table) & (table > 0.0), axis=1)]:
+        raise SceneError.of("points", shown(bad.tolist()), "positive and finite")
     order = np.argsort(table[:, 0], kind="stable")
-    if error is not None:
-        error = np.broadcast_to(error, (len(table),))[order]
-    return table[order, 0], table[order, 1], error
+    frequency, amplitude = table[order].T
+    if amplitude_error is None:
+        return frequency, amplitude, None
+    error = _numbers("amplitude_error", amplitude_error)
+    if not np.all((error > 0.0) & (error < 1.0)) or error.shape not in ((), frequency.shape):
+        rule = "one relative error, such as 0.02, or one for each point, above 0 and below 1"
+        raise SceneError.of("amplitude_error", shown(amplitude_error), rule)
+    return frequency, amplitude, np.broadcast_to(error, frequency.shape)[order]
+
+
+def _numbers(name: str, value: Any) -> Floats:
+    try:
+        return real_array(value)
+    except NotRealError as exc:
+        raise SceneError.of(name, exc.value, exc.allowed) from None

@@ -307,24 +307,12 @@ def operate(
     24.2 mm/s 16.4 mm/s
     """
     check_switch("allow_strikes", allow_strikes)
-    body = {
-        "drive_angle": drive_angle,
-        "static_friction": static_friction,
-        "kinetic_friction": kinetic_friction,
-        "trough_angle": trough_angle,
-        "gravity": gravity,
-        "restitution": restitution,
-    }
-    case = _case(
-        machine,
-        frequency=frequency,
-        setting=setting,
-        voltage=voltage,
-        natural_frequency=natural_frequency,
-        filling=filling,
-        allow_unbounded=allow_strikes,
-        **body,
-    )
+    friction = {"static_friction": static_friction, "kinetic_friction": kinetic_friction}
+    trough = {"drive_angle": drive_angle, "trough_angle": trough_angle, "gravity": gravity}
+    body: dict[str, Any] = {**friction, **trough, "restitution": restitution}
+    drive: dict[str, Any] = {"frequency": frequency, "setting": setting, "voltage": voltage}
+    own: dict[str, Any] = {"natural_frequency": natural_frequency, "filling": filling}
+    case = _case(machine, **drive, **own, **body, allow_unbounded=allow_strikes)
     shares = _shares(added_mass_share, added_damping_share, case.shape)
     found = _Found.empty(case, shares)
     if shares is None:
@@ -467,15 +455,12 @@ def _shares(mass: Any, damping: Any, shape: tuple[int, ...]) -> Complexes | None
             f"added_damping_share = {shown(damping)}: must be given beside added_mass_share",
             fields=["added_damping_share"],
         )
-    values = []
-    for name, value in (
-        ("added_mass_share", mass),
-        ("added_damping_share", 0.0 if damping is None else damping),
-    ):
-        values.append(x := _numbers(name, value))
-        for wrong in x[~np.isfinite(x)][:1]:
+    given = {"added_mass_share": mass, "added_damping_share": 0.0 if damping is None else damping}
+    parts = {name: _numbers(name, value) for name, value in given.items()}
+    for name, part in parts.items():
+        for wrong in part[~np.isfinite(part)][:1]:
             raise InputError(f"{name} = {wrong}: must be finite", fields=[name])
-    share = values[0] - 1j * values[1]
+    share = parts["added_mass_share"] - 1j * parts["added_damping_share"]
     if np.broadcast_shapes(share.shape, shape) != shape:
         raise InputError(f"added_mass_share of shape {share.shape}: must broadcast to {shape}")
     return np.ascontiguousarray(np.broadcast_to(share, shape)).reshape(-1)
@@ -601,31 +586,25 @@ def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool
         x[strikes] = np.nan
     found.number[strikes] = 0
 
-    def shaped(x: NDArray[Any]) -> Any:
-        return x.reshape(case.shape)[()]
-
-    scene = Scene.computed(
-        amplitude=shaped(found.solved_at),
-        frequency=shaped(case.frequency),
-        **{name: shaped(x) for name, x in case.body.items()},
-    )
-    return OperatingPoints(
-        scene=scene,
-        amplitude=shaped(found.amplitude),
-        amplitude_empty=shaped(np.where(case.unbounded, np.inf, case.empty)),
-        amplitude_low=shaped(found.low),
-        amplitude_high=shaped(found.high),
-        phase=shaped(phase),
-        relative_amplitude=shaped(relative),
-        frequency_ratio=shaped(ratio),
-        filled_frequency_ratio=shaped(filled),
-        added_mass_share=shaped(found.share.real),
-        added_damping_share=shaped(0.0 - found.share.imag),
-        second_harmonic=shaped(np.abs(harmonic)),
-        second_phasor=shaped(harmonic),
-        number=shaped(found.number),
-        at_jump=shaped(found.at_jump),
-        strikes=shaped(strikes),
-        status=shaped(found.status),
-        machine=machine,
-    )
+    fields = {"amplitude": found.solved_at, "frequency": case.frequency, **case.body}
+    solved = Scene.computed(**{name: x.reshape(case.shape)[()] for name, x in fields.items()})
+    values = {
+        "amplitude": found.amplitude,
+        "amplitude_empty": np.where(case.unbounded, np.inf, case.empty),
+        "amplitude_low": found.low,
+        "amplitude_high": found.high,
+        "phase": phase,
+        "relative_amplitude": relative,
+        "frequency_ratio": ratio,
+        "filled_frequency_ratio": filled,
+        "added_mass_share": found.share.real,
+        "added_damping_share": 0.0 - found.share.imag,
+        "second_harmonic": np.abs(harmonic),
+        "second_phasor": harmonic,
+        "number": found.number,
+        "at_jump": found.at_jump,
+        "strikes": strikes,
+        "status": found.status,
+    }
+    shaped: dict[str, Any] = {name: x.reshape(case.shape)[()] for name, x in values.items()}
+    return OperatingPoints(scene=solved, machine=machine, **shaped)
