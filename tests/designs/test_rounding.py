@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from vibro.designs.questions import Drive
-from vibro.designs.rows import DIGITS, more_digits, moved, nearest, rounded, roundings, setting_of, within
+from vibro.designs.questions import Drive, Input, nearest
+from vibro.designs.rows import DIGITS, more_digits, moved, rounded, roundings, setting_of
 from vibro.designs.spaces import SPACES, Setting
 from vibro.drives import Line
 
@@ -17,12 +17,13 @@ from vibro.drives import Line
     [(1.23456, 3, 1.23), (1.99, 3, 1.99), (2.5, 3, 2.0), (0.4, 3, 1.0), (1.9996, 4, 2.0)],
 )
 def test_a_rounded_amplitude_stays_within_its_range(value: float, digits: int, expected: float) -> None:
-    assert within(value, "amplitude", (1e-3, 2e-3), digits) == expected
+    assert Input("amplitude", ((1e-3, 2e-3),)).rounded(value, 1e-3, digits) == expected
 
 
 def test_an_end_of_a_range_keeps_fifteen_digits() -> None:
-    assert within(25.0, "frequency", (10.0, 58.0 / 3.0), 9) == 19.3333333333333
-    assert within(5.0, "frequency", (58.0 / 3.0, 30.0), 9) == 19.3333333333333
+    two = Input("frequency", ((10.0, 58.0 / 3.0), (28.0, 30.0)))
+    assert two.rounded(25.0, 20.0, 9) == 19.3333333333333
+    assert two.rounded(25.0, 26.0, 9) == 28.0
 
 
 @pytest.mark.parametrize(
@@ -35,7 +36,7 @@ def test_an_end_of_a_range_keeps_fifteen_digits() -> None:
     ],
 )
 def test_an_angle_that_may_be_zero_is_rounded_to_decimals(name: str, value: float, expected: float) -> None:
-    assert within(value, name, (-0.5 * math.pi, 0.5 * math.pi), 9) == expected
+    assert Input(name, ((-0.5 * math.pi, 0.5 * math.pi),)).rounded(value, 0.0, 9) == expected
 
 
 @pytest.mark.parametrize(

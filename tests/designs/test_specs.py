@@ -30,11 +30,11 @@ OVAL = Drive(
 
 
 @pytest.mark.parametrize(
-    ("value", "index"),
-    [(5.0, 0), (15.0, 0), (20.0, 0), (29.0, 0), (31.0, 1), (50.0, 1), (74.0, 1), (76.0, 2), (200.0, 2)],
+    ("value", "kept"),
+    [(5.0, 10.0), (15.0, 15.0), (29.0, 20.0), (31.0, 40.0), (74.0, 50.0), (76.0, 100.0), (200.0, 100.0)],
 )
-def test_the_nearest_range_of_a_knob(value: float, index: int) -> None:
-    assert LINE.nearest("frequency", value) == SEVERAL[index]
+def test_a_knob_is_kept_within_its_nearest_range(value: float, kept: float) -> None:
+    assert LINE.inputs["frequency"].rounded(value, value, 9) == kept
 
 
 def test_a_knob_of_one_range_has_a_span() -> None:

@@ -134,7 +134,7 @@ def _chosen(spec: Spec, result: DesignResult, chosen: Chosen | None) -> Iterator
         yield Fact("design", "none: no setting of any drive guarantees a speed")
         return
     design, machine = chosen.design, chosen.drive.machine
-    settings = ", ".join(_setting(design, name) for name in chosen.drive.told)
+    settings = ", ".join(_setting(design, given.name) for given in chosen.drive.inputs.values())
     yield Fact("design" if result.met else "closest", f"{design.drive}, {design.design}: {settings}")
     speed = design.speed_min_mm_s
     if speed is None:
@@ -209,7 +209,8 @@ def _designs(spec: Spec, result: DesignResult) -> Iterator[Table]:
         }
         missed = "fastest" in found and "gentlest" not in found
         title = f"{drive.name}, less than {_speed(spec.goal.speed)}" if missed else drive.name
-        settings = {QUANTITIES[name].column: QUANTITIES[name].label for name in drive.told}
+        quantities = [given.quantity for given in drive.inputs.values()]
+        settings = {quantity.column: quantity.label for quantity in quantities}
         yield _table(title, {**settings, **_USUAL}, found)
         yield _table(f"{drive.name}, other numbers", _RARE, found, is_rare=True)
 

@@ -45,8 +45,9 @@ def design_command(
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import whole_number
     from vibro.designs.design import chosen_of, find_designs
+    from vibro.designs.questions import MOST_DIGITS
     from vibro.designs.reading import read_spec
-    from vibro.designs.rows import DIGITS, MOST_DIGITS
+    from vibro.designs.rows import DIGITS
     from vibro.files.toml_files import read_toml
     from vibro.plots import DESIGN_PICTURES
 

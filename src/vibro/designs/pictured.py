@@ -14,7 +14,6 @@ from vibro.designs.proofs import corners, first_ratio, last_ratio, tip_ratio
 from vibro.designs.questions import Question
 from vibro.designs.spaces import TOLERANCES
 from vibro.designs.windows import span_of
-from vibro.quantities import QUANTITIES
 from vibro.results.designs import SettingFields, SpeedBand
 from vibro.steady import solve
 from vibro.units import SPEED
@@ -59,17 +58,12 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     goal = spec.goal
     # an ellipse's load exceeds that of its motion along the trough
     share = float(load_at(amplitude, setting.frequency, gravity)) / float(question.load(setting))
-    name = "stroke" if chosen.drive.in_stroke else question.space.leading(setting)
-
-    def told(ends: tuple[float, float]) -> tuple[float, float]:
-        low, high = (chosen.drive.told_per_amplitude * end for end in ends)
-        return QUANTITIES[name].from_si(low), QUANTITIES[name].from_si(high)
-
+    size = chosen.drive.size(setting)
     return SettingFields(
-        amplitude=name,
-        limits=told(limits),
+        amplitude=size.name,
+        limits=(size.printed(limits[0]), size.printed(limits[1])),
         most_load=chosen.drive.acceleration * share,
-        amplitudes=told(amplitudes),
+        amplitudes=(size.printed(amplitudes[0]), size.printed(amplitudes[1])),
         frequency_hz=frequencies,
         load=loads,
         speed_min=SPEED.from_si(_least(counted(slow, fast=False))),
@@ -99,9 +93,8 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (counted(solve(boxes.scene(points, fast=which)), fast=which) for which in (False, True))
     middle = question.nominal_scene(setting.scaled(amplitudes / amplitude))
-    told = QUANTITIES[question.space.leading(setting)]
     return SpeedBand(
-        amplitude=told.from_si(chosen.drive.told_per_amplitude * amplitudes),
+        amplitude=chosen.drive.size(setting).printed(amplitudes),
         speed_min=SPEED.from_si(_least(slow)),
         speed_nominal=SPEED.from_si(solve(middle).mean_velocity),
         speed_max=SPEED.from_si(_most(fast)),

@@ -80,9 +80,9 @@ def _slip_load(scene: Scene) -> Floats:
     return np.where(slips, onset, np.maximum(onset, scene.load))
 
 
-_EDGE: Final = 65  # static frictions of each grid along an edge of the box
-_SLOPES: Final = 33  # trough angles of each grid, where the first body need not be at an end
-_ROUNDS: Final = 5  # refinements of these grids
+_EDGE: Final = 17  # static frictions of each grid along an edge of the box
+_SLOPES: Final = 17  # trough angles of each grid, where the first body need not be at an end
+_ROUNDS: Final = 9  # refinements of these grids, to 1e-8 of a band
 _FIRST: Final = 5  # base-2 logarithm of the first population, beside the corners
 _GENERATIONS: Final = 60
 _FEWER: Final = 15  # of given motions, whose loads are searched by many steady cycles

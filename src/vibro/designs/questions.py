@@ -18,11 +18,12 @@ from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from vibro.designs.spaces import AnySetting, Ends, Points, Space, Span
     from vibro.drives import Ellipse, Harmonics, Line, Motion, Piecewise
     from vibro.machines.machine import Machine
+    from vibro.quantities import Quantity
     from vibro.reals import Floats
 
 
@@ -30,6 +31,10 @@ if TYPE_CHECKING:
 # Questions of inverse design: bands of parts and trough, the choices of the drives, the goal.
 
 
+#: Digits that reproduce every value that a user gives.
+MOST_DIGITS: Final = 15
+# [1] Distance from an end that is none: above the rounding of an optimum there, below all digits chosen.
+_AT_END: Final = 1e-9
 # damping ratios from resonance within which damping decides much of the amplitude
 _NEAR_RESONANCE: Final = 2.0
 
@@ -166,6 +171,64 @@ class Met(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Input:
+    """A quantity that a user gives and reads, of which ranges may be chosen.
+
+    Attributes
+    ----------
+    name : str
+        Of the quantity: a stroke, or a machine's setting, may stand for an amplitude.
+    ranges : tuple of pairs of float
+        To choose from, each with its ends, equal for a single value [SI, of the knob].
+    ratio : float
+        Of the quantity to the knob: 2 of a stroke; of a setting over the amplitude at 100 % [1/m].
+    """
+
+    name: str
+    ranges: tuple[Span, ...]
+    ratio: float = 1.0
+
+    @property
+    def quantity(self) -> Quantity:
+        """Its name, unit and limits."""
+        return QUANTITIES[self.name]
+
+    def printed(self, knob: Any) -> Any:
+        """Convert values of the knob [SI] to what is printed, in the unit outside."""
+        return self.quantity.from_si(self.ratio * knob)
+
+    def read(self, printed: Any) -> Any:
+        """Convert printed values to those of the knob [SI]."""
+        return self.quantity.to_si(printed) / self.ratio
+
+    def rounded(self, value: float, near: float, digits: int) -> float:
+        """Round a printed value, within the range nearest to a knob [SI], whose ends are kept as given.
+
+        One that may be 0 has no more decimals than a value from 10 to 100 with that many digits.
+        """
+        span = min(self.ranges, key=lambda span: max(span[0] - near, near - span[1]))
+        low, high = (nearest(float(self.printed(end)), MOST_DIGITS) for end in span)
+        for end in (low, high):
+            if math.isclose(value, end, rel_tol=_AT_END):
+                return end
+        value = nearest(value, digits)
+        if self.quantity.allowed.low < 0.0:
+            value = round(value, digits - 2)
+        return min(max(value, low), high)
+
+    @property
+    def doubt(self) -> str:
+        """Warning about ranges that are possible, but as a whole a likely slip of units; else empty."""
+        ends = min(low for low, _ in self.ranges), max(high for _, high in self.ranges)
+        return self.quantity.doubt(*(nearest(float(self.printed(end)), MOST_DIGITS) for end in ends))
+
+
+def nearest(value: float, digits: int) -> float:
+    """Round to so many digits."""
+    return float(f"{value:.{digits}g}")
+
+
+@dataclass(frozen=True)
 class Drive:
     """A drive and what may be chosen of it; limits hold for nominal values.
 
@@ -206,31 +269,25 @@ class Drive:
         """All ranges of its frequency [Hz]."""
         return self.choices["frequency"]
 
-    @property
-    def told(self) -> tuple[str, ...]:
-        """Names of the printed quantities of its variables: a stroke or a setting for the amplitude."""
-        size = "setting" if self.machine is not None else "stroke" if self.in_stroke else "amplitude"
-        return tuple(size if knob == "amplitude" else knob for knob in self.space.knobs)
+    @cached_property
+    def inputs(self) -> dict[str, Input]:
+        """What its user chooses, by knob: of a machine its setting in place of the amplitude."""
+        inputs = {knob: Input(knob, self.choices[knob]) for knob in self.space.knobs}
+        if self.machine is not None:
+            inputs["amplitude"] = Input("setting", self.choices["amplitude"], 1.0 / self.machine.amplitude)
+        elif self.in_stroke:
+            inputs["amplitude"] = Input("stroke", self.choices["amplitude"], 2.0)
+        return inputs
 
-    @property
-    def told_per_amplitude(self) -> float:
-        """Ratio of the printed size, a stroke or an amplitude, to the amplitude [1]."""
-        return 2.0 if self.in_stroke else 1.0
-
-    def scale(self, knob: str) -> float:
-        """Ratio of what is told of a knob to the knob [1]; of a machine's amplitude its setting [1/m]."""
-        if knob != "amplitude":
-            return 1.0
-        return self.told_per_amplitude if self.machine is None else 1.0 / self.machine.amplitude
+    def size(self, setting: AnySetting) -> Input:
+        """Return what windows and pictures vary: a stroke, an amplitude, of an ellipse one, or a scale."""
+        leading = self.space.leading(setting)
+        return self.inputs[leading] if self.machine is None else Input(leading, self.choices[leading])
 
     def span(self, knob: str) -> Span:
         """Return the range of a knob that has one [SI]."""
         (span,) = self.choices[knob]
         return span
-
-    def nearest(self, knob: str, value: float) -> Span:
-        """Return the range of a knob that holds a value, or is the nearest to it [SI]."""
-        return min(self.choices[knob], key=lambda span: max(span[0] - value, value - span[1]))
 
     @property
     def accelerations(self) -> Span:
@@ -324,15 +381,14 @@ class Spec:
 
     def doubts(self) -> list[str]:
         """Return warnings about ranges that are possible, but as a whole likely slips of units."""
-        told = [QUANTITIES[name].doubt(*_outside(name, (span,))) for name, span in self.bands.items()]
+        doubts = [Input(name, (span,)).doubt for name, span in self.bands.items()]
         for drive in self.drives:
-            for name, knob in zip(drive.told, drive.space.knobs, strict=True):
-                told.append(QUANTITIES[name].doubt(*_outside(name, drive.choices[knob], drive.scale(knob))))
+            doubts += [given.doubt for given in drive.inputs.values()]
             if drive.machine is not None:
-                told.append(drive.machine.doubt(drive.name))
-            gentle = float(f"{drive.accelerations[0] / self.gravity:.4g}")
-            told.append(LOAD.doubt(gentle, gentle))
-        return [text for text in dict.fromkeys(told) if text]
+                doubts.append(drive.machine.doubt(drive.name))
+            gentle = nearest(drive.accelerations[0] / self.gravity, 4)
+            doubts.append(LOAD.doubt(gentle, gentle))
+        return [text for text in dict.fromkeys(doubts) if text]
 
     @property
     def has_bands(self) -> bool:
@@ -343,13 +399,6 @@ class Spec:
             or any(low < high for low, high in self.bands.values())
             or any(machine.has_bands for machine in machines)
         )
-
-
-def _outside(name: str, spans: Sequence[Span], scale: float = 1.0) -> Span:
-    """Return the ends of ranges in the unit outside, as they were given."""
-    ends = (min(low for low, _ in spans), max(high for _, high in spans))
-    first, last = (float(f"{float(QUANTITIES[name].from_si(scale * end)):.15g}") for end in ends)
-    return first, last
 
 
 _RIGHT_ANGLE: Final = 0.5 * math.pi

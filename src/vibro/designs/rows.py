@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.designs.guarantees import guarantee_of
 from vibro.designs.optima import EllipseOptimiser, Found, LineOptimiser, MotionOptimiser
+from vibro.designs.questions import MOST_DIGITS, nearest
 from vibro.designs.spaces import TOLERANCES
 from vibro.designs.windows import window_of
 from vibro.drives import Ellipse, Harmonics, Line, Piecewise
-from vibro.quantities import QUANTITIES
 from vibro.results.designs import Design
 from vibro.steady import solve
 from vibro.units import SPEED
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from vibro.designs.optima import Optimiser, Optimum
     from vibro.designs.questions import Drive, Met, Question
-    from vibro.designs.spaces import AnySetting, Span
+    from vibro.designs.spaces import AnySetting
 
 # ------------------------------------------------------------------------------
 # Round settings to few digits in users' units.
@@ -32,12 +32,8 @@ if TYPE_CHECKING:
 #: Digits of printed settings: one unit of the last of four is at most 0.1 % of a value, as fine as a person
 #: sets a drive.
 DIGITS: Final = 4
-#: Digits that reproduce every value that a user gives.
-MOST_DIGITS: Final = 15
 _MORE: Final = (5, 6, 7, 9, 12, MOST_DIGITS)  # where a setting with fewer does not hold
 _NUDGES: Final = 4  # steps of the last digit that knobs may be moved
-# [1] Distance from an end that is none: above the rounding of an optimum there, below all digits chosen.
-_AT_END: Final = 1e-9
 
 
 def more_digits(digits: int) -> list[int]:
@@ -52,14 +48,10 @@ def roundings(drive: Drive, setting: AnySetting, digits: int, *, up: bool) -> It
     steps inwards: upwards or downwards.
     """
     turned = {knob: float(x) for knob, x in drive.space.turned(setting).items()}
-    names = dict(zip(turned, drive.told, strict=True))
-    scales = {knob: drive.scale(knob) for knob in turned}
-    values = {knob: float(QUANTITIES[names[knob]].from_si(x * scales[knob])) for knob, x in turned.items()}
-    nearest_ends = {knob: drive.nearest(knob, x) for knob, x in turned.items()}
-    ends = {knob: (low * scales[knob], high * scales[knob]) for knob, (low, high) in nearest_ends.items()}
+    values = {knob: float(drive.inputs[knob].printed(x)) for knob, x in turned.items()}
 
     def kept(knob: str, value: float) -> float:
-        return within(value, names[knob], ends[knob], digits)
+        return drive.inputs[knob].rounded(value, turned[knob], digits)
 
     # where two constraints meet, one knob beside the optimum may leave room between them for the others
     beside = {
@@ -92,36 +84,14 @@ def _beside(value: float, digits: int) -> Iterator[float]:
 
 def setting_of(drive: Drive, printed: tuple[float, ...]) -> AnySetting:
     """Return the setting of knobs as they are printed."""
-    told = zip(drive.space.knobs, drive.told, printed, strict=True)
-    knobs = {knob: QUANTITIES[name].to_si(x) / drive.scale(knob) for knob, name, x in told}
-    return drive.space.setting(**knobs)
-
-
-def within(value: float, name: str, ends: Span, digits: int) -> float:
-    """Round a value in users' units, but not beyond its range, whose ends are kept as they were given.
-
-    One that may be 0 has no more decimals than a value from 10 to 100 with that many digits.
-    """
-    quantity = QUANTITIES[name]
-    low, high = (nearest(float(quantity.from_si(end)), MOST_DIGITS) for end in ends)
-    for end in (low, high):
-        if math.isclose(value, end, rel_tol=_AT_END):
-            return end
-    value = nearest(value, digits)
-    if quantity.allowed.low < 0.0:
-        value = round(value, digits - 2)
-    return min(max(value, low), high)
+    inputs = zip(drive.inputs.items(), printed, strict=True)
+    return drive.space.setting(**{knob: given.read(x) for (knob, given), x in inputs})
 
 
 def rounded(value: float, digits: int, *, down: bool) -> float:
     """Round to so many digits in one direction."""
     rounding = ROUND_FLOOR if down else ROUND_CEILING
     return float(Context(prec=digits, rounding=rounding).create_decimal(repr(value)))
-
-
-def nearest(value: float, digits: int) -> float:
-    """Round to so many digits."""
-    return float(f"{value:.{digits}g}")
 
 
 def moved(value: float, digits: int, steps: int, *, up: bool) -> float:
@@ -224,22 +194,20 @@ class Finder:
         if found is None:
             return row
         g, length, drive = found.guarantee, question.spec.length, question.drive
-        columns = (QUANTITIES[name].column for name in drive.told)
+        columns = (given.quantity.column for given in drive.inputs.values())
         settings: dict[str, Any] = dict(zip(columns, found.printed, strict=True))
         row = replace(row, **settings, **self._of_machine(found))
-        speed, size, unit = g.speed_min, "stroke" if drive.in_stroke else "amplitude", "_mm"
-        if drive.motion is not None:
-            size, unit = "motion_scale", ""
+        speed, size = g.speed_min, drive.size(found.setting)
+        stem, unit = size.name.removeprefix("along_").removeprefix("normal_"), size.quantity.kind.suffix
         needed = self._nearest_drive(found, row.nominal or 0.0, settings["frequency_hz"])
-        sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed{unit}": needed[1]}
+        sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{stem}_needed{unit}": needed[1]}
         # what voltage and filling make of another amplitude is not covered
         if (drive.machine is None or not drive.machine.is_filled) and (
             window := window_of(question, found.setting, found.guarantee)
         ):
-            told = QUANTITIES[size]
-            low, high = (float(told.from_si(drive.told_per_amplitude * end)) for end in window[:2])
-            sizes |= {f"{size}_low{unit}": low, "low_set_by": window.low_set_by}
-            sizes |= {f"{size}_high{unit}": high, "high_set_by": window.high_set_by}
+            low, high = (float(size.printed(end)) for end in window[:2])
+            sizes |= {f"{stem}_low{unit}": low, "low_set_by": window.low_set_by}
+            sizes |= {f"{stem}_high{unit}": high, "high_set_by": window.high_set_by}
         return replace(
             row,
             **sizes,

@@ -18,7 +18,6 @@ from vibro.plots.layers import WHITE, MapLayers
 from vibro.plots.maps import colour_bar, place_words
 from vibro.plots.scales import Scale, even_levels
 from vibro.plots.view import Panel
-from vibro.quantities import QUANTITIES
 from vibro.units import LENGTH
 
 if TYPE_CHECKING:
@@ -138,14 +137,13 @@ class Settings:
 
     def load(self, amplitude: Any, frequency: Any) -> Floats:
         """G = A w^2 / g of an amplitude or a stroke in the drive's units [mm], or of a scale [1]."""
-        size = QUANTITIES[self.data.amplitude].to_si(amplitude) / self.chosen.drive.told_per_amplitude
+        size = self.chosen.drive.size(self.chosen.setting).read(amplitude)
         return self.chosen.drive.space.load_at(size, frequency, self.spec.gravity)
 
     def amplitude(self, load: float) -> float:
         """Amplitude or stroke [mm], or scale [1], at which the chosen frequency has a load."""
         one = self.chosen.drive.space.load_at(1.0, float(self.point[0, 0]), self.spec.gravity)
-        size = load / float(one) * self.chosen.drive.told_per_amplitude
-        return float(QUANTITIES[self.data.amplitude].from_si(size))
+        return float(self.chosen.drive.size(self.chosen.setting).printed(load / float(one)))
 
     def speed(self, amplitude: Any, frequency: Any) -> Floats:
         """Guaranteed speed; NaN where none is guaranteed [mm/s]."""
