@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from vibro.html_tables import Shown, amount
 from vibro.quantities import BY_COLUMN, QUANTITIES
 from vibro.units import SPEED
 
@@ -57,7 +59,7 @@ class Certificate(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Guarantee:
+class Guarantee(Shown):
     """Bounds on speed and regime over a box of bands, for bodies that start from rest.
 
     Attributes
@@ -106,45 +108,60 @@ class Guarantee:
     samples: int
     excluded: int
 
-    def _repr_html_(self) -> str:
-        """Return the bounds as a table for notebooks, in the units of tables."""
-        from vibro.html_tables import amount, html_table
-
-        speeds = (self.speed_min, self.speed_max), (self.proved_min, self.proved_max)
-        found, proved = ([amount(SPEED.from_si(x), SPEED.unit) for x in pair] for pair in speeds)
+    def _table(self) -> tuple[str, list[list[str]], list[str]]:
+        speeds = {
+            "speed": (self.speed_min, self.speed_max),
+            "proved bound": (self.proved_min, self.proved_max),
+        }
+        found, proved = (
+            [name, *("" if math.isnan(x) else amount(SPEED.from_si(x), SPEED.unit) for x in pair)]
+            for name, pair in speeds.items()
+        )
+        shared = [QUANTITIES[name] for name in self.min_at if name in QUANTITIES and name in self.max_at]
+        ends = (self.min_at, self.max_at)
+        places = [[q.label, *(amount(q.from_si(at[q.name]), q.unit) for at in ends)] for q in shared]
         rows = [
-            ["speed", *found],
+            found,
             ["limit", self.min_limit, self.max_limit],
             ["proof", self.proof_min, self.proof_max],
-            ["proved bound", *("" if "nan" in text else text for text in proved)],
-        ]
-        for name in [name for name in self.min_at if name in QUANTITIES and name in self.max_at]:
-            quantity = QUANTITIES[name]
-            ends = (amount(quantity.from_si(at[name]), quantity.unit) for at in (self.min_at, self.max_at))
-            rows.append([quantity.label, *ends])
-        rows += [
+            proved,
+            *places,
             ["regimes", ", ".join(regime.label or "none" for regime in sorted(self.regimes))],
             ["other cycles", "a disturbed body can settle elsewhere" if self.coexists else "none found"],
             ["sampled", f"{self.samples} hopping bodies" if self.samples else ""],
             ["left out", f"{self.excluded} hopping points without a speed" if self.excluded else ""],
         ]
-        return html_table("guarantee", rows, ["", "slowest", "fastest"])
+        return "guarantee", rows, ["", "slowest", "fastest"]
 
 
 class _DesignColumn(NamedTuple):
-    """One column of a table of designs: its name with the unit, the unit, and its meaning."""
+    """One column of a table of designs: its name with the unit, the unit, its meaning, and whose it is.
+
+    ``of`` names the kinds of drives that have it; empty where all do.
+    """
 
     name: str
     unit: str
     meaning: str
+    of: str
+
+    @property
+    def heading(self) -> str:
+        """Name in words, and the unit."""
+        suffix = f"_{self.unit.lower().replace('/', '_')}"
+        name = self.name.removesuffix(suffix).replace("_", " ")
+        return f"{name} [{self.unit}]" if self.unit else name
 
 
-def _column(unit: str, meaning: str) -> Any:
-    return field(metadata={"unit": unit, "meaning": meaning})
+def _column(unit: str, meaning: str, of: str = "", **default: Any) -> Any:
+    return field(metadata={"unit": unit, "meaning": meaning, "of": of}, **default)
 
 
-def _optional(unit: str, meaning: str) -> Any:
-    return field(default=None, metadata={"unit": unit, "meaning": meaning})
+_optional = partial(_column, default=None)
+_line, _stroke, _ellipse, _motion, _machine, _straight, _amplitude = (
+    partial(_optional, of=kinds)
+    for kinds in ("line", "stroke", "ellipse", "motion", "machine", "line stroke", "line ellipse")
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,54 +175,54 @@ class Design:
     drive: str = _column("", "name of the drive")
     highest_regime: str = _column("", "highest regime allowed")
     design: str = _column("", "gentlest, fastest or safest")
-    setting_percent: float | None = _optional("%", "setting of a machine: its force over that at 100 %")
-    pack: str | None = _optional("", "name of its spring pack")
-    natural_hz: float | None = _optional("Hz", "natural frequency of the empty machine")
-    amplitude_empty_mm: float | None = _optional("mm", "amplitude of its empty trough, at the middle voltage")
-    amplitude_least_mm: float | None = _optional(
+    setting_percent: float | None = _machine("%", "setting of a machine: its force over that at 100 %")
+    pack: str | None = _machine("", "name of its spring pack")
+    natural_hz: float | None = _machine("Hz", "natural frequency of the empty machine")
+    amplitude_empty_mm: float | None = _machine("mm", "amplitude of its empty trough, at the middle voltage")
+    amplitude_least_mm: float | None = _machine(
         "mm", "smallest amplitude within the bands of voltage and filling"
     )
-    amplitude_most_mm: float | None = _optional("mm", "largest amplitude within these bands")
-    second_harmonic_percent: float | None = _optional(
+    amplitude_most_mm: float | None = _machine("mm", "largest amplitude within these bands")
+    second_harmonic_percent: float | None = _machine(
         "%", "largest second harmonic that the filling causes in the trough's motion, over the amplitude"
     )
-    speed_second_harmonic_mm_s: float | None = _optional(
+    speed_second_harmonic_mm_s: float | None = _machine(
         "mm/s", "least speed of sampled parts with that harmonic in the motion"
     )
-    operating_points: int | None = _optional("", "largest number of operating points for one filling")
-    amplitude_mm: float | None = _optional("mm", "nominal amplitude; of a machine between the last two")
-    stroke_mm: float | None = _optional("mm", "nominal stroke, where the question gives strokes")
+    operating_points: int | None = _machine("", "largest number of operating points for one filling")
+    amplitude_mm: float | None = _line("mm", "nominal amplitude; of a machine between the last two")
+    stroke_mm: float | None = _stroke("mm", "nominal stroke, where the question gives strokes")
     frequency_hz: float | None = _optional("Hz", "nominal frequency")
-    drive_angle_deg: float | None = _optional("deg", "nominal drive angle")
-    along_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse along the trough")
-    normal_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse normal to it")
-    normal_phase_deg: float | None = _optional("deg", "nominal phase lead of the normal motion")
-    motion_scale: float | None = _optional("", "nominal scale of a given motion")
+    drive_angle_deg: float | None = _straight("deg", "nominal drive angle")
+    along_amplitude_mm: float | None = _ellipse("mm", "nominal amplitude of an ellipse along the trough")
+    normal_amplitude_mm: float | None = _ellipse("mm", "nominal amplitude of an ellipse normal to it")
+    normal_phase_deg: float | None = _ellipse("deg", "nominal phase lead of the normal motion")
+    motion_scale: float | None = _motion("", "nominal scale of a given motion")
     acceleration_g: float | None = _optional("g", "nominal peak acceleration of the drive over gravity")
     speed_min_mm_s: float | None = _optional("mm/s", "guaranteed speed")
     speed_proved_mm_s: float | None = _optional("mm/s", "proved lower bound on the speed of every part")
     speed_nominal_mm_s: float | None = _optional("mm/s", "speed in the middle of all bands")
     speed_max_mm_s: float | None = _optional("mm/s", "largest speed of a part")
     traverse_time_max_s: float | None = _optional("s", "trough length over the guaranteed speed")
-    amplitude_low_mm: float | None = _optional(
+    amplitude_low_mm: float | None = _amplitude(
         "mm", "lower end of the window: nominal amplitude, of an ellipse along the trough"
     )
-    amplitude_high_mm: float | None = _optional(
+    amplitude_high_mm: float | None = _amplitude(
         "mm", "upper end of the window, within which the guarantee holds"
     )
-    stroke_low_mm: float | None = _optional("mm", "lower end of the window of strokes")
-    stroke_high_mm: float | None = _optional("mm", "upper end of the window of strokes")
-    motion_scale_low: float | None = _optional("", "lower end of the window of scales")
-    motion_scale_high: float | None = _optional("", "upper end of the window of scales")
+    stroke_low_mm: float | None = _stroke("mm", "lower end of the window of strokes")
+    stroke_high_mm: float | None = _stroke("mm", "upper end of the window of strokes")
+    motion_scale_low: float | None = _motion("", "lower end of the window of scales")
+    motion_scale_high: float | None = _motion("", "upper end of the window of scales")
     low_set_by: str | None = _optional("", "constraint at the lower end")
     high_set_by: str | None = _optional("", "constraint at the upper end")
     margin: float | None = _optional("", "factor by which all bands and drifts may grow about their middles")
     throw_number_max: float | None = _optional("", "largest throw number in the box")
     set_by: str | None = _optional("", "active constraint of the design")
     frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
-    amplitude_needed_mm: float | None = _optional("mm", "its amplitude, or that along the trough")
-    stroke_needed_mm: float | None = _optional("mm", "its stroke")
-    motion_scale_needed: float | None = _optional("", "its scale")
+    amplitude_needed_mm: float | None = _amplitude("mm", "its amplitude, or that along the trough")
+    stroke_needed_mm: float | None = _stroke("mm", "its stroke")
+    motion_scale_needed: float | None = _motion("", "its scale")
     proof: str | None = _optional("", "corners, proved, searched or sampled")
     coexists: bool | None = _optional("", "whether a disturbed part can settle in another cycle")
     samples: int | None = _optional("", "number of sampled parts that hop; none of them is slower")
@@ -231,38 +248,28 @@ class Design:
         return None if low is None or high is None else (low, high)
 
 
-def _heading(column: _DesignColumn) -> str:
-    """Return the name of a column in words, and its unit."""
-    suffix = f"_{column.unit.lower().replace('/', '_')}"
-    name = column.name.removesuffix(suffix).replace("_", " ")
-    return f"{name} [{column.unit}]" if column.unit else name
-
-
 #: The columns of a table of designs, in order, of all kinds of drives.
-DESIGN_COLUMNS: Final = tuple(
-    _DesignColumn(f.name, f.metadata["unit"], f.metadata["meaning"]) for f in fields(Design)
-)
+DESIGN_COLUMNS: Final = tuple(_DesignColumn(f.name, **f.metadata) for f in fields(Design))
 
 
-# Those of the settings themselves.
-_SETTINGS: Final = [column.name for column in DESIGN_COLUMNS if column.name in BY_COLUMN]
-# Columns that only some designs have.
-_SIZES: Final = ("amplitude_low_mm", "amplitude_high_mm", "amplitude_needed_mm")
-_OF_LINES: Final = ("amplitude_mm", "drive_angle_deg", *_SIZES)
-_OF_STROKES: Final = (
-    "stroke_mm", "drive_angle_deg", "stroke_low_mm", "stroke_high_mm", "stroke_needed_mm",
-)  # fmt: skip
-_OF_MOTIONS: Final = ("motion_scale", "motion_scale_low", "motion_scale_high", "motion_scale_needed")
-_OF_MACHINES: Final = (
-    "setting_percent", "pack", "natural_hz", "amplitude_empty_mm", "amplitude_least_mm",
-    "amplitude_most_mm", "second_harmonic_percent",
-    "speed_second_harmonic_mm_s", "operating_points",
-)  # fmt: skip
-_OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", *_SIZES)
+# The column that each design of a kind of drive has; without a design the columns are those of lines.
+_KINDS: Final = {
+    "line": "amplitude_mm", "stroke": "stroke_mm", "ellipse": "along_amplitude_mm", "motion": "motion_scale",
+    "machine": "setting_percent",
+}  # fmt: skip
+
+
+def _cell(name: str, value: Any) -> str:
+    """Write a value of a column; settings hold with all their digits alone."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.15g}" if name in BY_COLUMN else amount(value)
+    return "" if value is None else str(value)
 
 
 @dataclass(frozen=True, eq=False)
-class DesignResult:
+class DesignResult(Shown):
     """Answer to a design question.
 
     Attributes
@@ -289,28 +296,14 @@ class DesignResult:
     @property
     def columns(self) -> tuple[_DesignColumn, ...]:
         """Columns of the table of designs; those of a kind of drive only if a design uses it."""
-        kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES, _OF_MOTIONS, _OF_MACHINES)
-        used = [kind for kind in kinds if any(getattr(d, kind[0]) is not None for d in self.designs)]
-        shown = {name for kind in used or [_OF_LINES] for name in kind}  # without a design as for lines
-        left_out = {name for kind in kinds for name in kind} - shown
-        return tuple(column for column in DESIGN_COLUMNS if column.name not in left_out)
+        known = [k for k, name in _KINDS.items() if any(getattr(d, name) is not None for d in self.designs)]
+        kinds = set(known or ["line"])
+        return tuple(column for column in DESIGN_COLUMNS if not column.of or kinds & {*column.of.split()})
 
-    def _repr_html_(self) -> str:
-        """Return the designs as a table for notebooks; columns without a value are left out."""
-        from vibro.html_tables import amount, html_table
-
-        def text(name: str, value: Any) -> str:
-            if isinstance(value, bool):
-                return "yes" if value else "no"
-            if isinstance(value, float):  # settings hold with all their digits alone
-                return f"{value:.15g}" if name in _SETTINGS else amount(value)
-            return "" if value is None else str(value)
-
-        rows = [[text(c.name, getattr(design, c.name)) for c in self.columns] for design in self.designs]
-        used = [i for i in range(len(self.columns)) if any(row[i] for row in rows)]
-        head = [_heading(self.columns[i]) for i in used]
-        caption = f"designs: the goal is {'met' if self.met else 'not met'}"
-        return html_table(caption, [[row[i] for i in used] for row in rows], head)
+    def _table(self) -> tuple[str, list[list[str]], list[str]]:
+        columns = [c for c in self.columns if any(getattr(d, c.name) is not None for d in self.designs)]
+        rows = [[_cell(c.name, getattr(d, c.name)) for c in columns] for d in self.designs]
+        return f"designs: the goal is {'met' if self.met else 'not met'}", rows, [c.heading for c in columns]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer as ``vibro design --json`` prints it.
