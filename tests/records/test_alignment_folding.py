@@ -64,7 +64,7 @@ def test_harmonics_are_resolved_up_to_nine_tenths_of_half_the_rate(samples: int,
 
 
 @each(("cycles", "samples", "found"), [
-    (1.99, 40.0, "1.99 drive c"), (1.999, 1000.0, "1.99 drive c"), (1.96, 40.0, "1.96 drive c"),
+    (1.99, 40.0, "1.99 cycles"), (1.999, 1000.0, "1.99 cycles"), (1.96, 40.0, "1.96 cycles"),
     (500.0, 7.998, "7.99 samples"), (4.0, 7.75, "7.75 samples"),
 ])  # fmt: skip
 def test_two_cycles_of_eight_samples_are_enough(cycles: float, samples: float, found: str) -> None:
@@ -79,7 +79,7 @@ def test_two_cycles_of_eight_samples_are_enough(cycles: float, samples: float, f
 def test_two_cycles_may_be_short_by_the_rounding_of_the_clock() -> None:
     time = np.linspace(0.0, 2.0 * (1.0 - 5e-7), 41)
     assert fold(time, time, 1.0, 1).coefficients.size == 1 + 2 * 9
-    with pytest.raises(InputError, match="drive cycles"):
+    with pytest.raises(InputError, match="cycles"):
         fold(time * (1.0 - 1e-6), time, 1.0, 1)
 
 

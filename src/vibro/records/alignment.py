@@ -131,17 +131,9 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     InputError
         If there are too few cycles, or too few samples a cycle.
     """
+    check_size(time, frequency)
     span = float(time[-1] - time[0])
-    cycles, cycle = span * frequency, f"of {1e3 / frequency:.6g} ms: at least"
-    if cycles < TOL.least_cycles * (1.0 - TOL.printed):
-        short = f"the data cover {_below(cycles)} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
-        raise InputError(short, hint="record longer, or check the frequency and the unit of the time")
-    samples = (time.size - 1) / cycles * (1.0 + TOL.printed)
-    if samples < TOL.least_samples:
-        coarse = (
-            f"the data have {_below(samples)} samples a drive cycle {cycle} {TOL.least_samples} are needed"
-        )
-        raise InputError(coarse, hint="sample faster, or check the frequency and the unit of the time")
+    samples = (time.size - 1) / (span * frequency) * (1.0 + TOL.printed)
     count = min(TOL.most_harmonics, int(TOL.of_nyquist * 0.5 * samples))
     size, middle = trends + 2 * count, float(time[0]) + 0.5 * span
     empty = Folded(frequency, trends, middle, 0.5 * span, np.zeros(size), np.zeros((size, size)))
@@ -151,6 +143,21 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     freedom = max(1, time.size - size)
     variance = float(residual @ residual) / freedom / independent_share(residual)
     return replace(empty, coefficients=coefficients, covariance=np.asarray(variance * inverse))
+
+
+def check_size(
+    time: Floats, frequency: float, least_cycles: float = TOL.least_cycles, slack: float = TOL.printed
+) -> None:
+    """Refuse a record of too few cycles, or too few samples a cycle; both may fall short by a slack [1]."""
+    cycles = float(time[-1] - time[0]) * frequency
+    samples = (time.size - 1) / max(cycles, TOL.rounding)
+    for what, size, least, more in (
+        ("cycles", cycles, least_cycles, "record longer"),
+        ("samples a cycle", samples, TOL.least_samples, "sample faster"),
+    ):
+        if size < least * (1.0 - slack):
+            few = f"the record has {_below(size)} {what} of {frequency:.6g} Hz: at least {least:g} are needed"
+            raise InputError(few, hint=f"{more}, or check the frequency and the unit of the time")
 
 
 def regress(basis: Floats, values: Floats, inverse: Floats | None = None) -> tuple[Floats, Floats]:

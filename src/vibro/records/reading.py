@@ -106,7 +106,6 @@ class _Tolerances(NamedTuple):
     motion_cycles: float = 6.0
     least_bins: int = 2  # to each side; with fewer noise counts as white
     about: float = 1e-3  # by which cycles and samples may fall short, as the frequency is measured
-    usual_samples: float = 40.0  # a cycle, which show 16 harmonics
     by_chance: float = 1e-3  # probability by which noise passes for a harmonic
     frequency_rows: int = 40_000  # in the middle of a record in which its frequency is searched,
     frequency_growth: int = 4  # and growth of that part from one refinement to the next

@@ -23,7 +23,7 @@ from vibro.drives import Motion
 from vibro.errors import InputError, argument, shown
 from vibro.quantities import AMPLITUDES, DRIVES, ELLIPTICAL, LINEAR, MOST_HARMONICS, QUANTITIES
 from vibro.reals import shielded
-from vibro.records.alignment import Estimate, Repetition, harmonics, independent_share, regress
+from vibro.records.alignment import Estimate, Repetition, check_size, harmonics, independent_share, regress
 from vibro.records.reading import SIGNAL_UNITS, TOL, Record, doubt, read_record, read_sensitivities, rounded
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -636,7 +636,7 @@ def motion_of(
     signals = {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
     span = float(np.ptp(record.time))
     frequency = _frequency(record, signals)
-    _check_size(record, span, frequency, TOL.least_cycles if short else TOL.motion_cycles)
+    check_size(record.time, frequency, TOL.least_cycles if short else TOL.motion_cycles, TOL.about)
     middle = 0.5 * float(record.time[0] + record.time[-1])
     time, values = record.time - middle, np.stack(list(signals.values()), axis=1)
     count = min(TOL.motion_harmonics, int(TOL.of_sampling * (time.size - 1) / span / frequency))
@@ -737,20 +737,6 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
         at = f"at a drive angle of {math.degrees(drive_angle):.6g} deg"
         hint = f"name {argument(other)}, or check the drive angle"
         raise InputError(f"{argument(name)} cannot measure the motion {at}", hint=hint)
-
-
-def _check_size(record: Record, span: float, frequency: float, least: float) -> None:
-    """Refuse a record that is too short for errors, or too coarse for harmonics."""
-    cycles, samples = span * frequency, (record.time.size - 1) / (span * frequency)
-    if cycles < least * (1.0 - TOL.about):
-        short = f"the record has {math.floor(100.0 * cycles) / 100.0:g} cycles of {frequency:.6g} Hz"
-        raise InputError(f"{short}: at least {least:g} are needed", hint="record longer")
-    if samples < TOL.least_samples * (1.0 - TOL.about):
-        seen = math.floor(100.0 * samples) / 100.0
-        coarse = f"the record has {seen:g} samples a cycle of {frequency:.6g} Hz"
-        faster = math.ceil(TOL.usual_samples * frequency)
-        hint = f"sample faster: at {faster} Hz and more harmonics are seen"
-        raise InputError(f"{coarse}: at least {TOL.least_samples} are needed", hint=hint)
 
 
 def _frequency(record: Record, signals: Mapping[str, Floats]) -> float:
