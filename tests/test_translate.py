@@ -320,7 +320,7 @@ def test_compiled_it_does_what_it_does_in_python(built: Built, name: str) -> Non
     """Results are the same bit by bit, and so is what is in arrays afterwards."""
     for values in CALLS[name]:
         ours, theirs = ([v.copy() if isinstance(v, np.ndarray) else v for v in values] for _ in range(2))
-        buffers = [memoryview(v) if isinstance(v, np.ndarray) else v for v in ours]
+        buffers = [memoryview(v.data) if isinstance(v, np.ndarray) else v for v in ours]
         expected, found = getattr(built.python, name)(*buffers), built.compiled(name)(*theirs)
         if isinstance(expected, float):  # one NaN is as good as another
             assert (math.isnan(found) and math.isnan(expected)) or found.hex() == expected.hex(), values

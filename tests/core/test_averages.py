@@ -12,9 +12,18 @@ from helpers.hopping_bodies import FLIGHTS, HOPS, ellipse, line, unit, walker
 
 from vibro.core import hops as averages_module
 from vibro.core.codes import Status
-from vibro.core.drive import Loads, along_cosine
+from vibro.core.drive import Loads, trough_along
 from vibro.core.flight import single_bounce, sinusoidal
-from vibro.core.hops import Bodies, Means, _balance, _slide, _variances, _with_single_bounces, averages, fly
+from vibro.core.hops import (
+    Bodies,
+    Means,
+    _balance,
+    _slide,
+    _variances,
+    _with_single_bounces,
+    averages,
+    fly_sample,
+)
 from vibro.core.legs import track_of
 from vibro.core.numbers import BODIES, doubles, integers
 from vibro.core.return_map import (
@@ -142,7 +151,9 @@ def test_friction_that_holds_gravity_by_a_hair_leaves_no_mean() -> None:
 
 
 def test_a_body_with_too_many_bounces_leaves_no_mean(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(averages_module, "fly", lambda *a: fly(*a)._replace(ends=a[2] != BODIES - 1))
+    monkeypatch.setattr(
+        averages_module, "fly_sample", lambda *a: fly_sample(*a)._replace(ends=a[2] != BODIES - 1)
+    )
     assert _averaged(line(2.45, 30.0, 0.5, 0.4), 0.3, 6).status == Status.UNRESOLVED
 
 
@@ -181,7 +192,7 @@ def test_sums_are_those_of_all_bodies() -> None:
     entered = with_same_ground_speed(loads, start.velocity, start.phase, track.lift_off)
     path = time = aloft = impact = peak = 0.0
     for i in LIST:
-        sample = fly(loads, e, i, 8, HOPS, 0)
+        sample = fly_sample(loads, e, i, 8, HOPS, 0)
         velocity = return_map(track, HOPS, 0, sample.first, 0.0, 0.0, entered).velocity
         one = return_map(track, HOPS, sample.first, sample.middle, 0.0, 0.0, velocity)
         two = return_map(track, HOPS, sample.middle, sample.last, 0.0, 0.0, one.velocity)
@@ -373,6 +384,6 @@ def test_a_stable_bounce_that_runs_away_leaves_no_mean() -> None:
 def test_the_trough_s_velocity_is_that_along_itself() -> None:
     # what the samples say of the start is what the balance counts from
     loads = ellipse(4.3, 0.8, 1.0, 0.7, 0.5, 0.4)
-    sample = fly(loads, 0.2, 3, 6, HOPS, 0)
+    sample = fly_sample(loads, 0.2, 3, 6, HOPS, 0)
     stop = sample.trough - sample.first_swing - sample.second_swing
-    assert stop == pytest.approx(along_cosine(loads, math.asin(1.0 / 4.3)), abs=1e-12)
+    assert stop == pytest.approx(trough_along(loads, math.asin(1.0 / 4.3)).velocity, abs=1e-12)

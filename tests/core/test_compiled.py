@@ -139,8 +139,8 @@ def test_no_extreme_scene_raises_or_divides_by_zero() -> None:
         assert_answered(scene, cycle)
         vibro.solve(scene, output="regimes")
         vibro.critical_loads(scene)
-        for pattern in [cycle.pattern_code, *list(Pattern)]:  # of another scene, too
-            codes = np.broadcast_to(pattern, scene.shape)
+        others = [np.full(scene.shape, pattern) for pattern in Pattern]  # of another scene, too
+        for codes in (cycle.pattern_code, *others):
             load_slope(scene, codes)
             slides_of(scene, codes)
     seen = {*cycle.pattern_code[cycle.status == Status.OK].tolist()}

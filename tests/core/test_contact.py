@@ -354,7 +354,7 @@ def test_where_back_slip_enters_the_class_alone_is_a_boundary() -> None:
         low, high = (middle, high) if pattern_of(at_load(LATE_BACK, middle)) == "F_" else (low, middle)
     for line_too in (True, False):
         loads = at_load(LATE_BACK, low)._replace(line=line_too)
-        assert outlasts_back(loads, pair_of(loads, thresholds(loads))) == 0 or not line_too
+        assert outlasts_back(pair_of(loads, thresholds(loads))) == 0 or not line_too
         alone = regime_alone(loads, thresholds(loads))
         assert (alone.regime, alone.status) == (Regime.FORWARD_SLIP, Status.BOUNDARY)
         for offset, regime in ((-1e-10, Regime.FORWARD_SLIP), (1e-10, Regime.BACK_SLIP)):
@@ -571,7 +571,7 @@ def test_not_both_slides_from_rest_outlast_the_opposite_window() -> None:
         if weight > loads.kinetic_friction * loads.weight_normal or not slips_both_ways(loads):
             continue
         pair = pair_of(loads, thresholds(loads))
-        forward, back = outlasts_back(loads, pair) > 0, module._outlasts_forward(loads, pair) > 0
+        forward, back = outlasts_back(pair) > 0, outlasts_back(module._mirrored_pair(pair)) > 0
         assert not (forward and back), loads
         outlasting["F"] += forward
         outlasting["B"] += back
@@ -597,4 +597,4 @@ def test_the_pair_is_two_slides_and_their_offset() -> None:
         if loads.line:
             turned = module._mirrored_pair(pair)
             assert turned[:2] == (pair.back, pair.forward)
-            assert turned[3:] == (-pair.lead, pair.lead_size)
+            assert turned[3:] == (-pair.ahead, pair.ahead_size, pair.ahead, pair.ahead_size)

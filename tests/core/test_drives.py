@@ -11,8 +11,6 @@ from mpmath import mp, mpf
 
 from vibro.core.drive import (
     Directions,
-    along_cosine,
-    along_sine,
     directions,
     ellipse_loads,
     ellipse_scale,
@@ -21,6 +19,7 @@ from vibro.core.drive import (
     normal_load,
     phase_difference,
     tangential_load,
+    trough_along,
     weight_over_load,
 )
 from vibro.core.waves import one_harmonic
@@ -108,9 +107,9 @@ def test_loads_at_a_phase_of_the_normal_motion() -> None:
         assert tangential_load(LINE, p) == pytest.approx(
             math.cos(0.4) * math.sin(p) - LINE.weight_tangential, abs=2e-15
         )
-        assert along_sine(ELLIPSE, p) == pytest.approx(math.sin(p + 2.1), abs=2e-15)
-        assert along_cosine(ELLIPSE, p) == pytest.approx(math.cos(p + 2.1), abs=2e-15)
-        assert along_cosine(LINE, p) == math.cos(p)
+        assert trough_along(ELLIPSE, p).path == pytest.approx(math.sin(p + 2.1), abs=2e-15)
+        assert trough_along(ELLIPSE, p).velocity == pytest.approx(math.cos(p + 2.1), abs=2e-15)
+        assert trough_along(LINE, p).velocity == math.cos(p)
 
 
 def test_the_phase_difference_lies_within_half_a_turn() -> None:

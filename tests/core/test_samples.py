@@ -10,7 +10,7 @@ from helpers.cases import each
 
 from vibro.core.drive import Loads, directions, ellipse_loads, line_loads
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight
-from vibro.core.hops import BodySample, _spread, fly, kick
+from vibro.core.hops import BodySample, _spread, fly_sample, kick
 from vibro.core.numbers import BODIES, MOST_HOPS
 from vibro.core.return_map import Hops, write_hop
 
@@ -35,7 +35,7 @@ def _ellipse(throw: float) -> Loads:
 
 
 def _fly(throw: float, restitution: float, body: int = 0, length: int = LENGTH, row: int = 0) -> BodySample:
-    return fly(_line(throw), restitution, body, length, HOPS, row)
+    return fly_sample(_line(throw), restitution, body, length, HOPS, row)
 
 
 # Bodies that come to contact in every flight, after some, rarely, and never.
@@ -67,7 +67,7 @@ def test_each_hop_starts_where_the_one_before_it_ends_or_iskicked(
 ) -> None:
     loads = _line(throw)
     bed = bed_of(loads)
-    sample = fly(loads, restitution, body, LENGTH, HOPS, 3)
+    sample = fly_sample(loads, restitution, body, LENGTH, HOPS, 3)
     assert sample.ends
     phase, speed, hardest, landed = bed.lift_off, kick(0, body), 0.0, False
     events, shoved = 0, False
@@ -101,7 +101,7 @@ def test_each_hop_starts_where_the_one_before_it_ends_or_iskicked(
 @pytest.mark.parametrize("loads", [_line(2.5), _ellipse(2.5), _line(1.3), _ellipse(4.3)])
 @pytest.mark.parametrize("body", [1, 9])
 def test_sums_are_those_of_the_hops_of_each_half(loads: Loads, body: int) -> None:
-    sample = fly(loads, 0.3, body, LENGTH, HOPS, 2)
+    sample = fly_sample(loads, 0.3, body, LENGTH, HOPS, 2)
     assert sample.ends
     assert 2 < sample.first < sample.middle < sample.last
     halves = range(sample.first, sample.middle), range(sample.middle, sample.last)

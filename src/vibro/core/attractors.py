@@ -10,11 +10,21 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.cells import Event, behind, number_of_nodes
+from vibro.core.cells import Event, behind
 from vibro.core.codes import Mode, Status
 from vibro.core.contact import without_cycle
 from vibro.core.drive import Loads, phase_difference, proved_multiplier
-from vibro.core.flight import Bed, Bounces, Flights, bed_of, bounces, normal_multiplier, single_bounce
+from vibro.core.flight import (
+    Bed,
+    Bounces,
+    Flights,
+    bed_of,
+    bounces,
+    lift_offs,
+    normal_multiplier,
+    rests_as_from_rest,
+    single_bounce,
+)
 from vibro.core.hops import cycle_of, enter, entered
 from vibro.core.legs import next_onset, track_of
 from vibro.core.numbers import INF, MOST_THROW, NAN, PI, QUARTER, TURN, Doubles, Integers, wrap
@@ -35,7 +45,7 @@ from vibro.core.return_map import (
     stops_of,
 )
 from vibro.core.slides import Thresholds
-from vibro.core.waves import NORMAL, SINE, nodes_of
+from vibro.core.waves import NORMAL, nodes_of
 
 # ------------------------------------------------------------------------------
 # Other motions of a body that hops than the one from rest: where a disturbed body can settle.
@@ -112,21 +122,16 @@ class _SearchStart(NamedTuple):
 
 def _number_of_starts(bed: Bed) -> int:
     """Return how many starts there are: the lift-offs, those of one bounce, and a grid of the others."""
-    lift_offs = number_of_nodes(bed.waves, NORMAL) if bed.waves.kind != SINE else 0
-    return lift_offs + _LONGEST + _PHASES * _SPEEDS
+    return lift_offs(bed) + _LONGEST + _PHASES * _SPEEDS
 
 
 def _start_at(bed: Bed, restitution: float, index: int, most: int) -> _SearchStart:
     """Return one of the starts; ``most`` is how many before it are on cycles of one bounce."""
     i = index
-    if bed.waves.kind != SINE:
-        lift_offs = number_of_nodes(bed.waves, NORMAL)
-        if i < lift_offs:  # bodies that rest until another lift-off
-            lifts = behind(bed.waves, NORMAL, i)
-            return _SearchStart(
-                bed.waves.number[nodes_of(bed.waves, NORMAL) + i] if lifts else NAN, 0.0, False
-            )
-        i -= lift_offs
+    if i < lift_offs(bed):  # bodies that rest until another lift-off
+        lifts = behind(bed.waves, NORMAL, i)
+        return _SearchStart(bed.waves.number[nodes_of(bed.waves, NORMAL) + i] if lifts else NAN, 0.0, False)
+    i -= lift_offs(bed)
     if i < _LONGEST:
         bounce = single_bounce(bed, restitution, i + 1, 0)
         # where there is no such bounce a start from the crest, with its speed, is as good as any
@@ -153,7 +158,7 @@ def _leads_elsewhere(
 ) -> bool:
     """Return whether a take-off leads to flights that repeat and are not those from rest."""
     motion = bounces(bed, restitution, flights, _MOST_FLIGHTS, phase, speed, False)
-    if not motion.repeats or (motion.rest > 0.0 and bed.waves.kind == SINE):
+    if not motion.repeats or rests_as_from_rest(bed, motion):
         return False  # a contact leads to the motion from rest, where there is one lift-off
     largest = 0.0
     for row in range(motion.first, motion.first + motion.count):
@@ -268,7 +273,7 @@ def list_attractors(
         if not motion.repeats:
             lost += 1
             continue
-        if motion.rest > 0.0 and loads.waves.kind == SINE:
+        if rests_as_from_rest(bed, motion):
             lost += 0 if entry.motion.repeats else 1
             continue  # there is one lift-off: a contact leads to the flights from rest
         if _is_listed(motion, flights, out, number):

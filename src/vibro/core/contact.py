@@ -420,15 +420,18 @@ class _Cycle(NamedTuple):
 class Pair(NamedTuple):
     """Both slides from rest of a scene that slips both ways, and what decides whether one outlasts.
 
-    ``offset`` is E of static friction, Eq. (57); ``lead`` and ``lead_size`` are those of ``cosine_lead``
-    along a line.
+    ``offset`` is E of static friction, Eq. (57); ``ahead`` and ``ahead_size`` are the speed, over C, that the
+    load alone would leave the forward slide where the back window closes, and the size of what cancels in it;
+    ``behind`` and ``behind_size`` those of the back slide.
     """
 
     forward: Start
     back: Start
     offset: float
-    lead: float
-    lead_size: float
+    ahead: float
+    ahead_size: float
+    behind: float
+    behind_size: float
 
 
 def pair_of(loads: Loads, at: Thresholds) -> Pair:
@@ -436,28 +439,23 @@ def pair_of(loads: Loads, at: Thresholds) -> Pair:
     forward, back = resting_start(loads, at, 1.0), resting_start(loads, at, -1.0)
     if loads.line:
         lead, size = cosine_lead(loads, at, forward.onset, back.onset)
-        return Pair(forward, back, 0.0, lead, size)
-    return Pair(forward, back, phase_offset(loads, loads.static_friction), NAN, NAN)
+        return Pair(forward, back, 0.0, lead, size, -lead, size)
+    ahead, ahead_size = speed_at_close(forward, back)
+    behind, behind_size = speed_at_close(back, forward)
+    offset = phase_offset(loads, loads.static_friction)
+    return Pair(forward, back, offset, ahead, ahead_size, behind, behind_size)
 
 
 def _mirrored_pair(pair: Pair) -> Pair:
-    return Pair(pair.back, pair.forward, -pair.offset, -pair.lead, pair.lead_size)
+    """See both slides from the other side."""
+    return Pair(
+        pair.back, pair.forward, -pair.offset, pair.behind, pair.behind_size, pair.ahead, pair.ahead_size
+    )
 
 
-def outlasts_back(loads: Loads, pair: Pair) -> int:
+def outlasts_back(pair: Pair) -> int:
     """Whether the forward slide still moves (+1) where the back window closes; 0: rounding decides."""
-    if loads.line:
-        return outlasts(pair.forward, pair.back, 0.0, pair.lead, pair.lead_size)
-    ahead, size = speed_at_close(pair.forward, pair.back)
-    return outlasts(pair.forward, pair.back, pair.offset, ahead, size)
-
-
-def _outlasts_forward(loads: Loads, pair: Pair) -> int:
-    """Whether the back slide still moves (+1) where the forward window closes; 0: rounding decides."""
-    if loads.line:
-        return outlasts(pair.back, pair.forward, 0.0, -pair.lead, pair.lead_size)
-    ahead, size = speed_at_close(pair.back, pair.forward)
-    return outlasts(pair.back, pair.forward, -pair.offset, ahead, size)
+    return outlasts(pair.forward, pair.back, pair.offset, pair.ahead, pair.ahead_size)
 
 
 def ratio_of(load: float, needed: float) -> float:
@@ -513,7 +511,7 @@ def regime_alone(loads: Loads, at: Thresholds) -> Steady:
         return none
     back, edge = at.back, at.edge
     if at.forward and at.back:
-        lasts = outlasts_back(loads, pair_of(loads, at))
+        lasts = outlasts_back(pair_of(loads, at))
         back, edge = lasts < 0, edge or lasts == 0
     regime = int(Regime.BACK_SLIP) if back else int(Regime.FORWARD_SLIP)
     return unanswered(regime, Status.BOUNDARY if edge else Status.OK)
@@ -593,8 +591,8 @@ def _forward_first(loads: Loads, pair: Pair) -> _Cycle:
     opposite window closes stays at rest.
     """
     forward, back = pair.forward.onset, pair.back.onset
-    f_lasts, f_meets = outlasts_back(loads, pair), reaches(loads, pair.forward, pair.back, pair.offset)
-    b_lasts = _outlasts_forward(loads, pair)
+    f_lasts, f_meets = outlasts_back(pair), reaches(loads, pair.forward, pair.back, pair.offset)
+    b_lasts = outlasts_back(_mirrored_pair(pair))
     f_only = f_lasts >= 0
     meets = f_meets > 0 and not f_only  # ends inside the back window
     edge = f_lasts == 0 or (f_meets == 0 and not f_only)

@@ -193,27 +193,20 @@ def phase_difference(loads: Loads) -> float:
     return 0.0 if loads.line else math.atan2(loads.phase_sine, loads.phase_cosine)
 
 
-def along_sine(loads: Loads, phase: float) -> float:
-    """Motion along the trough over a, at a phase of the normal motion: its sine, if it is one."""
-    if loads.waves.kind != SINE:
-        a = loads.drive_tangential
-        return trough_at(loads.waves, False, phase).value / a if a > 0.0 else 0.0
-    return math.sin(phase - phase_difference(loads))
-
-
-def along_cosine(loads: Loads, phase: float) -> float:
-    """Velocity of the trough along itself over a, at a phase of the normal motion."""
-    if loads.waves.kind != SINE:
-        a = loads.drive_tangential
-        return trough_at(loads.waves, False, phase).slope / a if a > 0.0 else 0.0
-    return math.cos(phase - phase_difference(loads))
+def trough_along(loads: Loads, phase: float) -> PathPoint:
+    """Position and velocity of the trough along itself over a, at a phase of the normal motion."""
+    if loads.waves.kind == SINE:
+        own = phase - phase_difference(loads)
+        return PathPoint(math.sin(own), math.cos(own))
+    a, at = loads.drive_tangential, trough_at(loads.waves, False, phase)
+    return PathPoint(at.value / a, at.slope / a) if a > 0.0 else PathPoint(0.0, 0.0)
 
 
 def tangential_load(loads: Loads, phase: float) -> float:
     """F of Eq. (54): load along the trough on a body in contact or in flight."""
     if loads.waves.kind != SINE:
         return load_at(loads.waves, mix_of(loads, FORCE), phase)
-    return loads.drive_tangential * along_sine(loads, phase) - loads.weight_tangential
+    return loads.drive_tangential * trough_along(loads, phase).path - loads.weight_tangential
 
 
 def normal_load(loads: Loads, phase: float) -> float:
@@ -227,8 +220,8 @@ def free_along(loads: Loads, phase: float, velocity: float, s: float) -> PathPoi
     """Move along the trough, relative to it, without friction; phases are those of the normal motion."""
     waves = loads.waves
     if waves.kind == SINE:
-        a, t = loads.drive_tangential, loads.weight_tangential
-        return free_motion(a, t, along_sine(loads, phase), along_cosine(loads, phase), velocity, s)
+        at = trough_along(loads, phase)
+        return free_motion(loads.drive_tangential, loads.weight_tangential, at.path, at.velocity, velocity, s)
     mix = mix_of(loads, FORCE)
     flown = moved(waves, mix, phase, depart(waves, mix, phase).load, s)
     return PathPoint(velocity * s + flown.path, velocity + flown.velocity)

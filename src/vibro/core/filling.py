@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.codes import Mode, Status
 from vibro.core.contact import SlideLeg, cycle_slides
-from vibro.core.drive import Loads, along_cosine, along_sine, free_along, free_normal, phase_difference
+from vibro.core.drive import Loads, free_along, free_normal, phase_difference, trough_along
 from vibro.core.flight import ACCUMULATED, Flights, after_landing, bed_of, flight, single_bounce
 from vibro.core.hops import CAPTURED, MOST_TURNS, Bodies, cycle_of, enter, kick, means_of, spread_of, start_of
 from vibro.core.legs import Track, contact_leg, mode_of, track_of
@@ -113,10 +113,11 @@ def _sliding(loads: Loads, phase: float, velocity: float, way: float) -> _Motion
     """Slide from a phase on: friction is mu_d N, and N falls where the trough does."""
     friction = way * loads.kinetic_friction
     a, pressed = loads.drive_tangential, friction * loads.drive_normal
+    at = trough_along(loads, phase)
     return _Motion(
         velocity,
-        a * along_cosine(loads, phase) + pressed * math.cos(phase),
-        a * along_sine(loads, phase) + pressed * math.sin(phase),
+        a * at.velocity + pressed * math.cos(phase),
+        a * at.path + pressed * math.sin(phase),
         loads.weight_tangential + friction * loads.weight_normal,
     )
 
@@ -162,9 +163,8 @@ def _with_flight(loads: Loads, restitution: float, hop: _Hop, after: float, walk
     """
     phase, length, n = hop.phase, hop.length, loads.weight_normal
     a, b = loads.drive_tangential, loads.drive_normal
-    ahead = _Motion(
-        walk.velocity, a * along_cosine(loads, phase), a * along_sine(loads, phase), loads.weight_tangential
-    )
+    at = trough_along(loads, phase)
+    ahead = _Motion(walk.velocity, a * at.velocity, a * at.path, loads.weight_tangential)
     off = _Motion(n * hop.speed, b * math.cos(phase), b * math.sin(phase), n)
     flown = free_along(loads, phase, walk.velocity, length)
     along = _plus(walk.along, _integrals(ahead, phase, length, flown.path))

@@ -229,6 +229,11 @@ def bed_load(bed: Bed, phase: float) -> float:
     return 1.0 - bed.throw * math.sin(phase)
 
 
+def lift_offs(bed: Bed) -> int:
+    """Return how many zeros N has beyond one harmonic; 0 of one harmonic, which has but one lift-off."""
+    return number_of_nodes(bed.waves, NORMAL) if bed.waves.kind != SINE else 0
+
+
 def next_take_off(bed: Bed, phase: float) -> Event:
     """Return where the trough next falls away under a body that rests on it."""
     if bed.waves.kind != SINE:
@@ -251,16 +256,21 @@ class Flight(NamedTuple):
     impact: float
 
 
+def fly(bed: Bed, phase: float, speed: float, lifted: bool) -> Flight:
+    """Fly from a take-off to the first landing; ``lifted``: from a rest, at a lift-off."""
+    if bed.waves.kind != SINE:
+        length, impact = fly_over_waves(bed.waves, bed.lift, phase, speed, lifted)
+        return Flight(length, impact)
+    return lift_off_flight(bed, phase) if lifted else flight(bed, phase, speed)
+
+
 def lift_off_flight(bed: Bed, phase: float) -> Flight:
-    """Fly from the lift-off of a resting body, at any K > 1: of one harmonic sin p = 1/K.
+    """Fly over a sine from the lift-off of a resting body, sin p = 1/K, at any K > 1.
 
     Within a drive cycle, c = sqrt(K^2 - 1) <= pi, Eq. (32) for c is a monotone function of the flight's
     length s. A rational approximation of s(c), within 2.8e-6, and one step of Halley's iteration, in terms
     that do not cancel for short flights, find s within 4 eps (tests/core/test_flight.py).
     """
-    if bed.waves.kind != SINE:
-        length, impact = fly_over_waves(bed.waves, bed.lift, phase, 0.0, True)
-        return Flight(length, impact)
     throw = bed.throw
     c = math.sqrt((throw - 1.0) * (throw + 1.0))
     if c > PI:
@@ -302,7 +312,7 @@ def _height(at: _TakeOff, s: float) -> PathPoint:
 
 
 def flight(bed: Bed, phase: float, speed: float) -> Flight:
-    """Fly from any take-off to the first landing.
+    """Fly over a sine from any take-off to the first landing.
 
     Seen from the ground the body flies along a parabola, and every crest of the trough that the parabola
     does not clear ends the flight. So the landing lies in the turn before the first crest, or, if that is
@@ -319,9 +329,6 @@ def flight(bed: Bed, phase: float, speed: float) -> Flight:
     speed : float
         Speed of take-off, >= 0 [A w n].
     """
-    if bed.waves.kind != SINE:
-        length, impact = fly_over_waves(bed.waves, bed.lift, phase, speed, False)
-        return Flight(length, impact)
     throw, lift_off = bed.throw, bed.lift_off
     sine, cosine = math.sin(phase), math.cos(phase)
     at = _TakeOff(throw, lift_off, sine, cosine, speed)
@@ -660,7 +667,7 @@ def bounces(
     before, since, errors = 0.0, 0.0, Covariance(0.0, 0.0, 0.0)
     events, look_back = 0, _LOOK_BACK
     for row in range(MOST_BOUNCES):
-        flown = lift_off_flight(bed, phase) if lifted else flight(bed, phase, speed)
+        flown = fly(bed, phase, speed, lifted)
         if math.isnan(flown.length):
             break
         touch = phase + flown.length
@@ -705,6 +712,11 @@ def bounces(
             break
         phase, speed, lifted = end, after.take_off, False
     return Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
+
+
+def rests_as_from_rest(bed: Bed, motion: Bounces) -> bool:
+    """Return whether a contact leads to the motion from rest: the trough has one lift-off."""
+    return motion.rest > 0.0 and bed.waves.kind == SINE
 
 
 def _take_off_at(flights: Flights, last: int, phase: float) -> int:
@@ -785,7 +797,7 @@ def fly_round(
     for i in range(count):
         if speed <= 0.0 and bed_load(bed, phase) >= 0.0:
             return _Round(False, 0.0, 0.0, whole)  # the trough would not let go of it
-        flown = flight(bed, phase, speed)
+        flown = fly(bed, phase, speed, False)
         after = after_landing(bed, phase + flown.length, flown.impact, restitution, ACCUMULATED)
         if after.contact or not flown.impact > 0.0:
             return _Round(False, 0.0, 0.0, whole)
@@ -919,7 +931,7 @@ def _nth_bounce(
             if found == index:
                 phase = bisected(_beyond, at, low, high, True)
                 plus, load = 1.0 + restitution, 1.0 - bed_load(bed, phase)
-                returns = abs(flight(bed, phase, speed).length - TURN * turns) < _NEAR * TURN * turns
+                returns = abs(fly(bed, phase, speed, False).length - TURN * turns) < _NEAR * TURN * turns
                 stable = returns and plus * plus * load < 2.0 * (1.0 + restitution * restitution)
                 return _SingleBounce(phase, speed, True, stable)
             found += 1

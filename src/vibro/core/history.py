@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 from vibro.core.cells import find_nodes, number_of_nodes
 from vibro.core.codes import Mode
 from vibro.core.contact import continuous_sliding, middle_phase
-from vibro.core.drive import Loads, along_cosine, free_along, free_normal, mix_of, phase_difference
+from vibro.core.drive import Loads, free_along, free_normal, mix_of, phase_difference, trough_along
 from vibro.core.flight import (
     ACCUMULATED,
     MOST_FLIGHTS,
@@ -27,9 +27,9 @@ from vibro.core.flight import (
     bed_load,
     bed_of,
     bounces,
-    flight,
+    fly,
     lands_at_jump,
-    lift_off_flight,
+    lift_offs,
     next_take_off,
     no_bed,
     propagate,
@@ -50,7 +50,6 @@ from vibro.core.numbers import (
     PathPoint,
     bisected,
     braked,
-    free_motion,
     positive_part,
     wrap,
     wrap_around,
@@ -58,14 +57,9 @@ from vibro.core.numbers import (
 from vibro.core.slides import Onset, Start, own_phase, resting_start, slide, start_inside, thresholds
 from vibro.core.waves import (
     FORCE,
-    KINETIC_FORWARD,
     NORMAL,
     SINE,
-    Mix,
-    Waves,
     at_break,
-    depart,
-    moved,
     nodes_of,
     normal_size,
 )
@@ -378,9 +372,8 @@ def _flight(course: Course, now: State) -> Flight:
     """Fly; a take-off from contact at the lift-off phase has the sharper solution."""
     if not math.isfinite(course.track.lift_off):
         return _fall(course, now, 0.0)
-    if now.rate == 0.0 and now.phase == next_take_off(course.bed, now.phase).phase:
-        return lift_off_flight(course.bed, now.phase)
-    return flight(course.bed, now.phase, now.rate)
+    lifted = now.rate == 0.0 and now.phase == next_take_off(course.bed, now.phase).phase
+    return fly(course.bed, now.phase, now.rate, lifted)
 
 
 # [rad, A w] Change from one cycle to the next that rounding alone brings.
@@ -525,17 +518,15 @@ def _sections(cycle: Bounces) -> Sections:
 
 def places(course: Course, sections: Sections) -> int:
     """Return how many starts ``LastStarts`` has room for."""
-    lift_offs = number_of_nodes(course.bed.waves, NORMAL) if course.bed.waves.kind != SINE else 0
-    return max(max(sections.lag, _KINDS), min(lift_offs, LONGEST_CYCLE))
+    return max(max(sections.lag, _KINDS), min(lift_offs(course.bed), LONGEST_CYCLE))
 
 
 def _lift_off_index(course: Course, phase: float) -> int:
     """Return which zero of the normal load a lift-off is, modulo the number of places."""
     waves = course.bed.waves
-    if waves.kind != SINE:
-        for i in range(number_of_nodes(waves, NORMAL)):
-            if waves.number[nodes_of(waves, NORMAL) + i] == phase:
-                return i % LONGEST_CYCLE
+    for i in range(lift_offs(course.bed)):
+        if waves.number[nodes_of(waves, NORMAL) + i] == phase:
+            return i % LONGEST_CYCLE
     return 0
 
 
@@ -870,7 +861,7 @@ def _highest(course: Course, now: State, leg: Step) -> float:
 
 def _fastest(loads: Loads, now: State, leg: Step) -> float:
     """Return a velocity that is not exceeded during a flight, >= 0."""
-    fastest = now.velocity + loads.drive_tangential * (1.0 + along_cosine(loads, now.phase))
+    fastest = now.velocity + loads.drive_tangential * (1.0 + trough_along(loads, now.phase).velocity)
     return positive_part(fastest + positive_part(-loads.weight_tangential) * leg.length)
 
 
@@ -882,64 +873,48 @@ def _propagated(course: Course, now: State, leg: Step, errors: Covariance) -> Co
     return propagate(course.bed, course.restitution, now.phase, now.rate, flown, 0.0, errors)
 
 
-class Path(NamedTuple):
-    """Motion towards a target: free, ``free_motion``, or under a mix of loads, ``depart``."""
+class _Approach(NamedTuple):
+    """A leg on which the body may arrive: its loads, the state at its start, and how far the target is."""
 
-    amplitude: float
-    drag: float
-    phase: float
-    velocity: float
+    loads: Loads
+    now: State
     target: float
-    waves: Waves
-    mix: Mix
-    load: float
 
 
-def _moved(path: Path, s: float) -> PathPoint:
-    """Return the path after a phase ``s``, and the velocity there."""
-    if path.waves.kind != SINE:
-        since = moved(path.waves, path.mix, path.phase, path.load, s)
-        return PathPoint(path.velocity * s + since.path, path.velocity + since.velocity)
-    sine, cosine = math.sin(path.phase), math.cos(path.phase)
-    return free_motion(path.amplitude, path.drag, sine, cosine, path.velocity, s)
+def _moved(path: _Approach, s: float) -> PathPoint:
+    """Return the path after a phase ``s`` of a flight or a forward slide, and the velocity there.
+
+    Friction moves a body by mu_d times what the normal motion of a body without support would, N = -eta''.
+    """
+    loads, now = path.loads, path.now
+    along = free_along(loads, now.phase, now.velocity, s)
+    if now.mode == Mode.FLIGHT:
+        return along
+    off, mu_d = free_normal(loads, now.phase, 0.0, s), loads.kinetic_friction
+    return PathPoint(along.path + mu_d * off.path, along.velocity + mu_d * off.velocity)
 
 
-def _missing(path: Path, s: float) -> float:
+def _missing(path: _Approach, s: float) -> float:
     """Return how far the target is after a phase ``s``."""
     return path.target - _moved(path, s).path
 
 
-def _speed(path: Path, s: float) -> float:
+def _speed(path: _Approach, s: float) -> float:
     """Return the velocity after a phase ``s``."""
     return _moved(path, s).velocity
 
 
 def _reach(course: Course, length: float, now: State, leg: Step) -> float:
     """Return the phase from the start of a leg to the arrival; NaN if it does not arrive during it."""
-    loads, target = course.track.loads, length - now.position
-    if now.mode == Mode.FORWARD:
-        if math.isfinite(leg.length) and leg.after.position < length:
-            return NAN
-        at = course.track.forward
-        path = _path(loads, KINETIC_FORWARD, at.amplitude, at.drag, now.phase + at.shift, now, target)
+    path = _Approach(course.track.loads, now, length - now.position)
+    if now.mode == Mode.FORWARD and not (math.isfinite(leg.length) and leg.after.position < length):
         return _reach_sliding(path, leg.length)
     if now.mode == Mode.FLIGHT and _highest(course, now, leg) >= length:
-        own = now.phase - phase_difference(loads)
-        path = _path(loads, FORCE, loads.drive_tangential, loads.weight_tangential, own, now, target)
-        return _reach_flying(path, leg.length, _fastest(loads, now, leg))
+        return _reach_flying(path, leg.length, _fastest(course.track.loads, now, leg))
     return NAN
 
 
-def _path(
-    loads: Loads, row: int, amplitude: float, drag: float, phase: float, now: State, target: float
-) -> Path:
-    """Set out towards a target under the loads of a row, which are a sine less a drag for one harmonic."""
-    waves, mix = loads.waves, mix_of(loads, row)
-    load = depart(waves, mix, phase).load if waves.kind != SINE else 0.0
-    return Path(amplitude, drag, phase, now.velocity, target, waves, mix, load)
-
-
-def _reach_sliding(path: Path, length: float) -> float:
+def _reach_sliding(path: _Approach, length: float) -> float:
     """Return the arrival in a forward slide that passes the target, or never ends."""
     high = length
     if not math.isfinite(length):
@@ -952,7 +927,7 @@ def _reach_sliding(path: Path, length: float) -> float:
     return bisected(_missing, path, 0.0, high, True)
 
 
-def _reach_flying(path: Path, length: float, fastest: float) -> float:
+def _reach_flying(path: _Approach, length: float, fastest: float) -> float:
     """Return the arrival in a flight: the velocity is monotone between the zeros of the acceleration."""
     low = 0.0
     for _ in range(_MOST_STRETCHES):
@@ -979,15 +954,16 @@ def _reach_flying(path: Path, length: float, fastest: float) -> float:
     return NAN
 
 
-def _next_zero(path: Path, low: float) -> float:
+def _next_zero(path: _Approach, low: float) -> float:
     """Return where the acceleration next changes its sign; inf where it never does."""
-    found, waves = INF, path.waves
+    found, loads, waves, phase = INF, path.loads, path.loads.waves, path.now.phase
     if waves.kind != SINE:
         for i in range(number_of_nodes(waves, FORCE)):
-            found = min(found, _next(waves.number[nodes_of(waves, FORCE) + i] - path.phase, low))
-    elif abs(path.drag) <= path.amplitude and path.amplitude > 0.0:
-        kappa = math.asin(path.drag / path.amplitude)
-        found = min(_next(kappa - path.phase, low), _next(PI - kappa - path.phase, low))
+            found = min(found, _next(waves.number[nodes_of(waves, FORCE) + i] - phase, low))
+    elif abs(loads.weight_tangential) <= loads.drive_tangential and loads.drive_tangential > 0.0:
+        kappa = math.asin(loads.weight_tangential / loads.drive_tangential)
+        own = phase - phase_difference(loads)
+        found = min(_next(kappa - own, low), _next(PI - kappa - own, low))
     return found
 
 

@@ -10,7 +10,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.codes import IRREGULAR, Status
-from vibro.core.drive import Loads, along_cosine
+from vibro.core.drive import Loads, trough_along
 from vibro.core.flight import (
     BOUNCE,
     LOST,
@@ -23,10 +23,11 @@ from vibro.core.flight import (
     after_landing,
     bed_of,
     bounces,
-    flight,
+    fly,
     next_take_off,
     normal_multiplier,
     propagate,
+    rests_as_from_rest,
     single_bounce,
     within,
 )
@@ -116,7 +117,7 @@ class BodySample(NamedTuple):
     ends: bool
 
 
-def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, row: int) -> BodySample:
+def fly_sample(loads: Loads, restitution: float, body: int, length: int, hops: Hops, row: int) -> BodySample:
     """Fly a body that starts from rest through its transient and its sample.
 
     Parameters
@@ -143,7 +144,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
     first, middle, trough, trough_between = row, row, 0.0, 0.0
     first_time, second_time, aloft, impact, lands = 0.0, 0.0, 0.0, 0.0, False
     for last in range(row + 1, row + MOST_HOPS + 1):
-        flown = flight(bed, phase, speed)
+        flown = fly(bed, phase, speed, False)
         touch = phase + flown.length
         after = after_landing(bed, touch, flown.impact, restitution, _ACCUMULATED)
         hop, landing = flown.length + after.length, at_break(bed.waves, touch + after.length)
@@ -179,11 +180,11 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
             # a body that has not come to contact is shoved, and gets another transient
             speed *= 1.0 + _SHOVE * _spread(last - row, body)
         elif part == 2:
-            quota, first, trough = length, last, along_cosine(loads, phase)
+            quota, first, trough = length, last, trough_along(loads, phase).velocity
         elif part == 3:
-            middle, trough_between = last, along_cosine(loads, phase)
+            middle, trough_between = last, trough_along(loads, phase).velocity
         else:
-            second_swing = trough_between - along_cosine(loads, phase)
+            second_swing = trough_between - trough_along(loads, phase).velocity
             return BodySample(
                 first, middle, last, first_time, second_time, trough - trough_between, second_swing, trough,
                 aloft, impact, lands, True,
@@ -289,7 +290,7 @@ def _followed(bed: Bed, restitution: float, body: int, flights: Flights) -> Boun
     motion = Bounces(False, 0, 0, 0, 0, 0.0, 0.0, phase)
     for _ in range(_FLIGHTS):  # each search takes one at least
         motion = bounces(bed, restitution, flights, left, phase, speed, False)
-        if motion.repeats and not (motion.rest > 0.0 and bed.waves.kind == SINE):
+        if motion.repeats and not rests_as_from_rest(bed, motion):
             return motion
         flown = motion.approach + motion.count
         left -= flown
@@ -433,7 +434,7 @@ def averages(
     total, aloft, impact, lands = 0.0, 0.0, 0.0, False
     row = 0
     for i in range(BODIES):
-        sample = fly(loads, restitution, i, length, hops, row)
+        sample = fly_sample(loads, restitution, i, length, hops, row)
         if not sample.ends:
             return unresolved
         before = return_map(track, hops, row, sample.first, 0.0, 0.0, start)

@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.cells import Event, behind, find_nodes, forget_nodes, next_event, number_of_nodes
 from vibro.core.codes import Mode
-from vibro.core.drive import Loads, along_sine, beyond_friction, mix_of
+from vibro.core.drive import Loads, beyond_friction, mix_of, trough_along
 from vibro.core.numbers import (
     EPS,
     HARMONICS,
@@ -598,7 +598,7 @@ def _ride(loads: Loads, phase: float) -> Ride:
     """Evaluate the inertial loads at a phase; of one harmonic without the velocity."""
     if loads.waves.kind != SINE:
         return ride(loads.waves, phase, 0.0)
-    along = loads.drive_tangential * along_sine(loads, phase)
+    along = loads.drive_tangential * trough_along(loads, phase).path
     return Ride(along, loads.drive_normal * math.sin(phase), NAN)
 
 

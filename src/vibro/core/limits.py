@@ -150,7 +150,7 @@ def _has_begun(unit: Loads, load: float, continuous: bool) -> bool:
     """Whether the forward slide does not outlast the back window, or the cycle is even that without rest."""
     loads = _at_load(unit, load)
     pair = _pair_at(loads)
-    if outlasts_back(loads, pair) >= 0:
+    if outlasts_back(pair) >= 0:
         return False
     if not continuous:
         return True

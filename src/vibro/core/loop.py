@@ -24,7 +24,6 @@ from vibro.core.contact import (
 )
 from vibro.core.drive import (
     Loads,
-    along_sine,
     free_along,
     free_normal,
     normal_height,
@@ -32,6 +31,7 @@ from vibro.core.drive import (
     phase_difference,
     proved_multiplier,
     tangential_load,
+    trough_along,
 )
 from vibro.core.filling import Reaction, force_bound, mean_reaction, reaction_in_contact, reaction_of_hops
 from vibro.core.flight import Bounces, Flights, fly_round
@@ -283,7 +283,7 @@ def moments(
         phase = start + (wrap(s) if mode == Mode.REST else s)
         load, normal = tangential_load(loads, phase), max(normal_load(loads, phase), 0.0)
         found.sine[i] = math.sin(phase)
-        found.trough_along[i] = a * along_sine(loads, phase)
+        found.trough_along[i] = a * trough_along(loads, phase).path
         found.trough_normal[i] = normal_height(loads, phase)
         found.inertial[i] = load
         found.normal[i] = 0.0 if flies else normal
@@ -433,7 +433,7 @@ def slips_back(scenes: Scenes, place: Place, out: Bytes, begin: int, end: int) -
         at = thresholds(point.loads)
         back = at.back
         if at.back and at.forward:
-            back = outlasts_back(point.loads, pair_of(point.loads, at)) < 0
+            back = outlasts_back(pair_of(point.loads, at)) < 0
         out[i] = 1 if back else 0
 
 

@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.codes import MOST_LETTERS, Mode, Status
-from vibro.core.drive import Loads, along_cosine, mix_of, normal_load, phase_difference
+from vibro.core.drive import Loads, mix_of, normal_load, phase_difference, trough_along
 from vibro.core.flight import BOUNCE, Flights
 from vibro.core.legs import Track, contact_leg, mode_of, next_lift_off
 from vibro.core.numbers import (
@@ -334,7 +334,8 @@ def with_same_ground_speed(loads: Loads, velocity: float, phase: float, other: f
     """Return the velocity relative to the trough of the same velocity over the ground, at another phase."""
     if phase == other:
         return velocity
-    return velocity + loads.drive_tangential * (along_cosine(loads, phase) - along_cosine(loads, other))
+    here, there = trough_along(loads, phase), trough_along(loads, other)
+    return velocity + loads.drive_tangential * (here.velocity - there.velocity)
 
 
 # ------------------------------------------------------------------------------
