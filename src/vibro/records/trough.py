@@ -621,16 +621,21 @@ def motion_of(
 ) -> MeasuredMotion:
     """Measure the trough's motion from a record of it.
 
-    Parameters and errors are those of ``measured_motion``, and two more.
-
     Parameters
     ----------
+    record, reverse, drive_angle
+        As for ``measured_motion``.
     down : bool
         Whether to allow a line that leads down in the conveying direction, which is an ellipse with a phase
         of half a turn.
     short : bool
         Whether a record of fewer than six cycles gives its first harmonic, with the errors of white noise;
         else it is refused.
+
+    Raises
+    ------
+    InputError
+        As for ``measured_motion``.
     """
     _check_sensors(record, drive_angle)
     signals = {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
@@ -641,25 +646,14 @@ def motion_of(
     time, values = record.time - middle, np.stack(list(signals.values()), axis=1)
     count = min(TOL.motion_harmonics, int(TOL.of_sampling * (time.size - 1) / span / frequency))
 
-    frequency = _refined(time, values, frequency, count)
-    p_values = _noise_of(_Regression(time, values, frequency, count)).p_values
-    standing = np.flatnonzero(p_values < TOL.by_chance)
-    significant = int(standing[-1]) + 1 if standing.size else 1
-    # Noise in a harmonic that the motion lacks would shift the frequency, the more the higher it is.
-    frequency = _refined(time, values, frequency, significant)
-    regression = _Regression(time, values, frequency, count)
-    noise = _noise_of(regression)
-    order = (
-        1 if span * frequency < TOL.motion_cycles * (1.0 - TOL.about) else min(significant, MOST_HARMONICS)
-    )
-    kept = _Regression(time, values, frequency, order)
-    error = _frequency_error(kept, regression.sizes[:order], noise.covariance[:order])
+    is_short = span * frequency < TOL.motion_cycles * (1.0 - TOL.about)
+    frequency, significant, noise, kept, error = _fitted(time, values, frequency, count, is_short=is_short)
 
     # (i k w)^power turns a harmonic of a displacement or a velocity into one of the acceleration.
     rates = 2j * math.pi * frequency * np.arange(1, significant + 1)
     factors = np.stack([rates**power for power in record.trough_derivatives.values()], axis=1)
-    sizes = regression.sizes[:significant] * factors
-    powers = 0.5 * abs(sizes) ** 2
+    sizes = noise.sizes[:significant] * factors
+    powers, order = 0.5 * abs(sizes) ** 2, kept.count
     own = np.where(powers[0] > 0.0, powers[0], 1.0)
     rest = np.sqrt(np.square(kept.left).mean(axis=0) * abs(factors[0]) ** 2 / own)
     sizes, factors = sizes[:order], factors[:order]
@@ -686,6 +680,24 @@ def motion_of(
     if not down:
         _refuse_line_down(motion, reverse=reverse)
     return replace(motion, warnings=(*_sensor_doubts(motion), *_clipped(record), *_left_out(motion)))
+
+
+def _fitted(
+    time: Floats, values: Floats, frequency: float, count: int, *, is_short: bool
+) -> tuple[float, int, _Noise, _Regression, float]:
+    """Return the best frequency, the last significant harmonic, the noise, the fit and the frequency's error.
+
+    The fit has the harmonics that a drive takes, and of a short record the first alone.
+    """
+    frequency = _refined(time, values, frequency, count)
+    p_values = _noise_of(_Regression(time, values, frequency, count)).p_values
+    standing = np.flatnonzero(p_values < TOL.by_chance)
+    significant = int(standing[-1]) + 1 if standing.size else 1
+    # Noise in a harmonic that the motion lacks would shift the frequency, the more the higher it is.
+    frequency = _refined(time, values, frequency, significant)
+    noise = _noise_of(_Regression(time, values, frequency, count))
+    kept = _Regression(time, values, frequency, 1 if is_short else min(significant, MOST_HARMONICS))
+    return frequency, significant, noise, kept, _frequency_error(kept, noise)
 
 
 def _sensor_doubts(motion: MeasuredMotion) -> list[str]:
@@ -828,8 +840,12 @@ def _refined(time: Floats, values: Floats, frequency: float, count: int) -> floa
 
 
 class _Noise(NamedTuple):
-    """Error covariance of each harmonic, its degrees of freedom, and how likely noise is so large."""
+    """Harmonics, (K, channels), their error covariance and its degrees of freedom.
 
+    ``p_values`` are the probabilities that noise alone is as large.
+    """
+
+    sizes: Complexes
     covariance: Complexes
     freedom: float
     p_values: Floats
@@ -842,10 +858,11 @@ def _noise_of(regression: _Regression) -> _Noise:
     covariance, bins = _spectral(regression)
     # Data may be exact: add their rounding.
     covariance = covariance + np.diag(TOL.rounding * np.square(values).mean(axis=0) / len(values))
+    # Hotelling's test: T^2 (bins - channels + 1) / (bins channels) follows F.
     statistic = np.einsum("ka,kab,kb->k", sizes.conj(), np.linalg.inv(covariance), sizes).real
     freedom = bins - channels + 1
     p_values = fdtrc(2.0 * channels, 2.0 * freedom, statistic * freedom / (bins * channels))
-    return _Noise(covariance, 2.0 * freedom, np.asarray(p_values))
+    return _Noise(sizes, covariance, 2.0 * freedom, np.asarray(p_values))
 
 
 def _spectral(regression: _Regression) -> tuple[Complexes, float]:
@@ -888,13 +905,14 @@ def _white(regression: _Regression) -> tuple[Complexes, float]:
     return gains[:, None, None] * noise.astype(np.complex128), max(0.5 * freedom * float(shares.min()), 2.0)
 
 
-def _frequency_error(kept: _Regression, sizes: Complexes, covariance: Complexes) -> float:
+def _frequency_error(kept: _Regression, noise: _Noise) -> float:
     """Return the standard error of the frequency, from the noise around each harmonic."""
-    rates = (math.tau * np.arange(1, len(sizes) + 1)) ** 2
+    sizes, covariance = noise.sizes[: kept.count], noise.covariance[: kept.count]
+    rates = (math.tau * np.arange(1, kept.count + 1)) ** 2
     weighed = sizes * kept.weights
-    noise = np.einsum("ka,kab,kb->k", weighed.conj(), covariance, weighed).real @ rates
     power = (abs(sizes) ** 2 @ kept.weights) @ rates
-    return math.sqrt(6.0 * float(noise)) / (float(power) * float(np.ptp(kept.time)))
+    variance = np.einsum("ka,kab,kb->k", weighed.conj(), covariance, weighed).real @ rates
+    return math.sqrt(6.0 * float(variance)) / (float(power) * float(np.ptp(kept.time)))
 
 
 def _clipped(record: Record) -> list[str]:
