@@ -197,7 +197,7 @@ def _levels(span: Span) -> Floats:
 # setting. If it does not, the interval of those is assumed, and the design is sought again.
 
 _ROUNDS: Final = 8
-_WIDE: Final = 1.1  # [1] of the width that is needed, above which a narrower interval is tried
+_FREE: Final = 3  # rounds after which intervals only grow
 _BELOW: Final = 0.999  # of the setting at which masses strike each other, or bodies begin to hop
 _STEP: Final = 1.02  # by which settings are lowered at least where bodies slip back or hop
 # What ends the settings of a design that a second harmonic brings beyond a regime.
@@ -287,41 +287,31 @@ class _Settled:
         return replace(best.finder, found={kind: best.found}, refused=frozenset())
 
     def _settle(self, kind: str, question: Question) -> _Held | None:
-        """Find a design whose interval holds the amplitudes at its setting, and little more."""
-        best: _Held | None = None
-        narrow: Span | None = None  # does not cover the amplitudes of its design
-        wide: Span | None = None  # covers it, or leaves no design
-        for _ in range(_ROUNDS):
+        """Find a design whose interval covers the amplitudes that are met at its setting.
+
+        The interval of a round holds what was met in the last one, in later rounds in all of them.
+        """
+        for count in range(_ROUNDS):
             finder, machine = find(question, {}, self._digits, self._tell, until=kind), question.drive.machine
             found = finder.found.get(kind)
             assert machine is not None
-            covered, most, ended_by = machine.covered, math.inf, "gap"
             if found is None:
-                if narrow is None:
-                    return best
-                wide, covered = covered, _middle(covered, narrow)
-            else:
-                met = amplitudes_met(question, found.setting)
-                most = _most_setting(question, found, met)
-                if met.regime > question.highest:
-                    ended_by = _BEYOND[question.highest]
-                if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
+                return None
+            met, covered = amplitudes_met(question, found.setting), machine.covered
+            most = _most_setting(question, found, met)
+            if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
+                break
+            if covered[0] <= met.low <= met.high <= covered[1] and math.isinf(most):
+                if met.speed < min(found.guarantee.speed_min, question.spec.goal.speed):
                     break
-                needed = _hull(met) if met.low > 0.0 else covered
-                if covered[0] <= met.low <= met.high <= covered[1] and math.isinf(most):
-                    if met.speed < min(found.guarantee.speed_min, question.spec.goal.speed):
-                        break
-                    one = _Held(finder, replace(found, met=met))
-                    best = max(filter(None, (best, one)), key=lambda x: best_of(kind, question, x.found))
-                    if covered[1] - covered[0] <= _WIDE * (needed[1] - needed[0]):
-                        return best
-                    wide, covered = covered, _middle(covered, needed)
-                else:
-                    narrow, covered = covered, needed if wide is None else _middle(covered, wide)
+                return _Held(finder, replace(found, met=met))
+            if met.low > 0.0:
+                low, high = _hull(met)
+                covered = (min(low, covered[0]), max(high, covered[1])) if count >= _FREE else (low, high)
+            ended_by = _BEYOND[question.highest] if met.regime > question.highest else "gap"
             question = replace(question, drive=covering(question.drive, covered, most, ended_by))
-        if best is None:
-            self._refused.add(kind)
-        return best
+        self._refused.add(kind)
+        return None
 
 
 def _most_setting(question: Question, found: Rounded, met: Met) -> float:
@@ -344,10 +334,6 @@ def _hull(met: Met) -> Span:
     """Return an interval around the amplitudes of a design, with some room at its ends."""
     room = _ROOM[0] * (met.high - met.low) + _ROOM[1] * met.high
     return max(met.low - room, (1.0 - _ROOM[0]) * met.low), met.high + room
-
-
-def _middle(one: Span, other: Span) -> Span:
-    return 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])
 
 
 # ------------------------------------------------------------------------------
