@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, cast
 
 import numpy as np
 
@@ -64,12 +64,6 @@ class _Tolerances(NamedTuple):
         From a limit, within which a design stands at it: the coarsest margins are found to 1e-6.
     nearly : float
         Share of a limit on landings that counts as reached: landings are sampled.
-    drop : float
-        [share of a band] Beside a scenario, within which a drop of the speed is looked for.
-    past_drop : float
-        Way back from a drop by which a scenario is kept on its slow side: rounding decides at the drop.
-    top : float
-        [share of a band] To which the fastest drive angle is found; the speed there is flat.
     digits : int
         [decimals of coordinates] In which scenarios differ.
     braked : float
@@ -88,9 +82,6 @@ class _Tolerances(NamedTuple):
     fall: float = 1e-4
     at: float = 1e-6
     nearly: float = 0.98
-    drop: float = 1e-6
-    past_drop: float = 1e-9
-    top: float = 1e-10
     digits: int = 6
     braked: float = 1e-12
 
@@ -176,12 +167,20 @@ class Space:
         return Ability.PROOF in self.drive.abilities
 
     def setting(self, **knobs: Any) -> Setting:
-        """Return the setting of values of all knobs [SI]."""
-        raise NotImplementedError
+        """Return the setting of values of all knobs [SI]; of a given motion ``Scaled``."""
+        return cast("Setting", self.settings(**knobs))
 
     def turned(self, setting: Any) -> dict[str, Any]:
         """Return the values of all knobs at a setting, in their order [SI]."""
-        raise NotImplementedError
+        return dict(setting._asdict())
+
+    def leading(self, setting: Any) -> str:
+        """Return the name of the amplitude, or scale, that windows and pictures vary."""
+        return self.sizes[0]
+
+    def amplitude(self, setting: Any) -> Any:
+        """Amplitude that windows and pictures vary [m], or the scale of a motion [1]."""
+        return self.turned(setting)[self.leading(setting)]
 
     def load(self, setting: Any, gravity: float) -> Floats:
         """Largest acceleration of a setting along its path over gravity [1]."""
@@ -196,6 +195,8 @@ class Space:
         self, load: Floats, gravity: float, factor: Ends, frequency: Ends, *, fast: bool
     ) -> tuple[Floats, Floats]:
         """Split loads into factor and frequency, within bands: the fastest pair, or the slowest."""
+        if not self.power:  # accelerations do not depend on the frequency, speeds fall with it
+            return np.clip(load * gravity / self.unit, *factor), np.asarray(frequency[0 if fast else 1])
         # Of all factors and frequencies with the same load the lowest frequency is the fastest, and the
         # highest the slowest, Eq. (52).
         weight = load * gravity / self.unit  # factor f^2
@@ -203,14 +204,6 @@ class Space:
         with np.errstate(over="ignore"):  # an overflow lies beyond the band
             f = np.clip(np.sqrt(weight / (a_high if fast else a_low)), f_low, f_high)
         return np.clip(weight / (f * f), a_low, a_high), f
-
-    def amplitude(self, setting: Any) -> Any:
-        """Amplitude that windows and pictures vary [m], or the scale of a motion [1]."""
-        raise NotImplementedError
-
-    def leading(self, setting: Any) -> str:
-        """Return the name of that amplitude."""
-        raise NotImplementedError
 
     def band(self, setting: Any, drift: Any, scale: Any, steepest: Any) -> tuple[Ends, dict[str, Ends]]:
         """Return the bands of the factor and of the shape around a setting.
@@ -253,16 +246,8 @@ class _LineSpace(Space):
 
     def turned(self, setting: Setting) -> dict[str, Any]:
         """Return amplitude, frequency and drive angle."""
-        angle = np.arctan2(setting.normal_amplitude, setting.along_amplitude)
-        return {"amplitude": self.amplitude(setting), "frequency": setting.frequency, "drive_angle": angle}
-
-    def amplitude(self, setting: Setting) -> Any:
-        """Amplitude of the motion [m]."""
-        return np.hypot(setting.along_amplitude, setting.normal_amplitude)
-
-    def leading(self, setting: Setting) -> str:
-        """Return the name of the amplitude."""
-        return "amplitude"
+        x, y, _, frequency = setting
+        return {"amplitude": np.hypot(x, y), "frequency": frequency, "drive_angle": np.arctan2(y, x)}
 
     def band(self, setting: Setting, drift: Any, scale: Any, steepest: Any) -> tuple[Ends, dict[str, Ends]]:
         """Return the bands of the amplitude and of the drive angle."""
@@ -289,18 +274,6 @@ class _EllipseSpace(Space):
     sizes = ("along_amplitude", "normal_amplitude")
     unit, power = _UNIT, 2
     shape = ("along_amplitude", "normal_amplitude", "normal_phase")
-
-    def setting(self, **knobs: Any) -> Setting:
-        """Return the setting of both amplitudes [m], the phase [rad] and the frequency [Hz]."""
-        return Setting(**knobs)
-
-    def turned(self, setting: Setting) -> dict[str, Any]:
-        """Return the fields of the setting."""
-        return setting._asdict()
-
-    def amplitude(self, setting: Setting) -> Any:
-        """Amplitude along the trough or, where that is 0, normal to it [m]."""
-        return getattr(setting, self.leading(setting))
 
     def leading(self, setting: Setting) -> str:
         """Return the name of the amplitude along the trough or, where that is 0, normal to it."""
@@ -362,14 +335,6 @@ class MotionSpace(Space):
             motion, type(light.arrays()), unit, power, hops / unit if unit else 0.0, normal_acceleration
         )
 
-    def setting(self, **knobs: Any) -> Any:
-        """Return the setting of a scale and a frequency [Hz]."""
-        return Scaled(**knobs)
-
-    def turned(self, setting: Scaled) -> dict[str, Any]:
-        """Return the fields of the setting."""
-        return setting._asdict()
-
     def load(self, setting: Scaled, gravity: float) -> Floats:
         """Largest acceleration of a setting over gravity [1]."""
         return self.load_at(*setting, gravity)
@@ -378,23 +343,6 @@ class MotionSpace(Space):
         """Load of a scale at a frequency: the largest acceleration over gravity [1]."""
         with np.errstate(over="ignore", invalid="ignore"):
             return np.asarray(factor * (self.unit * np.asarray(frequency) ** self.power) / gravity)
-
-    def parts(
-        self, load: Floats, gravity: float, factor: Ends, frequency: Ends, *, fast: bool
-    ) -> tuple[Floats, Floats]:
-        """Split loads into scale and frequency, within bands: the fastest pair, or the slowest."""
-        if self.power:
-            return super().parts(load, gravity, factor, frequency, fast=fast)
-        # accelerations do not depend on the frequency, speeds fall with it
-        return np.clip(load * gravity / self.unit, *factor), np.asarray(frequency[0 if fast else 1])
-
-    def amplitude(self, setting: Scaled) -> Any:
-        """Scale of the motion [1]."""
-        return setting.motion_scale
-
-    def leading(self, setting: Scaled) -> str:
-        """Return the name of the scale."""
-        return "motion_scale"
 
     def band(self, setting: Scaled, drift: Any, scale: Any, steepest: Any) -> tuple[Ends, dict[str, Ends]]:
         """Return the band of the scale."""
