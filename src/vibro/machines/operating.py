@@ -537,14 +537,14 @@ def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
     scene = Scene.computed(amplitude=found.solved_at[full], **{name: x[full] for name, x in fields.items()})
     filling = filling_of(scene, solve(scene, threads=threads), threads=threads)
     stiff = case.compliance[full] == 0.0  # a filling without any effect on the amplitude
-    told = ~stiff & (found.status[full] != int(Status.OK))
-    found.status[full] = np.where(told, found.status[full], filling.status)
+    is_known = ~stiff & (found.status[full] != int(Status.OK))
+    found.status[full] = np.where(is_known, found.status[full], filling.status)
     found.share[full] = np.where(np.isnan(found.amplitude[full]), np.nan, filling.share)
     found.second[full] = np.where(np.isnan(found.amplitude[full]), np.nan, filling.second_harmonic)
-    late = full[~told & ~stiff & (filling.status == int(Status.AVERAGED))]
+    late = full[~is_known & ~stiff & (filling.status == int(Status.AVERAGED))]
     reach = _reach(case)[late]
     found.low[late], found.high[late] = np.maximum(case.empty[late] - reach, 0.0), case.empty[late] + reach
-    late = full[~told & ~stiff & ~is_answered(filling.status)]
+    late = full[~is_known & ~stiff & ~is_answered(filling.status)]
     found.amplitude[late] = found.low[late] = found.high[late] = np.nan
     found.number[late] = 0
 

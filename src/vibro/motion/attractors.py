@@ -67,16 +67,16 @@ def attractors(scene: Scene) -> Attractors:
     <all cycles are known>
     """
     grid, solver, scratch = grid_of(scene), doors(), Scratch()
-    values, pattern, told = np.empty((_NUMBERS, _ROOM)), np.empty(_ROOM, np.int64), np.empty(4, np.int64)
+    values, pattern, counts = np.empty((_NUMBERS, _ROOM)), np.empty(_ROOM, np.int64), np.empty(4, np.int64)
 
     def found_all() -> Any:
         rows = *solver.rows(values), solver.row(pattern)
         return solver.attractors(
-            grid.scenes, grid.place(), scratch.flights, scratch.hops, rows, solver.row(told), _ROOM
+            grid.scenes, grid.place(), scratch.flights, scratch.hops, rows, solver.row(counts), _ROOM
         )
 
     number = lasting(found_all)
-    from_rest, starts, lost, away = told.tolist()
+    from_rest, starts, lost, away = counts.tolist()
     length, frequency = float(scene.scale), float(scene.frequency)
     speed = length * 2.0 * math.pi * frequency
     hops, one_harmonic = starts > 1, scene.arrays().can(Ability.ONE_HARMONIC)

@@ -131,8 +131,8 @@ def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloc
     w = 2.0 * np.pi * np.asarray(scene.frequency)
     speed = np.asarray(scene.scale) * w
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        told = {"start_velocity": start.velocity, "start_normal_velocity": start.normal_velocity}
-        for name, value in told.items():
+        speeds = {"start_velocity": start.velocity, "start_normal_velocity": start.normal_velocity}
+        for name, value in speeds.items():
             if not (np.abs(value) <= EXTREME * speed).all():
                 limit = f"at most {EXTREME:g} times the peak speed of the trough"
                 raise SceneError.of(name, f"{value:.15g} m/s", limit)

@@ -315,16 +315,16 @@ def _of_another_frequency(observation: Observation) -> list[str]:
     found, error = foreign.frequency
     off = max(error, TOL.proposed / float(np.ptp(observation.time)))
     plain = next(text for digits in range(18) if abs(float(text := f"{found:.{digits}f}") - found) <= off)
-    said, remedy = f"{found:.5g} Hz", f"give the frequency {plain}Hz"
+    at, remedy = f"{found:.5g} Hz", f"give the frequency {plain}Hz"
     if observation.clock is not None:
         trough = f"the trough at {observation.frequency:.5g} Hz"
         return [
-            f"the body's signals repeat at {said}, {trough}: are both from the same run, with the same clock?"
+            f"the body's signals repeat at {at}, {trough}: are both from the same run, with the same clock?"
         ]
     if foreign.cycles:
         why = "the body hops so, or the drive runs at that frequency"
-        return [f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: {why}: {remedy}"]
-    return [f"the data repeat at {said}, the scene says {observation.frequency:.5g} Hz: {remedy}"]
+        return [f"the data repeat at {at}, every {foreign.cycles} cycles of the drive: {why}: {remedy}"]
+    return [f"the data repeat at {at}, the scene says {observation.frequency:.5g} Hz: {remedy}"]
 
 
 def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Alignment) -> list[str]:

@@ -307,16 +307,16 @@ class Fit:
 class _Work:
     """Counts and reports the searches of a fit; their number grows as patterns are found."""
 
-    def __init__(self, tell: Callable[[int, int, str], None] | None) -> None:
-        self._tell, self._done, self._all = tell, 0, 0
+    def __init__(self, report: Callable[[int, int, str], None] | None) -> None:
+        self._report, self._done, self._all = report, 0, 0
 
     def each(self, things: Iterable[_T], what: str) -> Iterator[_T]:
         """Yield items one by one: each is a search, which is done when the next one is requested."""
         waiting = list(things)
         self._all += len(waiting)
         for thing in waiting:
-            if self._tell:
-                self._tell(self._done, self._all, what)
+            if self._report:
+                self._report(self._done, self._all, what)
             yield thing
             self._done += 1
 
@@ -394,15 +394,15 @@ def check_names(scene: Scene, names: Sequence[str]) -> None:
     own = fittable(scene)
     choice = f"choose from {', '.join(QUANTITIES[name].letter for name in own)}"
     for name in names:
-        said = f"fit {cut(','.join(names))}: "
+        fit_of = f"fit {cut(','.join(names))}: "
         if name not in FITTABLE or list(names).count(name) > 1:
-            raise InputError(f"{said}{shown(name)} cannot be estimated, or is named twice", hint=choice)
+            raise InputError(f"{fit_of}{shown(name)} cannot be estimated, or is named twice", hint=choice)
         quantity = QUANTITIES[name]
         if name not in own:
-            none = f"{said}the trough moves {scene.arrays().kind}, which has no {quantity.label}"
+            none = f"{fit_of}the trough moves {scene.arrays().kind}, which has no {quantity.label}"
             raise InputError(none, hint=choice)
         if name in AMPLITUDES and not float(getattr(scene, name)):
-            zero = f"{said}the search for the {quantity.label} begins at the scene's, which is 0"
+            zero = f"{fit_of}the search for the {quantity.label} begins at the scene's, which is 0"
             raise InputError(zero, hint="give what it may be, such as 0.3mm")
 
 
@@ -636,8 +636,8 @@ def _statements(
     pattern = settled_motion(fitted).pattern if best.label == HOPS else best.label
     lost = {p.name: p for p in parameters if not p.identified}
     if "F" not in pattern and "B" not in pattern:
-        said = ", ".join(QUANTITIES[name].letter for name in lost)
-        return [f"the fitted body rests: the data cannot identify {said}"] if said else []
+        letters = ", ".join(QUANTITIES[name].letter for name in lost)
+        return [f"the fitted body rests: the data cannot identify {letters}"] if letters else []
     found = []
     static, kinetic = (p in problem.names and p not in lost for p in ("static_friction", "kinetic_friction"))
     if "_" in pattern and (static or kinetic):

@@ -1,4 +1,4 @@
-"""Everything that a record tells: of the trough, and of a part beside the exact motion of a scene."""
+"""What a record measures: the trough's motion, and a part beside the exact motion of a scene."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def measure(
     absolute: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Measurement:
-    """Find what a record tells.
+    """Measure the trough, and compare and fit the part, as far as a record has their signals.
 
     Parameters
     ----------

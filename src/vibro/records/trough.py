@@ -1096,7 +1096,7 @@ def _stacked(motions: list[Motions]) -> Motions:
 
 #: What sensors on the trough measure: every quantity of a drive, and its frequency.
 MEASURED: Final = (*DRIVES, "frequency")
-_ANY_LINE: Final = 0.25 * math.pi  # [rad] of one sensor's own harmonics any line tells the same
+_ANY_LINE: Final = 0.25 * math.pi  # [rad] one sensor's own harmonics are the same on any line
 
 
 class TroughDrive(NamedTuple):
