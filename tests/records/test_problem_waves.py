@@ -100,10 +100,7 @@ def test_cycles_of_several_scenes_are_those_of_each() -> None:
         exact = settled_motion(scene_of(mu_s, mu_d)).sample(time + shift[i])
         np.testing.assert_allclose(signals["velocity"][i], exact.velocity, atol=1e-12)
         np.testing.assert_allclose(signals["displacement"][i], exact.position, atol=1e-12)
-    ways, _, begin, end = cycles.slides[:4]
-    assert ways[:, 0].tolist() == [1.0, -1.0]
-    assert (end[:, 0] > begin[:, 0]).all()
-    assert not ways[:, 2].any()
+    assert [cycles.edges(i).size for i in range(3)] == [4, 4, 0]
     # A body at rest is held by friction alone.
     still = settled_motion(scene_of(0.9, 0.8)).sample(time + shift[2])
     np.testing.assert_allclose(signals["friction"][2], -still.inertial, atol=1e-9)

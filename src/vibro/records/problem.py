@@ -59,7 +59,7 @@ class _SceneCycles:
     fields : Drive
         Fields of the scenes, each of shape (M,).
     slides : array, shape (7, 2, M)
-        Both slides of each cycle, with the rows of ``Slides``; 0 without a slide.
+        Both slides of each cycle of one harmonic, with the rows of ``Slides``; 0 without a slide.
     followed : mapping of int to SettledMotion
         Motions of scenes that hop, and of all beyond one harmonic, by their place among all.
     """
@@ -112,6 +112,14 @@ class _SceneCycles:
         motion = self.followed.get(scene)
         ends = [phase.end / motion.period for phase in motion.phases if phase.kind == "H"] if motion else []
         return np.array(ends)
+
+    def edges(self, scene: int) -> Floats:
+        """Return the phases at which slides of one scene begin or end [drive cycles]."""
+        motion = self.followed.get(scene)
+        if motion:
+            return np.array([time / motion.period for _, *ends in motion.slides for time in ends])
+        acting = self.slides[:, self.slides[0, :, scene] != 0.0, scene]
+        return np.asarray(acting[2:4].ravel() / math.tau)
 
     def _closed_forms(
         self, fields: Fields, names: list[str], time: Floats, shift: Floats, window: float
@@ -200,7 +208,7 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> _SceneCycle
     if one_harmonic:
         slides = np.nan_to_num(slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape)))
     else:
-        slides = _slides(followed, labels.size)
+        slides = np.zeros((7, 0, labels.size))
     return _SceneCycles(labels, scene.flat(), slides, followed)
 
 
@@ -221,17 +229,6 @@ def _at(values: Any, place: int) -> Any:
     if isinstance(values, np.ndarray):
         return float(values[place])
     return tuple(values) if isinstance(values, list) else values
-
-
-def _slides(followed: Mapping[int, SettledMotion], count: int) -> Floats:
-    """Return direction, begin and end of the slides of motions in the rows of ``Slides``; else 0."""
-    most = max((len(motion.slides) for motion in followed.values()), default=0)
-    found = np.zeros((7, most, count))
-    for place, motion in followed.items():
-        for i, (way, start, end) in enumerate(motion.slides):
-            rate = math.tau / motion.period
-            found[[0, 2, 3], i, place] = way, rate * start, rate * end
-    return found
 
 
 #: Fields of a scene that an error of a measured drive changes, one standard error to either side.
@@ -551,8 +548,7 @@ def _beside_a_jump(
     """
     jumps = cycles.landings(0) if name != "displacement" else np.empty(0)
     if name in _JUMPING:
-        way, _, begin, end, *_ = cycles.slides[:, :, 0]
-        jumps = np.concatenate([jumps, begin[way != 0.0] / math.tau, end[way != 0.0] / math.tau])
+        jumps = np.concatenate([jumps, cycles.edges(0)])
     turns = np.subtract.outer(observation.time * observation.frequency + shift, jumps)
     off = np.abs(turns - np.round(turns)) * observation.period
     return np.asarray((off <= observation.sample_time).any(axis=1))
