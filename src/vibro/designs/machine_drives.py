@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -37,9 +37,7 @@ if TYPE_CHECKING:
     from vibro.reals import Floats
 
 
-_LEVELS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the band of filling
-_DRAWN: Final = 8  # base-2 logarithm of the number of samples that are drawn evenly
-_SHARES: Final = ("added_mass_share", "added_damping_share")
+_DRAWN: Final = 10  # base-2 logarithm of the number of samples that are drawn evenly
 _SEED: Final = 20
 
 
@@ -74,34 +72,27 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
 
     Notes
     -----
-    The interval is that of samples: voltages at both ends of their band, fillings at ends and between, parts
-    at the corners and in the middle of the bands of friction and angles; and as many drawn evenly from all.
+    The interval is that of samples: at all corners of the bands, and as many drawn evenly from them.
     """
     machine = question.drive.machine
     assert machine is not None
-    drift = question.spec.drift
-    share = float(question.space.amplitude(setting)) / machine.amplitude
-    settings = share * np.unique([1.0 - drift.amplitude, 1.0, 1.0 + drift.amplitude])
-    frequencies = _around(float(setting.frequency), drift.frequency, machine.natural_frequency)
-    box = question.box(setting)
-    bands = [_span(x) for x in (settings, frequencies, machine.voltage, machine.filling)]
-    bands += [machine.shares[name] for name in _SHARES if name in machine.shares]
-    levels = [settings, frequencies, np.unique(machine.voltage), _levels(machine.filling)]
-    levels += [np.unique(span) for span in bands[4:]]
-    varies = box.varies & (np.array(box.axes) != "load")
-    parts = np.hstack([corners(varies), np.full((len(box.axes), 1), 0.5)])[:, : 1 + 2 ** varies.sum()]
-    grid = np.meshgrid(*levels, np.arange(parts.shape[1]), indexing="ij")
-    *values, which = (x.ravel() for x in grid)
-    coordinates = parts[:, which]
-    drawn = sobol(len(bands) + len(box.axes), _DRAWN, _SEED)
-    values = [
-        np.append(known, inside(span, share))
-        for known, span, share in zip(values, bands, drawn, strict=False)
-    ]
-    coordinates = np.hstack([coordinates, drawn[len(bands) :]])
-    scale, f, voltage, filling, *shares = values
-    points = box.points(coordinates)
-    given: dict[str, Any] = dict(zip(_SHARES, shares, strict=False))
+    drift, box = question.spec.drift, question.box(setting)
+    size = float(question.space.amplitude(setting)) / machine.amplitude
+    spans = np.array(
+        [
+            (size * (1.0 - drift.amplitude), size * (1.0 + drift.amplitude)),
+            off(float(setting.frequency), drift.frequency),
+            machine.voltage,
+            machine.filling,
+            *machine.shares.values(),
+        ]
+    )
+    varies = np.append(spans[:, 0] < spans[:, 1], box.varies & (np.array(box.axes) != "load"))
+    even = sobol(varies.size, _DRAWN, _SEED) * varies[:, None]
+    cube = np.hstack([corners(varies), even])
+    scale, f, voltage, filling, *shares = inside(tuple(spans.T[..., None]), cube[: len(spans)])
+    points = box.points(cube[len(spans) :])
+    given: dict[str, Any] = dict(zip(machine.shares, shares, strict=True))
     found = operate(
         machine.machine,
         frequency=f,
@@ -181,14 +172,6 @@ def _around(frequency: float, drift: float, resonance: float | None) -> Floats:
     return np.unique(np.array(ends, np.float64))
 
 
-def _span(values: Any) -> Span:
-    return float(min(values)), float(max(values))
-
-
-def _levels(span: Span) -> Floats:
-    return np.unique(inside(span, np.array(_LEVELS)))
-
-
 # ------------------------------------------------------------------------------
 # Find the designs of a machine whose amplitude depends on what lies in its trough.
 #
@@ -204,13 +187,6 @@ _STEP: Final = 1.02  # by which settings are lowered at least where bodies slip 
 _BEYOND: Final = {Regime.FORWARD_SLIP: "back slip", Regime.BACK_SLIP: "hop"}
 # Room at both ends beyond samples: a share of the interval's width [1], and of its upper end [1].
 _ROOM: Final = (0.02, 1e-3)
-
-
-class _Held(NamedTuple):
-    """A design that holds with the filling, and the finder of its interval."""
-
-    finder: Finder
-    found: Rounded
 
 
 def find_covered(
@@ -242,76 +218,57 @@ def find_covered(
     if machine is None or not machine.is_filled:
         found = calmer["fastest"].found if calmer else {}
         return dict.fromkeys(KINDS, find(question, found, digits, tell))
-    if calmer:
-        same = {kind: replace(question, drive=one.question.drive) for kind, one in calmer.items()}
-        new = {kind: finder_of(one, digits) for kind, one in same.items()}
-        if not any(one.optimiser.has_more() for one in new.values()):
-            return {
-                kind: replace(one, found=calmer[kind].found, refused=calmer[kind].refused)
-                for kind, one in new.items()
-            }
-    return _Settled(question, calmer, digits, tell).finders()
+    held: list[Finder] = []  # each with one design that holds
+    start, refused = question, frozenset[str]()
+    for kind in SEARCHED:
+        finder = _settled(kind, start, digits, tell)
+        refused |= finder.refused
+        if finder.found:
+            held.append(finder)
+            start = held[0].question if kind == SEARCHED[0] else start
+    for kind, known in calmer.items():
+        if kind in known.found:
+            here = finder_of(replace(question, drive=known.question.drive), digits)
+            held.append(replace(here, found={kind: known.found[kind]}))
+    none = replace(finder_of(question, digits), refused=refused)
+    return {kind: _best(kind, held) or none for kind in KINDS}
 
 
-class _Settled:
-    """Finds each design for the interval of amplitudes at its own setting."""
-
-    def __init__(
-        self, question: Question, calmer: Mapping[str, Finder], digits: int, tell: Callable[[str], None]
-    ) -> None:
-        self._question, self._calmer, self._digits, self._tell = question, calmer, digits, tell
-        self._refused: set[str] = set()
-
-    def finders(self) -> dict[str, Finder]:
-        """Return the finder of every kind of design."""
-        held: dict[str, _Held] = {}
-        start = self._question
-        for kind in SEARCHED:
-            if "fastest" in held:
-                start = held["fastest"].finder.question
-            if (one := self._settle(kind, start)) is not None:
-                held[kind] = one
-        for kind, finder in self._calmer.items():
-            if kind in finder.found:
-                question = replace(self._question, drive=finder.question.drive)
-                held[f"{kind} before"] = _Held(finder_of(question, self._digits), finder.found[kind])
-        return {kind: self._best(kind, list(held.values())) for kind in KINDS}
-
-    def _best(self, kind: str, held: list[_Held]) -> Finder:
-        """Return the finder with the best design of a kind; only the fastest may miss the goal."""
-        target = self._question.spec.goal.speed
-        able = [one for one in held if kind == "fastest" or one.found.guarantee.speed_min >= target]
-        if not able:
-            return replace(finder_of(self._question, self._digits), refused=frozenset(self._refused))
-        best = max(able, key=lambda one: best_of(kind, one.finder.question, one.found))
-        return replace(best.finder, found={kind: best.found}, refused=frozenset())
-
-    def _settle(self, kind: str, question: Question) -> _Held | None:
-        """Find a design whose interval covers the amplitudes that are met at its setting.
-
-        The interval of a round holds what was met in the last one, in later rounds in all of them.
-        """
-        for count in range(_ROUNDS):
-            finder, machine = find(question, {}, self._digits, self._tell, until=kind), question.drive.machine
-            found = finder.found.get(kind)
-            assert machine is not None
-            if found is None:
-                return None
-            met, covered = amplitudes_met(question, found.setting), machine.covered
-            most = _most_setting(question, found, met)
-            if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
-                break
-            if covered[0] <= met.low <= met.high <= covered[1] and math.isinf(most):
-                if met.speed < min(found.guarantee.speed_min, question.spec.goal.speed):
-                    break
-                return _Held(finder, replace(found, met=met))
-            if met.low > 0.0:
-                low, high = _hull(met)
-                covered = (min(low, covered[0]), max(high, covered[1])) if count >= _FREE else (low, high)
-            ended_by = _BEYOND[question.highest] if met.regime > question.highest else "gap"
-            question = replace(question, drive=covering(question.drive, covered, most, ended_by))
-        self._refused.add(kind)
+def _best(kind: str, held: list[Finder]) -> Finder | None:
+    """Return the finder with the best design of a kind; only the fastest may miss the goal."""
+    designs = [(finder, found) for finder in held for found in finder.found.values()]
+    able = [one for one in designs if kind == "fastest" or one[1].guarantee.speed_min >= one[0].target]
+    if not able:
         return None
+    finder, found = max(able, key=lambda one: best_of(kind, one[0].question, one[1]))
+    return replace(finder, found={kind: found})
+
+
+def _settled(kind: str, question: Question, digits: int, tell: Callable[[str], None]) -> Finder:
+    """Find a design whose interval covers the amplitudes that are met at its setting.
+
+    The interval of a round holds what was met in the last one, in later rounds in all of them.
+    """
+    for count in range(_ROUNDS):
+        finder, machine = find(question, {}, digits, tell, until=kind), question.drive.machine
+        assert machine is not None
+        if kind not in finder.found:
+            return replace(finder, found={})
+        found, covered = finder.found[kind], machine.covered
+        met = amplitudes_met(question, found.setting)
+        most = _most_setting(question, found, met)
+        if most <= machine.settings[0] or not (met.low > 0.0 or met.strikes):
+            break
+        if covered[0] <= met.low <= met.high <= covered[1] and math.isinf(most):
+            if met.speed < min(found.guarantee.speed_min, finder.target):
+                break
+            return replace(finder, found={kind: replace(found, met=met)})
+        if met.low > 0.0:
+            low, high = _hull(met)
+            covered = (min(low, covered[0]), max(high, covered[1])) if count >= _FREE else (low, high)
+        ended_by = _BEYOND[question.highest] if met.regime > question.highest else "gap"
+        question = replace(question, drive=covering(question.drive, covered, most, ended_by))
+    return replace(finder, found={}, refused=frozenset({kind}))
 
 
 def _most_setting(question: Question, found: Rounded, met: Met) -> float:
