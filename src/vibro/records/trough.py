@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
-from scipy.special import fdtrc
+from scipy.special import fdtrc, fdtri
 
 from vibro.core.codes import Regime, Status
 from vibro.drives import Motion
@@ -279,10 +279,12 @@ class MeasuredMotion:
     def phase(self) -> float:
         """Phase by which the first harmonic normal to the trough leads that along it, in (-pi, pi] [rad].
 
-        NaN unless both were measured and are large enough for their phase to matter.
+        NaN unless both were measured, stand out of the noise, and the phase matters.
         """
         sizes, error = abs(self.accelerations[0]), float(self.acceleration_errors[0].max())
-        if sizes.size == 1 or sizes.min() < max(TOL.least_component * sizes.max(), TOL.likely_sigmas * error):
+        # Of noise alone sizes^2 / 2 error^2 follows F(2, freedom).
+        least = error * math.sqrt(2.0 * fdtri(2.0, self.freedom, 1.0 - TOL.by_chance))
+        if sizes.size == 1 or sizes.min() < max(TOL.least_component * sizes.max(), least):
             return math.nan
         return float(np.angle(self.accelerations[0, 1] / self.accelerations[0, 0]))
 
