@@ -3,8 +3,8 @@
 Usage: python benchmarks/against.py OTHER_PYTHON [--repeats 7] [--only NAME ...]
 
 OTHER_PYTHON is the interpreter of an environment in which the other version is installed. Each workload runs
-in a process of its own, first by one version and then by the other; the best time of each is taken, and their
-ratio.
+in a process of its own, first by one version and then by the other. The best time of the processor, of all
+threads, is taken of each, and their ratio.
 """
 
 from __future__ import annotations
@@ -80,11 +80,11 @@ def slopes_scene(n: int) -> vibro.Scene:
 
 
 def timed(run: Callable[[], Any], count: int) -> float:
-    """Time a call, and divide it by a number [s]."""
+    """Measure the time of the processor that a call takes, and divide it by a number [s]."""
     run()  # what is loaded at the first call
-    start = time.perf_counter()
+    start = time.process_time()
     run()
-    return (time.perf_counter() - start) / count
+    return (time.process_time() - start) / count
 
 
 def solved(scene: vibro.Scene, **options: Any) -> Callable[[], float]:

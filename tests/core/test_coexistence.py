@@ -17,7 +17,7 @@ from vibro.core.legs import track_of
 from vibro.core.return_map import (
     HoppingCycle,
     Orbit,
-    Return,
+    _begun,
     cycle_from,
     differ,
     hopping_cycle,
@@ -214,7 +214,7 @@ def test_fixed_points_are_told_apart_beyond_rounding() -> None:
     cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4), 0.0), 0, 0, 0.0, 0.0, TURN)
 
     def orbit(velocity: float, slope: float) -> Orbit:
-        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0.0, 0, True), Status.OK)
+        return Orbit(velocity, _begun(velocity)._replace(slope=slope), Status.OK)
 
     home = orbit(0.3, 0.0)
     assert not differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)

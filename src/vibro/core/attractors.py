@@ -173,8 +173,7 @@ def _slides_otherwise(loads: Loads, restitution: float, flights: Flights, hops: 
     motion = entry.motion
     if not motion.repeats:
         return False
-    last, duration = motion.first + motion.count, TURN * motion.cycles
-    cycle = hopping_cycle(track, motion.first, last, motion.landing, motion.rest, duration)
+    cycle = cycle_of(track, motion)
     home = orbit_from(cycle, hops, entry.velocity)
     return others_on(cycle, hops, entry.velocity, home)
 

@@ -584,55 +584,57 @@ def _mirrored_pattern(pattern: int) -> int:
 
 
 def _forward_first(loads: Loads, pair: Pair) -> _Cycle:
-    """Cycle of a body whose first slide goes forward from rest.
+    """Cycle of a body whose first slide goes forward from rest: the rule of theory, section 5.
 
-    The sign of the speed at the edges of the opposite window decides the pattern; only a slide that follows
-    another one directly needs its end for that. Equality belongs to rest: a slide that stops just where the
-    opposite window closes stays at rest.
+    F is the slide from the forward onset, B one back. Signs of v_close and v_open, Eqs. (17) and (58), decide
+    all but where F, and a B that follows it directly, end. Equality belongs to rest.
     """
     forward, back = pair.forward.onset, pair.back.onset
-    f_lasts, f_meets = outlasts_back(pair), reaches(loads, pair.forward, pair.back, pair.offset)
-    b_lasts = outlasts_back(_mirrored_pair(pair))
-    f_only = f_lasts >= 0
-    meets = f_meets > 0 and not f_only  # ends inside the back window
-    edge = f_lasts == 0 or (f_meets == 0 and not f_only)
-    cycle = no_cycle()
-    if meets or f_only:
-        cycle = likely_sliding(loads, forward, back)
-    if meets and cycle.valid:
-        return _sliding_on(loads, pair, cycle, b_lasts, edge)
-    f = slide(forward)
-    if f_only:
-        if not is_sure(loads, cycle):
-            cycle = half_length_root(loads, forward, back)
-        other = cycle.valid or _settles_in_f_b(loads, pair, b_lasts)
+    f_lasts, b_lasts = outlasts_back(pair), outlasts_back(_mirrored_pair(pair))  # v_close
+    if f_lasts >= 0:  # step 1: F outlasts the back window
+        f = slide(forward)
+        other = continuous_sliding(loads, pair.forward, pair.back).valid
+        other = other or _settles_in_f_b(loads, pair, b_lasts)
         return _Cycle(Pattern.F_, f.displacement, f.peak, other, f_lasts == 0, f.settled, 0.0)
-    if meets:
-        turn = phase_offset(loads, loads.kinetic_friction)
-        c = PI + forward.c - 2.0 * f.half_length + turn
-        b = slide(start_inside(c, back.k, back.load))
-        # phase from the end of that back slide to p_f + 2 pi; without kinetic friction always 0
-        rests = rounded_sign(PI - forward.c + c - 2.0 * b.half_length - turn, TURN)
-        edge = edge or cycle.edge or rests == 0
-        if rests >= 0:
-            return _Cycle(
-                Pattern.FB_, f.displacement - b.displacement, max(f.peak, b.peak), b_lasts > 0, edge,
-                f.settled and b.settled, 0.0,
-            )  # fmt: skip
-        if not is_sure(loads, cycle):
-            cycle = half_length_root(loads, forward, back)
-            if cycle.valid:
-                return _sliding_on(loads, pair, cycle, b_lasts, edge)
+    f_meets = reaches(loads, pair.forward, pair.back, pair.offset)  # v_open
+    if f_meets <= 0:  # step 2: F ends before the back window
+        return _back_from_rest(loads, pair, b_lasts, f_meets == 0)
+    cycle = likely_sliding(loads, forward, back)  # step 3: F ends inside it
+    if cycle.valid:
+        return _sliding_on(loads, pair, cycle, b_lasts, False)
+    f = slide(forward)
+    # B begins where F ends, p_f + 2 x, which is pi + E_d less in its own phase
+    turn = phase_offset(loads, loads.kinetic_friction)
+    c = PI + forward.c - 2.0 * f.half_length + turn
+    b = slide(start_inside(c, back.k, back.load))
+    # phase from the end of B to p_f + 2 pi; without kinetic friction always 0
+    rests = rounded_sign(PI - forward.c + c - 2.0 * b.half_length - turn, TURN)
+    edge = cycle.edge or rests == 0
+    if rests >= 0:
+        return _Cycle(
+            Pattern.FB_, f.displacement - b.displacement, max(f.peak, b.peak), b_lasts > 0, edge,
+            f.settled and b.settled, 0.0,
+        )  # fmt: skip
+    if not is_sure(loads, cycle):
+        cycle = half_length_root(loads, forward, back)
+        if cycle.valid:
+            return _sliding_on(loads, pair, cycle, b_lasts, edge)
+    return _back_from_rest(loads, pair, b_lasts, edge)
+
+
+def _back_from_rest(loads: Loads, pair: Pair, b_lasts: int, edge: bool) -> _Cycle:
+    """Cycle of a body whose back slide B begins at its onset: steps 2 and 3 of the rule."""
+    forward, back = pair.forward.onset, pair.back.onset
     b = slide(back)
-    b_meets = reaches(loads, pair.back, pair.forward, -pair.offset)
+    b_meets = reaches(loads, pair.back, pair.forward, -pair.offset)  # v_open
     edge = edge or b_meets == 0 or b_lasts == 0
     if b_lasts >= 0:
         return _Cycle(Pattern.B_, -b.displacement, b.peak, False, edge, b.settled, 0.0)
-    pattern = int(Pattern.F_B_)
-    if b_meets > 0:
-        pattern = int(Pattern.F_B)
+    pattern, onset = int(Pattern.F_B_), forward
+    if b_meets > 0:  # F begins where B ends, pi - E_d less in its own phase
         c = PI + back.c - 2.0 * b.half_length - phase_offset(loads, loads.kinetic_friction)
-        f = slide(start_inside(c, forward.k, forward.load))
+        pattern, onset = int(Pattern.F_B), start_inside(c, forward.k, forward.load)
+    f = slide(onset)
     displacement, peak = f.displacement - b.displacement, max(f.peak, b.peak)
     return _Cycle(pattern, displacement, peak, False, edge, f.settled and b.settled, 0.0)
 

@@ -53,10 +53,10 @@ from vibro.core.return_map import (
     orbit_from,
     release,
     return_map,
-    spell,
     with_same_ground_speed,
     write_hop,
     write_hops,
+    write_letters,
 )
 from vibro.core.slides import is_held_at_limit
 from vibro.core.wave_cycle import canonical
@@ -268,8 +268,7 @@ def captures(
         last, turns = motion.first + motion.count, float(motion.cycles)
         write_hops(loads, flights, hops, motion.first, last)
         hops.rest[last - 1] = 0.0  # it is that of the cycle's end
-        cycle = hopping_cycle(track, motion.first, last, motion.landing, motion.rest, TURN * turns)
-        orbit = orbit_from(cycle, hops, start)
+        orbit = orbit_from(cycle_of(track, motion), hops, start)
         if orbit.status > Status.BOUNDARY:
             continue
         number += 1
@@ -839,11 +838,11 @@ def cycle_of(track: Track, motion: Bounces) -> HoppingCycle:
 def write_hopping_letters(
     loads: Loads, restitution: float, flights: Flights, hops: Hops, out: Bytes, room: int
 ) -> int:
-    """Write the legs of a steady cycle that ``hopping`` has found, as ``spell``; return their number."""
+    """Write the legs of a steady cycle that ``hopping`` has found; return their number."""
     track = track_of(loads, restitution)
     entry = enter(track, restitution, flights, hops)
     cycle = cycle_of(track, entry.motion)
-    return spell(cycle, hops, orbit_from(cycle, hops, entry.velocity).velocity, out, room).number
+    return write_letters(cycle, hops, orbit_from(cycle, hops, entry.velocity).velocity, out, room)
 
 
 def means_of(track: Track, restitution: float, flights: Flights, hops: Hops, bodies: Bodies) -> Means:

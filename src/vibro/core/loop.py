@@ -413,7 +413,7 @@ def find_others(
 def write_letters(
     scenes: Scenes, place: Place, cell: int, flights: Flights, hops: Hops, out: Bytes, room: int
 ) -> int:
-    """Write the legs of the steady cycle of a cell that has one, as ``spell``; return their number.
+    """Write the legs of the steady cycle of a cell that has one; return their number.
 
     ``flights`` and ``hops`` are scratch memory.
     """

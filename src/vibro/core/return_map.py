@@ -44,6 +44,7 @@ _FULL: Final = 5 ** (MOST_LETTERS - 1)  # [1] a pattern from here on has no room
 
 
 _NONE: Doubles = memoryview(b"").cast("d")
+_NO_LETTERS: Bytes = memoryview(b"").cast("b")
 
 
 class Hops(NamedTuple):
@@ -97,6 +98,10 @@ class Return(NamedTuple):
     pattern : int
         Legs of the cycle, as digits of ``Mode`` to base 5; of more than ``MOST_LETTERS`` legs a negative mark
         of all of them.
+    number : int
+        How many legs there are.
+    forward, back, rest : bool
+        Whether there are slides forward, slides back, and rests among them.
     settled : bool
         Whether every slide was solved.
     """
@@ -108,7 +113,16 @@ class Return(NamedTuple):
     peak: float
     delay: float
     pattern: int
+    number: int
+    forward: bool
+    back: bool
+    rest: bool
     settled: bool
+
+
+def _begun(velocity: float) -> Return:
+    """Begin a cycle."""
+    return Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0.0, 0, 0, False, False, False, True)
 
 
 def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: Hops, row: int) -> None:
@@ -197,7 +211,15 @@ def _write(
 def return_map(
     track: Track, hops: Hops, first: int, last: int, landing: float, rest: float, velocity: float
 ) -> Return:
-    """Follow a body through one cycle of its normal motion.
+    """Follow a body through one cycle of its normal motion, without writing its legs, as ``spell``."""
+    return spell(track, hops, first, last, landing, rest, velocity, _NO_LETTERS, 0)
+
+
+def spell(
+    track: Track, hops: Hops, first: int, last: int, landing: float, rest: float, velocity: float,
+    letters: Bytes, room: int,
+) -> Return:  # fmt: skip
+    """Follow a body through one cycle of its normal motion, and write its legs.
 
     Parameters
     ----------
@@ -211,18 +233,25 @@ def return_map(
         Phase at which the contact after the last flight begins, and its duration, 0 without one [rad].
     velocity : float
         Relative velocity at the first take-off.
+    letters, room : Bytes, int
+        The first ``room`` legs are written there, each as a ``Mode``.
 
     Returns
     -------
     Return
-        The cycle.
+        The cycle; it counts legs beyond the room too.
     """
-    out = Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0.0, 0, True)
+    out = _begun(velocity)
     for row in range(first, last):
         v = out.velocity
         top = max(abs(v + hops.high[row]), abs(v + hops.low[row]))
         path = v * hops.length[row] + hops.shift[row]
         v = landed(hops, row, v)
+        pattern, number = out.pattern, out.number
+        if not _is_chained(track, abs(pattern) % 5, hops.length[row]):
+            if number < room:
+                letters[number] = Mode.FLIGHT
+            pattern, number = _append(pattern, Mode.FLIGHT), number + 1
         out = Return(
             v,
             out.slope if abs(v) > 0.0 else 0.0,
@@ -230,13 +259,19 @@ def return_map(
             out.displacement + path,
             max(out.peak, top),
             out.delay + out.slope * hops.length[row],
-            _with_flight(track, out.pattern, hops.length[row]),
+            pattern,
+            number,
+            out.forward,
+            out.back,
+            out.rest,
             out.settled,
         )
         if hops.rest[row] > 0.0:
-            out = _contact(track, out, hops.landing[row], hops.rest[row], track.landed_friction)
+            out = _contact(
+                track, out, hops.landing[row], hops.rest[row], track.landed_friction, letters, room
+            )
     if rest > 0.0:
-        out = _contact(track, out, landing, rest, track.landed_friction)
+        out = _contact(track, out, landing, rest, track.landed_friction, letters, room)
     return out
 
 
@@ -245,12 +280,16 @@ def landed(hops: Hops, row: int, velocity: float) -> float:
     return braked(velocity + hops.gain[row], hops.brake[row])
 
 
-def _contact(track: Track, out: Return, landing: float, rest: float, friction: float) -> Return:
+def _contact(
+    track: Track, out: Return, landing: float, rest: float, friction: float, letters: Bytes, room: int
+) -> Return:
     """Slide and rest from a landing until the lift-off; ``friction`` holds a body that stands there."""
     phase, left = landing, rest
     mode = mode_of(track.loads, landing, out.velocity, friction)
     for _ in range(MOST_LEGS):
         leg = contact_leg(track, mode, phase, out.velocity, left)
+        if out.number < room:
+            letters[out.number] = mode
         out = Return(
             leg.velocity,
             out.slope * leg.gain,
@@ -259,6 +298,10 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
             max(out.peak, leg.top),
             out.delay + out.slope * leg.length,
             _append(out.pattern, mode),
+            out.number + 1,
+            out.forward or mode == Mode.FORWARD,
+            out.back or mode == Mode.BACK,
+            out.rest or mode == Mode.REST,
             out.settled and leg.settled,
         )
         if not leg.length < left - CLOSE:
@@ -273,11 +316,6 @@ def _is_chained(track: Track, before: int, length: float) -> bool:
     A trough that moves along a sine has no such chains.
     """
     return track.loads.waves.kind != SINE and length < BOUNCE and before == Mode.FLIGHT
-
-
-def _with_flight(track: Track, pattern: int, length: float) -> int:
-    """Append a flight."""
-    return pattern if _is_chained(track, abs(pattern) % 5, length) else _append(pattern, Mode.FLIGHT)
 
 
 def _append(pattern: int, digit: int) -> int:
@@ -325,8 +363,7 @@ def release(track: Track) -> _Release:
         return _Release(False, begins.phase, 0.0)
     if normal_load(loads, phase) < 0.0:
         return _Release(True, wrap(phase), 0.0)
-    at_rest = Return(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0, True)
-    slid = _contact(track, at_rest, phase, begins.wait, loads.static_friction)
+    slid = _contact(track, _begun(0.0), phase, begins.wait, loads.static_friction, _NO_LETTERS, 0)
     return _Release(False, begins.phase, slid.velocity)
 
 
@@ -443,6 +480,15 @@ def hopping_cycle(
 def cycle_from(cycle: HoppingCycle, hops: Hops, velocity: float) -> Return:
     """Follow a body through the cycle, from its velocity at the first take-off."""
     return return_map(cycle.track, hops, cycle.first, cycle.last, cycle.landing, cycle.rest, velocity)
+
+
+def write_letters(cycle: HoppingCycle, hops: Hops, velocity: float, out: Bytes, room: int) -> int:
+    """Write the legs of the cycle, as ``spell``, also where they are more than ``out`` has room for.
+
+    Returns their number. The pattern of a ``Return`` has room for few.
+    """
+    landing, rest = cycle.landing, cycle.rest
+    return spell(cycle.track, hops, cycle.first, cycle.last, landing, rest, velocity, out, room).number
 
 
 def has_stop(now: Return) -> bool:
@@ -881,102 +927,3 @@ def differ(cycle: HoppingCycle, found: Orbit, home: Orbit) -> bool:
         return False  # of a continuum
     error = ROUNDING * cycle.forces / (1.0 - found.cycle.slope)
     return abs(found.velocity - home.velocity) > max(_SEPARATE, 8.0 * error)
-
-
-# ------------------------------------------------------------------------------
-# All legs of a steady cycle, also where they are more than a number has room for.
-#
-# The return map counts on the digits of one number, as most cycles have few legs. The others are followed
-# once more, from their fixed point, leg by leg.
-
-_NO_LETTERS: Bytes = memoryview(b"").cast("b")
-
-
-class _Spelt(NamedTuple):
-    """The legs of a cycle so far.
-
-    Attributes
-    ----------
-    velocity : float
-        Relative velocity at the end of the last one.
-    number : int
-        How many there are.
-    last : int
-        The ``Mode`` of the last one; 0 before the first.
-    forward, back, rest : bool
-        Whether there are slides forward, slides back, and rests among them.
-    """
-
-    velocity: float
-    number: int
-    last: int
-    forward: bool
-    back: bool
-    rest: bool
-
-
-def no_letters() -> Bytes:
-    """Stand for a buffer where no legs are to be written."""
-    return _NO_LETTERS
-
-
-def spell(cycle: HoppingCycle, hops: Hops, velocity: float, out: Bytes, room: int) -> _Spelt:
-    """Follow a body through a cycle as ``return_map`` does, and write its legs.
-
-    Parameters
-    ----------
-    cycle, hops : HoppingCycle, Hops
-        The cycle.
-    velocity : float
-        Relative velocity at its first take-off, or where it begins if it has none.
-    out : Bytes
-        The first ``room`` legs are written there, each as a ``Mode``.
-    room : int
-        How many ``out`` has room for.
-
-    Returns
-    -------
-    Spelt
-        All legs, those beyond the room too.
-    """
-    spelt = _Spelt(velocity, 0, 0, False, False, False)
-    for row in range(cycle.first, cycle.last):
-        after = landed(hops, row, spelt.velocity)
-        if _is_chained(cycle.track, spelt.last, hops.length[row]):
-            spelt = spelt._replace(velocity=after)
-        else:
-            spelt = _with_leg(spelt, Mode.FLIGHT, after, out, room)
-        if hops.rest[row] > 0.0:
-            spelt = _with_contact(cycle, spelt, hops.landing[row], hops.rest[row], out, room)
-    if cycle.rest > 0.0:
-        spelt = _with_contact(cycle, spelt, cycle.landing, cycle.rest, out, room)
-    return spelt
-
-
-def _with_contact(
-    cycle: HoppingCycle, spelt: _Spelt, landing: float, rest: float, out: Bytes, room: int
-) -> _Spelt:
-    """Append the legs from a landing until the lift-off."""
-    track, phase, left = cycle.track, landing, rest
-    mode = mode_of(track.loads, landing, spelt.velocity, track.landed_friction)
-    for _ in range(MOST_LEGS):
-        leg = contact_leg(track, mode, phase, spelt.velocity, left)
-        spelt = _with_leg(spelt, mode, leg.velocity, out, room)
-        if not leg.length < left - CLOSE:
-            break
-        phase, left, mode = at_break(track.loads.waves, phase + leg.length), left - leg.length, leg.next_mode
-    return spelt
-
-
-def _with_leg(spelt: _Spelt, mode: int, velocity: float, out: Bytes, room: int) -> _Spelt:
-    """Append a leg that ends with a velocity."""
-    if spelt.number < room:
-        out[spelt.number] = mode
-    return _Spelt(
-        velocity,
-        spelt.number + 1,
-        mode,
-        spelt.forward or mode == Mode.FORWARD,
-        spelt.back or mode == Mode.BACK,
-        spelt.rest or mode == Mode.REST,
-    )

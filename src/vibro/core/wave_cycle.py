@@ -26,12 +26,11 @@ from vibro.core.return_map import (
     hopping_cycle,
     is_closed,
     no_hops,
-    no_letters,
     only_orbit,
     orbit_from,
     others_on,
     return_map,
-    spell,
+    write_letters,
 )
 from vibro.core.slides import Thresholds
 from vibro.core.waves import STATIC_BACK, STATIC_FORWARD, nodes_of
@@ -113,9 +112,9 @@ def wave_classes(loads: Loads, at: Thresholds) -> Classes:
 
 
 def write_contact_letters(loads: Loads, at: Thresholds, out: Bytes, room: int) -> int:
-    """Write the legs of a steady cycle that ``wave_cycle`` has found, as ``spell``; return their number."""
+    """Write the legs of a steady cycle that ``wave_cycle`` has found; return their number."""
     settled = _settle(loads, at)
-    return spell(settled.cycle, no_hops(), settled.home.velocity, out, room).number
+    return write_letters(settled.cycle, no_hops(), settled.home.velocity, out, room)
 
 
 def _unknown() -> Classes:
@@ -196,26 +195,12 @@ def _regime_of(classes: Classes) -> int:
 
 
 def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
-    """Read the legs of a cycle from its pattern; follow it once more where that is a mark.
-
-    A body that runs away slides down the trough for ever, whatever its first cycles are.
-    """
-    pattern = home.cycle.pattern
+    """Tell the legs of a cycle; a body that runs away slides down for ever, whatever its first cycles are."""
+    now = home.cycle
     if home.status == Status.RUNAWAY:
         down = cycle.track.loads.weight_tangential > 0.0
         return Classes(Mode.BACK if down else Mode.FORWARD, not down, down, rest=False)
-    if pattern < 0:
-        spelt = spell(cycle, no_hops(), home.velocity, no_letters(), 0)
-        return Classes(pattern, spelt.forward, spelt.back, spelt.rest)
-    forward, back, rest, left = False, False, False, pattern
-    for _ in range(MOST_LETTERS):
-        if left == 0:
-            break
-        mode = left % 5
-        forward, back = forward or mode == Mode.FORWARD, back or mode == Mode.BACK
-        rest = rest or mode == Mode.REST
-        left = left // 5
-    return Classes(canonical(pattern), forward, back, rest)
+    return Classes(canonical(now.pattern), now.forward, now.back, now.rest)
 
 
 def canonical(pattern: int) -> int:
