@@ -60,7 +60,7 @@ _MARKED: Final = {
         "designs/test_line_loads.py", "designs/test_pictured.py", "designs/test_reading.py",
         "designs/test_rounding.py", "designs/test_rows.py",
         "designs/test_search.py", "designs/test_spaces.py", "designs/test_specs.py", "designs/test_yields.py",
-        "machines/test_machine.py", "motion/test_arrivals.py", "motion/test_trace.py",
+        "machines/test_machine.py", "motion/test_histories_arrivals.py", "motion/test_histories_trace.py",
         "plots/test_fields.py", "plots/test_neighbours.py", "plots/test_view.py",
         "records/test_problem_cycles.py", "records/test_reading_headers.py",
         "records/test_fitting_minimisation.py",

@@ -133,7 +133,8 @@ class OperatingPoints:
         -----
         The second harmonic follows from the force of the filling on a sinusoidal trough, Eq. (90). On ten
         machines with fillings of 10 to 50 % of the trough's mass, and the worked feeder of docs/theory, it
-        reduces the error of the speed from up to 16 % to 4 % (tests/machines/test_second_harmonic.py).
+        reduces the error of the speed from up to 16 % to 4 %
+        (tests/machines/test_operating_second_harmonic.py).
         """
         speed = solve(self.scene_with_second_harmonic, threads=threads).mean_velocity
         return np.where(np.isnan(self.amplitude), np.nan, speed)[()]

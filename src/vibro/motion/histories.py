@@ -80,11 +80,11 @@ def arrival_time(
     Notes
     -----
     Exact to rounding: the relative error against the reference table is below 1e-10
-    (tests/motion/test_arrivals.py). The transient is computed leg by leg. A cycle that contains a rest
-    repeats exactly, so that all its repetitions are skipped in one step. A cycle without rest is approached
-    geometrically: within 1e-7 of it the remaining transient is summed in closed form, from the contraction
-    per cycle and the steady displacement. At low friction about 20 / (1 - contraction) cycles are computed
-    before.
+    (tests/motion/test_histories_arrivals.py). The transient is computed leg by leg. A cycle that contains a
+    rest repeats exactly, so that all its repetitions are skipped in one step. A cycle without rest is
+    approached geometrically: within 1e-7 of it the remaining transient is summed in closed form, from the
+    contraction per cycle and the steady displacement. At low friction about 20 / (1 - contraction) cycles are
+    computed before.
 
     Examples
     --------
