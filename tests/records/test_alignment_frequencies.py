@@ -188,46 +188,6 @@ def test_a_frequency_explains_more_beyond_five_sigma_and_the_number_of_frequenci
     assert not found.explains_more(1.37, 1.0)
 
 
-@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
-def test_signals_that_do_not_vibrate_do_not_count(size: float) -> None:
-    time = np.arange(101) / 100.0
-    wave = np.sin(20.0 * math.pi * time)
-    made = {
-        "still": 0.0 * time,
-        "drift": 3.0 + time,
-        "rounding": 1.0 + 1e-7 * wave,
-        "small": 1.0 + 1e-5 * wave,
-    }
-    made = {name: size * values for name, values in made.items()}
-    assert Repetition(time, made, dict.fromkeys(made, 0)).alive.tolist() == [False, False, False, True]
-
-
-@pytest.mark.parametrize(("frequency", "seen_so"), [(24.5, True), (25.5, False), (0.26, True), (0.2, False)])
-def test_a_wave_needs_four_samples_a_cycle_and_two_cycles(frequency: float, seen_so: bool) -> None:
-    time = np.arange(801) / 100.0
-    peak = Repetition(time, {"u": np.sin(2.0 * math.pi * frequency * time)}, {"u": 0})._peak
-    assert (abs(peak - frequency) < 1.0 / 16.0) == seen_so
-
-
-def test_the_spectrum_of_uneven_samples_is_over_the_time() -> None:
-    """Their distances vary by 1 to 3, slowly; taken as even, a wave would be smeared from 7.5 to 22 Hz."""
-    even = np.linspace(0.0, 1.0, 1201)
-    time = 2.0 * (even + 0.5 * np.sin(2.0 * math.pi * even) / (2.0 * math.pi))
-    wave = Repetition(time, {"velocity": np.sin(2.0 * math.pi * FREQUENCY * time)}, {"velocity": 0})
-    assert wave._peak == pytest.approx(FREQUENCY, abs=0.25)
-    assert wave._near(wave._peak).value == pytest.approx(FREQUENCY, abs=1e-5)
-
-
-def test_the_standard_error_is_that_of_a_sine_in_white_noise() -> None:
-    """The root of 6 / N times noise over amplitude, over pi T: the bound of Cramér and Rao."""
-    time = np.arange(1201) / 600.0
-    random, told = np.random.default_rng(7), []
-    for _ in range(10):
-        values = np.sin(2.0 * math.pi * FREQUENCY * time) + 0.5 * random.standard_normal(time.size)
-        told.append(Repetition(time, {"velocity": values}, {"velocity": 0})._near(FREQUENCY).error)
-    assert np.mean(told) == pytest.approx(0.5 * math.sqrt(6.0 / 1201) / (2.0 * math.pi), rel=0.05)
-
-
 @pytest.mark.parametrize(("off", "claimed"), [(-9.0, True), (-5.0, False), (5.0, False), (9.0, True)])
 def test_another_frequency_must_explain_clearly_more_than_the_drives(off: float, claimed: bool) -> None:
     """Five standard errors off are beyond the four of its own, but gain 12.5 only: as much as noise may."""

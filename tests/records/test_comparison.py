@@ -14,8 +14,8 @@ from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FI
 import vibro
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Estimate, Observation, align, fold
-from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, _middle_of_rest, compare
+from vibro.records.alignment import Estimate, Observation, align
+from vibro.records.comparison import Comparison, Row, compare
 from vibro.records.fitting import fit
 from vibro.records.reading import Record, read_record
 
@@ -278,26 +278,6 @@ def test_a_drift_of_a_velocity_is_told_as_it_is() -> None:
     drifting = {"velocity": observation.signals["velocity"] + 0.03 * observation.time}
     found = rows(compare(nut(), Observation(observation.time, drifting, FREQUENCY)))
     assert found["drift"].measured.value == pytest.approx(0.03 * np.ptp(observation.time), rel=0.02)
-
-
-@each("rising", [True, False])
-@each("way", [1, -1])
-def test_a_speed_passes_a_level_between_two_points(way: int, rising: bool) -> None:
-    time = np.arange(801) / 600.0
-    folded = fold(time, way * np.sin(2.0 * math.pi * FREQUENCY * time), FREQUENCY, 1)
-    exact = math.asin(0.1) / (2.0 * math.pi * FREQUENCY)
-    exact = exact + 0.02 if rising else 0.5 * PERIOD - exact + 0.02
-    seen = _crossing(_Clocked(folded, 0.02, 3e-4), way, 0.1, exact + 1e-3, rising, PERIOD)
-    assert seen.value == pytest.approx(exact, abs=1e-9)
-    assert seen.error == pytest.approx(3e-4, rel=1e-3)
-
-
-def test_the_speed_at_rest_is_that_in_the_middle_of_the_longest_rest() -> None:
-    """Between two slides of F_B_ the body rests twice."""
-    motion = settled_motion(nut(1.2))
-    rests = sorted((p for p in motion.phases if p.kind == "_"), key=lambda p: p.end - p.start)
-    assert len(rests) == 2
-    assert _middle_of_rest(motion) == 0.5 * (rests[1].start + rests[1].end)
 
 
 def test_a_slide_that_the_data_do_not_show_is_not_seen() -> None:

@@ -41,19 +41,6 @@ def test_what_a_sensor_adds_has_no_residual() -> None:
     np.testing.assert_allclose(one, other, atol=1e-9)
 
 
-def test_weights_fall_where_samples_are_late_and_the_signal_is_steep() -> None:
-    walked = Walked(nut())
-    time = np.arange(401) / 600.0
-    random = np.random.default_rng(1)
-    late = walked.velocity(time + 0.0137 + 5e-4 * random.standard_normal(time.size))
-    noisy = late + 4e-4 * random.standard_normal(time.size)
-    problem = Problem(nut(), Observation(time, {"velocity": noisy}, 15.0), SLIP)
-    problem.weigh(TRUE)
-    weights, slope = problem._weights["velocity"], np.abs(walked.acceleration(time + 0.0137))
-    steep = slope > np.quantile(slope, 0.9)
-    assert np.median(weights[steep]) < 0.5 * np.median(weights[slope == 0.0])
-
-
 @pytest.mark.parametrize("trough_deg", [0.0, 8.0, 15.0])
 def test_no_drive_angle_is_tried_beyond_the_vertical(trough_deg: float) -> None:
     scene = nut(trough_angle=math.radians(trough_deg))
