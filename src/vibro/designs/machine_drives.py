@@ -72,7 +72,7 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
 
     Notes
     -----
-    The interval is that of samples: at all corners of the bands, and as many drawn evenly from them.
+    The interval is that of samples: at all corners of the bands, and at 1024 points drawn evenly from them.
     """
     machine = question.drive.machine
     assert machine is not None
