@@ -244,35 +244,20 @@ def test_the_constraint_that_forbids_a_setting(
 
 
 @pytest.mark.parametrize(
-    ("normal", "highest", "expected"),
+    ("drive", "changes", "highest", "expected"),
     [
-        ("0.41:0.5", Regime.BACK_SLIP, "hop"),  # the least normal amplitude throws parts
-        ("0.39:0.5", Regime.BACK_SLIP, "limit"),
+        ({"normal_amplitude_mm": "0.41:0.5"}, {}, Regime.BACK_SLIP, "hop"),  # the least one throws parts
+        ({"along_amplitude_mm": 0.1, "normal_amplitude_mm": 0.05}, {}, Regime.BACK_SLIP, "limit"),
+        ({"along_amplitude_mm": 0.8, "normal_phase_deg": 0}, {"part": NARROW}, Regime.BACK_SLIP, "tip"),
+        ({"along_amplitude_mm": 0.9, "normal_amplitude_mm": 0.05}, {}, Regime.FORWARD_SLIP, "back slip"),
     ],
 )
-def test_what_bounds_the_load_before_any_speed(normal: str, highest: Regime, expected: str) -> None:
-    assert optimiser(highest, {"normal_amplitude_mm": normal}).first_cap() == expected
-    slow = {"normal_amplitude_mm": normal, "frequency_hz": [20, 25]}  # at 20 Hz 0.62 mm hop parts
-    assert optimiser(highest, slow).first_cap() == "limit"
-
-
-@pytest.mark.parametrize(
-    ("higher", "expected"), [(Optimum(Setting(0, 0, 0, 25), 0.1), "back slip"), (None, "limit")]
-)
-def test_back_slip_bounds_the_load_where_it_would_convey(
-    higher: Any, expected: str, monkeypatch: pytest.MonkeyPatch
+def test_what_bounds_the_load_where_no_setting_conveys(
+    drive: dict[str, Any], changes: dict[str, Any], highest: Regime, expected: str
 ) -> None:
-    highest: list[Regime] = []
-
-    def fastest(self: EllipseOptimiser, *_: Any) -> Any:
-        highest.append(self._question.highest)
-        return higher
-
-    monkeypatch.setattr(EllipseOptimiser, "fastest", fastest)
-    assert optimiser(Regime.FORWARD_SLIP).first_cap() == expected
-    assert highest == [Regime.BACK_SLIP]
-    assert optimiser(Regime.BACK_SLIP).first_cap() == "limit"
-    assert highest == [Regime.BACK_SLIP]
+    search = optimiser(highest, drive, **changes)
+    assert search.fastest() is None
+    assert search.first_cap() == expected
 
 
 def costs_of(

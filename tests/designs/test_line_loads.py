@@ -52,6 +52,7 @@ def setting_of(search: LineOptimiser, load: float) -> Setting:
 
 
 HOP = 1.0 / math.sin(ANGLE)
+CLIMB = {"static_friction": 0.45, "kinetic_friction": 0.2, "trough_angle_deg": 10}
 SLIP = float(critical_loads_of_lines(ANGLE, 0.7, 0.5, 0.0).back_slip)
 
 
@@ -129,7 +130,7 @@ def test_settings_on_another_planet() -> None:
     assert search._reach(WHOLE) == pytest.approx(
         (0.5e-3 * (2 * math.pi * 10) ** 2 / 1.62, 2e-3 * (2 * math.pi * 30) ** 2 / 1.62)
     )
-    setting = search._setting(np.array([3.0]), (10.0, 30.0), np.array([ANGLE]))
+    setting = search._slowest(np.array([3.0]), (10.0, 30.0), np.array([ANGLE]))
     assert float(search._question.load(setting)[0]) == pytest.approx(3.0)
 
 
@@ -177,25 +178,20 @@ def test_a_landing_near_its_limit_limits_a_setting(share: float, expected: str) 
 
 
 @pytest.mark.parametrize(
-    ("drive", "highest", "expected"),
+    ("scene", "drive", "highest", "expected"),
     [
-        ({}, Regime.FORWARD_SLIP, "back slip"),
-        ({}, Regime.BACK_SLIP, "hop"),
-        ({"acceleration_g": 0.5}, Regime.FORWARD_SLIP, "limit"),
-        ({"amplitude_mm": "0.05:0.1"}, Regime.BACK_SLIP, "limit"),
-        ({"frequency_hz": [3, 30]}, Regime.FORWARD_SLIP, "back slip"),  # the highest of all frequencies
-        (
-            {"drive_angle_deg": "10:80", "acceleration_g": 1.2},
-            Regime.BACK_SLIP,
-            "limit",
-        ),  # 45 deg: hop at 1.41
-        ({"drive_angle_deg": "10:80", "acceleration_g": 1.6}, Regime.BACK_SLIP, "hop"),
+        ({}, {"acceleration_g": 0.5}, Regime.BACK_SLIP, "limit"),
+        ({}, {"amplitude_mm": "0.05:0.1"}, Regime.BACK_SLIP, "limit"),
+        ({"static_friction": "0.3:0.9"}, {"drive_angle_deg": 5}, Regime.FORWARD_SLIP, "back slip"),
+        (CLIMB, {"drive_angle_deg": 20, "amplitude_mm": "0.5:9"}, Regime.BACK_SLIP, "hop"),
     ],
 )
-def test_what_bounds_the_load_at_the_middle_angle(
-    drive: dict[str, Any], highest: Regime, expected: str
+def test_what_bounds_the_load_where_no_setting_conveys(
+    scene: dict[str, Any], drive: dict[str, Any], highest: Regime, expected: str
 ) -> None:
-    assert optimiser(highest, drive).first_cap() == expected
+    search = optimiser(highest, drive, scene=SCENE | scene)
+    assert search.fastest() is None
+    assert search.first_cap() == expected
 
 
 def test_frequencies_and_angles_are_combined() -> None:
@@ -205,29 +201,15 @@ def test_frequencies_and_angles_are_combined() -> None:
     assert {round(math.degrees(spans[2][0])) for spans in search._ranges} == {20, 25, 30}
 
 
-GOAL = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 900}
-
-
-@pytest.mark.parametrize(("hardest", "raised"), [(0.2, 1.0), (0.899, 1.0), (1.35, 1.5), (90.0, math.inf)])
-def test_impacts_that_are_too_hard_raise_the_frequency(
-    hardest: float, raised: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """To what keeps them at 0.9 m/s at the same load, up to the largest frequency."""
-    search = optimiser(Regime.HOPPING, goal=GOAL)
-    monkeypatch.setattr(Question, "hardest_impacts", lambda *_: np.array([hardest]))
-    load, angle, span = np.array([2.0]), np.array([ANGLE]), search._ranges[0][1]
-    plain, soft = search._slowest(load, span, angle), search._setting(load, span, angle)
-    assert soft.frequency[0] == pytest.approx(min(raised * plain.frequency[0], span[1]), rel=1e-11)
-    assert search._question.load(soft)[0] == pytest.approx(2.0)
-
-
-def test_the_hardest_impact_of_a_setting_goes_with_one_over_its_frequency() -> None:
-    search = optimiser(Regime.HOPPING, goal=GOAL)
-    load, angle = np.array([1.6 / math.sin(ANGLE)]), np.array([ANGLE])
-    slow, quick = (search._slowest(load, (f, f), angle) for f in (25.0, 30.0))
-    impacts = [search._question.hardest_impacts(s, search.scenarios)[0] for s in (slow, quick)]
-    assert impacts[0] > 0.0
-    assert impacts[0] == pytest.approx(1.2 * impacts[1], rel=1e-9)
+def test_a_limit_on_impacts_frees_the_least_frequency() -> None:
+    """At the same load impacts go with 1/f."""
+    goal = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 900}
+    search = optimiser(Regime.HOPPING, goal=goal)
+    assert search._free(search._ranges[0]).tolist() == [True, True, True]
+    coordinates = np.array([[0.5, 0.5], [0.0, 1.0], [0.0, 0.0]])
+    setting, _, _ = search._settings(coordinates, search._ranges[0], 1.0)
+    assert setting.frequency[0] < setting.frequency[1] == 30.0
+    assert search._question.load(setting)[0] == pytest.approx(search._question.load(setting)[1])
 
 
 @pytest.mark.parametrize(

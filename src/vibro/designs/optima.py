@@ -249,6 +249,8 @@ class Optimiser(ABC):
             others["tip"] = replace(question, spec=replace(question.spec, stand_ratio=math.inf))
         if question.highest is Regime.FORWARD_SLIP:
             others["back slip"] = replace(question, highest=Regime.BACK_SLIP)
+        if not question.flies:
+            others["hop"] = replace(question, highest=Regime.HOPPING)
         return next((name for name, other in others.items() if type(self)(other).fastest()), "limit")
 
     # The searches, of the scenarios alone.
@@ -443,17 +445,18 @@ class LineOptimiser(Optimiser):
         self._checked = Regime.HOPPING
 
     def _free(self, spans: Spans) -> Bools:
-        """Return which coordinates are free: the load, and the drive angle, but no frequency."""
+        """Return which are free: load, drive angle, and where impacts limit it the least frequency."""
         low, high = self._reach(spans)
-        return np.array([low < high, False, spans[2][0] < spans[2][1]])
+        raised = math.isfinite(self._question.landings.impact_speed) and spans[1][0] < spans[1][1]
+        return np.array([low < high, raised, spans[2][0] < spans[2][1]])
 
     def _settings(self, coordinates: Floats, spans: Spans, scale: float) -> tuple[Setting, Floats, Bools]:
         """Return settings at unit-cube coordinates, the shares of their loads, and which can be."""
-        share, _, turn = coordinates
-        angles = inside(spans[2], turn)
+        share, raised, turn = coordinates
+        angles, frequency = inside(spans[2], turn), (inside(spans[1], raised), spans[1][1])
         tops = np.min([cap[:, 0] for cap in self._caps(angles[:, None], scale).values()], axis=0)
         loads, possible = below(tops, self._reach(spans), share)
-        return self._setting(loads, spans[1], angles, scale), share, possible & (loads > 0.0)
+        return self._slowest(loads, frequency, angles), share, possible & (loads > 0.0)
 
     def _caps(self, drive_angle: Floats, scale: Floats | float = 1.0) -> dict[str, Floats]:
         """Return the largest nominal load of each drive angle, by the constraint that sets it.
@@ -491,21 +494,11 @@ class LineOptimiser(Optimiser):
         )
         return low, high
 
-    def _setting(self, load: Floats, frequency: Span, drive_angle: Floats, scale: float = 1.0) -> Setting:
-        """Return the fastest setting of a load: the lowest frequency that amplitudes and impacts allow.
+    def _slowest(self, load: Floats, frequency: tuple[Any, Any], drive_angle: Floats) -> Setting:
+        """Return the fastest setting of a load: at the lowest frequency that the amplitudes allow.
 
         At one load the speed of every body goes with 1/f, and so do its impacts.
         """
-        question, limit = self._question, self._question.landings.impact_speed
-        setting = self._slowest(load, frequency, drive_angle)
-        if math.isinf(limit):
-            return setting
-        hardest = question.hardest_impacts(setting, self.scenarios, scale) * (1.0 + TOLERANCES.beside)
-        raised = setting.frequency * np.maximum(hardest / limit, 1.0)
-        return self._slowest(load, (raised, frequency[1]), drive_angle)
-
-    def _slowest(self, load: Floats, frequency: tuple[Any, Any], drive_angle: Floats) -> Setting:
-        """Return the setting of a load at the lowest frequency that the amplitudes allow."""
         question = self._question
         weight = np.maximum(load, TOLERANCES.short) * question.spec.gravity / (4.0 * math.pi**2)  # A f^2
         least, most = question.drive.span("amplitude")
@@ -525,29 +518,6 @@ class LineOptimiser(Optimiser):
     def keeps_to_regime(self, found: Found) -> bool:
         """Return whether every body of a setting keeps to the regime, as its load is below all limits."""
         return True
-
-    def limit(self, found: Found, scale: float) -> str:
-        """Return the name of a setting's active constraint, with bands scaled by a factor."""
-        question = self._question
-        load = float(question.load(found.setting))
-        landings = question.landings.scaled(TOLERANCES.nearly)
-        if landings.worst(question.box(found.setting, scale)).size:
-            return "limit"
-        turned = question.space.turned(found.setting)
-        caps = self._caps(np.array([[turned["drive_angle"]]]), scale)
-        name, cap = min(((name, float(cap[0, 0])) for name, cap in caps.items()), key=lambda pair: pair[1])
-        if load >= cap * (1.0 - TOLERANCES.at):
-            return name
-        most = question.drive.span("amplitude")[1]
-        return "limit" if turned["amplitude"] >= most * (1.0 - TOLERANCES.at) else "speed"
-
-    def first_cap(self) -> str:
-        """Return the constraint that bounds the load before any speed is guaranteed, at the middle angle."""
-        middle = np.array([[float(np.mean(self._question.drive.choices["drive_angle"][0]))]])
-        caps = {name: float(cap[0, 0]) for name, cap in self._caps(middle).items()}
-        reach = max(self._reach(spans)[1] for spans in self._ranges)
-        caps["limit"] = min(caps["limit"], reach)
-        return min(caps, key=lambda name: caps[name])
 
 
 def _unit(drive_angle: Any) -> Setting:

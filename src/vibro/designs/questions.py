@@ -20,7 +20,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from vibro.designs.spaces import AnySetting, Ends, Points, Space, Span
+    from vibro.designs.spaces import AnySetting, Ends, Space, Span
     from vibro.drives import Ellipse, Harmonics, Line, Motion, Piecewise
     from vibro.machines.machine import Machine
     from vibro.quantities import Quantity
@@ -498,35 +498,21 @@ class Question:
         drift = self.drift
         return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** self.space.power
 
-    def hardest_impacts(self, setting: AnySetting, scenarios: Floats, scale: Floats | float = 1.0) -> Floats:
-        """Return the largest impact speed of scenarios at each of some settings, 1-D; 0 where none lands."""
-        boxes, points = self._bodies(setting, scenarios, scale)
-        # at one load landings are hardest at the lowest frequency
-        cycle = solve(boxes.scene(points, fast=True), flight=self.flies)
-        return np.asarray(np.nanmax(cycle.impact_velocity, axis=1, initial=0.0))
-
     def speeds(self, setting: AnySetting, scenarios: Floats, scale: Floats | float = 1.0) -> Floats:
         """Speeds of scenarios at settings, 1-D, of shape (settings, scenarios).
 
         -inf where a body breaks a constraint; NaN where its speed is unknown and it is left out.
         """
-        boxes, points = self._bodies(setting, scenarios, scale)
+        columns = setting._make(np.reshape(x, (-1, 1)) for x in setting)
+        boxes = self.box(columns, np.reshape(scale, (-1, 1)))
+        points = boxes.points(scenarios[:, None, :])
         scene = boxes.scene(points, fast=False)
         cycle = solve(scene, flight=self.flies)
         bad = self.landings.broken(boxes, points, cycle)
-        if not self.space.proves:  # for lines the limits on the load have excluded these already
-            bad |= np.asarray(cycle.regime) > self.highest
-            if math.isfinite(self.spec.stand_ratio):
-                bad |= stays_upright(scene, self.spec.stand_ratio) != 1
+        bad |= np.asarray(cycle.regime) > self.highest
+        if math.isfinite(self.spec.stand_ratio):
+            bad |= stays_upright(scene, self.spec.stand_ratio) != 1
         return np.where(bad, -np.inf, counted(cycle, fast=False))
-
-    def _bodies(
-        self, setting: AnySetting, scenarios: Floats, scale: Floats | float
-    ) -> tuple[UncertaintySet, Points]:
-        """Return the uncertainty sets of settings, 1-D, and the scenarios of each."""
-        columns = setting._make(np.reshape(x, (-1, 1)) for x in setting)
-        boxes = self.box(columns, np.reshape(scale, (-1, 1)))
-        return boxes, boxes.points(scenarios[:, None, :])
 
 
 def _scaled(band: Span, scale: Any) -> Ends:
