@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -149,15 +150,17 @@ class SettledMotion:
         Of the drive [s].
     advance : float
         Displacement relative to the trough per cycle [m].
-    phases : tuple of Phase
-        One cycle, at trough times.
     """
 
     pattern: str
     period: float
     advance: float
-    phases: tuple[Phase, ...]
     _steady: _SteadyCycle
+
+    @cached_property
+    def phases(self) -> tuple[Phase, ...]:
+        """One cycle, at trough times."""
+        return tuple(_at_trough_times(self._steady))
 
     @property
     def slides(self) -> tuple[tuple[int, float, float], ...]:
@@ -216,4 +219,4 @@ def settled_motion(scene: Scene) -> SettledMotion:
     if steady.history.period_cycles > 1:
         raise VibroError(f"{_NONE}: the body repeats its motion only every few cycles")
     period, advance = 1.0 / float(scene.frequency), float(cycle.displacement_per_cycle)
-    return SettledMotion(str(cycle.pattern), period, advance, tuple(_at_trough_times(steady)), steady)
+    return SettledMotion(str(cycle.pattern), period, advance, steady)
