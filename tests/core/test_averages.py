@@ -12,13 +12,12 @@ from helpers.hopping_bodies import FLIGHTS, HOPS, ellipse, line, unit, walker
 
 from vibro.core import hops as averages_module
 from vibro.core.codes import Status
-from vibro.core.drive import Loads, trough_along
+from vibro.core.drive import Loads
 from vibro.core.flight import single_bounce, sinusoidal
 from vibro.core.hops import (
     Bodies,
     Means,
     _balance,
-    _slide,
     _variances,
     _with_single_bounces,
     averages,
@@ -30,8 +29,6 @@ from vibro.core.return_map import (
     hopping_cycle,
     orbit_from,
     release,
-    return_map,
-    with_same_ground_speed,
     write_hop,
 )
 
@@ -67,30 +64,6 @@ def test_variances_are_those_of_the_textbook() -> None:
     assert own == pytest.approx(statistics.variance([a + b for a, b in off]), rel=1e-12)
     assert halves == pytest.approx(statistics.fmean([(a - b) ** 2 for a, b in off]), rel=1e-12)
     assert drift == 0.0
-
-
-@pytest.mark.parametrize("shift", [0.0, 3.0])
-def test_drifts_are_those_that_a_t_test_finds(shift: float) -> None:
-    pick, bodies = random.Random(2), ROOM
-    off = [(shift + pick.gauss(0.0, 1.0), -shift + pick.gauss(0.0, 1.0)) for _ in LIST]
-    for i in LIST:
-        for half in range(2):
-            bodies.time[2 * i + half], bodies.path[2 * i + half] = 0.5, off[i][half]
-    differences = [a - b for a, b in off]
-    drift = statistics.fmean(differences)
-    t = drift / (statistics.stdev(differences) / math.sqrt(BODIES))
-    found = _variances(bodies, 0.0, BODIES)[2]
-    assert found == (pytest.approx(drift * drift, rel=1e-12) if t * t > 5.0 else 0.0)
-    assert (found > 0.0) == (shift > 1.0)
-
-
-def test_bodies_side_by_side_drift_together() -> None:
-    # their scatter is nothing, but one body's halves differ
-    bodies = ROOM
-    for i in LIST:
-        for half in range(2):
-            bodies.time[2 * i + half], bodies.path[2 * i + half] = 0.5, 0.5 - half
-    assert _variances(bodies, 0.0, BODIES) == (0.0, 1.0, 1.0)
 
 
 def _with(
@@ -185,29 +158,6 @@ def test_means_are_those_of_a_body_walked_for_long() -> None:
         assert means.peak == pytest.approx(peak / unit(loads), rel=0.25)
 
 
-def test_sums_are_those_of_all_bodies() -> None:
-    loads, e = ellipse(4.3, 0.8, 1.0, 0.7, 0.5, 0.4, 0.05), 0.2
-    track, means = track_of(loads, e), _averaged(loads, e, 8)
-    start = release(track)
-    entered = with_same_ground_speed(loads, start.velocity, start.phase, track.lift_off)
-    path = time = aloft = impact = peak = 0.0
-    for i in LIST:
-        sample = fly_sample(loads, e, i, 8, HOPS, 0)
-        velocity = return_map(track, HOPS, 0, sample.first, 0.0, 0.0, entered).velocity
-        one = return_map(track, HOPS, sample.first, sample.middle, 0.0, 0.0, velocity)
-        two = return_map(track, HOPS, sample.middle, sample.last, 0.0, 0.0, one.velocity)
-        path += one.displacement + two.displacement
-        time += sample.first_time + sample.second_time
-        aloft += sample.aloft
-        impact, peak = max(impact, sample.impact), max(peak, one.peak, two.peak)
-        velocities = ROOM.start[2 * i], ROOM.start[2 * i + 1]
-        assert velocities == pytest.approx((velocity, sample.trough), abs=1e-13)
-    assert means.displacement == pytest.approx(TURN * path / time, rel=1e-12)
-    assert means.flight_fraction == pytest.approx(aloft / time, rel=1e-12)
-    assert means.impact == loads.weight_normal * impact
-    assert means.peak == peak
-
-
 def test_without_friction_bodies_keep_their_velocity_over_the_ground() -> None:
     # as long as no contact stops them
     loads = line(2.45, 30.0, 0.5, 0.0)
@@ -238,31 +188,6 @@ def test_the_error_shrinks_with_the_root_of_the_sample() -> None:
 # ------------------------------------------------------------------------------- gains and balance
 
 
-def test_gains_are_changes_of_the_velocity_over_the_ground() -> None:
-    for loads, e in ((line(2.45, 30.0, 0.5, 0.05, 2.0), 0.3), (line(4.3, 30.0, 0.5, 0.4, -5.0), 0.2)):
-        track = track_of(loads, e)
-        averages(track, e, 6, True, FLIGHTS, HOPS, ROOM)
-        bodies, gained = ROOM, []
-        slid = _slide(track, HOPS, bodies)
-        stops = 0
-        for i in LIST:
-            velocity = bodies.start[2 * i]
-            for half in range(2):
-                first, last = (int(bodies.row[3 * i + half + k]) for k in (0, 1))
-                leg = return_map(track, HOPS, first, last, 0.0, 0.0, velocity)
-                change = leg.velocity - velocity - loads.drive_tangential * bodies.swing[2 * i + half]
-                assert bodies.gain[2 * i + half] == pytest.approx(change, abs=1e-11)
-                assert bodies.path[2 * i + half] == leg.displacement
-                stops += leg.slope == 0.0
-                gained.append((half, leg))
-                velocity = leg.velocity
-        assert slid.peak == max(leg.peak for _, leg in gained)
-        ends = [leg.velocity for half, leg in gained if half == 1]
-        assert slid.fastest == max(-math.copysign(v, v * loads.weight_tangential) for v in ends)
-        assert slid.forgets == all(leg.slope == 0.0 for half, leg in gained if half == 1)
-        assert slid.always_forgets == (stops == 2 * BODIES)
-
-
 def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
     loads = line(2.45, 30.0, 0.5, 1e-3, 0.02)
     track, a = track_of(loads, 0.3), loads.drive_tangential
@@ -285,31 +210,6 @@ def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
         assert mean == pytest.approx(means.displacement, abs=means.deviation)
     assert max(grounds) - min(grounds) < 0.3 * a
     assert means.deviation < 0.5
-
-
-def test_corrections_of_paths_cancel_and_follow_the_gains() -> None:
-    loads = line(2.45, 30.0, 0.5, 1e-3)
-    track, bodies = track_of(loads, 0.3), ROOM
-    _averaged(loads, 0.3, 24)
-    corrected = [bodies.path[i] for i in range(2 * BODIES)]
-    gains = [bodies.gain[i] for i in range(2 * BODIES)]
-    _slide(track, HOPS, bodies)
-    moved = [c - bodies.path[i] for i, c in enumerate(corrected)]
-    assert [bodies.gain[i] for i in range(2 * BODIES)] == gains
-    # a faster body goes farther and gains less: the effect of a gain on the path is negative
-    effect = -moved[0] / gains[0]
-    assert effect < 0.0
-    for change, gain in zip(moved, gains, strict=True):
-        assert change == pytest.approx(-effect * gain, rel=1e-7, abs=1e-9)
-    h = 1e-3
-    path, gain_before = sum(bodies.path[i] for i in range(24)), sum(gains)
-    for i in LIST:
-        bodies.start[2 * i] += h
-    _slide(track, HOPS, bodies)
-    slope = (sum(bodies.path[i] for i in range(24)) - path) / (
-        sum(bodies.gain[i] for i in range(24)) - gain_before
-    )
-    assert 0.2 < effect / slope < 5.0
 
 
 def test_bodies_that_gravity_drives_on_without_a_stop_run_away() -> None:
@@ -379,11 +279,3 @@ def test_a_stable_bounce_that_runs_away_leaves_no_mean() -> None:
     out = _with_single_bounces(track_of(loads, 0.7), 0.7, means, 0.1, HOPS, FLIGHTS.speed)
     assert out.status == Status.RUNAWAY
     assert all(math.isnan(x) for x in out[1:])
-
-
-def test_the_trough_s_velocity_is_that_along_itself() -> None:
-    # what the samples say of the start is what the balance counts from
-    loads = ellipse(4.3, 0.8, 1.0, 0.7, 0.5, 0.4)
-    sample = fly_sample(loads, 0.2, 3, 6, HOPS, 0)
-    stop = sample.trough - sample.first_swing - sample.second_swing
-    assert stop == pytest.approx(trough_along(loads, math.asin(1.0 / 4.3)).velocity, abs=1e-12)

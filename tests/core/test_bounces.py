@@ -12,13 +12,11 @@ from helpers.cases import each
 from vibro.core.flight import (
     BOUNCE,
     MOST_FLIGHTS,
-    Bed,
     Bounces,
     Covariance,
     Flight,
     Flights,
     _close,
-    _near_repeat,
     after_landing,
     bounces,
     flight,
@@ -214,34 +212,6 @@ def test_a_cycle_that_never_rests_is_one_of_the_flight_map(
     assert min(near) < 0.1
 
 
-def test_a_cycle_that_repeats_within_itself_is_cut() -> None:
-    throw, restitution = 1.4, 0.7
-    at = single_bounce(sinusoidal(throw), restitution, 2, 0)
-    FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1e-4, at.speed - 1e-4
-    for lag in (1, 2, 6):
-        assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, lag) == (1, 2)
-        assert FLIGHTS.phase[21] == pytest.approx(at.phase, abs=1e-11)
-        assert FLIGHTS.speed[21] == pytest.approx(at.speed, abs=1e-11)
-
-
-def test_newtons_iteration_converges_quadratically() -> None:
-    # from 1e-2 to 1e-4, 1e-8 and 1e-16; with one wrong derivative it takes more steps
-    throw, restitution = 1.4, 0.7
-    at, steps = single_bounce(sinusoidal(throw), restitution, 2, 0), 0
-
-    def counted(bed: Bed, phase: float, speed: float) -> Flight:
-        nonlocal steps
-        steps += 1
-        return flight(bed, phase, speed)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.core.flight.flight", counted)
-        for phase, speed in ((0.01, 0.0), (0.0, 0.01), (-0.01, 0.01)):
-            FLIGHTS.phase[20], FLIGHTS.speed[20], steps = at.phase + phase, at.speed + speed, 0
-            assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, 1) == (1, 2)
-            assert steps <= 5
-
-
 def test_an_unstable_cycle_and_a_start_far_from_any_are_not_closed() -> None:
     throw, restitution = 1.6, 0.7
     at = single_bounce(sinusoidal(throw), restitution, 2, 0)
@@ -251,29 +221,6 @@ def test_an_unstable_cycle_and_a_start_far_from_any_are_not_closed() -> None:
     assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, 1) == (0, 0)
     FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1.0, at.speed
     assert _close(sinusoidal(1.4), restitution, FLIGHTS, 20, 1) == (0, 0)
-
-
-def test_states_repeat_nearly_if_they_are_close_for_the_flights_between_and_not_of_one_chain() -> None:
-    for row in range(12):
-        FLIGHTS.phase[row], FLIGHTS.speed[row], FLIGHTS.before[row] = 0.5 * row, 1.0, 4.0 * row
-    assert _near_repeat(FLIGHTS, 11) == 0
-    FLIGHTS.phase[8] = FLIGHTS.phase[11] + 0.032  # three flights back: 0.096 in all
-    assert _near_repeat(FLIGHTS, 11) == 3
-    FLIGHTS.phase[8] = FLIGHTS.phase[11] + 0.034
-    assert _near_repeat(FLIGHTS, 11) == 0
-    FLIGHTS.phase[8], FLIGHTS.speed[8] = FLIGHTS.phase[11] + TURN + 0.02, 1.0 - 0.012  # of both together
-    assert _near_repeat(FLIGHTS, 11) == 3
-    FLIGHTS.phase[6] = FLIGHTS.phase[11] + 0.0046  # five flights back: 0.023, less than a quarter of 0.096
-    assert _near_repeat(FLIGHTS, 11) == 5
-    FLIGHTS.phase[6] = FLIGHTS.phase[11] + 0.0050
-    assert _near_repeat(FLIGHTS, 11) == 3
-    FLIGHTS.phase[5] = FLIGHTS.phase[11]  # six back, the most of twelve
-    assert _near_repeat(FLIGHTS, 11) == 6
-    FLIGHTS.phase[5], FLIGHTS.phase[4] = 2.5, FLIGHTS.phase[11]
-    assert _near_repeat(FLIGHTS, 11) == 3
-    FLIGHTS.phase[6] = 1.5
-    FLIGHTS.before[8] = FLIGHTS.before[11] - 3.1  # less than half a turn ago
-    assert _near_repeat(FLIGHTS, 11) == 0
 
 
 def test_motion_without_a_cycle_has_no_flights_to_show() -> None:

@@ -11,9 +11,8 @@ from helpers.cases import each
 from helpers.solver_boxes import box_of, largest_speed, solver_boxes
 from helpers.solver_doors import compiled, plain
 from hypothesis import given
-from hypothesis import strategies as st
 
-from vibro.core.boxes import AXES, Box, Cover, _rise, _sink, cover, least_speed, speed_at
+from vibro.core.boxes import AXES, Box, Cover, cover, least_speed, speed_at
 
 LOW = [1.3, 0.33, 0.0, 0.0, 0.0, 0.6, 0.45]
 HIGH = [1.5, 0.37, 0.0, 0.0, 0.03, 0.8, 0.6]
@@ -80,22 +79,6 @@ def test_the_first_of_the_heap_has_the_least_bound(name: str) -> None:
         assert found.bound[found.heap[0]] == found.bound.min()
         for i in range(1, len(found.heap)):
             assert found.bound[found.heap[(i - 1) // 2]] <= found.bound[found.heap[i]]
-
-
-@given(st.lists(st.integers(0, 9), min_size=1, max_size=40), st.integers(0, 9))
-def test_a_heap_stays_one(bounds: list[int], changed: int) -> None:
-    """Rows that rise one by one, and a first row that sinks."""
-    out = room(len(bounds))
-    for row, bound in enumerate(bounds):
-        out.bound[row] = float(bound)
-        _rise(out, row)
-    first = out.heap[0]
-    assert out.bound[first] == min(bounds)
-    out.bound[first] = float(max(changed, min(bounds)))
-    _sink(out, len(bounds))
-    assert sorted(out.heap) == list(range(len(bounds)))
-    for i in range(1, len(bounds)):
-        assert out.bound[out.heap[(i - 1) // 2]] <= out.bound[out.heap[i]]
 
 
 @pytest.mark.parametrize("name", BOXES)

@@ -8,7 +8,7 @@ import pytest
 from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
 
 from vibro.core import attractors as coexistence_module
-from vibro.core.attractors import _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
+from vibro.core.attractors import _flies_otherwise, _slides_otherwise, coexisting
 from vibro.core.codes import Status
 from vibro.core.drive import Loads, directions, line_loads, weight_over_load
 from vibro.core.flight import bounces, single_bounce, sinusoidal
@@ -16,10 +16,7 @@ from vibro.core.hops import enter, hopping
 from vibro.core.legs import track_of
 from vibro.core.return_map import (
     HoppingCycle,
-    Orbit,
-    _begun,
     cycle_from,
-    differ,
     hopping_cycle,
     return_map,
     write_hop,
@@ -69,27 +66,6 @@ def test_the_other_flights_of_that_scene() -> None:
         now = return_map(track_of(TWO_FLIGHTS, RESTITUTION), HOPS, other.first, last, 0.0, 0.0, velocity)
         velocity, path = now.velocity, now.displacement
     assert path / scale == pytest.approx(7.36196, rel=2e-6)
-
-
-def test_a_start_leads_elsewhere_by_its_period_or_its_impact() -> None:
-    start = 5.919035947779313, 4.825954263930713
-    motion = bounces(sinusoidal(THROW), RESTITUTION, FLIGHTS, 64, *start, False)
-    impact = max(FLIGHTS.impact[row] for row in range(motion.first, motion.first + motion.count))
-
-    def leads(period: float, speed: float) -> bool:
-        return _leads_elsewhere(sinusoidal(THROW), RESTITUTION, *start, period, speed, FLIGHTS)
-
-    assert not leads(1.0, impact)
-    assert not leads(1.0, impact * (1.0 + 1e-7))
-    assert not leads(1.0, impact * (1.0 - 1e-7))
-    assert leads(1.0, impact + 1e-5)
-    assert leads(1.0, impact - 1e-5)
-    assert leads(2.0, impact)
-    assert leads(math.nan, impact)
-    # what comes to contact goes on as from rest
-    rested = bounces(sinusoidal(1.3), 0.0, FLIGHTS, 64, 1.5, 1.0, False)
-    assert rested.rest > 0.0
-    assert not _leads_elsewhere(sinusoidal(1.3), 0.0, 1.5, 1.0, 5.0, 9.0, FLIGHTS)
 
 
 def test_flights_are_told_from_those_from_rest() -> None:
@@ -208,21 +184,3 @@ def test_bodies_on_which_nothing_acts_may_keep_another_velocity() -> None:
     kept = ellipse(3.6, 0.9, 1.0, 1.2, 0.5, 0.0)
     assert hopping(kept, 0.0, FLIGHTS, HOPS).status == Status.BOUNDARY
     assert _coexists(kept)
-
-
-def test_fixed_points_are_told_apart_beyond_rounding() -> None:
-    cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4), 0.0), 0, 0, 0.0, 0.0, TURN)
-
-    def orbit(velocity: float, slope: float) -> Orbit:
-        return Orbit(velocity, _begun(velocity)._replace(slope=slope), Status.OK)
-
-    home = orbit(0.3, 0.0)
-    assert not differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)
-    assert not differ(cycle, orbit(0.3 - 0.9e-9, 0.0), home)
-    assert differ(cycle, orbit(0.3 + 1.1e-9, 0.0), home)
-    assert differ(cycle, orbit(0.3 - 1.1e-9, 0.0), home)
-    # near a slope of one rounding moves a fixed point far: 8 * 16 eps * forces / (1 - slope)
-    blur = 128.0 * 2.0**-52 * cycle.forces / 1e-9
-    assert not differ(cycle, orbit(0.3 + 0.9 * blur, 1.0 - 1e-9), home)
-    assert differ(cycle, orbit(0.3 + 1.1 * blur, 1.0 - 1e-9), home)
-    assert not differ(cycle, orbit(0.9, 1.0), home)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import random
-from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,12 +12,10 @@ from helpers.cases import each
 from helpers.contact_loads import (
     EPS,
     TURN,
-    Exact,
     body_of,
     ellipse,
     heavier,
     line,
-    random_ellipses,
     random_lines,
     random_loads,
 )
@@ -28,9 +24,9 @@ from helpers.two_axis_scenes import rotated
 
 from vibro.core import contact as module
 from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
-from vibro.core.contact import Steady, outlasts_back, pair_of, ratio_of, regime_alone, steady_cycle
+from vibro.core.contact import Steady, outlasts_back, pair_of, regime_alone, steady_cycle
 from vibro.core.drive import Loads, directions, line_loads, mirrored
-from vibro.core.slides import Thresholds, phase_offset, thresholds
+from vibro.core.slides import Thresholds, thresholds
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -197,14 +193,6 @@ def test_a_slide_whose_refinement_does_not_settle_is_unresolved(monkeypatch: pyt
                 assert (cycle.pattern, cycle.coexists) == (Pattern.NONE, -1)
                 assert math.isnan(cycle.displacement)
     assert seen == {Regime.FORWARD_SLIP, Regime.BACK_SLIP}
-
-
-@pytest.mark.parametrize(
-    ("load", "needed", "ratio"),
-    [(3.0, 2.0, 1.5), (1.0, 0.0, math.inf), (1.0, -1.0, math.inf), (0.0, 0.0, 0.0), (0.0, -1.0, 0.0)],
-)
-def test_the_ratio_of_a_load_to_its_threshold(load: float, needed: float, ratio: float) -> None:
-    assert ratio_of(load, needed) == ratio
 
 
 # --------------------------------------------------------------------------------------- boundaries
@@ -461,30 +449,6 @@ def test_the_flag_is_never_up_where_nothing_else_attracts() -> None:
 
 # ------------------------------------------------------------------------------- which slide comes first
 
-# As ``ellipse``. Phase 0 lies inside the forward window, late enough for the slide from there not to outlast
-# the back window as that from its onset does.
-LATE = [
-    (0.02406, 1.0, 1.894, 1.09, 0.04436, 0.007549, -0.007437),
-    (0.5784, 1.0, 1.549, 1.103, 0.5886, 0.1125, -0.1102),
-    (0.1274, 1.0, 1.318, 1.013, 0.1515, 0.01275, -0.01243),
-]
-
-
-@pytest.mark.parametrize("values", LATE)
-def test_a_late_start_in_a_window_leads_to_another_cycle_than_a_start_from_rest(
-    values: tuple[float, ...],
-) -> None:
-    loads = ellipse(*values)
-    cycle, pair = steady(loads), pair_of(loads, thresholds(loads))
-    assert cycle[1:3] == (Status.OK, Pattern.FB)
-    assert cycle.coexists == 1
-    assert module._first_from_rest(loads, pair) == 0
-    assert settled(body_of(loads)).pattern == "FB"
-    body = body_of(loads)
-    body.p, body.way = body.opens[1], 1
-    assert settled(body).pattern == "F_" == PATTERNS[module._forward_first(loads, pair).pattern]
-    assert_walked(loads)
-
 
 def assert_walked(loads: Loads) -> None:
     """Compare the cycle from rest with the walk."""
@@ -514,54 +478,6 @@ def test_where_cycles_coexist_the_body_gets_the_one_it_comes_to_from_rest(
     assert_walked(loads)
 
 
-def test_on_a_level_trough_the_first_slide_goes_forward() -> None:
-    count = 0
-    for loads in random_ellipses(400, 12, least_throw=0.5):
-        if slips_both_ways(loads):
-            count += 1
-            assert module._first_from_rest(loads, pair_of(loads, thresholds(loads))) == 1
-    assert count > 150
-
-
-def test_a_body_that_rests_at_first_slides_where_the_load_first_grows_too_large() -> None:
-    # climbing troughs that press less and less at first: the body may slip back before it goes forward
-    draw, seen = random.Random(16), {1: 0, -1: 0}
-    for _ in range(8000):
-        mu_s = draw.uniform(0.05, 1.2)
-        trough = draw.uniform(0.0, 0.9) * math.atan(mu_s)
-        normal, along = draw.uniform(0.9, 0.999) * math.cos(trough), mu_s * math.exp(draw.uniform(-3.0, 0.0))
-        scale, phase = max(along, normal), draw.uniform(0.5, 1.7)
-        mu_d = mu_s * draw.uniform(0.01, 1.0)
-        loads = ellipse(along / scale, normal / scale, phase, 1.0 / scale, mu_s, mu_d, trough)
-        pressed = loads.weight_normal - loads.drive_normal * loads.phase_sine
-        if slips_both_ways(loads) and abs(loads.weight_tangential) <= mu_s * pressed:
-            exact = Exact(loads)
-            waits = {way: (exact.window(way)[0] - phase) % TURN for way in (1, -1)}
-            way = min(waits, key=waits.__getitem__)
-            assert module._first_from_rest(loads, pair_of(loads, thresholds(loads))) == way
-            seen[way] += 1
-    assert seen[-1] > 5
-
-
-def test_on_an_incline_the_first_slide_is_that_of_the_walk() -> None:
-    seen = {1: 0, -1: 0, 0: 0}
-    for loads in random_ellipses(3000, 13, steepest=0.8, least_ratio=0.02, least_throw=0.9):
-        if not slips_both_ways(loads):
-            continue
-        way = module._first_from_rest(loads, pair_of(loads, thresholds(loads)))
-        if seen[way] >= 20:
-            continue
-        try:
-            kinds = "".join(leg.kind for leg in islice(body_of(loads).legs(), 60))
-        except NeverEndsError:
-            continue
-        seen[way] += 1
-        slides = [after for before, after in pairwise(kinds) if before == "_"]
-        assert (({"F": 1, "B": -1}[slides[0]]) if slides else 0) == way, loads
-    assert seen[1] == seen[-1] == 20
-    assert seen[0] >= 5
-
-
 def test_not_both_slides_from_rest_outlast_the_opposite_window() -> None:
     # where friction holds a sliding body; on steeper troughs both may, and pushed bodies slide for ever
     outlasting = {"F": 0, "B": 0}
@@ -576,25 +492,3 @@ def test_not_both_slides_from_rest_outlast_the_opposite_window() -> None:
         outlasting["F"] += forward
         outlasting["B"] += back
     assert min(outlasting.values()) > 100
-
-
-def test_the_pair_is_two_slides_and_their_offset() -> None:
-    for loads in random_loads(60, 15, steepest=0.5):
-        if not slips_both_ways(loads):
-            continue
-        pair = pair_of(loads, thresholds(loads))
-        if loads.line:
-            assert pair.offset == 0.0
-        else:
-            assert pair.offset == phase_offset(loads, loads.static_friction)
-        seen = mirrored(loads)
-        other = pair_of(seen, thresholds(seen))
-        swapped = module._mirrored_pair(pair_of(loads._replace(line=False), thresholds(loads)))
-        for ours, theirs in ((swapped.forward, other.forward), (swapped.back, other.back)):
-            assert ours.onset == pytest.approx(theirs.onset, abs=1e-9)
-            assert ours[1:] == pytest.approx(theirs[1:], abs=1e-9)
-        assert math.remainder(swapped.offset - other.offset, TURN) == pytest.approx(0.0, abs=1e-13)
-        if loads.line:
-            turned = module._mirrored_pair(pair)
-            assert turned[:2] == (pair.back, pair.forward)
-            assert turned[3:] == (-pair.ahead, pair.ahead_size, pair.ahead, pair.ahead_size)

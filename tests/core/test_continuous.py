@@ -172,20 +172,6 @@ def test_what_is_not_sure_is_solved_for_half_the_length() -> None:
         assert x.likely()[:5] == pytest.approx(x.by_half_length()[:5], nan_ok=True, abs=0.0)
 
 
-def test_lines_and_level_troughs_without_a_root_are_sure() -> None:
-    assert all(is_sure(x.loads, no_cycle()) for x in LINES)
-    for x in ELLIPSES:
-        sure = x.loads.weight_tangential == 0.0 or module._is_steep(x.loads)
-        assert is_sure(x.loads, no_cycle()) == sure
-
-
-def test_a_trough_is_steep_from_a_share_of_the_angle_of_kinetic_friction_on() -> None:
-    loads = Loads(1.0, 0.1, 1.0, 0.0, 1.0, 0.6, 0.5, 0.0, 1.0, False)
-    assert [module._is_steep(loads._replace(weight_tangential=t)) for t in (0.39, 0.41, -0.39, -0.41)] == [
-        False, True, False, True,
-    ]  # fmt: skip
-
-
 def test_a_mirror_swaps_both_slides() -> None:
     for x in ELLIPSES[::3] + STEEP:
         seen = case(mirrored(x.loads))
@@ -213,16 +199,6 @@ def test_slides_without_resistance_or_load_have_no_root() -> None:
             cycle = half_length_root(found.loads, ours, other)
             assert math.isnan(cycle.y)
             assert not cycle.valid
-
-
-def test_the_lengths_do_not_depend_on_the_load() -> None:
-    # Eq. (18); level: y = pi/2 mu_d tan(alpha)
-    for weight in (0.3, 0.4, 0.5):
-        found = case(line(20.0, weight, 0.74, 0.57))
-        assert found
-        assert found.cycle().y == pytest.approx(
-            0.5 * math.pi * 0.57 * math.tan(math.radians(20.0)), rel=8 * EPS
-        )
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -9,7 +9,7 @@ import pytest
 from helpers.contact_loads import MP, TURN, Exact, ellipse, line, random_loads
 
 from vibro.core.codes import PATTERNS, Pattern, Status
-from vibro.core.contact import CycleSlides, SlideLeg, cycle_slides, no_leg, steady_cycle
+from vibro.core.contact import CycleSlides, SlideLeg, cycle_slides, steady_cycle
 from vibro.core.slides import thresholds
 
 if TYPE_CHECKING:
@@ -93,13 +93,6 @@ def test_there_are_none_without_slip() -> None:
     one_way = line(20.0, 1.0, 0.74, 0.57)  # no back slip
     for pattern in (Pattern.F_B_, Pattern.FB_, Pattern.F_B, Pattern.FB):
         assert _is_empty(cycle_slides(one_way, pattern))
-
-
-def test_a_leg_that_is_none_has_no_numbers() -> None:
-    leg = no_leg()
-    assert (leg.way, leg.from_rest) == (0.0, False)
-    numbers = [leg.zero, leg.begin, leg.end, leg.displacement, *leg.start.onset, *leg.start[1:]]
-    assert all(map(math.isnan, numbers))
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,9 @@ from helpers.cases import each
 from mpmath import mp, mpf
 from scipy.integrate import quad
 
-from vibro.core import numbers
 from vibro.core.numbers import (
     free_motion,
     hypotenuse,
-    positive_part,
     rounded_sign,
     series_q,
     series_r,
@@ -31,13 +29,6 @@ if TYPE_CHECKING:
 EPS = 2.0**-52
 
 
-def test_constants() -> None:
-    assert (math.pi, 2 * math.pi, math.pi / 2) == (numbers.PI, numbers.TURN, numbers.QUARTER)
-    assert (numbers.EPS, numbers.FEW_ULP, numbers.NOISE) == (EPS, 4 * EPS, 16 * EPS)
-    assert math.inf == numbers.INF
-    assert math.isnan(numbers.NAN)
-
-
 def test_phases_are_reduced_to_one_turn() -> None:
     turn = 2.0 * math.pi
     for phase in (0.0, 1.0, 3.0, 4.0, 6.0):
@@ -47,13 +38,6 @@ def test_phases_are_reduced_to_one_turn() -> None:
             assert wrap_around(phase + turns * turn) == pytest.approx(around, abs=1e-14)
     assert wrap(turn) == 0.0
     assert wrap_around(-math.pi) == -math.pi == wrap_around(math.pi)
-
-
-@pytest.mark.parametrize(
-    ("value", "part"), [(2.5, 2.5), (0.0, 0.0), (-2.5, 0.0), (math.nan, 0.0), (math.inf, math.inf)]
-)
-def test_the_positive_part(value: float, part: float) -> None:
-    assert positive_part(value) == part
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-150, 1e-200, 1e150, 1e200, 1e307])

@@ -25,7 +25,6 @@ from helpers.followed import (
 
 from vibro.core import history
 from vibro.core.codes import Mode
-from vibro.core.drive import Loads
 from vibro.core.history import (
     Followed,
     Launch,
@@ -34,7 +33,6 @@ from vibro.core.history import (
     State,
     course_of,
     follow_legs,
-    is_section,
     sections_of,
     starting,
     step,
@@ -248,38 +246,6 @@ def test_normal_speeds_are_over_those_of_the_trough(name: str) -> None:
             assert legs.rate[i + 1] == pytest.approx(restitution * legs.impact[i], rel=1e-14)
             bounced += 1
     assert bounced > 3
-
-
-def _sections(loads: Loads, restitution: float) -> Sections:
-    return sections_of(course_of(loads, restitution), FLIGHTS)
-
-
-def test_where_a_motion_is_compared_with_itself() -> None:
-    assert _sections(CONTACT["F_"], 0.0) == Sections(1, lands=True, cycles=1)
-    assert _sections(*HOPS["HFB"]) == Sections(1, lands=True, cycles=1)
-    throw = 3.5
-    once = line(throw / math.sin(0.5), math.degrees(0.5), 0.5, 0.4)  # thrown once a turn, without a rest
-    assert _sections(once, 0.0) == Sections(1, lands=False, cycles=1)
-    assert _sections(*HOPS["HHH"]) == Sections(3, lands=False, cycles=3)
-    assert _sections(line(12.0, 30.0, 0.5, 0.4), 0.3) == Sections(
-        0, lands=False, cycles=0
-    )  # without a period
-
-
-def test_sections() -> None:
-    contact, hops = course_of(CONTACT["FB"], 0.0), course_of(*HOPS["HFB"])
-    edge = hops.track.lift_off
-
-    def at(mode: Mode, phase: float = 1.0, rate: float = 0.0) -> State:
-        return State(3, phase, int(mode), 0.0, 0.0, rate)
-
-    slides = lands = Sections(1, True, 1)
-    flies, none = Sections(2, False, 2), Sections(0, False, 0)
-    assert [is_section(contact, slides, at(m), 2) for m in (Mode.REST, Mode.FORWARD, Mode.BACK)] == [0, 1, 1]
-    assert [is_section(hops, lands, at(m, edge), 2) for m in (Mode.FLIGHT, Mode.FORWARD)] == [1, 0]
-    assert [is_section(hops, lands, at(Mode.FLIGHT, p, r), 2) for p, r in ((edge, 0.1), (1.0, 0.0))] == [0, 0]
-    assert [is_section(hops, flies, at(m, 1.0, 0.1), 2) for m in (Mode.FLIGHT, Mode.REST)] == [1, 0]
-    assert not is_section(hops, none, at(Mode.FLIGHT, edge), 2)
 
 
 def test_a_cycle_of_several_flights_is_compared_flight_by_flight() -> None:

@@ -62,21 +62,6 @@ def test_forcing_is_load_less_kinetic_friction(loads: Loads, way: float) -> None
     assert at.amplitude >= 0.0
 
 
-@pytest.mark.parametrize("drag", [-0.9, -0.3, 0.0, 0.2, 0.999])
-def test_below_the_amplitude_the_speed_has_minima_where_forcing_equals_drag(drag: float) -> None:
-    # level trough, alpha = 0: amplitude 1, drag mu n, and the sign of t
-    at = forcing(Loads(1.0, 0.0, 1.0, drag, 1.0, 1.0, 0.0, 0.0, 1.0, True), 1.0)
-    assert (at.amplitude, at.drag, at.excess) == (1.0, drag, 0.0)
-    assert math.sin(at.kappa) == pytest.approx(drag, abs=1e-15)
-    assert at.bend == pytest.approx(math.cos(at.kappa), rel=1e-13)
-
-
-@pytest.mark.parametrize(("drag", "excess"), [(1.0, 0.0), (1.5, 0.5), (-1.0, 0.0), (-3.0, -2.0)])
-def test_from_the_amplitude_on_drag_wins_at_every_phase(drag: float, excess: float) -> None:
-    at = forcing(Loads(1.0, 0.0, 1.0, drag, 1.0, 1.0, 0.0, 0.0, 1.0, True), 1.0)
-    assert at == Forcing(0.0, 1.0, drag, math.copysign(0.5 * math.pi, drag), 0.0, excess)
-
-
 def test_forcing_stays_finite_where_friction_and_weight_are_extreme() -> None:
     at = forcing(Loads(0.5, 0.5, 1e307, -1e306, 1.0, 1e300, 1e300, 0.0, 1.0, True), 1.0)
     assert all(math.isfinite(x) for x in at)
@@ -249,27 +234,6 @@ def test_a_body_that_moves_at_the_minimum_of_its_speed_slides_on() -> None:
         assert end.speed == pytest.approx(1.0 - math.cos(1.0) - 0.01, rel=1e-12)
 
 
-def test_without_forcing_drag_alone_stops_a_slide() -> None:
-    at = Forcing(0.0, 0.0, 0.25, 0.5 * math.pi, 0.0, 0.25)
-    for speed in (1e-9, 0.3, 7.0, 1e4):
-        end = slide_from_speed(at, 2.0, speed, math.inf)
-        assert end.length == pytest.approx(4.0 * speed, rel=1e-12, abs=1e-14)
-        assert end.top == speed
-        assert end.stopped
-
-
-def test_without_drag_a_slide_from_rest_ends_where_the_forcing_has_taken_back_what_it_gave() -> None:
-    at = Forcing(0.0, 0.7, 0.0, 0.0, 0.7, 0.0)
-    for phase in (0.2, 1.0, 1.5):
-        end = slide_from_speed(at, phase, 0.0, math.inf)
-        assert end.length == pytest.approx(TURN - 2.0 * phase, rel=1e-14)
-        assert end.top == pytest.approx(0.7 * (math.cos(phase) + 1.0), rel=1e-14)
-    assert math.isinf(slide_from_speed(at, 0.2, 1.0, math.inf).length)
-    cut = slide_from_speed(at, 0.2, 1.0, 3.0 * TURN)
-    assert not cut.stopped
-    assert cut.speed == pytest.approx(1.0, rel=1e-14)
-
-
 def test_a_slide_that_outlasts_what_a_phase_can_count_never_ends() -> None:
     at = Forcing(0.0, 1.0, 1e-17, 1e-17, 1.0, 0.0)
     assert math.isinf(slide_from_speed(at, 0.5, 3.0, math.inf).length)
@@ -393,14 +357,6 @@ def test_a_slide_obeys_newtons_second_law(loads: Loads, mode: Mode, way: float, 
             assert leg.gain == pytest.approx((-way * load - friction) / (-way * load + friction))
         else:
             assert (leg.next_mode, leg.gain) == (Mode.REST, 0.0)
-
-
-def test_slides_turn_rest_and_are_cut_in_the_scenes_above() -> None:
-    seen = set()
-    for loads in SCENES:
-        for mode, way in ((Mode.FORWARD, 1.0), (Mode.BACK, -1.0)):
-            seen.add((mode, contact_leg(track_of(loads, 0.0), mode, 2.3, way * 0.6, math.inf).next_mode))
-    assert seen == {(mode, after) for mode in (2, 3) for after in (4, 5 - mode)}
 
 
 @pytest.mark.parametrize("loads", [SCENES[1], SCENES[4]])

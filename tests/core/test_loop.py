@@ -13,25 +13,20 @@ from helpers.solver_doors import plain
 
 import vibro
 from vibro import Regime, Scene, Status
-from vibro.core import contact, loop
+from vibro.core import loop
 from vibro.core.attractors import coexisting
 from vibro.core.codes import IRREGULAR, SPELT_PATTERNS, Model
-from vibro.core.compiled import Doors, doors
+from vibro.core.compiled import Doors
 from vibro.core.contact import (
-    cycle_slides,
     ratio_of,
     regime_alone,
     steady_cycle,
 )
 from vibro.core.flight import Flights
 from vibro.core.hops import hopping
-from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.return_map import Hops
-from vibro.core.scenes import Place, Scenes, seek, unit_point_at
 from vibro.core.slides import thresholds
-from vibro.drives import Line
 from vibro.results.steady import RESULTS
-from vibro.steady import load_slope, slides_of
 from vibro.threads import Grid, Scratch
 
 if TYPE_CHECKING:
@@ -237,52 +232,7 @@ def test_solving_is_contact_then_hops_then_a_search() -> None:
     assert np.isnan(classes.mean_velocity[1:]).all()
 
 
-def test_one_scene_gives_numbers() -> None:
-    one = vibro.solve(at_load(2.0, 20.0, 0.74, 0.57))
-    assert one.mean_velocity.shape == ()
-    assert one.mean_velocity == vibro.solve(LINES).mean_velocity[4]
-
-
 # ------------------------------------------------------------------------------- limits and slopes
-
-
-def test_critical_loads_go_to_their_fields() -> None:
-    for scene in (LINES, ELLIPSES):
-        found = vibro.critical_loads(scene)
-        fields = scene.arrays()
-        if isinstance(fields, Line):
-            fields = fields._replace(amplitude=np.ones(()))
-        grid = Grid(fields)
-        scenes, place = Scenes(*grid.scenes), Place(*map(doors().row, grid.place()))
-        for i in range(grid.size):
-            seek(scenes, place, i)
-            unit = unit_point_at(scenes, place).loads
-            expected = critical_loads(unit)
-            assert [np.broadcast_to(x, (grid.size,))[i] for x in found] == list(expected)
-
-
-def test_tipping_loads_go_with_their_stand_ratios() -> None:
-    ratios = np.array([0.2, 0.3, 0.39])
-    found = vibro.limits.tipping_load(at_load(1.0, [[20.0], [30.0]], 0.4, 0.3), ratios)
-    assert found.shape == (2, 3)
-    for i, drive in enumerate((20.0, 30.0)):
-        unit = loads_of(at_load(1.0, drive, 0.4, 0.3))[0]
-        weight = math.hypot(unit.weight_normal, unit.weight_tangential)
-        unit = unit._replace(weight_normal=unit.weight_normal / weight)
-        for j, ratio in enumerate(ratios.tolist()):
-            assert found[i, j] == pytest.approx(tipping_load(unit, ratio), rel=1e-14)
-
-
-@pytest.mark.parametrize("scene", [LINES, INCLINES], ids=["lines", "inclines"])
-def test_slopes_and_slides_go_to_their_fields(scene: Scene) -> None:
-    patterns = vibro.solve(scene, flight=False).pattern_code
-    slopes, slides = load_slope(scene, patterns), slides_of(scene, patterns)
-    for i, loads in enumerate(loads_of(scene)):
-        np.testing.assert_array_equal(slopes[i], contact.load_slope(loads, int(patterns[i])))
-        for half, leg in enumerate(cycle_slides(loads, int(patterns[i]))):
-            numbers = (leg.way, leg.zero, leg.begin, leg.end, leg.start.onset.load, leg.start.onset.k,
-                       leg.displacement)  # fmt: skip
-            np.testing.assert_array_equal([member[half, i] for member in slides], numbers)
 
 
 def test_all_doors_are_functions() -> None:

@@ -13,7 +13,7 @@ from vibro.core import return_map
 from vibro.core.codes import Status, spelt_text
 from vibro.core.drive import Loads
 from vibro.core.hops import enter
-from vibro.core.legs import Track, track_of
+from vibro.core.legs import track_of
 from vibro.core.return_map import (
     ROUNDING,
     HoppingCycle,
@@ -67,21 +67,6 @@ def _iterated(cycle: HoppingCycle, velocity: float, most: int = 300) -> tuple[fl
 
 def _bare(loads: Loads, duration: float = TURN) -> HoppingCycle:
     return hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, 0.0, duration)
-
-
-def test_a_cycle_s_sizes_are_those_of_its_loads() -> None:
-    loads = line(1.5, 30.0, 0.5, 0.25, 7.0)
-    cycle = hopping_cycle(track_of(loads, 0.0), 3, 8, 1.25, 2.5, 3.0 * TURN)
-    a, n, t = loads.drive_tangential, loads.weight_normal, loads.weight_tangential
-    assert (cycle.first, cycle.last, cycle.landing, cycle.rest) == (3, 8, 1.25, 2.5)
-    assert cycle.drive == a
-    assert cycle.fall == pytest.approx(-3.0 * TURN * t, rel=1e-15)
-    assert cycle.bound == pytest.approx(2.0 * a + 3.0 * TURN * t, rel=1e-15)
-    assert cycle.forces == pytest.approx(3.0 * TURN * (0.25 * n + t), rel=1e-15)
-    down = _bare(line(1.5, 30.0, 0.5, 0.25, -7.0))
-    assert down.fall > 0.0
-    assert down.bound > 2.0 * a
-    assert stops_of(cycle) == 8
 
 
 @each("way", [1.0, -1.0])
@@ -434,16 +419,6 @@ def test_the_fixed_point_without_a_stop_is_found_from_either_side() -> None:
             nowhere = between(cycle, HOPS, end.velocity, end.velocity)
             assert (nowhere.velocity, nowhere.status) == (end.velocity, Status.UNRESOLVED)
     assert min(seen, barred) > 20
-
-
-def test_slides_that_are_not_solved_leave_the_orbit_unresolved() -> None:
-    loads = line(1.5, 30.0, 0.5, 0.4)
-    track: Track = track_of(loads, 0.0)
-    # a contact that never ends has more legs than any
-    cycle = hopping_cycle(track, 0, 0, 1.0, math.inf, TURN)
-    assert orbit_from(cycle, HOPS, 0.0).status == Status.UNRESOLVED
-    neutral = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.0), 0.0), 0, 0, 1.0, math.inf, TURN)
-    assert orbit_from(neutral, HOPS, 0.0).status == Status.UNRESOLVED
 
 
 @pytest.mark.parametrize("phase", [0.4, -2.2])

@@ -29,7 +29,6 @@ from vibro.core.legs import track_of
 from vibro.core.return_map import (
     Return,
     _append,
-    _begun,
     release,
     return_map,
     with_same_ground_speed,
@@ -229,14 +228,6 @@ def test_impacts_take_what_friction_can_and_no_more() -> None:
     assert spelt_text(stopped.pattern) == "HH"
 
 
-def test_a_start_faster_than_all_that_follows_is_the_peak() -> None:
-    track = track_of(line(1.5, 30.0, 0.5, 0.4), 0.0)
-    for column, value in zip(HOPS, (-0.2, 1.0, 0.0, 10.0, 0.0, -0.2, 0.0, 0.0), strict=True):
-        column[0] = value
-    assert return_map(track, HOPS, 0, 1, 0.0, 0.0, 0.7).peak == 0.7
-    assert return_map(track, HOPS, 0, 0, 0.0, 0.0, -0.7) == _begun(-0.7)
-
-
 def test_contacts_amid_hops_are_those_at_the_end_of_a_cycle() -> None:
     for scene in SCENES[::6]:
         motion = _hops(scene)
@@ -258,13 +249,6 @@ def test_contacts_amid_hops_are_those_at_the_end_of_a_cycle() -> None:
         assert both.peak == max(one.peak, two.peak)
         if both.pattern > 0:
             assert spelt_text(both.pattern) == spelt_text(one.pattern) + spelt_text(two.pattern)
-
-
-def test_a_contact_of_more_legs_than_there_can_be_is_not_settled() -> None:
-    scene = line(1.5, 30.0, 0.5, 0.4)
-    contact = return_map(track_of(scene, 0.0), HOPS, 0, 0, 1.0, math.inf, 0.0)
-    assert not contact.settled
-    assert contact.pattern < 0
 
 
 def _spelt(modes: Sequence[int]) -> int:
@@ -324,26 +308,6 @@ def test_bodies_leave_as_they_do_in_a_walk() -> None:
     assert turning > 0
 
 
-def test_a_line_s_release_is_that_of_the_ellipse_that_it_is() -> None:
-    for scene in draw(40, 10, slope=3.0):
-        loads = scene.loads
-        if abs(loads.weight_tangential) >= loads.static_friction * loads.weight_normal or not loads.line:
-            continue
-        closed, followed = (release(track_of(x, 0.0)) for x in (loads, loads._replace(line=False)))
-        assert closed.velocity == pytest.approx(followed.velocity, abs=1e-13)
-        assert closed.velocity > 0.0
-        # Eq. (35)
-        load = loads.drive_tangential + loads.kinetic_friction * loads.drive_normal
-        drag = loads.kinetic_friction * loads.weight_normal + loads.weight_tangential
-        begin = math.asin(
-            (loads.static_friction * loads.weight_normal + loads.weight_tangential)
-            / (loads.drive_tangential + loads.static_friction * loads.drive_normal)
-        )
-        end = lift_off(loads)
-        expected = load * (math.cos(begin) - math.cos(end)) - drag * (end - begin)
-        assert closed.velocity == pytest.approx(expected, abs=1e-14)
-
-
 @pytest.mark.parametrize(
     ("beyond", "aloft"), [(-1e-6, False), (-1e-10, False), (0.0, False), (1e-10, False), (1e-6, True)]
 )
@@ -353,12 +317,6 @@ def test_a_release_at_the_lift_off_itself_is_no_other_take_off(beyond: float, al
     assert start.aloft == aloft
     assert start.phase == pytest.approx(math.asin(0.5) + max(beyond, 0.0), abs=2e-10)
     assert abs(start.velocity) < 1e-6
-
-
-@pytest.mark.parametrize(("beyond", "aloft"), [(-1e-6, True), (-1e-12, True), (1e-12, False), (1e-6, False)])
-def test_the_trough_bears_a_body_again_half_a_turn_after_it_falls_away(beyond: float, aloft: bool) -> None:
-    loads = ellipse(2.0, 1.0, 0.8, math.pi - math.asin(0.5) + beyond, 0.5, 0.4)
-    assert release(track_of(loads, 0.0)).aloft == aloft
 
 
 def test_the_velocity_over_the_ground_is_that_of_the_body_and_the_trough() -> None:

@@ -12,7 +12,7 @@ from helpers.followed import ALL, CONTACT, HOPS, TURN, ellipse, line, load_along
 
 from vibro.core.codes import Mode
 from vibro.core.drive import Loads
-from vibro.core.history import State, Step, course_of, nearest_turn, starting, step
+from vibro.core.history import State, Step, course_of, starting, step
 
 STARTS = [(0.0, 0.0), (4.0, -0.8), (-8.0, 0.5)]
 
@@ -292,11 +292,6 @@ def test_a_rest_that_ends_where_the_drive_s_cycle_begins_counts_that_cycle() -> 
             after = step(there, State(7, float(phase), int(Mode.REST), 0.0, 0.0, 0.0)).after
             assert after.phase == onset
             assert after.cycle == (8 if onset < 1.0 else 7)
-
-
-def test_nearest_turns() -> None:
-    assert [nearest_turn(x * TURN) for x in (-1.4, -0.6, -0.4, 0.0, 0.4, 0.6, 2.0)] == [-1, -1, 0, 0, 0, 1, 2]
-    assert type(nearest_turn(1.0)) is int
 
 
 def test_states_are_mirrored_with_the_drive() -> None:
