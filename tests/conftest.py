@@ -50,9 +50,9 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 _MARKED: Final = {
     "fast": (
         "cli/test_friction.py", "cli/test_restitution.py", "cli/test_traverse_time.py",
-        "core/test_contact.py", "core/test_cycle_slides.py", "core/test_drives.py", "core/test_elementary.py",
-        "core/test_flight.py", "core/test_legs.py", "core/test_loop.py", "core/test_motions.py",
-        "core/test_samples.py", "core/test_scenes.py", "core/test_steps.py", "core/test_windows.py",
+        "core/test_contact.py", "core/test_drive.py", "core/test_flight.py", "core/test_history.py",
+        "core/test_legs.py", "core/test_loop.py", "core/test_numbers.py", "core/test_scenes.py",
+        "core/test_slides.py",
         "explore/test_form.py", "explore/test_state.py", "files/test_descriptions.py",
         "files/test_machines.py", "files/test_motions.py", "files/test_points.py", "designs/test_bands.py",
         "designs/test_bounds.py", "designs/test_costs.py",

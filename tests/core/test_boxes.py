@@ -1,20 +1,34 @@
-"""Boxes of operating points: the frequencies that stand for a load, and the speed of a single body."""
+"""Boxes of operating points: their loads, bounds of their speeds, branch and bound, and evolution."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from engines.certificates import bounds as independent_bounds
 from helpers.cases import each
-from helpers.solver_boxes import GRAVITY, bodies, box_of, solver_boxes
-from hypothesis import given
+from helpers.draws import examples
+from helpers.solver_boxes import GRAVITY, bodies, box_of, largest_speed, solver_boxes
+from helpers.solver_doors import compiled, plain
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import vibro
-from vibro import Regime
-from vibro.core.boxes import AXES, Box, frequency_at, mean_speed, speed_at
+from vibro import Regime, Scene
+from vibro.core.boxes import (
+    AXES,
+    Box,
+    Cover,
+    Population,
+    cover,
+    evolve,
+    frequency_at,
+    least_speed,
+    mean_speed,
+    speed_at,
+)
 
 NUT = [1.4, 0.35, 0.0, 0.0, 0.0, 0.74, 0.57]
 WIDE = [1.5, 0.36, 0.0, 0.0, 0.0, 0.74, 0.57]
@@ -88,3 +102,455 @@ def test_friction_beyond_its_ratios_is_that_at_the_cut() -> None:
     for kinetic, cut in ((0.2, 0.7 * 0.74), (0.7, 0.75 * 0.74), (0.53, 0.53)):
         given: Any = [*NUT[:6], kinetic, *NUT[:6], cut]
         assert speed_at(box, given, 0) == speed_at(box, given, AXES)
+
+
+# ------------------------------------------------------------------------------
+# Comparison bodies: never faster than a body of their box, and as fast where it has no width.
+
+
+INF = math.inf
+ROUNDING = 1e-14  # of the trough's largest speed
+DRAWN = np.random.default_rng(3).random((AXES + 1, 192))
+SHARES = np.hstack([DRAWN, np.round(DRAWN), np.where(DRAWN < 0.5, np.round(DRAWN), DRAWN)])
+
+
+def bound(box: Box) -> float:
+    return least_speed(box, box.low, box.high, 0)
+
+
+def assert_none_is_slower(box: Box, every: int = 1) -> None:
+    """Each of the bodies, or every so many, unless it has no steady motion."""
+    cycle, least = bodies(box, SHARES[:, ::every]), bound(box)
+    speed = box.way * np.asarray(cycle.mean_velocity)
+    speed = speed[np.isfinite(speed) & (np.asarray(cycle.regime) < 3)]
+    assert np.all(least <= speed + ROUNDING * largest_speed(box))
+
+
+@examples(40)
+@given(solver_boxes())
+def test_no_body_is_slower_than_the_bound_of_its_box(box: Box) -> None:
+    assert_none_is_slower(box)
+
+
+@given(solver_boxes(widest=1e-3))
+def test_no_body_is_slower_than_the_bound_of_a_narrow_box(box: Box) -> None:
+    assert_none_is_slower(box)
+
+
+@examples(30)
+@given(solver_boxes(steep=True))
+def test_no_body_is_slower_on_a_trough_on_which_some_run_away(box: Box) -> None:
+    assert_none_is_slower(box)
+
+
+@given(solver_boxes(widest=0.0))
+def test_the_bound_of_a_single_body_is_its_speed(box: Box) -> None:
+    """To rounding where it rests; where it never does it is followed until its cycles nearly repeat."""
+    box = box._replace(frequency_low=15.0, factor_low=box.factor_high)
+    cycle = bodies(box, np.zeros((AXES + 1, 1)))
+    ratios = np.array([cycle.forward_ratio[0], cycle.back_ratio[0]])
+    assume(cycle.status[0] == vibro.Status.OK and np.all(np.abs(ratios - 1.0) > 1e-3))  # no jump is near
+    rests = cycle.regime[0] == 0 or "_" in str(cycle.pattern[0])
+    assume(rests or strength(box) < 20.0)
+    slack = (1e-11 if rests else 2e-5 * max(1.0, 0.2 * strength(box))) * largest_speed(box)
+    assert bound(box) == pytest.approx(box.way * float(cycle.mean_velocity[0]), rel=0.0, abs=slack)
+
+
+@given(solver_boxes(), st.integers(0, AXES - 1), st.floats(0.0, 1.0))
+def test_a_part_of_a_box_has_no_lower_bound(box: Box, axis: int, share: float) -> None:
+    low: Any = list(box.low)
+    high: Any = list(box.high)
+    cut = low[axis] + share * (high[axis] - low[axis])
+    low[axis], high[axis] = (cut, high[axis]) if share < 0.5 else (low[axis], cut)
+    assert least_speed(box, low, high, 0) >= bound(box) - 2e-5 * largest_speed(box)
+
+
+@given(solver_boxes(), st.integers(0, 4))
+def test_the_row_of_a_box_does_not_matter(box: Box, row: int) -> None:
+    unused: Any = [math.nan] * (AXES * row)
+    low, high = (unused + list(end) for end in (box.low, box.high))
+    assert least_speed(box, low, high, row) == bound(box)
+
+
+def strength(box: Box) -> float:
+    """Largest push over the least friction [1]; beyond 20 cycles without rest take hundreds to settle."""
+    return box.high[0] * (max(box.high[1:3]) if box.ellipse else 1.0) / box.low[6]
+
+
+def own_bound(box: Box) -> float:
+    """The bound of the checker's comparison body."""
+    shape = (
+        ("along_amplitude", "normal_amplitude", "normal_phase") if box.ellipse else ("drive_angle", "", "")
+    )
+    names = ("load", *shape, "trough_angle", "static_friction", "kinetic_friction")
+    ends = {name: np.array([[low], [high]]) for name, low, high in zip(names, box.low, box.high, strict=True)}
+    ends.pop("", None)
+    band = {
+        "friction_ratio": (box.ratio_low, box.ratio_high), "gravity": (box.gravity,),
+        "amplitude": (box.factor_low, box.factor_high), "frequency": (box.frequency_low, box.frequency_high),
+    }  # fmt: skip
+    return float(independent_bounds(ends, band, box.way)[0])
+
+
+@examples(10)
+@given(solver_boxes())
+def test_bounds_are_no_higher_than_those_of_another_program(box: Box) -> None:
+    assume(strength(box) < 20.0)
+    assert bound(box) <= own_bound(box) + 1e-11 * largest_speed(box)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_terms_that_are_at_their_worst_inside_a_band_count(way: float) -> None:
+    """At drive angles about that of friction and its complement, on troughs whose slope is 1 / mu."""
+    for drive in ((0.3, 0.8), (0.5, 0.55), (0.9, 1.2), (1.0, 1.1)):
+        for beta in (-0.45, 0.0, 0.45):
+            for load in (0.3, 0.8):
+                box = line(load=(load, load), first=drive, beta=(beta, beta), way=way)
+                assert bound(box) == pytest.approx(own_bound(box), abs=2e-5 * largest_speed(box))
+    for slopes in ((0.5, 0.8), (0.6, 0.65), (-0.8, 0.8)):
+        ends = sorted(way * b for b in slopes)
+        steep = line(load=(1.9, 1.9), beta=(ends[0], ends[1]), static=(1.5, 1.5), kinetic=(1.4, 1.4), way=way)
+        assert -INF < bound(steep) == pytest.approx(own_bound(steep), abs=2e-5 * largest_speed(steep))
+
+
+LINE = [1.4, 0.35, 0.0, 0.0, 0.0, 0.74, 0.57]
+
+
+def line(*, way: float = 1.0, **changed: Any) -> Box:
+    """A box of a line; ends of bands by the names of its axes."""
+    names = ("load", "first", "second", "third", "beta", "static", "kinetic")
+    ends = [changed.pop(name, (x, x)) for name, x in zip(names, LINE, strict=True)]
+    return box_of([low for low, _ in ends], [high for _, high in ends], way=way, **changed)
+
+
+@pytest.mark.parametrize(
+    ("beta", "way", "bounded"),
+    [
+        (math.atan(0.57) * (1.0 - 1e-9), 1.0, True), (math.atan(0.57) * (1.0 + 1e-9), 1.0, False),
+        (-math.atan(0.57) * (1.0 - 1e-9), 1.0, True), (-math.atan(0.57) * (1.0 + 1e-9), 1.0, False),
+        (math.atan(0.57) * (1.0 - 1e-9), -1.0, True), (math.atan(0.57) * (1.0 + 1e-9), -1.0, False),
+    ],
+)  # fmt: skip
+def test_steep_troughs_have_no_bound(beta: float, way: float, bounded: bool) -> None:
+    """A band too, if some trough of it is that steep upwards; downwards if all of them are."""
+    assert (bound(line(beta=(beta, beta), load=(0.9, 0.9), way=way)) > -INF) is bounded
+
+
+def test_bodies_that_do_not_slip_have_a_bound_of_0() -> None:
+    """Up to the load at which the first one slips."""
+    onset = 0.6 / (math.cos(0.35) + 0.6 * math.sin(0.35))
+    for way in (1.0, -1.0):
+        at_rest = line(load=(0.1, onset * (1.0 - 1e-9)), static=(0.6, 0.8), way=way)
+        assert bound(at_rest) == 0.0
+    moves = line(load=(0.1, onset * (1.0 + 1e-6)), static=(0.6, 0.8), way=-1.0)
+    assert -1e-2 < bound(moves) < 0.0
+    assert bound(line(load=(onset * (1.0 + 1e-6),) * 2, static=(0.6, 0.6))) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("kinetic", "ratio", "has_bodies"),
+    [
+        ((0.5, 0.6), (0.7, 0.75), True), ((0.6, 0.7), (0.7, 0.75), True), ((0.61, 0.7), (0.7, 0.75), False),
+        ((0.3, 0.489), (0.7, 0.75), False), ((0.3, 0.491), (0.7, 0.75), True),
+        ((0.81, 0.9), (0.0, 1.0), False),
+    ],
+)  # fmt: skip
+def test_a_box_without_bodies_has_the_bound_of_none(
+    kinetic: tuple[float, float], ratio: tuple[float, float], has_bodies: bool
+) -> None:
+    box = line(static=(0.7, 0.8), kinetic=kinetic, ratio_low=ratio[0], ratio_high=ratio[1])
+    assert (bound(box) < INF) is has_bodies
+
+
+def test_friction_is_cut_where_its_ratio_has_a_band() -> None:
+    """A band of kinetic friction beyond the ratios, or of static friction below them, costs nothing."""
+    cut = line(static=(0.7, 0.7), kinetic=(0.49, 0.525), ratio_low=0.7, ratio_high=0.75)
+    wide = line(static=(0.7, 0.7), kinetic=(0.2, 0.7), ratio_low=0.7, ratio_high=0.75)
+    assert bound(wide) == pytest.approx(bound(cut), rel=1e-14)
+    # at kinetic friction from 0.6 on there is no static friction below 0.8
+    cut = line(load=(2.0, 2.0), static=(0.8, 0.9), kinetic=(0.6, 0.62), ratio_high=0.75)
+    wide = line(load=(2.0, 2.0), static=(0.6, 0.9), kinetic=(0.6, 0.62), ratio_high=0.75)
+    assert bound(wide) == pytest.approx(bound(cut), rel=1e-14)
+
+
+def test_a_cycle_that_settles_slowly_is_followed_to_its_end() -> None:
+    """After 30 cycles only; its first ones are faster."""
+    scene = Scene(
+        amplitude=3.1966e-3, frequency=15.0, drive_angle=0.2308, static_friction=0.18177,
+        kinetic_friction=0.13857, trough_angle=0.12184,
+    )  # fmt: skip
+    box = box_of([float(scene.load), 0.2308, 0.0, 0.0, 0.12184, 0.18177, 0.13857])
+    speed = float(vibro.solve(scene).mean_velocity)
+    assert speed == pytest.approx(-0.277259, abs=1e-6)
+    assert speed - 1e-6 <= bound(box) <= speed
+    assert -speed - 1e-6 <= bound(box._replace(way=-1.0)) <= -speed
+
+
+@each("way", [1.0, -1.0])
+@each("drive", [0.0, 0.3, math.atan(0.74), 0.5 * math.pi - 1e-5])
+@each("ratio", [0.0, 0.5, 1.0])
+def test_no_body_is_slower_beside_a_threshold(drive: float, ratio: float, way: float) -> None:
+    """Loads about the onsets of both ways, and up to the hop."""
+    mu_s, hop = 0.74, 1.0 / max(math.sin(drive), 0.05)
+    onsets = [mu_s / abs(math.cos(drive) + sigma * mu_s * math.sin(drive)) for sigma in (1.0, -1.0)]
+    for onset in (*onsets, hop):
+        for factor in (1.0 - 1e-12, 1.0, 1.0 + 1e-15, 1.0 + 1e-9, 1.0 + 1e-3):
+            load = min(onset * factor, hop)
+            low = [load, drive, 0.0, 0.0, 0.0, mu_s, ratio * mu_s]
+            assert_none_is_slower(box_of(low, way=way), 12)
+            for axis in (0, 1, 4, 5, 6):
+                high = list(low)
+                high[axis] = min(low[axis] + 1e-6, hop if axis == 0 else mu_s if axis == 6 else INF)
+                if drive + high[4] < 0.5 * math.pi and high[0] * math.sin(high[1]) <= math.cos(high[4]):
+                    assert_none_is_slower(box_of(low, high, way=way), 12)
+
+
+@pytest.mark.parametrize("load", [14.4, 15.0, 20.0])
+def test_a_cycle_counts_once_where_rounding_parts_it(load: float) -> None:
+    """Without kinetic friction on a level trough a slide ends at the phase at which the next may start."""
+    assert_none_is_slower(box_of([load, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0], [load, 0.0, 0.0, 0.0, 0.0, 0.57, 0.0]))
+    for drive in np.linspace(0.0, 0.2, 21):
+        for way in (1.0, -1.0):
+            least = min(load, 0.99 / max(math.sin(drive), 1e-3))
+            assert_none_is_slower(box_of([least, float(drive), 0.0, 0.0, 0.0, 0.1167, 0.0], way=way))
+
+
+def test_ellipses_are_lines_in_step() -> None:
+    """Bounds of the same motion, in both kinds of coordinates."""
+    for load in (0.9, 1.4, 2.5):
+        for way in (1.0, -1.0):
+            narrow = line(load=(load, load), way=way)
+            along, normal = 1e-3 * math.cos(0.35), 1e-3 * math.sin(0.35)
+            low = [1e3 * load, along, normal, 0.0, 0.0, 0.74, 0.57]
+            assert bound(box_of(low, ellipse=True, way=way)) == pytest.approx(bound(narrow), rel=1e-6)
+
+
+# ------------------------------------------------------------------------------
+# Branch and bound: boxes that cover a box, in the order of a heap, within a budget; compiled and plain.
+
+
+LOW = [1.3, 0.33, 0.0, 0.0, 0.0, 0.6, 0.45]
+HIGH = [1.5, 0.37, 0.0, 0.0, 0.03, 0.8, 0.6]
+BOXES = {
+    "line": box_of(LOW, HIGH, ratio_low=0.7, ratio_high=0.8),
+    "fastest": box_of(LOW, HIGH, ratio_low=0.7, ratio_high=0.8, way=-1.0),
+    "ellipse": box_of(
+        [1250.0, 1e-3, 3e-4, -0.6, 0.0, 0.35, 0.3], [1300.0, 1e-3, 4e-4, -0.4, 0.0, 0.4, 0.3], ellipse=True
+    ),
+    "continuous sliding": box_of([2.7, 0.2, 0, 0, 0, 0.18, 0.15], [2.7, 0.2, 0, 0, 0, 0.2, 0.16]),
+}
+
+
+def room(most: int, speed: float = math.inf) -> Cover:
+    ends: Any = [0.0] * AXES * most
+    others: Any = [0.0] * most, [0] * most, [0.0] * 2 * AXES, [speed]
+    return Cover(ends, ends.copy(), *others)
+
+
+class Covered(NamedTuple):
+    low: Any
+    high: Any
+    bound: Any
+    heap: Any
+    point: Any
+    speed: float
+
+
+def covered(box: Box, most: int, gap: float = 1e-3, least: float = 0.0, speed: float = math.inf) -> Covered:
+    out = room(most, speed)
+    count = cover(box, out, gap, least, most)
+    low, high = (np.array(x[: AXES * count]).reshape(count, AXES) for x in (out.low, out.high))
+    return Covered(low, high, np.array(out.bound[:count]), out.heap[:count], out.point[:AXES], out.speed[0])
+
+
+def volume(low: Any, high: Any, box: Box) -> Any:
+    width = np.array(box.high) - np.array(box.low)
+    return np.prod(((high - low) / np.where(width > 0.0, width, 1.0))[:, width > 0.0], axis=1)
+
+
+@each("name", BOXES)
+@each("most", [1, 2, 3, 60])
+def test_boxes_fill_the_box(name: str, most: int) -> None:
+    """Disjoint, of the whole volume; each with a bound that is its own, or that of a box around it."""
+    box = BOXES[name]
+    found = covered(box, most)
+    count = len(found.bound)
+    assert count == most or found.bound.min() >= found.speed * (1.0 - 1e-3)
+    assert volume(found.low, found.high, box).sum() == pytest.approx(1.0, rel=1e-12)
+    apart = (found.low[:, None] >= found.high) | (found.high[:, None] <= found.low)
+    apart &= np.array(box.high) > np.array(box.low)
+    assert np.all(apart.any(axis=2) | np.eye(count, dtype=bool))
+    own = [least_speed(box, found.low.ravel(), found.high.ravel(), row) for row in range(count)]
+    assert np.all(found.bound >= np.array(own))
+    assert np.all(found.bound <= np.maximum(own, found.bound.min()) + 2e-5 * largest_speed(box))
+    assert found.bound.min() >= least_speed(box, box.low, box.high, 0)
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_the_first_of_the_heap_has_the_least_bound(name: str) -> None:
+    for most in (1, 2, 3, 60):
+        found = covered(BOXES[name], most, gap=0.0)
+        assert sorted(found.heap) == list(range(len(found.bound)))
+        assert found.bound[found.heap[0]] == found.bound.min()
+        for i in range(1, len(found.heap)):
+            assert found.bound[found.heap[(i - 1) // 2]] <= found.bound[found.heap[i]]
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_the_slowest_body_that_is_met_is_one_of_the_box(name: str) -> None:
+    box = BOXES[name]
+    found = covered(box, 60)
+    assert found.speed == speed_at(box, found.point, 0)
+    assert np.all((np.array(box.low) <= found.point) & (found.point <= np.array(box.high)))
+    middles = [speed_at(box, 0.5 * (low + high), 0) for low, high in zip(found.low, found.high, strict=True)]
+    assert found.speed <= np.nanmin(middles)
+    assert covered(box, 20, speed=-9.0).speed == -9.0  # a slower one that is known stays
+
+
+@pytest.mark.parametrize(("gap", "least"), [(1e-1, 0.0), (3e-2, 0.0), (2e-2, 1.0)])
+def test_boxes_are_divided_until_the_gap_is_closed(gap: float, least: float) -> None:
+    found = covered(BOXES["line"], 8000, gap, least)
+    closed = found.speed - gap * max(abs(found.speed), least)
+    assert found.bound.min() >= closed
+    if len(found.bound) > 1:  # the last step was needed
+        before = covered(BOXES["line"], len(found.bound) - 1, gap, least)
+        assert before.bound.min() < before.speed - gap * max(abs(before.speed), least)
+
+
+def test_narrower_gaps_take_more_boxes() -> None:
+    counts = [len(covered(BOXES["line"], 8000, gap).bound) for gap in (1e-1, 6e-2, 3e-2)]
+    assert 1 <= counts[0] < counts[1] < counts[2] < 8000
+
+
+def test_a_box_without_width_is_not_divided() -> None:
+    box = box_of([2.7, 0.2, 0.0, 0.0, 0.0, 0.2, 0.15])
+    assert len(covered(box, 50, gap=0.0, speed=1.0).bound) == 1
+
+
+def test_the_axis_whose_width_costs_most_is_divided() -> None:
+    """A body that never rests does not know its static friction."""
+    box = box_of([2.7, 0.2, 0.0, 0.0, 0.0, 0.18, 0.15], [2.7, 0.2, 0.0, 0.0, 0.0, 0.2, 0.16])
+    found = covered(box, 2, gap=0.0)
+    assert found.high[0, 5] == found.high[1, 5] == 0.2
+    assert found.high[0, 6] == found.low[1, 6] == pytest.approx(0.155)
+
+
+@given(solver_boxes())
+def test_no_body_that_is_met_is_slower_than_the_bounds(box: Box) -> None:
+    found = covered(box, 12)
+    if math.isfinite(found.speed):
+        assert found.bound.min() <= found.speed + 1e-14 * largest_speed(box)
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_compiled_and_plain_bounds_have_the_same_bits(name: str) -> None:
+    box, most, found = BOXES[name], 60, []
+    for kind in (compiled, plain):
+        with kind() as solver:
+            low, high, lows, highs, bounds, heap, met, speed = arrays = [
+                np.array(box.low), np.array(box.high), *np.zeros((2, most, AXES)), *np.zeros((2, most)),
+                np.zeros(2 * AXES), np.array([math.inf]),
+            ]  # fmt: skip
+            rows = [solver.row(x) for x in (low, high)]
+            room = tuple(map(solver.row, (lows, highs, bounds, heap.view(np.int64), met, speed)))
+            count = solver.cover((*rows, *box[2:]), room, 1e-3, 0.0, most)
+            found.append([count, *(x.tobytes() for x in arrays)])
+    assert found[0] == found[1]
+
+
+# ------------------------------------------------------------------------------
+# Differential evolution: the slowest body of a box among known ones; compiled and plain.
+
+
+SIZE = 32
+LOWEST = [1.0, 0.33, 0.0, 0.0, 0.0, 0.6, 0.45]
+LINE_BOX = box_of(LOWEST, HIGH, ratio_low=0.7, ratio_high=0.8)
+OVAL = box_of(
+    [1250.0, 1e-3, 3e-4, -0.6, 0.0, 0.35, 0.3], [1300.0, 1e-3, 4e-4, -0.4, 0.0, 0.4, 0.3], ellipse=True
+)
+
+
+def first(box: Box, size: int = SIZE) -> Any:
+    """A population within a box, and room for one more."""
+    shares = np.random.default_rng(0).random((size + 1, AXES))
+    return np.array(box.low) + shares * (np.array(box.high) - np.array(box.low))
+
+
+def evolved(box: Box, points: Any, generations: int, seed: int = 1) -> tuple[int, Any, Any]:
+    rows: Any = points.ravel().tolist()
+    speeds: Any = [0.0] * len(points)
+    population = Population(rows, speeds)
+    best = evolve(box, population, len(points) - 1, generations, seed)
+    return best, np.array(population.points).reshape(-1, AXES)[:-1], np.array(population.speeds)[:-1]
+
+
+@pytest.mark.parametrize(("box", "way"), [(LINE_BOX, 1.0), (OVAL, -1.0)])
+def test_the_slowest_of_a_dense_grid_is_found(box: Box, way: float) -> None:
+    box = box._replace(way=way)
+    best, points, speeds = evolved(box, first(box), 150)
+    assert speeds[best] == speeds.min()
+    assert speeds[best] == speed_at(box, points[best], 0)
+    shares = np.random.default_rng(1).random((2000, AXES))
+    shares = np.clip(1.5 * shares - 0.25, 0.0, 1.0)
+    grid = np.array(box.low) + shares * (np.array(box.high) - np.array(box.low))
+    assert speeds[best] <= min(speed_at(box, x, 0) for x in grid) + 1e-9
+
+
+@pytest.mark.parametrize("generations", [0, 1, 5, 40])
+def test_bodies_stay_within_their_bands_and_only_get_slower(generations: int) -> None:
+    points = first(LINE_BOX)
+    best, after, speeds = evolved(LINE_BOX, points, generations)
+    assert np.all((after >= np.array(LINE_BOX.low)) & (after <= np.array(LINE_BOX.high)))
+    begun = np.array([speed_at(LINE_BOX, x, 0) for x in points[:-1]])
+    assert np.all(speeds <= begun)
+    assert speeds[best] == speeds.min()
+    assert np.array_equal(speeds, [speed_at(LINE_BOX, x, 0) for x in after])
+    assert np.array_equal(after, points[:-1]) is (generations == 0)
+
+
+def test_coordinates_without_a_width_are_kept() -> None:
+    _, after, _ = evolved(OVAL, first(OVAL), 20)
+    fixed = np.array(OVAL.low) == np.array(OVAL.high)
+    assert np.all(after[:, fixed] == np.array(OVAL.low)[fixed])
+
+
+def test_a_search_ends_where_all_are_the_slowest() -> None:
+    """Bodies at rest: none is tried."""
+    box = box_of([0.1, *LOWEST[1:]], [0.2, *HIGH[1:]])
+    points = first(box)
+    best, after, speeds = evolved(box, points, 10**9)
+    assert (best, speeds.max()) == (0, 0.0)
+    assert np.array_equal(after, points[:-1])
+
+
+def test_bodies_that_hop_are_passed_over() -> None:
+    box = box_of(LOWEST, [4.0, *HIGH[1:]])
+    points = first(box)
+    points[0, 0] = 4.0
+    assert math.isnan(speed_at(box, points[0], 0))
+    best, after, speeds = evolved(box, points, 60)
+    assert math.isfinite(speeds[best])
+    assert not math.isnan(speeds.sum())
+    best, _, speeds = evolved(box_of([3.5, *LOWEST[1:]], [4.0, *HIGH[1:]]), first(box) + 2.5, 3)
+    assert np.all(np.isinf(speeds))
+    assert len(after) == SIZE
+
+
+def test_the_same_seed_finds_the_same_and_another_one_others() -> None:
+    once, again, other = (evolved(LINE_BOX, first(LINE_BOX), 10, seed) for seed in (1, 1, 2))
+    assert np.array_equal(once[1], again[1])
+    assert not np.array_equal(once[1], other[1])
+
+
+@pytest.mark.parametrize("box", [LINE_BOX, OVAL, LINE_BOX._replace(way=-1.0)])
+def test_compiled_and_plain_searches_have_the_same_bits(box: Box) -> None:
+    found = []
+    for kind in (compiled, plain):
+        with kind() as solver:
+            low, high, points, speeds = (
+                np.array(box.low), np.array(box.high), first(box), np.zeros(SIZE + 1),
+            )  # fmt: skip
+            scene = solver.row(low), solver.row(high), *box[2:]
+            best = solver.evolve(scene, (solver.row(points), solver.row(speeds)), SIZE, 40, 1)
+            found.append((best, points.tobytes(), speeds.tobytes()))
+    assert found[0] == found[1]

@@ -1,29 +1,44 @@
-"""One flight and its landing: first return beside a fine mesh and 50 digits, impact law, growth of errors."""
+"""Flights, landings and the normal motion: beside meshes and 50 digits, over sines and waves."""
 
 from __future__ import annotations
 
 import math
 import random
+from typing import Any, NamedTuple
 
 import mpmath
 import numpy as np
 import pytest
 from helpers.cases import each
+from helpers.waves import coefficients_of, drawn_harmonics, drawn_pieces, harmonic_waves, piecewise_waves
 
+from vibro.core import flight as flight_module
+from vibro.core.cells import behind, find_nodes, largest, number_of_nodes
 from vibro.core.flight import (
     ACCUMULATED,
+    BOUNCE,
     LOST,
+    MOST_FLIGHTS,
     SHARP,
+    Bounces,
     Covariance,
     Flight,
+    Flights,
+    _close,
     after_landing,
+    bounces,
     flight,
+    fly_over_waves,
     lift_off_flight,
     propagate,
+    single_bounce,
     sinusoidal,
     tangent_map,
     within,
 )
+from vibro.core.legs import ahead
+from vibro.core.numbers import LONGEST_CYCLE, MOST_BOUNCES
+from vibro.core.waves import NORMAL, Mix, Waves, load_at, nodes_of
 
 TURN = 2.0 * math.pi
 EPS = 2.0**-52
@@ -377,3 +392,478 @@ def test_a_grazing_landing_loses_digits() -> None:
     ]
     assert [within(errors, SHARP) for errors in known] == [True, True, False, False]
     assert [within(errors, LOST) for errors in known] == [True, True, False, False]
+
+
+# ------------------------------------------------------------------------------
+# Flights over any periodic trough: first landings beside a dense mesh, and how few pieces they take.
+
+LIFT = Mix(0.0, 0.0, 1.0)
+
+
+class Trough(NamedTuple):
+    """A trough's normal motion, N/n = 1 - K B / max B, and how steep a body on it rises and falls."""
+
+    waves: Waves
+    lift: Mix
+    breaks: Any
+    pieces: Any  # of -N/n; the coefficients of harmonics where there are no breaks
+
+    def fallen(self, phase: float, speed: float, s: Any) -> tuple[Any, Any]:
+        """Height and rate over the trough, a phase after a take-off, by sums of their own."""
+        s = np.asarray(s)
+        if self.breaks is None:
+            k = np.arange(1, len(self.pieces) + 1)
+            c = self.pieces * np.exp(1j * k * phase)
+            turned = np.exp(1j * np.multiply.outer(s, k))
+            rate = (((turned - 1.0) / (1j * k)) @ c).imag
+            path = ((-(turned - 1.0) / k**2 - np.multiply.outer(s, 1.0 / (1j * k))) @ c).imag
+            return speed * s + path - 0.5 * s * s, speed + rate - s
+        ends = TURN * self.breaks
+        width = np.diff(ends)
+        c = self.pieces
+        whole_rate = width * (c @ (1.0, 1 / 2, 1 / 3, 1 / 4))
+        whole_path = width**2 * (c @ (1 / 2, 1 / 6, 1 / 12, 1 / 20))
+        starts_rate = np.concatenate(([0.0], np.cumsum(whole_rate)))
+        starts_path = np.zeros(len(c) + 1)
+        for j in range(len(c)):
+            starts_path[j + 1] = starts_path[j] + starts_rate[j] * width[j] + whole_path[j]
+
+        def integrals(p: Any) -> tuple[Any, Any]:
+            turns = np.floor(p / TURN)
+            here = p - TURN * turns
+            j = np.clip(np.searchsorted(ends, here, side="right") - 1, 0, len(c) - 1)
+            step = here - ends[j]
+            u = step / width[j]
+            a0, a1, a2, a3 = c[j].T
+            rate = starts_rate[j] + step * (a0 + u * (a1 / 2 + u * (a2 / 3 + u * a3 / 4)))
+            path = starts_path[j] + starts_rate[j] * step
+            path += step**2 * (a0 / 2 + u * (a1 / 6 + u * (a2 / 12 + u * a3 / 20)))
+            drift, whole = starts_rate[-1], starts_path[-1]
+            path = path + turns * whole + drift * (TURN * turns * (turns - 1) / 2 + turns * here)
+            return rate + turns * drift, path
+
+        rate0, path0 = integrals(np.asarray([phase]))
+        rate1, path1 = integrals(phase + s)
+        return speed * s + path1 - path0 - rate0 * s, speed + rate1 - rate0
+
+
+def _over_harmonics(rng: np.random.Generator, count: int, throw: float) -> Trough:
+    waves = harmonic_waves(np.zeros(count, complex), drawn_harmonics(rng, count))
+    share = throw / largest(waves, LIFT)
+    lift = Mix(-1.0, 0.0, share)
+    find_nodes(waves, NORMAL, Mix(-1.0, 0.0, share))
+    return Trough(waves, lift, None, share * coefficients_of(waves, normal=True))
+
+
+def _over_pieces(rng: np.random.Generator, count: int, throw: float) -> Trough:
+    breaks, pieces = drawn_pieces(rng, count)
+    waves = piecewise_waves(breaks, pieces)
+    share = throw / largest(waves, LIFT)
+    find_nodes(waves, NORMAL, Mix(-1.0, 0.0, share))
+    lift = -share * pieces[1]
+    lift[:, 0] -= 1.0
+    return Trough(waves, Mix(-1.0, 0.0, share), breaks, lift)
+
+
+def _drawn(seed: int, count: int, *, pieces: bool = False) -> list[tuple[Trough, float, float, bool]]:
+    """Draw troughs, and take-offs: from a lift-off, where the trough falls away, or with a speed."""
+    rng = np.random.default_rng(seed)
+    drawn = []
+    for i in range(count):
+        throw = 1.0 + 10.0 ** rng.uniform(-6.0, 1.0)
+        size = 2 + i % 12 if pieces else 1 + i % 16
+        trough = (_over_pieces if pieces else _over_harmonics)(rng, size, throw)
+        waves = trough.waves
+        lift_offs = [
+            waves.number[nodes_of(waves, NORMAL) + j]
+            for j in range(number_of_nodes(waves, NORMAL))
+            if behind(waves, NORMAL, j)
+        ]
+        phase, speed, lifted = lift_offs[i % len(lift_offs)], 0.0, i % 3 == 0
+        if i % 3 == 1:
+            phase, speed = rng.uniform(0.0, TURN), 10.0 ** rng.uniform(-4.0, 1.5)
+        elif i % 3 == 2:
+            falls = [p for p in rng.uniform(0.0, TURN, 400).tolist() if load_at(waves, trough.lift, p) > 0.0]
+            phase, lifted = (falls[0], False) if falls else (phase, True)
+        drawn.append((trough, phase, speed, lifted))
+    return drawn
+
+
+@pytest.mark.parametrize(("seed", "pieces"), [(1, False), (2, False), (3, True), (4, True)])
+def test_the_landing_is_the_first_return_to_the_trough_of_waves(seed: int, pieces: bool) -> None:
+    """320 flights, over harmonics to H = 16 and over pieces with jumps."""
+    for trough, phase, speed, lifted in _drawn(seed, 80, pieces=pieces):
+        length, impact = fly_over_waves(trough.waves, trough.lift, phase, speed, lifted)
+        assert 0.0 < length < math.inf
+        throw = 1.0 + float(np.abs(trough.pieces).sum())
+        mesh = np.linspace(0.0, length, 2 + min(int(30.0 * trough.waves.size * max(length, 0.1)), 6000))
+        height, rate = trough.fallen(phase, speed, mesh)
+        rounding = 32.0 * EPS * throw * (1.0 + length) ** 2
+        # of a flight from rest the height begins like the cube of the phase, or the square
+        assert (height[1:-1] >= -rounding).all()
+        fall = max(abs(float(rate[-1])), 1e-3)
+        assert abs(float(height[-1])) <= rounding + 1e-12 * fall * length
+        assert impact == pytest.approx(-float(rate[-1]), abs=1e-12 * throw * (1.0 + length))
+        assert impact >= 0.0
+
+
+def test_a_short_flight_lasts_twice_as_long_as_the_trough_falls_away() -> None:
+    """Just above K = 1 the load is a parabola, so that the height is s^3 (u/6 - s/12) times a constant."""
+    rng, checked = np.random.default_rng(5), 0
+    for i in range(60):
+        trough = _over_harmonics(rng, 1 + i % 8, 1.0 + 10.0 ** rng.uniform(-10.0, -8.0))
+        waves = trough.waves
+        assert number_of_nodes(waves, NORMAL) == 2
+        first = 0 if behind(waves, NORMAL, 0) else 1
+        begin = waves.number[nodes_of(waves, NORMAL) + first]
+        upwards = ahead(waves, NORMAL, begin, first + 1)
+        length, impact = fly_over_waves(waves, trough.lift, begin, 0.0, True)
+        assert length == pytest.approx(2.0 * upwards, rel=1e-2)
+        bend = 8.0 * load_at(waves, trough.lift, begin + 0.5 * upwards) / upwards**2
+        assert impact == pytest.approx(bend * upwards**3 / 3.0, rel=2e-2)
+        checked += 1
+    assert checked == 60
+
+
+@pytest.mark.parametrize("harmonics", [1, 2, 3, 5, 8, 16])
+def test_flights_take_few_pieces_however_long_they_are(
+    harmonics: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = 0
+
+    def counted(waves: Waves, row: int, phase: float, index: int) -> float:
+        nonlocal calls
+        calls += 1
+        return ahead(waves, row, phase, index)
+
+    monkeypatch.setattr(flight_module, "ahead", counted)
+    rng = np.random.default_rng(harmonics)
+    worst, longest = 0, 0.0
+    for i in range(60):
+        throw = 10.0 ** rng.uniform(0.001, 5.0)
+        trough = _over_harmonics(rng, harmonics, throw)
+        speed = throw * 10.0 ** rng.uniform(-6.0, 1.0) if i % 2 else 0.0
+        phase, waves = rng.uniform(0.0, TURN), trough.waves
+        if speed == 0.0:
+            first = 0 if behind(waves, NORMAL, 0) else 1
+            phase = waves.number[nodes_of(waves, NORMAL) + first]
+        calls = 0
+        length, _ = fly_over_waves(waves, trough.lift, phase, speed, speed == 0.0)
+        worst, longest = max(worst, calls), max(longest, length)
+        assert calls <= 4 * harmonics + 2
+    assert longest > 1000.0 * TURN
+    assert worst > 2
+
+
+# ------------------------------------------------------------------------------
+# The normal motion of a hopping body: cycles with contact, without, their balance and their limits.
+
+BYTES = 8 * (MOST_BOUNCES + LONGEST_CYCLE)
+FLIGHTS = Flights(*(memoryview(bytearray(BYTES)).cast("d") for _ in Flights._fields))
+
+
+def _from_rest(throw: float, restitution: float, most: int = MOST_FLIGHTS) -> Bounces:
+    return bounces(sinusoidal(throw), restitution, FLIGHTS, most, math.asin(1.0 / throw), 0.0, True)
+
+
+def _column(column: memoryview[float], motion: Bounces) -> list[float]:
+    """List what the flights of a cycle have in a column."""
+    return [column[row] for row in range(motion.first, motion.first + motion.count)]
+
+
+def _onward(throw: float, restitution: float, phase: float, speed: float) -> tuple[float, float]:
+    """Fly once and bounce."""
+    flown = flight(sinusoidal(throw), phase, speed)
+    return (phase + flown.length) % TURN, restitution * flown.impact
+
+
+def _apart(one: float, other: float) -> float:
+    return abs(math.remainder(one - other, TURN))
+
+
+# ------------------------------------------------------------------------------- cycles with contact
+
+
+def test_the_momentum_of_a_cycle_is_that_of_the_weight() -> None:
+    draw, closed = random.Random(1), 0
+    for i in range(200):
+        throw, restitution = draw.uniform(1.01, 6.0), (0.0, 0.1, 0.25)[i % 3]
+        motion = _from_rest(throw, restitution)
+        if not motion.repeats:
+            continue
+        closed += 1
+        # Eq. (29); in contact the load is 1 - K sin p
+        end = motion.landing + motion.rest
+        impulse = sum(_column(FLIGHTS.impulse, motion)) + motion.rest
+        impulse += throw * (math.cos(end) - math.cos(motion.landing))
+        # bounces that accumulate are summed as if the load were constant over their last 1e-8 rad
+        assert impulse == pytest.approx(TURN * motion.cycles, abs=1e-7)
+        assert sum(_column(FLIGHTS.length, motion)) + motion.rest == pytest.approx(TURN * motion.cycles)
+    assert closed > 170
+
+
+@pytest.mark.parametrize(("throw", "restitution"), [(1.3, 0.3), (1.05, 0.9), (3.9, 0.0), (5.0, 0.1)])
+def test_each_flight_begins_where_the_one_before_it_ends(throw: float, restitution: float) -> None:
+    motion = _from_rest(throw, restitution)
+    assert motion.repeats
+    assert motion.rest > 0.0
+    assert (motion.first, motion.approach) == (0, 0)
+    lift_off = math.asin(1.0 / throw)
+    assert motion.approach_end == lift_off
+    phase, speed, before = lift_off, 0.0, 0.0
+    for row in range(motion.count):
+        assert _apart(FLIGHTS.phase[row], phase) < 1e-9
+        assert 0.0 <= FLIGHTS.phase[row] < TURN
+        assert FLIGHTS.speed[row] == pytest.approx(speed, abs=1e-9)
+        assert FLIGHTS.before[row] == pytest.approx(before, rel=1e-12)
+        phase, speed = FLIGHTS.phase[row] + FLIGHTS.length[row], restitution * FLIGHTS.impact[row]
+        before += FLIGHTS.length[row]
+    assert _apart(motion.landing, phase) < 1e-9
+    assert 0.0 <= motion.landing < TURN
+    assert _apart(motion.landing + motion.rest, lift_off) < 1e-9
+    assert (before + motion.rest) / TURN == pytest.approx(motion.cycles, rel=1e-12)
+
+
+def test_plastic_bodies_fill_whole_drive_cycles_at_any_throw_number() -> None:
+    for throw in np.linspace(1.001, 8.0, 100).tolist():
+        motion = _from_rest(throw, 0.0)
+        assert motion.repeats
+        time = sum(_column(FLIGHTS.length, motion)) + motion.rest
+        assert time == pytest.approx(TURN * motion.cycles, rel=1e-12)
+
+
+@pytest.mark.parametrize("throw", [1.0001, 1.5, 3.0, math.sqrt(1.0 + math.pi**2) - 1e-9])
+def test_up_to_one_cycle_of_flight_a_plastic_impact_makes_one_flight_a_cycle(throw: float) -> None:
+    motion = _from_rest(throw, 0.0)
+    assert motion.repeats
+    assert (motion.count, motion.cycles) == (1, 1)
+    assert motion.rest > 0.0
+    assert _column(FLIGHTS.impulse, motion) == _column(FLIGHTS.impact, motion)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.9])
+def test_hops_near_the_threshold_are_the_same_but_for_their_scale(restitution: float) -> None:
+    # while K sin p - 1 is a parabola in time, times are in proportion to sqrt(K^2 - 1)
+    scaled = []
+    for excess in np.geomspace(1e-15, 1e-7, 17).tolist():
+        motion = _from_rest(1.0 + excess, restitution)
+        assert motion.repeats
+        scaled.append(sum(_column(FLIGHTS.length, motion)) / math.sqrt((1.0 + excess) ** 2 - 1.0))
+    assert scaled[5:] == pytest.approx([scaled[-1]] * 12, rel=1e-2)
+    assert max(scaled) < 2.0 * scaled[-1]
+
+
+def test_rounding_decides_longer_hops_and_they_have_no_cycle() -> None:
+    # past 1.8e-3 rad after the lift-off the landing must be known to 1e-9 rad
+    throw, restitution = 1.0 + 1e-5, 0.3
+    motion = _from_rest(throw, restitution)
+    errors = Covariance(0.0, 0.0, 0.0)
+    for row in range(motion.count):
+        phase, speed = FLIGHTS.phase[row], FLIGHTS.speed[row]
+        flown = flight(sinusoidal(throw), phase, speed)
+        errors = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, errors)
+    assert sum(_column(FLIGHTS.length, motion)) > 1.8e-3
+    assert motion.repeats is (math.sqrt(errors.phase) < 1e-9)
+
+
+# ------------------------------------------------------------------------------- cycles without contact
+
+LOWEST, HIGHEST = math.sqrt(math.pi**2 + 1.0), math.sqrt(math.pi**2 + 4.0)
+
+
+@pytest.mark.parametrize(
+    ("throw", "count"),
+    [(LOWEST - 1e-3, 1), (LOWEST + 1e-9, 1), (3.5, 1), (HIGHEST - 1e-9, 1), (HIGHEST + 1e-3, 2)],
+)
+def test_above_one_cycle_of_flight_the_body_is_thrown_again_where_it_lands(throw: float, count: int) -> None:
+    motion = _from_rest(throw, 0.0)
+    assert motion.repeats
+    assert (motion.count, motion.cycles) == (count, count)
+    assert (motion.rest > 0.0) is (throw < LOWEST)
+    if LOWEST < throw < HIGHEST:
+        # Eq. (32) for a turn: K cos p = pi; nothing bounces, so that the impulse is that of the impact alone
+        assert motion == Bounces(True, 0, 1, 0, 1, 0.0, 0.0, math.asin(1.0 / throw))
+        assert throw * math.cos(FLIGHTS.phase[0]) == pytest.approx(math.pi)
+        row = (FLIGHTS.speed[0], FLIGHTS.length[0], FLIGHTS.impact[0], FLIGHTS.impulse[0], FLIGHTS.before[0])
+        assert row == (0.0, TURN, TURN, TURN, 0.0)
+
+
+@pytest.mark.parametrize("throw", [3.35, 3.5, 3.7])
+def test_flight_after_flight_leads_to_the_closed_form_of_one_turn(throw: float) -> None:
+    phase = math.asin(1.0 / throw)
+    for _ in range(400):
+        phase, _ = _onward(throw, 0.0, phase, 0.0)
+        assert throw * math.sin(phase) >= 1.0
+    _from_rest(throw, 0.0)
+    assert FLIGHTS.phase[0] == pytest.approx(phase, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("throw", "restitution", "count", "cycles", "approach"),
+    [
+        (3.76, 0.0, 2, 2, 7),
+        (6.4, 0.0, 1, 2, 7),
+        (2.54, 0.1, 2, 1, 7),
+        (2.24, 0.3, 2, 2, 15),
+        (2.3, 0.3, 4, 4, 15),
+        (2.4, 0.2, 1, 1, 31),
+    ],
+)
+def test_a_cycle_that_never_rests_is_one_of_the_flight_map(
+    throw: float, restitution: float, count: int, cycles: int, approach: int
+) -> None:
+    motion = _from_rest(throw, restitution)
+    assert motion.repeats
+    # it is looked for after 8, 16, 32 ... flights
+    assert (motion.count, motion.cycles, motion.approach) == (count, cycles, approach)
+    assert (motion.landing, motion.rest) == (0.0, 0.0)
+    # its flights stand behind those of the approach, and behind the one that it was started from
+    assert motion.first == motion.approach + 1
+    assert FLIGHTS.phase[motion.approach] == motion.approach_end
+    rows = range(motion.first, motion.first + count)
+    jacobian = np.eye(2)
+    for row, following in zip(rows, [*rows[1:], rows[0]], strict=True):
+        phase, speed = FLIGHTS.phase[row], FLIGHTS.speed[row]
+        flown = flight(sinusoidal(throw), phase, speed)
+        assert (FLIGHTS.length[row], FLIGHTS.impact[row]) == pytest.approx(flown, rel=1e-12)
+        assert FLIGHTS.impulse[row] == pytest.approx((1.0 + restitution) * flown.impact)
+        assert not after_landing(
+            sinusoidal(throw), phase + flown.length, flown.impact, restitution, 1e-8
+        ).contact
+        assert _apart(phase + flown.length, FLIGHTS.phase[following]) < 1e-11
+        assert restitution * flown.impact == pytest.approx(FLIGHTS.speed[following], abs=1e-11)
+        jacobian = (
+            np.array(tangent_map(sinusoidal(throw), restitution, phase, flown)).reshape(2, 2) @ jacobian
+        )
+    assert abs(np.linalg.eigvals(jacobian)).max() < 1.0
+    assert sum(_column(FLIGHTS.length, motion)) == pytest.approx(TURN * cycles, rel=1e-12)
+    # the approach ends near it
+    near = [_apart(motion.approach_end, p) for p in _column(FLIGHTS.phase, motion)]
+    assert min(near) < 0.1
+
+
+def test_an_unstable_cycle_and_a_start_far_from_any_are_not_closed() -> None:
+    throw, restitution = 1.6, 0.7
+    at = single_bounce(sinusoidal(throw), restitution, 2, 0)
+    assert at.exists
+    assert not at.stable
+    FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1e-6, at.speed
+    assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, 1) == (0, 0)
+    FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1.0, at.speed
+    assert _close(sinusoidal(1.4), restitution, FLIGHTS, 20, 1) == (0, 0)
+
+
+def test_motion_without_a_cycle_has_no_flights_to_show() -> None:
+    for throw in np.linspace(2.4, 2.5, 10).tolist():
+        assert _from_rest(throw, 0.3) == Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
+
+
+@each("throw", [1.0 + 1e-12, 1.0001, 10.0, 1e3, 1e6])
+@each("restitution", [0.0, 0.5, 0.99])
+def test_the_work_is_bounded_for_any_throw_number(throw: float, restitution: float) -> None:
+    motion = _from_rest(throw, restitution)
+    lengths = _column(FLIGHTS.length, motion)
+    assert sum(length > BOUNCE for length in lengths) <= MOST_FLIGHTS
+    assert all(math.isfinite(length) and length >= 0.0 for length in lengths)
+    assert motion.first + motion.count <= MOST_BOUNCES + LONGEST_CYCLE
+
+
+def test_the_search_ends_after_so_many_flights_that_are_no_short_bounces() -> None:
+    needed = _from_rest(7.0, 0.0)
+    assert needed.count == 2
+    assert _from_rest(7.0, 0.0, 2) == needed
+    assert not _from_rest(7.0, 0.0, 1).repeats
+    # a chain of hundreds of short bounces counts as nothing
+    chain = _from_rest(1.0001, 0.9)
+    assert chain.count > 50
+    assert _from_rest(1.0001, 0.9, 1) == chain
+
+
+# ------------------------------------------------------------------------------- other starts
+
+
+def test_a_start_amid_the_motion_is_followed_from_there() -> None:
+    motion = bounces(sinusoidal(1.3), 0.3, FLIGHTS, 64, 2.5, 4.0, False)
+    assert (FLIGHTS.phase[0], FLIGHTS.speed[0], FLIGHTS.before[0]) == (2.5, 4.0, 0.0)
+    assert motion.repeats
+    expected = flight(sinusoidal(1.3), 2.5, 4.0)
+    assert (FLIGHTS.length[0], FLIGHTS.impact[0]) == expected
+    last = motion.count - 1
+    assert _apart(motion.landing, FLIGHTS.phase[last] + FLIGHTS.length[last]) < 1e-9
+    assert _apart(motion.landing + motion.rest, math.asin(1.0 / 1.3)) < 1e-9
+
+
+def test_a_start_beside_a_single_bounce_is_drawn_to_it_if_that_is_stable() -> None:
+    at = single_bounce(sinusoidal(1.4), 0.7, 2, 0)
+    assert at.stable
+    motion = bounces(sinusoidal(1.4), 0.7, FLIGHTS, 64, at.phase + 1e-3, at.speed, False)
+    assert motion.repeats
+    assert (motion.count, motion.cycles, motion.rest) == (1, 2, 0.0)
+    assert FLIGHTS.phase[motion.first] == pytest.approx(at.phase, abs=1e-10)
+    assert FLIGHTS.speed[motion.first] == pytest.approx(at.speed, abs=1e-10)
+
+
+def test_a_resting_body_at_the_phase_of_one_turn_is_not_taken_for_another_start() -> None:
+    # the closed form belongs to bodies from rest alone
+    motion = bounces(sinusoidal(3.5), 0.0, FLIGHTS, 64, 0.0, 9.0, False)
+    assert FLIGHTS.speed[0] == 9.0
+    assert motion.repeats
+
+
+def test_rounding_ends_the_search_from_rest_alone() -> None:
+    # irregular flights: from rest they are known to 1e-5 for some dozens, other starts go on to the limit
+    _from_rest(2.45, 0.3)
+    FLIGHTS.phase[200] = -1.0
+    _from_rest(2.45, 0.3)
+    assert FLIGHTS.phase[200] == -1.0
+    bounces(sinusoidal(2.45), 0.3, FLIGHTS, 256, math.asin(1.0 / 2.45), 0.0, False)
+    assert FLIGHTS.phase[200] >= 0.0
+
+
+# ------------------------------------------------------------------------------- cycles of one bounce
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3])
+@pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
+def test_a_single_bounce_repeats_and_is_stable_as_its_tangent_map_says(
+    turns: int, restitution: float
+) -> None:
+    plus, length = 1.0 + restitution, TURN * turns
+    level, steep = math.pi * turns * (1.0 - restitution) / plus, 2.0 * (1.0 + restitution**2) / plus**2
+    for share, stable in ((1e-3, True), (0.5, True), (0.999, True), (1.001, False), (3.0, False)):
+        throw = math.hypot(level, share * steep)
+        bed = sinusoidal(max(throw, 1.0))._replace(throw=throw)  # a body may bounce on a trough that bears it
+        at = single_bounce(bed, restitution, turns, 0)
+        assert at.exists
+        assert at.stable is stable
+        # it lands with u = 2 pi m / (1 + e) after m turns: Eqs. (30) and (37)
+        assert throw * math.cos(at.phase) == pytest.approx(level)
+        assert at.speed == pytest.approx(restitution * length / plus)
+        height = at.speed * length + throw * length * math.cos(at.phase) - 0.5 * length**2
+        assert height == pytest.approx(0.0, abs=1e-12 * length**2)
+        slopes = tangent_map(bed, restitution, at.phase, Flight(length, length - at.speed))
+        jacobian = np.array(slopes).reshape(2, 2)
+        assert np.linalg.det(jacobian) == pytest.approx(restitution**2)
+        assert stable is bool(abs(np.linalg.eigvals(jacobian)).max() < 1.0)
+
+
+def test_a_single_bounce_exists_from_the_throw_number_on_that_can_throw_it_so_far() -> None:
+    least = 2.0 * math.pi * (1.0 - 0.2) / (1.0 + 0.2)
+    below, above = (single_bounce(sinusoidal(least * x), 0.2, 2, 0) for x in (1.0 - 1e-9, 1.0 + 1e-9))
+    assert not below.exists
+    assert not below.stable
+    assert math.isnan(below.phase)
+    assert math.isnan(below.speed)
+    assert above.exists
+    assert above.phase == pytest.approx(0.0, abs=1e-4)
+    assert not single_bounce(sinusoidal(math.pi), 0.0, 1, 0).exists  # equality
+
+
+def test_a_contact_that_rounding_has_moved_tells_where_the_body_takes_off_again() -> None:
+    bed, e = sinusoidal(1.6), 0.7
+    motion = bounces(bed, e, FLIGHTS, 512, bed.lift_off, 1e-6, False)
+    assert not motion.repeats
+    assert motion.count == motion.cycles == 0
+    assert motion.approach > 20
+    assert motion.landing == motion.rest == 0.0
+    assert motion.approach_end == bed.lift_off

@@ -1,4 +1,4 @@
-"""The return map of hopping bodies: hops, impacts and contact beside walks by Newton's law, and its order."""
+"""The return map of hopping bodies and its fixed points, beside walks by the law of Newton."""
 
 from __future__ import annotations
 
@@ -22,21 +22,34 @@ from helpers.hopping_bodies import (
     walker,
 )
 
-from vibro.core.codes import IRREGULAR, MOST_LETTERS, Mode, spelt_text
+from vibro.core import return_map as return_map_module
+from vibro.core.codes import IRREGULAR, MOST_LETTERS, Mode, Status, spelt_text
 from vibro.core.drive import Loads, phase_difference, tangential_load
 from vibro.core.flight import Bounces, bed_of, bounces
+from vibro.core.hops import enter
 from vibro.core.legs import track_of
 from vibro.core.return_map import (
+    ROUNDING,
+    HoppingCycle,
+    Orbit,
     Return,
     _append,
+    between,
+    cycle_from,
+    has_stop,
+    hopping_cycle,
+    orbit_from,
     release,
     return_map,
+    stopping,
+    stops_of,
     with_same_ground_speed,
     write_hop,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
 
 TURN = 2.0 * math.pi
 
@@ -324,3 +337,408 @@ def test_the_velocity_over_the_ground_is_that_of_the_body_and_the_trough() -> No
     later = with_same_ground_speed(loads, 0.25, 1.3, 4.0)
     assert later + 0.7 * math.cos(4.0 - 0.9) == pytest.approx(0.25 + 0.7 * math.cos(1.3 - 0.9), abs=1e-15)
     assert with_same_ground_speed(loads, 0.25, 1.3, 1.3) == 0.25
+
+
+# ------------------------------------------------------------------------------
+# Fixed points of the return map: where plain walks of it end, and each way an orbit can end.
+
+EPS = 2.0**-52
+
+
+def _cycle(loads: Loads, restitution: float = 0.0) -> tuple[HoppingCycle, float, int] | None:
+    """Find the cycle of the normal motion, the velocity with which a body enters it, and its period."""
+    track = track_of(loads, restitution)
+    entry = enter(track, restitution, FLIGHTS, HOPS)
+    motion = entry.motion
+    if not motion.repeats:
+        return None
+    last = motion.first + motion.count
+    cycle = hopping_cycle(track, motion.first, last, motion.landing, motion.rest, TURN * motion.cycles)
+    return cycle, entry.velocity, motion.cycles
+
+
+def _solved(loads: Loads, restitution: float = 0.0) -> tuple[Orbit, int]:
+    found = _cycle(loads, restitution)
+    assert found is not None
+    cycle, start, period = found
+    return orbit_from(cycle, HOPS, start), period
+
+
+def _iterated(cycle: HoppingCycle, velocity: float, most: int = 300) -> tuple[float, float]:
+    """Go round and round; the last velocity, and its last change."""
+    change = math.inf
+    for _ in range(most):
+        after = cycle_from(cycle, HOPS, velocity).velocity
+        change, velocity = after - velocity, after
+        if abs(change) < 1e-15:
+            break
+    return velocity, change
+
+
+# ------------------------------------------------------------------------------- sizes
+
+
+def _bare(loads: Loads, duration: float = TURN) -> HoppingCycle:
+    return hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, 0.0, duration)
+
+
+@each("way", [1.0, -1.0])
+@each(
+    ("ulps", "bounded", "edge"),
+    [(-6, True, False), (-3, True, True), (0, True, True), (3, True, True), (6, False, False)],
+)
+def test_rounding_decides_whether_friction_holds_within_four_ulp(
+    ulps: int, bounded: bool, edge: bool, way: float
+) -> None:
+    loads = line(1.5, 30.0, 0.5, 0.25)
+    slope = 0.25 * loads.weight_normal * (1.0 + ulps * EPS)
+    cycle = _bare(loads._replace(weight_tangential=way * slope))
+    assert (cycle.bounded, cycle.edge, cycle.neutral) == (bounded, edge, False)
+
+
+def test_a_body_is_neutral_where_neither_gravity_nor_friction_acts() -> None:
+    loads = line(1.5, 30.0, 0.5, 0.0)
+    assert _bare(loads)[5:8] == (False, False, True)
+    assert _bare(loads._replace(weight_tangential=1e-300))[5:8] == (False, False, False)
+    assert _bare(loads._replace(kinetic_friction=1e-300))[5:8] == (True, False, False)
+
+
+# ------------------------------------------------------------------------------- where orbits end
+
+
+@pytest.mark.parametrize(
+    ("throw", "drive_deg", "mu_s", "mu_d", "trough_deg", "pattern", "displacement"),
+    [
+        (1.24, 0.00075, 1.0, 1.3e-10, 0.0, "HFB", 0.28197766550342690587),
+        (2.0, 0.01, 0.3, 1e-7, -2e-6, "HFB", 3.6495948504758313772),
+        (1.5, 30.0, 0.5, 1e-9, 0.0, "HF_F", 5.3823184539217098557),
+        (1.1, 2.0, 0.4, 1e-12, 0.0, "HF_F", 6.2788666264706534638),
+        (1.4, 1.0, 0.2, 1e-8, 0.0, "HF_F", 6.2822089608441947166),
+    ],
+)
+def test_low_friction_as_50_digits_have_it(
+    throw: float,
+    drive_deg: float,
+    mu_s: float,
+    mu_d: float,
+    trough_deg: float,
+    pattern: str,
+    displacement: float,
+) -> None:
+    # the fixed point was bracketed by 90 bisections of a cycle computed event by event with mpmath
+    found, period = _solved(line(throw, drive_deg, mu_s, mu_d, trough_deg))
+    assert (found.status, period) == (Status.OK, 1)
+    assert spelt_text(found.cycle.pattern) == pattern
+    assert found.cycle.displacement == pytest.approx(displacement, rel=1e-12)
+
+
+ORBIT_SCENES: list[Drawn] = [
+    *draw(30, 1, ratio=(0.1, 1.0)),
+    *draw(30, 2, ratio=(0.1, 1.0), ellipses=True),
+    *draw(16, 3, throw=(1.01, 1.9), restitution=0.3),
+    *draw(20, 4, throw=(1.01, 2.0), ratio=(0.03, 0.3)),
+    *draw(20, 5, throw=(1.01, 2.0), ratio=(0.03, 0.3), ellipses=True),
+    *draw(16, 6, throw=(3.3, 9.0)),
+]
+
+
+def test_orbits_end_where_walks_from_rest_do() -> None:
+    ways, stops, far = set(), 0, 0
+    for scene in ORBIT_SCENES:
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, start, _ = found
+        end = orbit_from(cycle, HOPS, start)
+        assert end.status == Status.OK
+        assert end.cycle == cycle_from(cycle, HOPS, end.velocity)
+        assert abs(end.cycle.velocity - end.velocity) < 1e-11
+        assert abs(end.velocity) <= cycle.bound
+        velocity, change = _iterated(cycle, start)
+        if abs(change) < 1e-14:
+            assert end.velocity == pytest.approx(velocity, abs=1e-9)
+            ways.add(math.copysign(1.0, velocity - start))
+            stops += has_stop(end.cycle)
+            far += abs(velocity - start) > 1e-3
+    assert ways == {-1.0, 1.0}
+    assert 30 < stops < 110
+    assert far > 20
+
+
+def test_of_several_fixed_points_the_first_on_the_way_is_reached() -> None:
+    several = reached = 0
+    for scene in draw(50, 8, throw=(1.01, 2.0), ratio=(0.02, 0.2), ellipses=True):
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, _, _ = found
+        ends = [_iterated(cycle, way * cycle.bound) for way in (-1.0, 1.0)]
+        if any(abs(change) > 1e-14 for _, change in ends) or ends[1][0] - ends[0][0] < 1e-7:
+            continue
+        several += 1
+        for share in (-1.0, -0.4, 0.0, 0.1, 0.3, 1.0):
+            velocity, change = _iterated(cycle, share * cycle.bound)
+            if abs(change) < 1e-14:
+                reached += 1
+                end = orbit_from(cycle, HOPS, share * cycle.bound)
+                assert end.status == Status.OK
+                assert end.velocity == pytest.approx(velocity, abs=1e-9)
+    assert several > 2
+    assert reached > 4 * several
+
+
+def test_of_several_fixed_points_of_a_line_that_from_rest_is_reached() -> None:
+    several = 0
+    for scene in draw(60, 7, throw=(1.01, 2.0), ratio=(0.02, 0.2)):
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, start, _ = found
+        end = orbit_from(cycle, HOPS, start)
+        velocity, change = _iterated(cycle, start)
+        if abs(change) < 1e-14:
+            assert end.velocity == pytest.approx(velocity, abs=1e-9)
+            ends = [_iterated(cycle, way * cycle.bound)[0] for way in (-1.0, 1.0)]
+            several += max(abs(velocity - e) for e in ends) > 1e-6
+    assert several > 2
+
+
+def test_where_gravity_wins_a_body_stops_or_runs_away() -> None:
+    lost = stopped = 0
+    for scene in [
+        Drawn(line(1.9789987, 20.007654, 0.29272432, 0.050192435, -2.8908320), 0.0),
+        Drawn(line(1.9583244, 42.015682, 0.91119969, 0.19707930, -11.274574), 0.0),
+        Drawn(line(1.4692720, 29.524596, 0.34150943, 0.13885237, -7.9549534), 0.0),
+        *draw(60, 9, throw=(1.05, 3.4), ratio=(0.3, 0.9), slope=1.4),
+        *draw(100, 9, throw=(1.05, 3.4), ratio=(0.3, 0.9), slope=1.25, ellipses=True),
+    ]:
+        loads = scene.loads
+        slope = abs(loads.weight_tangential)
+        friction = loads.kinetic_friction * loads.weight_normal
+        if slope < 1.01 * friction or slope >= loads.static_friction * loads.weight_normal:
+            continue
+        if loads.weight_across < 0.0 or (found := _cycle(*scene)) is None:
+            continue
+        cycle, start, _ = found
+        end = orbit_from(cycle, HOPS, start)
+        velocity, change = _iterated(cycle, start)
+        if abs(change) < 1e-14:
+            stopped += 1
+            assert end.status == Status.OK
+            assert has_stop(end.cycle)
+            assert end.velocity == pytest.approx(velocity, abs=1e-10)
+        elif abs(velocity) > 2.0 * cycle.bound:
+            lost += 1
+            assert velocity * loads.weight_tangential < 0.0
+            assert end.status == Status.RUNAWAY
+    assert lost > 10
+    assert stopped > 2
+
+
+def test_a_body_that_is_carried_uphill_does_not_run_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even where the stop at which its way ends is not found."""
+    loads = line(1.9583244, 42.015682, 0.91119969, 0.19707930, -11.274574)
+    found = _cycle(loads._replace(line=False))
+    assert found is not None
+    cycle, start, _ = found
+    home = orbit_from(cycle, HOPS, start)
+    assert home.status == Status.OK
+    downhill = home.velocity + 1e-3  # of that cycle
+    begin = cycle_from(cycle, HOPS, downhill)
+    assert has_stop(begin)
+    assert begin.velocity < downhill
+    assert orbit_from(cycle, HOPS, downhill).velocity == pytest.approx(home.velocity, abs=1e-12)
+    none = Orbit(0.0, begin, Status.UNRESOLVED)
+    monkeypatch.setattr(return_map_module, "_first_stopping", lambda *arguments: none)
+    assert orbit_from(cycle, HOPS, downhill).status == Status.UNRESOLVED
+
+
+def test_gravity_that_kinetic_friction_just_holds() -> None:
+    mu_d = 1e-9
+    trough = math.degrees(math.atan(mu_d))
+    for throw, mu_s in ((1.0 + 1e-8, 1.5e-9), (1.2, 1e-3), (1.6, 1e-3), (2.2, 1e-3)):
+        loads = line(throw, 20.0, mu_s, mu_d, trough)
+        # the groups' own rounding aside
+        loads = loads._replace(weight_tangential=mu_d * loads.weight_normal)
+        found, period = _solved(loads)
+        assert found.status == Status.BOUNDARY
+        flatter, _ = _solved(loads._replace(kinetic_friction=mu_d * (1.0 + 1e-9)))
+        assert flatter.status == Status.OK
+        assert flatter.cycle.displacement == pytest.approx(found.cycle.displacement, rel=1e-3)
+        steeper, _ = _solved(loads._replace(kinetic_friction=mu_d * (1.0 - 1e-9)))
+        assert steeper.status in (Status.OK, Status.RUNAWAY)
+        if throw == 1.0 + 1e-8:
+            # it slides back ever faster until the trough never overtakes it
+            ground = -TURN * loads.drive_tangential
+            assert found.cycle.displacement / period == pytest.approx(ground, rel=1e-3)
+
+
+def test_the_orbit_ends_at_the_first_of_a_continuum() -> None:
+    loads = line(1.3, 20.0, 0.3, 0.1)
+    loads = loads._replace(weight_tangential=0.1 * loads.weight_normal)
+    found = _cycle(loads)
+    assert found is not None
+    cycle, _, _ = found
+    # bodies that slide back alone keep their velocity
+    for velocity in (-2.5, -4.0):
+        assert cycle_from(cycle, HOPS, velocity).slope == 1.0
+        end = orbit_from(cycle, HOPS, velocity)
+        assert end.status == Status.BOUNDARY
+        assert end.velocity == velocity
+    first = orbit_from(cycle, HOPS, 2.0)
+    assert _iterated(cycle, 2.0)[0] == pytest.approx(first.velocity, abs=1e-9)
+
+
+def test_a_rest_leaves_nothing_to_rounding_where_kinetic_friction_just_holds_gravity() -> None:
+    found, _ = _solved(line(1.2, 20.0, 0.5, 0.1, -math.degrees(math.atan(0.1))))
+    assert found.status == Status.OK
+    assert has_stop(found.cycle)
+
+
+# ------------------------------------------------------------------------------- nothing acts
+
+
+@pytest.mark.parametrize("throw", [2.9, 40.0, 2e3, 1e5])
+def test_a_body_on_which_nothing_acts_keeps_its_velocity_over_the_ground(throw: float) -> None:
+    loads = line(throw, 1.0, 0.5, 0.0)
+    start = release(track_of(loads, 0.0))
+    found, period = _solved(loads)
+    # it may rest a little, just before the forward onset
+    assert found.status == Status.OK if has_stop(found.cycle) else Status.BOUNDARY
+    ground = start.velocity + loads.drive_tangential * math.cos(start.phase)
+    assert found.cycle.displacement / period == pytest.approx(TURN * ground, rel=1e-8)
+
+
+def test_a_stop_leads_it_to_another_velocity_for_good() -> None:
+    stopped = kept = 0
+    for scene in draw(120, 11, ratio=(0.0, 0.0), ellipses=True):
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, start, _ = found
+        end = orbit_from(cycle, HOPS, start)
+        velocity, change = _iterated(cycle, start)
+        assert abs(change) < 1e-13
+        assert end.velocity == pytest.approx(velocity, abs=1e-12)
+        if has_stop(end.cycle):
+            stopped += end.status == Status.OK
+        else:
+            kept += end.velocity == start
+            assert end.status == Status.BOUNDARY
+            beside = [cycle_from(cycle, HOPS, end.velocity + h).velocity - h for h in (-1e-9, 1e-9)]
+            assert min(abs(v - end.velocity) for v in beside) < 1e-12
+    assert min(stopped, kept) > 10
+
+
+# ------------------------------------------------------------------------------- stops
+
+
+def _stops(cycle: HoppingCycle, start: float, way: float = 0.0) -> list[Orbit]:
+    begin = cycle_from(cycle, HOPS, start)
+    return [stopping(cycle, HOPS, start, begin, way, i) for i in range(stops_of(cycle))]
+
+
+def test_velocities_after_the_last_stop_are_known_beforehand() -> None:
+    pick, stopped = random.Random(12), 0
+    for scene in ORBIT_SCENES[::4]:
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, start, _ = found
+        known = [orbit.velocity for orbit in _stops(cycle, start) if orbit.status == Status.OK]
+        for _ in range(8):
+            velocity = pick.uniform(-2.5, 2.5)
+            for _ in range(3):
+                now = cycle_from(cycle, HOPS, velocity)
+                velocity = now.velocity
+            again = cycle_from(cycle, HOPS, velocity)
+            if has_stop(again) and abs(again.velocity - velocity) < 1e-14:
+                stopped += 1
+                assert min(abs(v - velocity) for v in known) < 1e-12
+    assert stopped > 60
+
+
+def test_fixed_points_with_a_stop_are_on_the_way_alone() -> None:
+    skipped = 0
+    for scene in ORBIT_SCENES[::5]:
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, _, _ = found
+        every = [o for o in _stops(cycle, 0.05) if o.status == Status.OK]
+        for way in (1.0, -1.0):
+            some = [o for o in _stops(cycle, 0.05, way) if o.status == Status.OK]
+            assert [o.velocity for o in some] == [
+                o.velocity for o in every if way * (o.velocity - 0.05) >= 0.0
+            ]
+            skipped += len(every) - len(some)
+        for orbit in every:
+            assert orbit.cycle.velocity == pytest.approx(orbit.velocity, abs=ROUNDING * 100.0)
+            assert has_stop(orbit.cycle)
+    assert skipped > 10
+
+
+def test_an_ellipse_may_wait_for_either_onset() -> None:
+    waited = [0, 0]
+    for scene in draw(60, 13, ellipses=True, throw=(1.05, 1.8)):
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, start, _ = found
+        *_, forward, back = _stops(cycle, start)
+        for i, orbit in enumerate((forward, back)):
+            if orbit.status == Status.OK:
+                waited[i] += 1
+                assert "_" + "FB"[i] in spelt_text(orbit.cycle.pattern)
+    assert min(waited) > 5
+    # along a line the cycle from rest is that after the rest until the forward onset
+    resting = _cycle(line(3.0, 20.0, 0.74, 0.57))
+    assert resting is not None
+    first, *_, forward, _ = _stops(resting[0], resting[1])
+    assert first.status == Status.OK
+    assert "_F" in spelt_text(first.cycle.pattern)
+    assert forward.status == Status.UNRESOLVED
+
+
+# ------------------------------------------------------------------------------- without a stop
+
+
+def test_the_fixed_point_without_a_stop_is_found_from_either_side() -> None:
+    seen = barred = 0
+    for scene in ORBIT_SCENES[::2]:
+        found = _cycle(*scene)
+        if found is None:
+            continue
+        cycle, start, _ = found
+        end = orbit_from(cycle, HOPS, start)
+        stops = [o.velocity for o in _stops(cycle, start) if o.status == Status.OK]
+        for way in (-1.0, 1.0):
+            begin = -way * cycle.bound
+            target = min((v for v in stops), key=lambda v: way * v, default=-begin)
+            sliding = between(cycle, HOPS, begin, target)
+            velocity, change = _iterated(cycle, begin)
+            if abs(change) > 1e-14:
+                continue
+            now = cycle_from(cycle, HOPS, velocity)
+            if has_stop(now):
+                barred += 1
+                assert sliding.status == Status.UNRESOLVED
+            else:
+                seen += 1
+                assert sliding.status == Status.OK
+                assert sliding.velocity == pytest.approx(velocity, abs=1e-9)
+                assert not has_stop(sliding.cycle)
+        if end.status == Status.OK:
+            nowhere = between(cycle, HOPS, end.velocity, end.velocity)
+            assert (nowhere.velocity, nowhere.status) == (end.velocity, Status.UNRESOLVED)
+    assert min(seen, barred) > 20
+
+
+@pytest.mark.parametrize("phase", [0.4, -2.2])
+def test_ellipses_and_their_mirror_images_mirror_their_fixed_points(phase: float) -> None:
+    one = ellipse(1.6, 0.8, 1.0, phase, 0.5, 0.2, 0.05)
+    other = ellipse(1.6, 0.8, 1.0, phase + math.pi, 0.5, 0.2, -0.05)
+    (here, _), (there, _) = _solved(one), _solved(other)
+    assert here.status == there.status == Status.OK
+    assert there.velocity == pytest.approx(-here.velocity, abs=1e-12)
+    assert there.cycle.displacement == pytest.approx(-here.cycle.displacement, abs=1e-11)

@@ -745,7 +745,7 @@ def _is_thrown_once_a_turn(bed: Bed, restitution: float) -> bool:
     """Return whether a plastic body is thrown again, at the same phase, each time it lands.
 
     A flight of one turn from rest has K cos p = pi. It repeats if its map's slope 1 - K sin p is within +-1,
-    and attracts the body from the lift-off then (tests/core/test_bounces.py).
+    and attracts the body from the lift-off then (tests/core/test_flight.py).
     """
     square = bed.throw * bed.throw - PI * PI  # (K sin p)^2
     return bed.waves.kind == SINE and restitution == 0.0 and 1.0 < square < 4.0

@@ -86,7 +86,7 @@ def series_q(y: float) -> float:
     """Compute (1 - sin(x)/x) / x^2 for y = x^2, 0 <= x <= pi.
 
     A Chebyshev economisation computed with 60 digits, error below 6e-18 of the value
-    (tests/core/test_elementary.py), since the difference cancels for small x.
+    (tests/core/test_numbers.py), since the difference cancels for small x.
     """
     return (
         (((((((

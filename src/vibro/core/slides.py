@@ -108,7 +108,7 @@ def slide(onset: Onset) -> Slide:
     Notes
     -----
     For k >= 0, two steps of Halley's iteration on Eq. (12): from within 1.2 % the first leaves at most
-    4.5e-6, the second rounding errors (tests/core/test_slide.py). The second is applied to the displacement,
+    4.5e-6, the second rounding errors (tests/core/test_slides.py). The second is applied to the displacement,
     Eq. (11), by its Taylor series, whose first neglected term is as small.
     """
     c, k = onset.c, onset.k

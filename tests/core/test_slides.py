@@ -1,17 +1,22 @@
-"""Thresholds and onsets of both kinds of drive, and whether slides last: beside 50 digits."""
+"""Thresholds, onsets and slides from rest, of both kinds of drive: beside 50 digits."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import mpmath
+import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.contact_loads import EPS, MP, Exact, line, random_ellipses, random_lines, random_loads
+from mpmath import mp, mpf
 
 from vibro.core import slides
+from vibro.core import slides as module
 from vibro.core.drive import Loads, mirrored
 from vibro.core.slides import (
+    Onset,
     Start,
     cosine_lead,
     load_amplitude,
@@ -20,12 +25,15 @@ from vibro.core.slides import (
     phase_offset,
     reaches,
     resting_start,
+    slide,
     speed_at_close,
+    start_inside,
     thresholds,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 WAYS = (1.0, -1.0)
 SLIPPING = random_loads(150, 1, steepest=0.8)
@@ -382,3 +390,211 @@ def test_the_lead_of_nearly_equal_onsets() -> None:
     sine = MP.mpf(0.9) * MP.mpf(0.7)
     expected = 2 * sine * 0.9 * MP.mpf(loads.drive_normal) * sine / MP.sqrt(1 - sine**2)
     assert cosine_lead(loads, at, *onsets)[0] == pytest.approx(float(expected), rel=1e-9)
+
+
+# ------------------------------------------------------------------------------
+# One slide from rest: the start of its refinement, its end, path and peak against mpmath.
+
+
+LOAD = 2.0  # a power of two changes no rounding
+
+
+@pytest.fixture(autouse=True)
+def _forty_digits_after_cancellation() -> Iterator[None]:
+    # a slide of phase length 1e-12 loses 36 of its 100 digits, those 60 the bisection to 40
+    with mp.workdps(100):
+        yield
+
+
+class ExactSlide(NamedTuple):
+    """A slide to 40 digits or more: half its length, path and peak speed over its load amplitude."""
+
+    x: mpf
+    reach: mpf
+    peak: mpf
+
+
+def exact_onset(vers: float, excess: float, *, behind: bool = False) -> tuple[Onset, mpf, mpf]:
+    """Round an onset that ``1 - sin p0`` and ``sin p0 - k`` define; return p0 and k to all digits too."""
+    sine = 1 - mpf(vers)
+    c = mpmath.acos(sine) * (-1 if behind else 1)
+    k = sine - mpf(excess)
+    fields = (c, sine, mpmath.sin(c), mpf(vers), mpf(excess), k, LOAD)
+    return Onset(*map(float, fields)), mpmath.pi / 2 - c, k
+
+
+def exact_slide(p0: mpf, k: mpf) -> ExactSlide:
+    """Find the zero of a slide's speed between its maximum and its next minimum, or where it is over."""
+
+    def speed(p: mpf) -> mpf:
+        return mpmath.cos(p0) - mpmath.cos(p) - k * (p - p0)
+
+    top = mpmath.pi - mpmath.asin(k)
+    low, high = top, (2 * mpmath.pi - p0 if k >= 0 else 2 * mpmath.pi + mpmath.asin(k))
+    assert speed(low) > 0 >= speed(high)
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if speed(middle) > 0 else (low, middle)
+    p1 = (low + high) / 2
+    for _ in range(5):  # Newton's method doubles the digits
+        p1 -= speed(p1) / (mpmath.sin(p1) - k)
+    path = mpmath.cos(p0) * (p1 - p0) - (mpmath.sin(p1) - mpmath.sin(p0)) - k * (p1 - p0) ** 2 / 2
+    return ExactSlide((p1 - p0) / 2, path, speed(top))
+
+
+def solved(onset: Onset) -> tuple[float, float, float]:
+    end = slide(onset)
+    assert end.settled
+    return end.half_length, end.displacement / LOAD, end.peak / LOAD
+
+
+def test_a_slide_from_rest_to_rounding() -> None:
+    # 1 - sin p0 down to slides of 1e-12 rad, up to a start at phase 1e-7; mu_d = mu_s (excess 0) to k -> 0
+    starts = (1e-24, 1e-16, 1e-10, 1e-6, 1e-3, 0.1, 0.3, 0.5, 0.8, 0.99, 1 - 1e-6, 1 - 1e-10, 1 - 1e-13)
+    shares = (0.0, 1e-15, 1e-10, 1e-5, 0.01, 0.1, 0.3, 0.6, 0.9, 0.99, 1 - 1e-5, 1 - 1e-9, 1 - 1e-13)
+    for vers in starts:
+        for share in shares:
+            onset, p0, k = exact_onset(vers, share * min(1.0 - vers, 100.0 * vers))
+            exact = exact_slide(p0, k)
+            x, reach, top = solved(onset)
+            assert abs(x - exact.x) < 4 * EPS * exact.x
+            assert abs(reach - exact.reach) < 20 * EPS * exact.reach
+            assert abs(top - exact.peak) < 4 * EPS * exact.peak
+
+
+def test_a_slide_that_starts_behind_the_crest_to_rounding() -> None:
+    for vers in (1e-12, 1e-6, 1e-3, 0.1, 0.5, 0.9):
+        for share in (1e-3, 0.1, 0.5, 0.9, 0.999):
+            onset, p0, k = exact_onset(vers, share * (1.0 - vers), behind=True)
+            exact = exact_slide(p0, k)
+            x, reach, top = solved(onset)
+            assert abs(x - exact.x) < 4 * EPS * exact.x
+            assert abs(reach - exact.reach) < EPS * (24 * exact.reach + 2)
+            assert abs(top - exact.peak) < EPS * (4 * exact.peak + 2)
+
+
+def test_a_slide_that_follows_another_one_to_rounding() -> None:
+    # anywhere in the window: what counts is the error beside a whole slide, not beside the shortest
+    for c in (-1.57, -1.2, -0.8, -0.3, -0.01, -1e-5, -1e-10, 1e-10, 1e-5, 0.01, 0.3, 0.8, 1.2, 1.5, 1.57):
+        for share in (1e-18, 1e-15, 1e-12, 1e-9, 1e-5, 0.01, 0.1, 0.5, 0.9, 0.99, 1 - 1e-6):
+            k = share * math.cos(c)
+            exact = exact_slide(mpmath.pi / 2 - mpf(c), mpf(k))
+            x, reach, top = solved(start_inside(c, k, LOAD))
+            # near the crest the load, and with it k - sin p0, hardly changes: 1 / (|c| + x) is the condition
+            assert abs(x - exact.x) < EPS * (4 * exact.x + 1 / (abs(c) + exact.x))
+            assert abs(reach - exact.reach) < EPS * (24 * exact.reach + 2)
+            assert abs(top - exact.peak) < EPS * (4 * exact.peak + 2)
+
+
+def test_a_start_inside_the_window_in_all_its_forms() -> None:
+    for c in (-1.4, -1e-9, 0.0, 0.3, 1.2):
+        found = start_inside(c, 0.2, 1.5)
+        exact = (c, math.cos(c), math.sin(c), float(1 - mpmath.cos(mpf(c))), math.cos(c) - 0.2, 0.2, 1.5)
+        assert found == pytest.approx(exact, rel=4 * EPS)
+    for c in (math.inf, -math.inf, math.nan):
+        assert math.isnan(start_inside(c, 0.2, 1.5).c)
+
+
+@pytest.mark.parametrize("c", [0.0, 1e-8, 0.5, 1.0, 1.5, 0.5 * math.pi])
+def test_a_slide_without_resistance_lasts_until_the_mirrored_phase(c: float) -> None:
+    x, _, _ = solved(start_inside(c, 0.0, LOAD))
+    assert x == pytest.approx(0.5 * math.pi + c, rel=2 * EPS)
+
+
+def test_a_slide_down_a_trough_steeper_than_kinetic_friction() -> None:
+    ending = 0
+    for c in (-1.5, -1.0, -0.3, 0.0, 0.3, 0.7, 1.0, 1.3, 1.5, 1.7, 2.5):
+        for k in (-1e-12, -1e-6, -1e-3, -0.01, -0.05, -0.1, -0.2, -0.3, -0.5, -0.7, -0.9):
+            onset, p0, exact_k = start_inside(c, k, LOAD), mpmath.pi / 2 - mpf(c), mpf(k)
+            if mpmath.cos(c) < exact_k:
+                continue  # no slide starts there
+            slowest = 2 * mpmath.pi - mpmath.asin(-exact_k)
+            spare = mpmath.cos(p0) - mpmath.cos(slowest) - exact_k * (slowest - p0)
+            end = slide(onset)
+            assert end.settled
+            if spare > 0:
+                assert end.half_length == math.inf
+                assert math.isnan(end.displacement)
+                assert end.peak > 0.0
+                continue
+            ending += 1
+            exact = exact_slide(p0, exact_k)
+            x, reach, top = solved(onset)
+            braking = abs(mpmath.sin(p0 + 2 * exact.x) - exact_k)  # of the speed at its zero
+            tolerance = 8 * EPS * (1 + 1 / braking)
+            assert abs(x - exact.x) < tolerance
+            assert abs(reach - exact.reach) < 4 * tolerance
+            assert abs(top - exact.peak) < 8 * EPS
+    assert ending > 30
+
+
+@pytest.mark.parametrize("k", [-1e-9, -1e-3, -0.1, -0.4])
+def test_whether_a_downhill_slide_ends_is_decided_where_its_speed_just_reaches_zero(k: float) -> None:
+    slowest = 2 * mpmath.pi - mpmath.asin(-mpf(k))
+
+    def spare(c: mpf) -> mpf:  # of speed at its slowest
+        return mpmath.sin(c) - mpmath.cos(slowest) - mpf(k) * (slowest - mpmath.pi / 2 + c)
+
+    low, high = mpf(-1), mpmath.pi / 2  # it ends from the former, not from the latter
+    assert spare(low) < 0 < spare(high)
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if spare(middle) < 0 else (low, middle)
+    scale = 1e-14 / max(abs(float(mpmath.cos(low))), 1e-3)
+    assert slide(start_inside(float(low) - scale, k, LOAD)).half_length < 4.0
+    assert slide(start_inside(float(low) + scale, k, LOAD)).half_length == math.inf
+
+
+def _grid(side: float) -> Iterator[Onset]:
+    """Onsets before (+1) or behind (-1) the crest, logarithmic towards every corner."""
+    # behind the crest a start rounded at 1e-16 leaves slides shorter than that without a length
+    small = np.logspace(-15 if side > 0.0 else -6, -2, 16)
+    distance = np.concatenate([small, np.linspace(0.01, 0.99, 40), 1.0 - small[::-1]]).tolist()
+    shares = [*([0.0] * (side > 0.0)), *distance]
+    quarter = 0.5 * math.pi
+    for u in distance:
+        c = side * quarter * u
+        vers = 2.0 * math.sin(0.5 * c) ** 2
+        cos = math.sin(quarter * (1.0 - u)) if u > 0.5 else 1.0 - vers
+        for e in shares:
+            yield Onset(c, cos, math.sin(c), vers, cos * e, cos * (1.0 - e), LOAD)
+
+
+@pytest.mark.parametrize(("side", "bound"), [(1.0, 0.012), (-1.0, 0.0125)])
+def test_the_refinement_starts_within_its_basin(side: float, bound: float) -> None:
+    for onset in _grid(side):
+        p0, k = 0.5 * math.pi - onset.c, onset.k
+        x = slide(onset).half_length
+        theta = 2.0 * math.asin(math.sqrt(0.5 * (onset.vers + onset.excess)))
+        start = module._first_estimate(onset.c, k, theta)
+        double_root = math.sqrt(p0 * p0 + 4.0 * k * (math.pi - p0))  # other root for k, p0 -> 0
+        distance = min(x, min(1.0, x) * min(1.0, double_root))
+        assert abs(start - x) <= bound * distance + 3e-15
+        # and the refinement got x right: Eq. (12) holds there
+        assert abs(math.sin(p0 + x) * math.sin(x) - k * x) < 4e-15
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_first_step_leaves_what_the_second_takes_away(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert module._SETTLED == 1e-4
+    monkeypatch.setattr(module, "_SETTLED", 4.5e-6)
+    assert all(slide(onset).settled for onset in _grid(side))
+    monkeypatch.setattr(module, "_SETTLED", 1e-6)  # so it is the last step that is looked at
+    assert not all(slide(onset).settled for onset in _grid(side))
+
+
+@pytest.mark.parametrize("c", [-0.5, -1.2, -1e-3])
+def test_a_slide_that_starts_where_the_load_has_fallen_to_its_resistance_has_no_length(c: float) -> None:
+    end = slide(start_inside(c, math.cos(c), LOAD)._replace(excess=0.0))
+    assert end.half_length == pytest.approx(0.0, abs=1e-15)
+    assert end.displacement == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("k", [-1.0, -1.7, -1e300])
+def test_weight_beyond_the_load_leaves_no_end(k: float) -> None:
+    # |k| >= 1: the speed has no maximum any more
+    end = slide(start_inside(0.4, k, LOAD))
+    assert end.half_length == math.inf
+    assert math.isnan(end.displacement)
