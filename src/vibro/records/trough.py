@@ -365,12 +365,12 @@ class MeasuredMotion:
     @property
     def impurities(self) -> list[str]:
         """Doubts that each direction moves as one sinusoid."""
-        few = TOL.few_harmonics
+        stands = abs(self.accelerations[0]) >= TOL.likely_sigmas * self.acceleration_errors[0]
         return [
             f"column {shown(sensor.header)}: harmonics have {100.0 * sensor.harmonics:.0f} % of the"
             " fundamental, but the computed trough moves as a pure sine"
-            for sensor in self.sensors
-            if sensor.harmonics > few and math.isfinite(sensor.harmonics)
+            for sensor, has_wave in zip(self.sensors, stands.tolist(), strict=True)
+            if has_wave and sensor.harmonics > TOL.few_harmonics
         ]
 
     @property
