@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.drives import Ability
+from vibro.designs.spaces import space_of
 from vibro.errors import Problem, SceneError
 from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from vibro.results.steady import SteadyCycle
 
 _STEP: Final = 1e-5  # [1, rad] step of the finite differences
@@ -24,19 +22,8 @@ _RAISED: Final = 0.1  # [1] and the whole drive by this share
 # Slopes below and above a setting differ by less than this share of the larger one where the speed is smooth.
 _SMOOTH: Final = 0.05
 _JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
-# Inputs of a scene, and whether each is an angle, of which 1 % may be too small a change.
-_OF_LINES: Final = {
-    "amplitude": False, "frequency": False, "drive_angle": False, "static_friction": False,
-    "kinetic_friction": False, "trough_angle": True,
-}  # fmt: skip
-_OF_MOTIONS: Final = {
-    "motion_scale": False, "frequency": False, "static_friction": False, "kinetic_friction": False,
-    "trough_angle": True,
-}  # fmt: skip
-_OF_ELLIPSES: Final = {
-    "along_amplitude": False, "normal_amplitude": False, "normal_phase": True, "frequency": False,
-    "static_friction": False, "kinetic_friction": False, "trough_angle": True,
-}  # fmt: skip
+_PARTS: Final = ("static_friction", "kinetic_friction", "trough_angle")
+_ANGLES: Final = ("normal_phase", "trough_angle")  # of which 1 % may be too small a change
 
 
 def speed_costs(scene: Scene) -> dict[str, float | str]:
@@ -67,12 +54,11 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     -----
     Central differences of the speed, to 1e-6; there is a number where those below and above the scene agree.
     """
-    _, inputs = _inputs(scene)
-    names = {name: name + "_deg" * is_angle for name, is_angle in inputs.items()}
+    inputs = _inputs(scene)
     cycle = solve(scene)
     if why := _why_none(cycle):
-        return dict.fromkeys(names.values(), why)
-    return {key: _difference(scene, name, inputs[name]) for name, key in names.items()}
+        return dict.fromkeys(inputs.values(), why)
+    return {key: _difference(scene, name) for name, key in inputs.items()}
 
 
 def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
@@ -99,25 +85,20 @@ def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
     SceneError
         If the scene is more than one operating point.
     """
-    is_line, inputs = _inputs(scene)
-    given = _fields(scene)
-    along = ["amplitude"] if is_line else ["along_amplitude", "normal_amplitude"]
-    drive = along if scene.motion is None else ["motion_scale"]
-    changed = {name: np.full(len(inputs) + 2, given[name]) for name in [*inputs, *drive]}
-    for cell, (name, is_angle) in enumerate(inputs.items(), 1):
-        changed[name][cell] += math.radians(1.0) if is_angle else _CHANGED * given[name]
-    for name in drive:
+    inputs, given, sizes = _inputs(scene), _fields(scene), space_of(scene).sizes
+    changed = {name: np.full(len(inputs) + 2, given[name]) for name in inputs}
+    for cell, name in enumerate(inputs, 1):
+        changed[name][cell] += math.radians(1.0) if name in _ANGLES else _CHANGED * given[name]
+    for name in sizes:
         changed[name][-1] *= 1.0 + _RAISED
-    names = [name + "_deg" * is_angle for name, is_angle in inputs.items()]
-    return [*names, "drive"], solve(Scene.computed(**{**given, **changed}))
+    return [*inputs.values(), "drive"], solve(Scene.computed(**{**given, **changed}))
 
 
-def _inputs(scene: Scene) -> tuple[bool, Mapping[str, bool]]:
-    """Return whether a drive moves along a line, and its inputs: whether each is an angle."""
+def _inputs(scene: Scene) -> dict[str, str]:
+    """Return the names of a drive's and a part's inputs as ``speed_costs`` writes them."""
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    is_line = scene.arrays().can(Ability.PROOF)
-    return is_line, _OF_LINES if is_line else _OF_ELLIPSES if scene.motion is None else _OF_MOTIONS
+    return {name: name + "_deg" * (name in _ANGLES) for name in (*space_of(scene).knobs, *_PARTS)}
 
 
 def _fields(scene: Scene) -> dict[str, Any]:
@@ -139,10 +120,11 @@ def _why_none(cycle: SteadyCycle) -> str:
     return "" if cycle.mean_velocity != 0.0 else "slides to and fro: no speed to change"
 
 
-def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
+def _difference(scene: Scene, name: str) -> float | str:
     """Return the change of the speed with one input by finite differences, or why it is not smooth there."""
     fields = _fields(scene)
     value = fields[name]
+    is_angle = name in _ANGLES
     step = _STEP if is_angle else _STEP * value
     cycle = solve(Scene.computed(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
     # at mu_d = mu_s both slopes are taken on the side that can be
@@ -159,6 +141,3 @@ def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
         return "bends here"
     slope = float(above + below) / 2.0
     return 100.0 * math.radians(slope) if is_angle else slope
-
-
-# A design, its setting, and the amplitudes that it covers.
