@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,8 +10,7 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime, solve
-from vibro.designs.guarantees import guarantee_of
-from vibro.designs.optima import EllipseOptimiser, Found, Optimum, below
+from vibro.designs.optima import EllipseOptimiser, Optimum, below
 from vibro.designs.proofs import first_ratio
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
@@ -42,11 +40,6 @@ def asked(highest: Regime = Regime.BACK_SLIP, drive: Any = None, **changes: Any)
 
 def optimiser(highest: Regime = Regime.BACK_SLIP, drive: Any = None, **changes: Any) -> EllipseOptimiser:
     return EllipseOptimiser(asked(highest, drive, **changes))
-
-
-def found_at(search: EllipseOptimiser, setting: Setting, **bounds: Any) -> Found:
-    guarantee = guarantee_of(search._question.box(setting))
-    return Found(setting, (), replace(guarantee, **bounds))
 
 
 @pytest.mark.parametrize(
@@ -133,19 +126,18 @@ def test_a_higher_regime_has_more_where_parts_may_hop(
 )
 def test_no_body_may_exceed_the_regime(highest: Regime, regimes: set[Regime], keeps: bool) -> None:
     search = optimiser(highest)
-    found = found_at(search, Setting(5e-4, 1e-4, PHASE, 25.0), regimes=frozenset(regimes))
-    assert search.keeps_to_regime(found) is keeps
+    assert search.keeps_to_regime(Setting(5e-4, 1e-4, PHASE, 25.0), regimes) is keeps
 
 
 @pytest.mark.parametrize(("factor", "keeps"), [(0.999, True), (1.001, False)])
 def test_the_first_body_to_slip_back_ends_forward_slip(factor: float, keeps: bool) -> None:
     search, setting = optimiser(Regime.FORWARD_SLIP), Setting(5e-4, 2e-4, 0.0, 25.0)
     ratio = first_ratio(search._question.box(setting), Regime.BACK_SLIP)
-    found = found_at(search, setting.scaled(factor / ratio), regimes=frozenset({Regime.FORWARD_SLIP}))
-    assert search.keeps_to_regime(found) is keeps
+    there = setting.scaled(factor / ratio)
+    assert search.keeps_to_regime(there, {Regime.FORWARD_SLIP}) is keeps
     # such a body joins the scenarios if none is slower
     search.scenarios = np.full((len(search._question.box(setting).axes), 1), 0.5)
-    optimum = Optimum(found.setting, -1.0)
+    optimum = Optimum(there, -1.0)
     before = search.scenarios.shape[1]
     assert search.confirmed(optimum)[1] is not keeps
     assert search.scenarios.shape[1] - before >= (not keeps)
@@ -173,10 +165,10 @@ LOAD = float(Setting(5e-4, 2e-4, PHASE, 25.0).load(9.81))
 )
 def test_what_limits_a_setting(setting: Setting, drive: dict[str, Any], expected: str) -> None:
     search = optimiser(drive=drive, drift=DRIFT)
-    assert search.limit(found_at(search, setting), 1.0) == expected
+    assert search.limit(setting, 1.0) == expected
     if expected == "hop":  # even if no scenario hops there
         search.scenarios = np.full((7, 1), 0.5)
-        assert search.limit(found_at(search, setting), 1.0) == expected
+        assert search.limit(setting, 1.0) == expected
 
 
 @pytest.mark.parametrize(("share", "expected"), [(0.97, "speed"), (0.99, "limit")])
@@ -188,7 +180,7 @@ def test_a_landing_near_its_limit_limits_a_setting(share: float, expected: str) 
     assert hardest > 0.0
     goal = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": hardest / share}
     search = optimiser(Regime.HOPPING, scene=single, goal=goal)
-    assert search.limit(found_at(search, setting), 1.0) == expected
+    assert search.limit(setting, 1.0) == expected
 
 
 NARROW = {"half_base_mm": 1, "centre_height_mm": 10}
@@ -215,7 +207,7 @@ def test_a_fall_of_the_speed_beyond_a_setting_is_back_slip(
         return "forbidden"
 
     monkeypatch.setattr(search, "_forbids", forbids)
-    assert search.limit(found_at(search, setting), 1.5) == expected
+    assert search.limit(setting, 1.5) == expected
     assert [(a[:2], scale) for a, scale in asked_of] == (
         [(pytest.approx((5e-4 * (1 + 1e-6), 2e-4 * (1 + 1e-6))), 1.5)] if expected == "forbidden" else []
     )

@@ -10,8 +10,7 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime, solve
-from vibro.designs.guarantees import guarantee_of
-from vibro.designs.optima import Found, LineOptimiser
+from vibro.designs.optima import LineOptimiser
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
 from vibro.designs.spaces import Setting
@@ -160,7 +159,7 @@ def test_a_setting_holds_up_to_its_cap(share: float, holds: bool) -> None:
 def test_what_limits_a_setting(load: float, highest: Regime, changes: dict[str, Any], expected: str) -> None:
     search = optimiser(highest, **changes)
     setting = setting_of(search, load)
-    assert search.limit(Found(setting, (), guarantee_of(search._question.box(setting))), 1.0) == expected
+    assert search.limit(setting, 1.0) == expected
 
 
 @pytest.mark.parametrize(("share", "expected"), [(0.97, "speed"), (0.99, "limit")])
@@ -173,8 +172,7 @@ def test_a_landing_near_its_limit_limits_a_setting(share: float, expected: str) 
     hardest = 1e3 * float(solve(scene).impact_velocity)
     goal = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": hardest / share}
     search = optimiser(Regime.HOPPING, {"amplitude_mm": "0.5:20"}, scene=single, goal=goal)
-    found = Found(setting, (), guarantee_of(search._question.box(setting)))
-    assert search.limit(found, 1.0) == expected
+    assert search.limit(setting, 1.0) == expected
 
 
 @pytest.mark.parametrize(

@@ -15,12 +15,11 @@ import vibro
 from vibro import Regime
 from vibro.designs import machine_drives
 from vibro.designs.design import chosen_of, find_designs
-from vibro.designs.guarantees import guarantee_of
-from vibro.designs.optima import EllipseOptimiser, Found, LineOptimiser
+from vibro.designs.optima import EllipseOptimiser, LineOptimiser
 from vibro.designs.proofs import corners
 from vibro.designs.questions import MOST_DESIGN_THROW, Question
 from vibro.designs.reading import read_spec
-from vibro.designs.rows import KINDS
+from vibro.designs.rows import KINDS, Rounded
 from vibro.designs.spaces import SPACES, Setting
 from vibro.results.designs import Design
 
@@ -77,8 +76,7 @@ def test_a_margin_ends_where_bands_exceed_the_regime() -> None:
 def test_a_normal_amplitude_at_its_end_is_a_limit(normal: float, set_by: str) -> None:
     question = asked(ELLIPSE)
     setting = Setting(5e-4, normal, math.radians(-50.0), 25.0)
-    found = Found(setting, (), guarantee_of(question.box(setting)))
-    assert EllipseOptimiser(question).limit(found, 1.0) == set_by
+    assert EllipseOptimiser(question).limit(setting, 1.0) == set_by
 
 
 def test_loads_of_the_chosen_design_are_of_the_first_and_the_last_part() -> None:
@@ -235,7 +233,7 @@ class Known:
         self.asked.append((*place, dict(calmer)))
         speed = self.speeds.get(place)
         bounds: Any = None
-        found = Found(line(1e-3 * (1 + question.highest)), (), bounds)
+        found = Rounded(line(1e-3 * (1 + question.highest)), (), bounds)
         designs = {} if speed is None else dict.fromkeys(KINDS, found)
 
         def row(kind: str) -> Design:

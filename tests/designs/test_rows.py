@@ -63,7 +63,6 @@ class Optimiser:
     def __init__(self, **answers: Any) -> None:
         self.answers: dict[str, Any] = {
             "has_more": True,
-            "is_allowed": True,
             "holds": True,
             "keeps": True,
         } | answers
@@ -75,10 +74,10 @@ class Optimiser:
     def first_cap(self) -> str:
         return "tip"
 
-    def least_set_by(self, found: Rounded) -> str:
+    def least_set_by(self, setting: Setting) -> str:
         return "onset"
 
-    def limit(self, found: Rounded, scale: float) -> str:
+    def limit(self, setting: Setting, scale: float) -> str:
         return f"limit at {scale:g}"
 
     def margin(self, setting: Any, target: float) -> Any:
@@ -99,10 +98,7 @@ class Optimiser:
         self.asked.append(target)
         return self.answers["holds"] and self.answers.get("speed", target) >= target
 
-    def is_allowed(self, setting: Setting) -> Any:
-        return self.answers["is_allowed"]
-
-    def keeps_to_regime(self, found: Rounded) -> Any:
+    def keeps_to_regime(self, *_: Any) -> Any:
         return self.answers["keeps"]
 
 
@@ -136,8 +132,8 @@ def test_what_sets_a_design_is_told_of_the_optimum_and_not_of_its_rounding(
     kind: str, speed: float, expected: str
 ) -> None:
     class Told(Optimiser):
-        def limit(self, found: Any, scale: float) -> str:
-            return f"limit of {1e3 * np.hypot(*found.setting[:2]):g} mm at {scale:g}"
+        def limit(self, setting: Setting, scale: float) -> str:
+            return f"limit of {1e3 * np.hypot(*setting[:2]):g} mm at {scale:g}"
 
     optimum = Optimum(found_at(2.0).setting, speed)
     designs = {kind: replace(found_at(1.9, speed_min=0.0101), optimum=optimum)}
@@ -352,7 +348,7 @@ def test_the_first_rounding_that_holds_is_taken(tried: list[tuple[int, bool]]) -
     assert first(finder()._rounded(None, 4, 0.001, 0.001, up=False)) is None
 
 
-@pytest.mark.parametrize("name", ["holds", "is_allowed", "keeps"])
+@pytest.mark.parametrize("name", ["holds", "keeps"])
 def test_a_rounding_that_breaks_a_condition_is_passed_over(name: str, tried: list[tuple[int, bool]]) -> None:
     optimum = Optimum(found_at().setting, 0.02)
     optimiser = Optimiser(**{name: False}, fastest=optimum)

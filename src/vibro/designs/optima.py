@@ -28,12 +28,11 @@ from vibro.designs.spaces import SPACES, TOLERANCES, Scaled, Setting, inside
 from vibro.drives import Line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from vibro.designs.questions import Drive, Question
     from vibro.designs.spaces import AnySetting, Span, UncertaintySet
     from vibro.reals import Bools, Floats
-    from vibro.results.designs import Guarantee
 
     Spans = tuple[Span, ...]  # a range of every knob
 
@@ -97,17 +96,6 @@ class Optimum(NamedTuple):
 
     setting: AnySetting
     speed: float
-
-
-@dataclass(frozen=True)
-class Found:
-    """A setting, its printed knobs, its guarantee, and its margin with the optimiser that computed it."""
-
-    setting: AnySetting
-    printed: tuple[float, ...]
-    guarantee: Guarantee
-    margin: float | None = None
-    optimiser: Optimiser | None = None
 
 
 class Optimiser(ABC):
@@ -175,14 +163,12 @@ class Optimiser(ABC):
         return None if found is None else margin
 
     def holds(self, setting: AnySetting, target: float) -> bool:
-        """Return whether all scenarios reach a speed at a setting, within the regime."""
+        """Return whether all scenarios reach a speed, within the regime and the drive's limit."""
+        most = self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
+        if float(self._question.load(setting)) > most:
+            return False
         one = setting._make(np.array([float(x)]) for x in setting)
         return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
-
-    def is_allowed(self, setting: AnySetting) -> bool:
-        """Return whether the drive's acceleration allows a setting."""
-        load = float(self._question.load(setting))
-        return load <= self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
 
     def has_more(self) -> bool:
         """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
@@ -190,23 +176,21 @@ class Optimiser(ABC):
         widest = question.box(_at_ends(question.drive, 1), MOST_MARGIN)
         return not question.flies or widest.throw_number > 1.0 - TOLERANCES.beside
 
-    def keeps_to_regime(self, found: Found) -> bool:
-        """Return whether every body found by the searches keeps to the regime."""
-        if any(regime > self._question.highest for regime in found.guarantee.regimes):
+    def keeps_to_regime(self, setting: AnySetting, regimes: Collection[Regime]) -> bool:
+        """Return whether a setting keeps to the regime: with bodies of known regimes, and of a search."""
+        if any(regime > self._checked for regime in regimes):
             return False
-        if self._question.highest is not Regime.FORWARD_SLIP:
-            return True
-        return slip_ratio(self._question.box(found.setting))[0] <= 1.0
+        return self._checked is not Regime.FORWARD_SLIP or slip_ratio(self._question.box(setting))[0] <= 1.0
 
-    def least_set_by(self, found: Found) -> str:
+    def least_set_by(self, setting: AnySetting) -> str:
         """Return the active constraint of a least-acceleration setting that exceeds its target."""
         question = self._question
         least = question.drive.accelerations[0] / question.spec.gravity * (1.0 + TOLERANCES.at)
-        return "limit" if question.load(found.setting) <= least else self._least_set_by
+        return "limit" if question.load(setting) <= least else self._least_set_by
 
-    def limit(self, found: Found, scale: float) -> str:
+    def limit(self, setting: AnySetting, scale: float) -> str:
         """Return the name of a setting's active constraint, with bands scaled by a factor."""
-        question, setting, drive = self._question, found.setting, self._question.drive
+        question, drive = self._question, self._question.drive
         if question.landings.scaled(TOLERANCES.nearly).worst(question.box(setting, scale)).size:
             return "limit"
         nearly = 1.0 - TOLERANCES.at
@@ -442,7 +426,7 @@ class LineOptimiser(Optimiser):
 
     def __init__(self, question: Question) -> None:
         super().__init__(question)
-        self._checked = Regime.HOPPING
+        self._checked = Regime.HOPPING  # the load excludes higher regimes than the question's
 
     def _free(self, spans: Spans) -> Bools:
         """Return which are free: load, drive angle, and where impacts limit it the least frequency."""
@@ -514,10 +498,6 @@ class LineOptimiser(Optimiser):
         load = question.load(setting) * (1.0 - TOLERANCES.rounding)
         least = np.min([cap[:, 0] for name, cap in caps.items() if name != "limit"], axis=0, initial=np.inf)
         return np.asarray(load <= least)
-
-    def keeps_to_regime(self, found: Found) -> bool:
-        """Return whether every body of a setting keeps to the regime, as its load is below all limits."""
-        return True
 
 
 def _unit(drive_angle: Any) -> Setting:

@@ -10,7 +10,7 @@ from itertools import islice, product
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.designs.guarantees import guarantee_of
-from vibro.designs.optima import EllipseOptimiser, Found, LineOptimiser, MotionOptimiser
+from vibro.designs.optima import EllipseOptimiser, LineOptimiser, MotionOptimiser
 from vibro.designs.questions import MOST_DIGITS, nearest
 from vibro.designs.spaces import TOLERANCES
 from vibro.designs.windows import window_of
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from vibro.designs.optima import Optimiser, Optimum
     from vibro.designs.questions import Drive, Met, Question
     from vibro.designs.spaces import AnySetting
+    from vibro.results.designs import Guarantee
 
 # ------------------------------------------------------------------------------
 # Round settings to few digits in users' units.
@@ -119,12 +120,17 @@ _OPTIMISERS: Final[Mapping[type, Callable[[Question], Optimiser]]] = {
 
 
 @dataclass(frozen=True)
-class Rounded(Found):
-    """A setting as it is printed, and the optimum that was rounded.
+class Rounded:
+    """A setting as it is printed, its guarantee, its margin with the optimiser of that, and its optimum.
 
     Of a filled machine with its amplitudes and other numbers over all fillings.
     """
 
+    setting: AnySetting
+    printed: tuple[float, ...]
+    guarantee: Guarantee
+    margin: float | None = None
+    optimiser: Optimiser | None = None
     optimum: Optimum | None = None
     met: Met | None = None
 
@@ -170,15 +176,14 @@ class Finder:
         if found is None:
             return optimiser.first_cap() if kind == "fastest" else None
         if kind == "safest" and found.margin:
-            return optimiser.limit(found, found.margin)
+            return optimiser.limit(found.setting, found.margin)
         # an optimum is at its constraint, from which rounding moves the setting
         setting, speed = found.optimum or (found.setting, found.guarantee.speed_min)
-        best = replace(found, setting=setting)
         if kind != "gentlest":
-            return optimiser.limit(best, 1.0)
+            return optimiser.limit(setting, 1.0)
         if speed <= self.target * (1.0 + TOLERANCES.at):
             return "speed"
-        least = optimiser.least_set_by(best)
+        least = optimiser.least_set_by(setting)
         # where parts may hop, the speed may jump past the target, and settings are sampled
         return "speed" if least == "onset" and self.question.flies else least
 
@@ -320,10 +325,11 @@ class Finder:
         drive, missed = self.question.drive, 0
         for printed in roundings(drive, optimum.setting, digits, up=up):
             setting = setting_of(drive, printed)
-            if not self.optimiser.holds(setting, least) or not self.optimiser.is_allowed(setting):
+            if not self.optimiser.holds(setting, least):
                 continue
             found = Rounded(setting, printed, guarantee_of(self.question.box(setting)), optimum=optimum)
-            if found.guarantee.speed_min >= target and self.optimiser.keeps_to_regime(found):
+            g = found.guarantee
+            if g.speed_min >= target and self.optimiser.keeps_to_regime(setting, g.regimes):
                 yield found
             else:
                 missed += 1
