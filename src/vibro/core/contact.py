@@ -27,6 +27,7 @@ from vibro.core.slides import (
     Start,
     Thresholds,
     cosine_lead,
+    no_start,
     outlasts,
     own_phase,
     phase_offset,
@@ -744,8 +745,7 @@ class CycleSlides(NamedTuple):
 
 def no_leg() -> SlideLeg:
     """Stand in for a slide that a cycle does not have."""
-    none = Start(Onset(NAN, NAN, NAN, NAN, NAN, NAN, NAN), NAN, NAN, NAN)
-    return SlideLeg(0.0, False, none, NAN, NAN, NAN, NAN)
+    return SlideLeg(0.0, False, no_start(), NAN, NAN, NAN, NAN)
 
 
 def cycle_slides(loads: Loads, pattern: int) -> CycleSlides:

@@ -54,7 +54,7 @@ from vibro.core.numbers import (
     wrap,
     wrap_around,
 )
-from vibro.core.slides import Onset, Start, own_phase, resting_start, slide, start_inside, thresholds
+from vibro.core.slides import Start, no_start, own_phase, resting_start, slide, start_inside, thresholds
 from vibro.core.waves import (
     FORCE,
     NORMAL,
@@ -167,12 +167,12 @@ def course_of(loads: Loads, restitution: float) -> Course:
             find_nodes(loads.waves, FORCE, mix_of(loads, FORCE))
         bed = bed_of(loads) if at.hops else no_bed(loads)
         track = track._replace(lift_off=bed.lift_off)
-        return Course(track, _no_start(), _no_start(), rests, bed, restitution)
+        return Course(track, no_start(), no_start(), rests, bed, restitution)
     # a line that presses the body down more than it pushes has a window both ways, but one is not in contact
     slips_forward = rests and at.forward and not math.isnan(track.forward_onset)
     slips_back = rests and at.back and not math.isnan(track.back_onset)
-    forward = resting_start(loads, at, 1.0) if slips_forward else _no_start()
-    back = resting_start(loads, at, -1.0) if slips_back else _no_start()
+    forward = resting_start(loads, at, 1.0) if slips_forward else no_start()
+    back = resting_start(loads, at, -1.0) if slips_back else no_start()
     if rests:
         track = track._replace(
             forward_onset=_onset(loads, 1.0, forward, track.forward_onset),
@@ -181,11 +181,6 @@ def course_of(loads: Loads, restitution: float) -> Course:
     if not at.hops:
         track = track._replace(lift_off=INF)
     return Course(track, forward, back, rests, bed_of(loads) if at.hops else no_bed(loads), restitution)
-
-
-def _no_start() -> Start:
-    """Stand for the slide of a body that never slips in a direction."""
-    return Start(Onset(NAN, NAN, NAN, NAN, NAN, NAN, NAN), NAN, NAN, NAN)
 
 
 def _crest(loads: Loads, way: float) -> float:

@@ -44,16 +44,16 @@ def critical_loads(unit: Loads) -> CriticalLoads:
     hop = unit.weight_normal / unit.drive_normal if unit.drive_normal > 0.0 else INF
     forward, back = _onset(capacity + t, at.forward_load), _onset(capacity - t, at.back_load)
     held = abs(t) < capacity
-    if unit.line and unit.drive_tangential <= unit.static_friction * unit.drive_normal:
-        back = INF  # the drive presses the body down more than it pushes it back, Eq. (7)
     back_slip, vanishes = back, INF
-    if unit.line and back < INF:
+    if unit.line:
+        if unit.drive_tangential <= unit.static_friction * unit.drive_normal:
+            back, back_slip = INF, INF  # the drive presses the body down more than it pushes it back, Eq. (7)
         braked = unit.kinetic_friction * unit.weight_normal + t > 0.0
-        if held and back > forward:
+        if held and forward < back < INF:
             back_slip = _back_slip_of_line(unit, forward, back) if braked else INF
-        if held and braked:
+        if held and braked and back < INF:
             vanishes = max(_continuous_sliding_of_line(unit, forward, back), back_slip)
-    elif held and not unit.line and max(forward, back) < hop:
+    elif held and max(forward, back) < hop:
         if back > forward:
             back_slip = _begins_at(unit, back, hop, False)
         vanishes = max(_begins_at(unit, max(forward, back_slip), hop, True), back_slip)

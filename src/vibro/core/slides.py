@@ -369,6 +369,11 @@ class Start(NamedTuple):
     close_rate: float
 
 
+def no_start() -> Start:
+    """Stand for the slide of a body that never slips in a direction."""
+    return Start(Onset(NAN, NAN, NAN, NAN, NAN, NAN, NAN), NAN, NAN, NAN)
+
+
 def resting_start(loads: Loads, at: Thresholds, way: float) -> Start:
     """Slide from rest, forward (+1) or back (-1), Eqs. (3)-(6) and (56), without cancellation.
 
