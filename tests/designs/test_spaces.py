@@ -11,7 +11,7 @@ import pytest
 
 from vibro import solve
 from vibro.designs.questions import Drift
-from vibro.designs.spaces import SPACES, Points, Setting, UncertaintySet, cut, inside, off
+from vibro.designs.spaces import SPACES, Setting, UncertaintySet, cut, inside, off
 from vibro.drives import Ellipse, Line
 
 LINES, OVALS = SPACES[Line], SPACES[Ellipse]
@@ -134,19 +134,6 @@ def test_bands_are_cut_at_both_ends() -> None:
 )
 def test_relative_drifts_keep_values_positive(share: float, expected: tuple[float, float]) -> None:
     assert [float(x) for x in off(2.0, share)] == pytest.approx(list(expected), rel=1e-12)
-
-
-def test_points_are_kept_and_joined_in_order() -> None:
-    first = Points.of([np.array([i, i + 0.5]) for i in range(5)])
-    one = Points(np.array([9.0]), (np.array([8.0]),), np.array([7.0]), np.array([6.0]), np.array([5.0]))
-    both = first.joined(one)
-    assert [x.tolist() for x in both.columns()] == [
-        [0.0, 0.5, 9.0], [1.0, 1.5, 8.0], [2.0, 2.5, 7.0], [3.0, 3.5, 6.0], [4.0, 4.5, 5.0],
-    ]  # fmt: skip
-    kept = both.kept(np.array([True, False, True]))
-    assert [x.tolist() for x in kept.columns()] == [[0, 9], [1, 8], [2, 7], [3, 6], [4, 5]]
-    again = Points.of(both.columns())
-    assert [x.tolist() for x in again.columns()] == [x.tolist() for x in both.columns()]
 
 
 def test_axes_of_a_box() -> None:

@@ -186,23 +186,22 @@ def look_around(box: UncertaintySet, seen: Seen) -> None:
     free, middle = box.varies, np.full((len(box.axes), 1), 0.5)
     samples = [placed(free, sobol(int(free.sum()), _LOOKS, _SEED))] if free.any() else []
     coordinates = np.hstack([corners(free), *samples, middle])
-    points = _with_changes(box, box.points(coordinates))
-    speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
+    for points in (box.points(coordinates), _changes(box)):
+        speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
 
 
-def _with_changes(box: UncertaintySet, points: Points) -> Points:
-    """Add points on both sides of every critical load of the corners."""
+def _changes(box: UncertaintySet) -> Points:
+    """Return points on both sides of every critical load of the corners."""
     ends = box.points(corners(box.varies))
     # the onset load is least where the drive angle equals the angle of friction
     if "drive_angle" in box.shape:
         angle = np.clip(np.arctan(ends.static_friction), *box.shape["drive_angle"])
-        ends = ends.joined(ends._replace(shape=(angle,)))
+        ends = ends._replace(shape=(np.array([ends.shape[0], angle]),))
     scene = box.scene(ends, fast=False)
-    for load in change_loads(scene).values():
-        at = ends.load * np.nan_to_num(load, posinf=np.inf) / scene.load
-        for side in (1.0 - TOLERANCES.beside, 1.0 + TOLERANCES.beside):
-            points = points.joined(ends._replace(load=np.clip(at * side, *box.load)))
-    return points
+    changes = np.array([np.nan_to_num(load, posinf=np.inf) for load in change_loads(scene).values()])
+    sides = np.array([1.0 - TOLERANCES.beside, 1.0 + TOLERANCES.beside])
+    loads = np.multiply.outer(sides, ends.load * changes / scene.load)
+    return ends._replace(load=np.clip(loads, *box.load))
 
 
 def _evolved(

@@ -263,29 +263,24 @@ class Finder:
         """Find the designs, by their kind; ``tell(kind)`` reports the search, ``until`` is the last kind."""
         if not self.optimiser.has_more():
             return dict(calmer)
-        tell("fastest")
-        fastest = self._best("fastest", self._fastest(), calmer)
-        if fastest is None:
-            return {}
-        if fastest.guarantee.speed_min < self.target or until == "fastest":
-            return {"fastest": fastest}
-        tell("gentlest")
-        gentlest = self._best("gentlest", self._least_acceleration(), calmer, fastest)
-        assert gentlest is not None
-        if until == "gentlest":
-            return {"fastest": fastest, "gentlest": gentlest}
-        tell("safest")
-        if self.question.spec.has_bands:
-            safest = self._best("safest", self._safest(), calmer, fastest, gentlest)
-        else:
-            safest = fastest
-        assert safest is not None
+        found: dict[str, Rounded] = {}
+        searches: dict[str, Callable[[], Rounded | None]] = {
+            "fastest": self._fastest,
+            "gentlest": self._least_acceleration,
+            "safest": self._safest if self.question.spec.has_bands else lambda: found["fastest"],
+        }
+        for kind in SEARCHED:
+            tell(kind)
+            best = self._best(kind, searches[kind](), calmer, *found.values())
+            if best is None:
+                return {}
+            found[kind] = best
+            if found["fastest"].guarantee.speed_min < self.target or (kind == until != SEARCHED[-1]):
+                return found
         # A search with sampled bodies may miss the best setting, and another of these may be better.
-        fastest = max(fastest, gentlest, safest, key=lambda design: design.guarantee.speed_min)
-        gentlest = min(
-            gentlest, fastest, safest, key=lambda design: float(self.question.load(design.setting))
-        )
-        return {"fastest": fastest, "gentlest": gentlest, "safest": safest}
+        for kind in ("fastest", "gentlest"):
+            found[kind] = max(found.values(), key=lambda one: best_of(kind, self.question, one))
+        return found
 
     def _fastest(self) -> Rounded | None:
         """Return the fastest setting that holds as printed.

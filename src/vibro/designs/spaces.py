@@ -398,21 +398,6 @@ class Points(NamedTuple):
         load, shape, *others = self
         return Points(load[which], tuple(x[which] for x in shape), *(x[which] for x in others))
 
-    def joined(self, others: Points) -> Points:
-        """Add points."""
-        columns = zip(self.columns(), others.columns(), strict=True)
-        return self.of([np.append(x, y) for x, y in columns])
-
-    def columns(self) -> list[Floats]:
-        """Return all arrays, broadcast against each other."""
-        return [x.copy() for x in np.broadcast_arrays(self.load, *self.shape, *self[2:])]
-
-    @classmethod
-    def of(cls, columns: list[Floats]) -> Points:
-        """Return the points of arrays in the order of ``columns``."""
-        load, *shape, beta, mu_s, mu_d = columns
-        return cls(load, tuple(shape), beta, mu_s, mu_d)
-
 
 @dataclass(frozen=True, kw_only=True)
 class UncertaintySet:
