@@ -9,7 +9,6 @@ import statistics
 
 import pytest
 from engines.two_axis_walk import NeverEndsError, NeverSettlesError
-from helpers.cases import each
 from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, lift_off, line, unit, walked, walker
 from helpers.reference_tables import read_rows
 
@@ -19,12 +18,9 @@ from vibro.core import hops as hopping_module
 from vibro.core.codes import IRREGULAR, Status, spelt_text
 from vibro.core.drive import Loads, directions, line_loads, weight_over_load
 from vibro.core.flight import (
-    BOUNCE,
     Bounces,
-    after_landing,
     bed_of,
     bounces,
-    flight,
     single_bounce,
     sinusoidal,
 )
@@ -249,27 +245,6 @@ def test_a_body_enters_a_cycle_amid_its_motion_with_the_velocity_of_its_approach
     assert seen > 4
 
 
-def test_impact_and_flight_are_those_of_all_flights_of_the_cycle() -> None:
-    loads = line(4.4, 25.0, 0.6, 0.45)
-    found = _solved(loads)
-    motion = _rested(4.4, 0.0)
-    rows = range(motion.first, motion.first + motion.count)
-    assert motion.count > 1
-    assert found.period == motion.cycles == 2
-    assert found.impact == loads.weight_normal * max(FLIGHTS.impact[row] for row in rows)
-    aloft = sum(FLIGHTS.length[row] for row in rows)
-    assert found.flight_fraction == pytest.approx(aloft / (2.0 * TURN), rel=1e-15)
-    # a cycle's displacement is told per drive cycle
-    track, entry = track_of(loads, 0.0), enter(track_of(loads, 0.0), 0.0, FLIGHTS, HOPS)
-    velocity, path = entry.velocity, 0.0
-    for _ in range(300):
-        now = return_map(track, HOPS, rows[0], rows[-1] + 1, motion.landing, motion.rest, velocity)
-        velocity, path = now.velocity, now.displacement
-    assert found.displacement == pytest.approx(path / 2.0, rel=1e-11)
-    assert found.peak == pytest.approx(now.peak, rel=1e-11)
-    assert found.pattern == now.pattern
-
-
 # ------------------------------------------------------------------------------- limits
 
 
@@ -401,23 +376,12 @@ def test_a_trough_that_moves_up_and_down_alone_conveys_nothing() -> None:
 # ------------------------------------------------------------------------------
 # Long samples of kicked bodies: their hops, where their parts begin and end, and sums over them.
 
-LENGTH = 12  # events in each half of the samples below
-
 
 def _hops() -> Hops:
     return Hops(*(memoryview(bytearray(8 * (MOST_HOPS + 10))).cast("d") for _ in range(8)))
 
 
 SAMPLED, OTHERS = _hops(), _hops()
-
-
-def _line(throw: float) -> Loads:
-    angles = directions(0.5, 0.05)
-    return line_loads(math.sin(0.5) / throw / math.cos(0.05), angles, 0.5, 0.4)
-
-
-# Bodies that come to contact in every flight, after some, rarely, and never.
-KINDS = [(2.0, 0.0), (1.3, 0.5), (4.3, 0.2), (1.6, 0.6), (1.7, 0.7), (2.24, 0.3), (3.5, 0.0)]
 
 
 # ------------------------------------------------------------------------------- kicks
@@ -436,44 +400,6 @@ def testkicks_are_spread_evenly_and_differ_by_tenths_from_body_to_body() -> None
 
 
 # ------------------------------------------------------------------------------- hops
-
-
-@each(("throw", "restitution"), KINDS)
-@each("body", [0, 5, 6, 11])
-def test_each_hop_starts_where_the_one_before_it_ends_or_iskicked(
-    throw: float, restitution: float, body: int
-) -> None:
-    loads = _line(throw)
-    bed = bed_of(loads)
-    sample = fly_sample(loads, restitution, body, LENGTH, SAMPLED, 3)
-    assert sample.ends
-    phase, speed, hardest, landed = bed.lift_off, kick(0, body), 0.0, False
-    events, shoved = 0, False
-    for count, row in enumerate(range(3, sample.last), start=1):
-        flown = flight(bed, phase, speed)
-        hardest = max(hardest, flown.impact)
-        after = after_landing(bed, phase + flown.length, flown.impact, restitution, 1e-4)
-        length = flown.length + after.length
-        assert SAMPLED.length[row] == length
-        assert SAMPLED.landing[row] == pytest.approx((phase + length) % TURN, rel=1e-12)
-        write_hop(loads, phase, length, after.impulse, OTHERS, row)
-        for got, expected in zip(SAMPLED[:6], OTHERS[:6], strict=True):
-            assert got[row] == expected[row]
-        landed = landed or after.contact
-        events += length > BOUNCE or after.contact
-        if after.contact:
-            rest = (bed.lift_off - SAMPLED.landing[row]) % TURN
-            assert SAMPLED.rest[row] == pytest.approx(rest, abs=1e-9)
-            phase, speed = bed.lift_off, kick(count, body)
-            continue
-        assert SAMPLED.rest[row] == 0.0
-        phase, speed = SAMPLED.landing[row], restitution * flown.impact
-        patience = 1 if body < 6 else 3  # soft kicks get three times as long until the first contact
-        if not landed and not shoved and events >= patience * (LENGTH // 2 + body):
-            shoved = True
-            speed *= 1.0 + 1e-2 * _spread(count, body)
-    assert sample.impact == hardest
-    assert sample.lands is landed
 
 
 # ------------------------------------------------------------------------------- parts
@@ -521,30 +447,6 @@ def _with(
     monkeypatch.setattr(averages_module, "_variances", lambda *_: (own, halves, drift))
     # above K = 2 no stable bounce, and never in contact
     return _averaged(line(2.45, 30.0, 0.5, 0.4), 0.3, 6, **arguments)
-
-
-def test_the_error_is_that_of_twelve_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
-    lands = line(4.3, 30.0, 0.5, 0.4)
-    for own, halves, expected in (
-        (0.5, 1.0, 0.75 / 12.0),
-        (2.9, 1.0, 1.95 / 12.0),
-        (3.1, 1.0, 3.1 / 12.0),
-        (7.9, 1.0, 7.9 / 12.0),
-        (8.1, 1.0, 8.1 / 12.0 + 11.0 / 9.0 * 7.1),
-        (0.0, 0.0, 0.0),
-        (1.0, 0.0, 1.0 / 12.0 + 11.0 / 9.0),
-    ):
-        means = _with(monkeypatch, own, halves)
-        assert means.status == Status.AVERAGED
-        assert means.deviation == pytest.approx(TURN * math.sqrt(expected), rel=1e-14)
-    # what halves differ by, all bodies together, is added in full
-    assert _with(monkeypatch, 0.5, 1.0, 0.4).deviation == pytest.approx(
-        TURN * math.sqrt(0.75 / 12.0 + 0.4), rel=1e-14
-    )
-    # where bodies come to contact the scatter beyond their halves is added in full
-    monkeypatch.setattr(averages_module, "_variances", lambda *_: (2.0, 1.0, 0.0))
-    expected = 1.5 / 12.0 + 11.0 / 9.0
-    assert _averaged(lands, 0.2, 6).deviation == pytest.approx(TURN * math.sqrt(expected), rel=1e-14)
 
 
 def test_longer_samples_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -736,21 +638,6 @@ def test_a_stable_bounce_that_runs_away_leaves_no_mean() -> None:
 CAPTURED_BODIES = 8
 
 
-def _count(monkeypatch: pytest.MonkeyPatch, motions: list[Bounces]) -> list[tuple[float, float]]:
-    """Let ``bounces`` find given motions in turn; return the take-offs from which it is asked."""
-    asked: list[tuple[float, float]] = []
-
-    def found(*arguments: object) -> Bounces:
-        asked.append((float(str(arguments[4])), float(str(arguments[5]))))
-        return motions[min(len(asked), len(motions)) - 1]
-
-    monkeypatch.setattr(captures_module, "bounces", found)
-    return asked
-
-
-NONE = Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
-
-
 def test_bodies_end_in_stable_cycles_of_which_each_is_measured_as_alone() -> None:
     loads, e, irregular = line(1.6, 30.0, 0.5, 0.4), 0.7, 0.25
     track, bed = track_of(loads, e), bed_of(loads)
@@ -777,24 +664,6 @@ def test_bodies_end_in_stable_cycles_of_which_each_is_measured_as_alone() -> Non
     assert found.aloft == pytest.approx(found.number, rel=1e-11)  # they never rest
     assert found.impact == pytest.approx(loads.weight_normal * impact, rel=1e-9)
     assert found.peak == pytest.approx(peak, rel=1e-9)
-
-
-def test_a_body_that_comes_to_contact_takes_off_again_kicked(monkeypatch: pytest.MonkeyPatch) -> None:
-    late = NONE._replace(approach=100, landing=1.0, rest=0.5, approach_end=1.5)
-    loads = line(2.45, 30.0, 0.5, 0.4)
-    asked = _count(monkeypatch, [late])
-    found = captures(track_of(loads, 0.3), 0.3, 0.0, 0.0, FLIGHTS, HOPS)
-    assert found == Captures(0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    assert len(asked) == 6 * CAPTURED_BODIES  # 512 flights each
-    lift_off = bed_of(loads).lift_off
-    assert [phase for phase, _ in asked] == [lift_off, *[1.5] * 5] * CAPTURED_BODIES
-    assert all(0.0 <= speed <= 1e-4 for _, speed in asked)
-
-
-def test_bodies_that_never_repeat_are_not_captured(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = _count(monkeypatch, [NONE])
-    assert captures(track_of(line(2.45, 30.0, 0.5, 0.4), 0.3), 0.3, 0.0, 0.0, FLIGHTS, HOPS).number == 0
-    assert len(asked) == CAPTURED_BODIES
 
 
 @pytest.mark.parametrize(("status", "counts"), [(Status.BOUNDARY, True), (Status.RUNAWAY, False)])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import dataclasses
 import math
 from array import array
 from pathlib import Path
@@ -19,11 +18,10 @@ import vibro
 import vibro.core
 from vibro import Regime, Scene, Status
 from vibro.core import loop
-from vibro.core.attractors import coexisting
 from vibro.core.cells import largest
-from vibro.core.codes import IRREGULAR, SPELT_PATTERNS, Mode, Model
+from vibro.core.codes import IRREGULAR, Mode, Model
 from vibro.core.compiled import Doors
-from vibro.core.contact import Steady, ratio_of, regime_alone, steady_cycle
+from vibro.core.contact import Steady
 from vibro.core.drive import Loads, wave_loads
 from vibro.core.flight import Flights
 from vibro.core.history import Launch, Legs, State, arrival_cycles, course_of, sections_of
@@ -46,8 +44,6 @@ if TYPE_CHECKING:
 
 LOADS = [0.3, 0.9, 1.1, 1.36, 2.0, 2.9, 3.0, 3.6, 5.0, 9.0]
 LINES = at_load(LOADS, 20.0, 0.74, 0.57)
-# bounces once a cycle for good: from wherever it starts, with the same impact
-BOUNCING = dataclasses.replace(at_load([8.0], 20.0, 0.74, 0.57), restitution=np.full(1, 0.1))
 INCLINES = Scene.allowing_infeasible(
     amplitude=[2e-3, 1e-3, 3e-3, 1e-3],
     frequency=[20.0, 30.0, 15.0, 15.0],
@@ -102,47 +98,6 @@ def solved(
 
 
 @SCENES
-@pytest.mark.parametrize("classes", [False, True])
-def test_contact_cycles_in_si_units(solver: Doors, scene: Scene, classes: bool) -> None:
-    loads = loads_of(scene)
-    answers, count = solved(solver, scene, 0, len(loads), classes=classes)
-    scales = np.broadcast_to(scene.scale, scene.shape).tolist()
-    frequencies = np.broadcast_to(scene.frequency, scene.shape).tolist()
-    hops = 0
-    for i, one in enumerate(loads):
-        at = thresholds(one)
-        cycle = regime_alone(one, at) if classes else steady_cycle(one, at)
-        hops += cycle.status == Status.FLIGHT_NOT_MODELLED
-        d, f, a = scales[i] * cycle.displacement, frequencies[i], scales[i]
-        missing = cycle.model == Model.NONE
-        capacity = one.static_friction * one.weight_normal
-        expected = {
-            "regime": cycle.regime,
-            "pattern_code": cycle.pattern,
-            "mean_velocity": d * f,
-            "displacement_per_cycle": d,
-            "peak_velocity": cycle.peak * TURN * f * a,
-            "throw_number": one.drive_normal / one.weight_normal,
-            "forward_ratio": ratio_of(at.forward_load, capacity + one.weight_tangential),
-            "back_ratio": ratio_of(at.back_load, capacity - one.weight_tangential),
-            "flight_fraction": math.nan if missing else 77.0,  # zero at first
-            "impact_velocity": math.nan if missing else 77.0,
-            "period_cycles": math.nan if missing else 1.0,
-            "mean_velocity_error": math.nan if missing else 77.0,
-            "coexists": cycle.coexists,
-            "model_code": cycle.model,
-            "status": cycle.status,
-            "largest_multiplier": cycle.multiplier,
-        }
-        if cycle.status == Status.INFEASIBLE:
-            expected |= dict.fromkeys(("throw_number", "forward_ratio", "back_ratio"), math.nan)
-        row = answers.row(i)
-        assert row.keys() == expected.keys()
-        assert row == pytest.approx(expected, rel=1e-15, nan_ok=True)
-    assert count == hops
-
-
-@SCENES
 def test_a_range_leaves_other_cells_as_they_are(solver: Doors, scene: Scene) -> None:
     whole, _ = solved(solver, scene, 0, len(loads_of(scene)))
     for begin, end in ((0, 2), (1, 3), (2, 2)):
@@ -160,47 +115,6 @@ def hopped(solver: Doors, scene: Scene, cells: list[int], begin: int, end: int) 
     place, room = grid.place(), (scratch.flights, scratch.hops)
     solver.solve_hops(grid.scenes, place, answers.buffers, np.array(cells), *room, begin, end)
     return answers, (grid, place, room)
-
-
-@pytest.mark.parametrize(("scene", "cells"), [(LINES, [9, 6, 7, 8]), (BOUNCING, [0]), (ELLIPSES, [2])])
-def test_hops_in_si_units(solver: Doors, scene: Scene, cells: list[int]) -> None:
-    answers, (grid, place, room) = hopped(solver, scene, cells, 0, len(cells))
-    fields, loads = scene.flat(), loads_of(scene)
-    scales = np.broadcast_to(scene.scale, scene.shape)
-    flights, hops = Flights(*room[0]), Hops(*room[1])
-    for i in range(grid.size):
-        row = answers.row(i)
-        if i not in cells:
-            assert set(row.values()) == {77}
-            continue
-        found = hopping(loads[i], float(fields.restitution[i]), flights, hops)
-        a, f = float(scales[i]), float(fields.frequency[i])
-        pattern = found.pattern + SPELT_PATTERNS * (found.pattern > 0)
-        assert row["mean_velocity"] == pytest.approx(a * found.displacement * f, rel=1e-15)
-        assert row["displacement_per_cycle"] == a * found.displacement
-        assert row["mean_velocity_error"] == pytest.approx(a * found.deviation * f, rel=1e-15)
-        assert row["peak_velocity"] == pytest.approx(TURN * f * a * found.peak, rel=1e-15)
-        assert row["impact_velocity"] == pytest.approx(TURN * f * a * found.impact, rel=1e-15)
-        assert (row["flight_fraction"], row["period_cycles"]) == (found.flight_fraction, found.period)
-        assert (row["status"], row["coexists"], row["pattern_code"]) == (
-            found.status, found.coexists, pattern,
-        )  # fmt: skip
-        assert row["model_code"] == Model.FLIGHT
-        assert {row[name] for name in ("regime", "throw_number", "forward_ratio", "back_ratio")} == {77}
-    first, _ = hopped(solver, scene, cells, 0, 1)
-    assert first.row(cells[0]) == pytest.approx(answers.row(cells[0]), rel=0.0, nan_ok=True)
-    answers.columns["coexists"][:] = 5
-    found = solver.find_others(grid.scenes, place, answers.buffers, np.array(cells), *room, 0, len(cells))
-    assert found is None
-    for i in range(grid.size):
-        if i in cells:
-            row, frequency = answers.row(i), float(fields.frequency[i])
-            impact = row["impact_velocity"] / (TURN * frequency * float(scales[i]))
-            e = float(fields.restitution[i])
-            others = coexisting(loads[i], e, row["period_cycles"], impact, flights, hops)
-            assert row["coexists"] == int(others)
-        else:
-            assert answers.columns["coexists"][i] == 5
 
 
 def test_averaged_and_unmodelled_motions_keep_their_codes(solver: Doors) -> None:

@@ -29,7 +29,6 @@ from vibro.core.flight import Bounces, bed_of, bounces
 from vibro.core.hops import enter
 from vibro.core.legs import track_of
 from vibro.core.return_map import (
-    ROUNDING,
     HoppingCycle,
     Orbit,
     Return,
@@ -636,68 +635,6 @@ def test_a_stop_leads_it_to_another_velocity_for_good() -> None:
 def _stops(cycle: HoppingCycle, start: float, way: float = 0.0) -> list[Orbit]:
     begin = cycle_from(cycle, HOPS, start)
     return [stopping(cycle, HOPS, start, begin, way, i) for i in range(stops_of(cycle))]
-
-
-def test_velocities_after_the_last_stop_are_known_beforehand() -> None:
-    pick, stopped = random.Random(12), 0
-    for scene in ORBIT_SCENES[::4]:
-        found = _cycle(*scene)
-        if found is None:
-            continue
-        cycle, start, _ = found
-        known = [orbit.velocity for orbit in _stops(cycle, start) if orbit.status == Status.OK]
-        for _ in range(8):
-            velocity = pick.uniform(-2.5, 2.5)
-            for _ in range(3):
-                now = cycle_from(cycle, HOPS, velocity)
-                velocity = now.velocity
-            again = cycle_from(cycle, HOPS, velocity)
-            if has_stop(again) and abs(again.velocity - velocity) < 1e-14:
-                stopped += 1
-                assert min(abs(v - velocity) for v in known) < 1e-12
-    assert stopped > 60
-
-
-def test_fixed_points_with_a_stop_are_on_the_way_alone() -> None:
-    skipped = 0
-    for scene in ORBIT_SCENES[::5]:
-        found = _cycle(*scene)
-        if found is None:
-            continue
-        cycle, _, _ = found
-        every = [o for o in _stops(cycle, 0.05) if o.status == Status.OK]
-        for way in (1.0, -1.0):
-            some = [o for o in _stops(cycle, 0.05, way) if o.status == Status.OK]
-            assert [o.velocity for o in some] == [
-                o.velocity for o in every if way * (o.velocity - 0.05) >= 0.0
-            ]
-            skipped += len(every) - len(some)
-        for orbit in every:
-            assert orbit.cycle.velocity == pytest.approx(orbit.velocity, abs=ROUNDING * 100.0)
-            assert has_stop(orbit.cycle)
-    assert skipped > 10
-
-
-def test_an_ellipse_may_wait_for_either_onset() -> None:
-    waited = [0, 0]
-    for scene in draw(60, 13, ellipses=True, throw=(1.05, 1.8)):
-        found = _cycle(*scene)
-        if found is None:
-            continue
-        cycle, start, _ = found
-        *_, forward, back = _stops(cycle, start)
-        for i, orbit in enumerate((forward, back)):
-            if orbit.status == Status.OK:
-                waited[i] += 1
-                assert "_" + "FB"[i] in spelt_text(orbit.cycle.pattern)
-    assert min(waited) > 5
-    # along a line the cycle from rest is that after the rest until the forward onset
-    resting = _cycle(line(3.0, 20.0, 0.74, 0.57))
-    assert resting is not None
-    first, *_, forward, _ = _stops(resting[0], resting[1])
-    assert first.status == Status.OK
-    assert "_F" in spelt_text(first.cycle.pattern)
-    assert forward.status == Status.UNRESOLVED
 
 
 # ------------------------------------------------------------------------------- without a stop
