@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from vibro.reals import Floats
 
 
-_DRAWN: Final = 10  # base-2 logarithm of the number of samples that are drawn evenly
+_DRAWN: Final = 9  # base-2 logarithm of the number of samples that are drawn evenly
 _SEED: Final = 20
 
 
@@ -72,7 +72,7 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
 
     Notes
     -----
-    The interval is that of samples: at all corners of the bands, and at 1024 points drawn evenly from them.
+    The interval is that of samples: at all corners of the bands, and at 512 points drawn evenly from them.
     """
     machine = question.drive.machine
     assert machine is not None
