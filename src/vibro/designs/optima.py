@@ -220,7 +220,7 @@ class Optimiser(ABC):
             one = setting._make(np.array([x]) for x in setting)
             if np.isfinite(least_of(question.speeds(one, self.scenarios, scale))[0]):
                 return name
-        return "hop"
+        return "hop" if self._question.box(setting, scale).throw_number > 1.0 else "speed"  # runs away
 
     def first_cap(self) -> str:
         """Return the constraint that bounds the load before any speed is guaranteed."""
