@@ -566,8 +566,8 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     two exceptions. First, on declines where the largest or the least kinetic friction changes with static
     friction (a ratio, or the cut), the first or the last body to slip back may lie between corners: that edge
     of the box is bisected until all its parts are proved, and a narrow interval at the threshold stays
-    undecided (tests/designs/test_certain.py counts its cells). Second, if the box holds bodies without static
-    friction, ``lowest`` is -1 and ``highest`` back slip, where they do not hop.
+    undecided (tests/designs/test_guarantees_certain.py counts its cells). Second, if the box holds bodies
+    without static friction, ``lowest`` is -1 and ``highest`` back slip, where they do not hop.
 
     ``speed_min`` is the speed of the body with the highest friction, where no body slips back and kinetic
     friction exceeds the weight component down the trough for all (theory, section 14), or where all rest.
