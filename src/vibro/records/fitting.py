@@ -650,13 +650,11 @@ def _statements(
         labels = dict.fromkeys(m.label for m in minima)
         several = f"patterns {' and '.join(labels)}" if len(labels) > 1 else "phases to both sides of 0"
         found.append(f"{several} fit: an interval in pieces holds the values of each")
-    found += _unidentified(problem, best, pattern, lost, groups)
+    found += _unidentified(pattern, lost, groups)
     return found + _limits(problem, pattern, parameters, fitted)
 
 
-def _unidentified(
-    problem: Problem, best: Minimum, pattern: str, lost: Mapping[str, Parameter], groups: _Groups
-) -> list[str]:
+def _unidentified(pattern: str, lost: Mapping[str, Parameter], groups: _Groups) -> list[str]:
     """Say why quantities have no estimate."""
     found = []
     left = set(lost)
@@ -668,11 +666,6 @@ def _unidentified(
         symbols = f"{', '.join(first)} and {last}" if first else last
         if group == ("static_friction",) and "_" not in pattern:
             why = f"in pattern {pattern} the body never rests, and mu_s has no effect at all"
-            if best.label != HOPS:
-                column = problem.names.index("static_friction")
-                most = float(problem.bounds[1, column])
-                edge = move_to_edge(problem, best.label, best.point[None], column, most)
-                why += f", from mu_d up to {edge[0, column]:.4g}"
             found.append(f"the data cannot identify mu_s: {why}")
         elif first:
             found.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")

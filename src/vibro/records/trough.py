@@ -64,10 +64,7 @@ class Motions:
             phase = np.angle(y[0]) - np.angle(x[0])
             fields = {"along_amplitude": abs(x[0]), "normal_amplitude": abs(y[0]), "normal_phase": phase}
         else:
-            fields = {
-                name: [(abs(z), np.angle(z)) for z in way] if way.any() else ()
-                for name, way in (("along_harmonics", x), ("normal_harmonics", y))
-            }
+            fields = {"along_harmonics": _pairs(x), "normal_harmonics": _pairs(y)}
         return {**fields, "frequency": self.frequency}
 
     def scaled(self, along: float = 1.0, normal: float = 1.0) -> Motions:
@@ -91,6 +88,11 @@ class Motions:
         kept = np.arange(1, len(self.along) + 1) <= order
         kept = kept.reshape(-1, *([1] * self.frequency.ndim))
         return replace(self, along=self.along * kept, normal=self.normal * kept)
+
+
+def _pairs(way: Complexes) -> list[tuple[Any, Any]] | tuple[()]:
+    """Return modulus and phase of each harmonic; none of a way without motion."""
+    return [(abs(z), np.angle(z)) for z in way] if way.any() else ()
 
 
 class Sensor(NamedTuple):
@@ -606,11 +608,7 @@ def trough_motion(path: str | PathLike[str], **columns: Any) -> Motion:
     0.96 mm along
     """
     measured = measured_motion(path, **columns).motion
-    along, normal = (
-        [(abs(z), np.angle(z)) for z in way] if way.any() else None
-        for way in (measured.along, measured.normal)
-    )
-    return Motion.harmonics(along, normal)
+    return Motion.harmonics(_pairs(measured.along) or None, _pairs(measured.normal) or None)
 
 
 def motion_of(
