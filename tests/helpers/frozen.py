@@ -26,7 +26,7 @@ import vibro
 from vibro.core.compiled import doors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from helpers.frozen_questions import Batch
     from numpy.typing import NDArray
@@ -358,25 +358,28 @@ def _made(name: str, stored: Stored) -> Stored:
     return made
 
 
-def make() -> None:
-    """Make all answers anew."""
-    stored: Stored = {f"{name}.scale": _scales(name) for name in _NEAR}
+def make(names: Sequence[str]) -> None:
+    """Make the answers of some sets anew."""
+    stored: Stored = dict(read()) | {f"{name}.scale": _scales(name) for name in _NEAR if name in names}
     for name in SETS:
-        stored |= _made(name, stored)
+        if name in names:
+            stored |= _made(name, stored)
     np.savez_compressed(NUMBERS, **stored)  # type: ignore[arg-type]
     for name, ask in TEXTS.items():
-        (FOLDER / f"{name}.json").write_text(json.dumps(ask(), indent=1) + "\n", encoding="utf-8")
+        if name in names:
+            (FOLDER / f"{name}.json").write_text(json.dumps(ask(), indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    ways = parser.add_mutually_exclusive_group(required=True)
-    ways.add_argument("--make", action="store_true", help="make all answers anew")
+    ways, every = parser.add_mutually_exclusive_group(required=True), (*SETS, *TEXTS)
+    ways.add_argument("--make", nargs="*", choices=every, help="make the answers of these sets, or all, anew")
     ways.add_argument("--compare", action="store_true", help="compare, after --make too")
-    if parser.parse_args().make:
-        make()
+    wanted = parser.parse_args().make
+    if wanted is not None:
+        make(wanted or every)
     kept = read()
     print(f"{'set':12}{'values':>8}{'left out':>10}{'equal':>8}{'largest':>12}{'beyond':>8}")
     for name in (*SETS, *TEXTS):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -373,3 +374,73 @@ def test_an_infinite_amplitude_is_an_error_or_a_mark() -> None:
     assert points.frequency_ratio[0, 1] == pytest.approx(1.0, abs=1e-15)
     alone = vibro.operate(undamped, frequency=51, filling=1, **body)
     assert points.amplitude[1, 2] == alone.amplitude
+
+
+def test_an_amplitude_that_a_share_makes_infinite_is_an_error_or_a_mark() -> None:
+    body = {name: x for name, x in SLIDER.items() if name != "frequency"}
+    undamped = Machine.magnet(trough_mass=1, natural_frequency=100, damping_ratio=0, force=1)
+    case = {"frequency": 50.0, "filling": 3.0, "added_mass_share": 1.0, **body}
+    with pytest.raises(InputError, match="amplitude = inf m at frequency = 50 Hz"):
+        vibro.operate(undamped, **case)
+    point = vibro.operate(undamped, allow_strikes=True, **case)
+    assert point.strikes
+    assert (int(point.number), float(point.relative_amplitude)) == (0, math.inf)
+    assert np.isnan([point.amplitude, point.speed_with_second_harmonic()]).all()
+
+
+def test_no_point_at_undamped_resonance_can_be_listed() -> None:
+    undamped = Machine.magnet(trough_mass=1, natural_frequency=50, damping_ratio=0, force=1)
+    assert vibro.operating_points(undamped, filling=1.0, allow_strikes=True, **SLIDER) == ()
+
+
+def test_amplitudes_far_below_the_upper_bound_are_looked_at_too() -> None:
+    """Both bounds are a factor of 40 apart; 64 steps between them were 6 % each, and missed a pair."""
+    machine = Machine.magnet(trough_mass=6, natural_frequency=55.6, damping_ratio=0.005, force=100)
+    case = {**SLIDER, "drive_angle": math.radians(40.0), "static_friction": 0.3, "kinetic_friction": 0.3}
+    point = vibro.operate(machine, setting=3.5, filling=23.0, **case)
+    listed = vibro.operating_points(machine, setting=3.5, filling=23.0, **case)
+    assert point.amplitude == pytest.approx(listed[0], rel=1e-12)
+    assert 1.05 < listed[1] / listed[0] < 1.06
+
+
+@pytest.mark.parametrize("counter_mass", [math.inf, 9.0])
+def test_masses_that_may_strike_in_irregular_motion_are_found(counter_mass: float) -> None:
+    body = {
+        "drive_angle": math.radians(50.0),
+        "static_friction": 0.5,
+        "kinetic_friction": 0.4,
+        "restitution": 0.5,
+    }
+    case = {**SLIDER, **body, "setting": np.linspace(0.4, 0.9, 40), "filling": 4.4}
+    machine = Machine.magnet(
+        trough_mass=6, counter_mass=counter_mass, natural_frequency=64.9, damping_ratio=0.02, force=100
+    )
+    free = vibro.operate(machine, **case)
+    irregular = (free.status == Status.AVERAGED) & np.isnan(free.added_mass_share)
+    assert irregular.any()
+    assert np.isnan(free.phase[irregular]).all()
+    most, bound = free.relative_amplitude[irregular], vibro.filling(free.scene).bound[irregular]
+    if math.isinf(counter_mass):  # the springs bend as far as the trough moves
+        np.testing.assert_allclose(most, free.amplitude_high[irregular], rtol=1e-14)
+    shape = {name: case[name] for name in ("frequency", "drive_angle", "static_friction", "kinetic_friction")}
+    for turn in np.exp(2j * np.pi * np.arange(8) / 8):  # whatever share is added mass, and whatever damping
+        share = bound * turn
+        moved = vibro.operate(
+            machine,
+            added_mass_share=share.real,
+            added_damping_share=-share.imag,
+            filling=np.full(bound.shape, 4.4),
+            **shape,
+        )
+        bend = moved.relative_amplitude / moved.amplitude
+        assert np.all(most >= free.amplitude[irregular] * bend * (1.0 - 1e-12))
+    gap = 0.999 * float(np.max(most))
+    points = vibro.operate(replace(machine, gap=gap), allow_strikes=True, **case)
+    assert points.strikes[irregular].any()
+
+
+def test_an_unknown_share_is_no_number() -> None:
+    machine = Machine.magnet(trough_mass=6, natural_frequency=60, damping_ratio=0.02, force=100)
+    point = vibro.operate(machine, filling=1.0, trough_angle=-math.atan(0.4), **SLIDER)
+    assert point.status == Status.RUNAWAY
+    assert np.isnan([point.added_mass_share, point.added_damping_share, point.second_harmonic]).all()

@@ -64,7 +64,7 @@ from vibro.core.waves import SINE
 # Amplitudes that are looked at between the bounds of operating points: logarithms of the ratio of neighbours,
 # and their largest number.
 _STEP: Final = 0.03
-_MOST_STEPS: Final = 64
+_MOST_STEPS: Final = 512
 _FINE_STEP: Final = 0.002
 _MOST_FINE_STEPS: Final = 2048
 

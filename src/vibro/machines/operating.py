@@ -53,12 +53,13 @@ class OperatingPoints:
     amplitude_low, amplitude_high : array
         Bounds on the amplitude, which differ from it only where ``status`` is ``AVERAGED`` [m].
     phase : array
-        Phase lead of the trough over the force, in (-pi, pi] [rad].
+        Phase lead of the trough over the force, in (-pi, pi]; NaN where the share is unknown [rad].
     relative_amplitude : array
-        Amplitude of the trough relative to the counter mass or the floor [m].
+        Amplitude of the trough relative to the counter mass or the floor; where ``status`` is ``AVERAGED``, a
+        bound above it [m].
     frequency_ratio, filled_frequency_ratio : array
         Drive frequency over the natural frequency of the empty machine, and of that with the filling's added
-        mass [1].
+        mass; NaN where that is unknown [1].
     added_mass_share, added_damping_share : array
         Shares of the filling's mass that act as added mass and as added damping; NaN without a filling, and
         where they are unknown [1].
@@ -74,7 +75,8 @@ class OperatingPoints:
         Whether the shares jump at the amplitude. There is no steady operating point then: just above, the
         filling reduces the amplitude, just below, it lets it grow. The motion returned is that just below.
     strikes : array of bool
-        Whether the relative amplitude exceeds the machine's gap, so that the linear model is not valid.
+        Whether the relative amplitude, or its bound, exceeds the machine's gap, so that the linear model is
+        not valid, or the amplitude is infinite.
     status : array of int8
         Code of the ``Status``: OK; BOUNDARY at a jump; AVERAGED where the motion of the filling is irregular
         and its force is known to a bound; or the reason why there is no steady state.
@@ -291,11 +293,12 @@ def operate(
 
     Notes
     -----
-    Eqs. (87) to (90). All operating points lie between two proved bounds. Between these about 30 amplitudes
-    are searched, with more of them where slides begin: a pair of operating points that differ by less than
-    3 % may be missed. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py). Because
-    only the first harmonic of the force is fed back, a simulation of trough and body together has amplitudes
-    from 1 % less to 5 % more, for fillings of up to half of the trough's mass (benchmarks/filling.py).
+    Eqs. (87) to (90). All operating points lie between two proved bounds. Between these amplitudes 3 %
+    apart are looked at, and more of them where slides begin: a pair of operating points that differ by less
+    than 3 % may be missed. Within 1e-9 of a reference on 6 machines (tests/machines/test_operating.py).
+    Because only the first harmonic of the force is fed back, a simulation of trough and body together has
+    amplitudes from 1 % less to 5 % more, for fillings of up to half of the trough's mass
+    (benchmarks/filling.py).
 
     Examples
     --------
@@ -365,9 +368,9 @@ def operating_points(machine: Machine, **case: Any) -> tuple[float, ...]:
     if shape := np.shape(points.amplitude):
         raise InputError(f"shape = {shape}: must be one case", hint="vibro.operate takes arrays")
     share = case.pop("added_mass_share", None)
-    for name in ("added_damping_share", "allow_strikes", "threads"):
+    for name in ("added_damping_share", "threads"):
         case.pop(name, None)
-    one = _case(machine, **case)
+    one = _case(machine, allow_unbounded=case.pop("allow_strikes", False), **case)
     if share is not None or one.filling == 0.0 or one.compliance == 0.0 or points.number == 0:
         return (float(points.amplitude),) * int(points.number)
     grid, machines = _grid_of(one, np.zeros(1, np.int64))
@@ -540,8 +543,9 @@ def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
     stiff = case.compliance[full] == 0.0  # a filling without any effect on the amplitude
     is_known = ~stiff & (found.status[full] != int(Status.OK))
     found.status[full] = np.where(is_known, found.status[full], filling.status)
-    found.share[full] = np.where(np.isnan(found.amplitude[full]), np.nan, filling.share)
-    found.second[full] = np.where(np.isnan(found.amplitude[full]), np.nan, filling.second_harmonic)
+    unknown, nothing = np.isnan(found.amplitude[full]), complex(np.nan, np.nan)
+    found.share[full] = np.where(unknown, nothing, filling.share)
+    found.second[full] = np.where(unknown, nothing, filling.second_harmonic)
     late = full[~is_known & ~stiff & (filling.status == int(Status.AVERAGED))]
     reach = _reach(case)[late]
     found.low[late], found.high[late] = np.maximum(case.empty[late] - reach, 0.0), case.empty[late] + reach
@@ -559,27 +563,45 @@ def _reach(case: _Case) -> Floats:
     return np.asarray(case.filling * np.abs(case.compliance) * pressed * unit)
 
 
+def _bend(moved: Transfer) -> Floats:
+    """Return the relative amplitude over that of the trough."""
+    return np.asarray(np.abs(moved.relative / moved.trough))
+
+
+def _most_relative(machine: Machine, case: _Case, found: _Found) -> Floats:
+    """Return an upper bound of the relative amplitude, whatever the share is [m].
+
+    Over the amplitude of the trough it is linear in the added mass, of which Eq. (89) bounds m A abs(z).
+    """
+    one = transfer(machine, case.frequency, case.natural, 1.0)
+    slope = np.abs(one.relative / one.trough - case.linear.relative / case.linear.trough)
+    pulled = np.where(slope > 0.0, slope * _reach(case) / np.abs(case.compliance), 0.0)
+    return np.asarray(found.high * _bend(case.linear) + pulled)
+
+
 def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
     """Assemble the results."""
-    added = np.where(
-        case.filling > 0.0, case.filling * np.where(np.isnan(found.share), 0.0, found.share), 0.0
-    )
-    moved = transfer(machine, case.frequency, case.natural, added)
-    twice = transfer(machine, 2.0 * case.frequency, case.natural, 0.0)
-    force = machine.force_at(case.frequency, case.setting, case.voltage)
-    phase, relative = np.angle(moved.trough + 0.0), force * np.abs(moved.relative)
+    f, f0, infinite = case.frequency, case.natural, case.unbounded | np.isinf(found.amplitude)
+    unsure = (case.filling > 0.0) & (found.status == int(Status.AVERAGED)) & np.isnan(found.share)
+    added = np.where(case.filling > 0.0, case.filling * np.nan_to_num(found.share), 0.0)
+    moved, twice = transfer(machine, f, f0, added), transfer(machine, 2.0 * f, f0, 0.0)
     harmonic = -0.25 * case.filling * found.second * twice.compliance  # Eq. (90)
-    ratio = np.where(case.unbounded, case.frequency / _NEIGHBOUR, case.frequency) / case.natural
-    filled = case.frequency / machine.filled_natural_frequency(case.natural, added.real)
-    unknown = np.isnan(found.amplitude)
-    phase, relative, filled = (np.where(unknown, np.nan, np.real(x)) for x in (phase, relative, filled))
-    relative = np.where(case.unbounded, np.inf, relative)
-    strikes = (relative > machine.gap) | case.unbounded
+    filled = f / machine.filled_natural_frequency(f0, added.real)
+    phase, unknown = np.angle(moved.trough + 0.0), unsure | np.isnan(found.amplitude)
+    phase, filled = (np.where(unknown, np.nan, x) for x in (phase, filled))
+    relative = np.where(unsure, _most_relative(machine, case, found), found.amplitude * _bend(moved))
+    relative = np.where(infinite, np.inf, relative)
+    ratio = np.where(case.unbounded, f / _NEIGHBOUR, f) / f0
+    strikes = (relative > machine.gap) | infinite
     if np.any(strikes) and not allow_strikes:
         i = int(np.argmax(strikes))
+        where = f"at frequency = {f[i]:.15g} Hz, setting = {case.setting[i]:.6g}"
+        if infinite[i]:
+            hint = "the added mass brings the machine into resonance: give a damping_ratio > 0"
+            raise InputError(f"amplitude = inf m {where}: must be finite", hint=hint)
         raise InputError(
-            f"relative amplitude = {relative[i]:.6g} m at frequency = {case.frequency[i]:.15g} Hz, setting ="
-            f" {case.setting[i]:.6g}: must be <= gap = {machine.gap:.6g} m, or the masses strike each other",
+            f"relative amplitude = {relative[i]:.6g} m {where}: must be <= gap = {machine.gap:.6g} m, or the"
+            " masses strike each other",
             hint="lower the setting, or take a spring pack farther from resonance",
             fields=["gap"],
         )
@@ -587,7 +609,8 @@ def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool
         x[strikes] = np.nan
     found.number[strikes] = 0
 
-    fields = {"amplitude": found.solved_at, "frequency": case.frequency, **case.body}
+    amplitude = np.where(infinite, case.empty, found.solved_at)
+    fields = {"amplitude": amplitude, "frequency": f, **case.body}
     solved = Scene.computed(**{name: x.reshape(case.shape)[()] for name, x in fields.items()})
     values = {
         "amplitude": found.amplitude,
