@@ -11,6 +11,7 @@ from helpers.scenes import replaced, scene_with
 
 import vibro
 from vibro.designs.costs import speed_costs
+from vibro.steady import speed_exponent
 
 NAMES = ["amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle_deg"]
 STEP = 1e-5
@@ -128,6 +129,32 @@ def test_irregular_hops_have_no_costs() -> None:
 
 def hops_at(amplitude: Any, restitution: float = 0.0) -> vibro.Scene:
     return scene_with(amplitude=amplitude, restitution=restitution)
+
+
+@pytest.mark.parametrize("motion", ["forward_onset", "back_slip", "continuous_sliding"])
+def test_beside_an_onset_a_cost_is_right_or_there_is_none(motion: str) -> None:
+    """The speed grows as a power of the distance from an onset: far more than 1e-6 of a slope may be lost."""
+    base = scene_with()
+    onset = 1e-3 * float(getattr(vibro.critical_loads(base), motion) / base.load)
+    found = 0
+    for distance in np.logspace(-7.0, -0.7, 30):
+        scene = scene_with(amplitude=onset * (1.0 + distance))
+        cost = speed_costs(scene)["amplitude"]
+        exact = float(speed_exponent(scene, vibro.solve(scene)))
+        assert isinstance(cost, str) or cost == pytest.approx(exact, rel=1e-6)
+        found += not isinstance(cost, str)
+    assert found >= 10
+
+
+def test_at_equal_frictions_the_cost_of_the_kinetic_one_is_that_of_less() -> None:
+    scene = scene_with(static_friction=0.5, kinetic_friction=0.5, amplitude=1.5e-3)
+    less = np.array([scene_speed(scene, kinetic_friction=0.5 * (1.0 - 1e-3 * k)) for k in range(5)])
+    fourth_order = np.array([25.0, -48.0, 36.0, -16.0, 3.0]) @ less / 12.0 / (1e-3 * less[0])
+    assert numbers(scene)["kinetic_friction"] == pytest.approx(fourth_order, rel=1e-6)
+
+
+def scene_speed(scene: vibro.Scene, **changes: float) -> float:
+    return float(vibro.solve(replaced(scene, **changes)).mean_velocity)
 
 
 def test_where_hops_change_speed_has_a_bend() -> None:

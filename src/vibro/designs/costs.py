@@ -16,11 +16,15 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
 
-_STEP: Final = 1e-5  # [1, rad] step of the finite differences
+_STEP: Final = 3e-6  # [1, rad] step of the finite differences
 _CHANGED: Final = 0.01  # [1] an input is raised by this share of it, or an angle by 1 deg
 _RAISED: Final = 0.1  # [1] and the whole drive by this share
-# Slopes below and above a setting differ by less than this share of the larger one where the speed is smooth.
-_SMOOTH: Final = 0.05
+# Slopes at the first of four points a step apart: of the cubic through them, and of the parabola through
+# three.
+_SLOPES: Final = np.array([[-11.0, 18.0, -9.0, 2.0], [-9.0, 12.0, -3.0, 0.0]]) / 6.0
+# Where the speed is smooth two of these differ by less than this share. If the next singularity is n steps
+# away, slopes of both sides differ by some n^-3, and their mean is wrong by n^-4.
+_SMOOTH: Final = 1e-5
 _JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
 _PARTS: Final = ("static_friction", "kinetic_friction", "trough_angle")
 _ANGLES: Final = ("normal_phase", "trough_angle")  # of which 1 % may be too small a change
@@ -52,7 +56,8 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
 
     Notes
     -----
-    Central differences of the speed, to 1e-6; there is a number where those below and above the scene agree.
+    Differences of third order, to 1e-6; there is a number where those below and above the scene agree. At
+    mu_d = mu_s, where one side alone can be, it is that of this side.
     """
     inputs = _inputs(scene)
     cycle = solve(scene)
@@ -126,18 +131,20 @@ def _difference(scene: Scene, name: str) -> float | str:
     value = fields[name]
     is_angle = name in _ANGLES
     step = _STEP if is_angle else _STEP * value
-    cycle = solve(Scene.computed(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
-    # at mu_d = mu_s both slopes are taken on the side that can be
-    possible = np.asarray(cycle.status) != Status.INFEASIBLE
-    first = 1 if possible[1] and possible[3] else 0 if possible[1] else 2
-    at, speed = slice(first, first + 3), np.asarray(cycle.mean_velocity)
-    if np.any(np.asarray(cycle.status)[at] == Status.AVERAGED):
+    cycle = solve(Scene.computed(**{**fields, name: value + step * np.arange(-3.0, 4.0)}))
+    status, speed = np.asarray(cycle.status), np.asarray(cycle.mean_velocity)
+    sides = {1.0: slice(3, None), -1.0: slice(3, None, -1)}
+    # at mu_d = mu_s there is one side alone
+    sides = {way: side for way, side in sides.items() if not np.any(status[side] == Status.INFEASIBLE)}
+    if any(np.any(status[side] == Status.AVERAGED) for side in sides.values()):
         return "hops: irregular"
-    below, above = np.diff(speed[at]) / (_STEP * speed[2])
-    steepest = max(abs(below), abs(above))
+    steepest = max(abs(speed[side][1] / speed[3] - 1.0) for side in sides.values()) / _STEP
     if not steepest <= _JUMP:
         return "jumps here"
-    if abs(above - below) > _SMOOTH * max(steepest, 1.0):
+    slopes = [way * (_SLOPES @ (speed[side] - speed[3])) / (_STEP * speed[3]) for way, side in sides.items()]
+    # both sides or, of one, the cubic and the parabola
+    apart = slopes[0][0] - slopes[-1][0 if len(slopes) > 1 else 1]
+    if not abs(apart) <= _SMOOTH * max(steepest, 1.0):
         return "bends here"
-    slope = float(above + below) / 2.0
+    slope = sum(float(cubic) for cubic, _ in slopes) / len(slopes)
     return 100.0 * math.radians(slope) if is_angle else slope
