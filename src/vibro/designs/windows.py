@@ -166,9 +166,11 @@ def feasible_amplitudes(
 
     The speed of hopping bodies jumps as the amplitude changes, and for irregular motion it does so
     everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, and ends are found to
-    1e-5; intervals or gaps between two of these amplitudes may be missed. Three standard errors are
-    subtracted from a mean of irregular motion. With ``highest_regime="forward-slip"`` an interval ends where
-    back slip first begins, even if back slip ends again at larger amplitudes.
+    1e-5; the corners of a box are solved at 129 amplitudes, or at 33 if they bounce, with ends to 1e-4.
+    Intervals or gaps between two of these amplitudes may be missed: of boxes with bouncing bodies an
+    interval is a sample, and ``vibro.guarantee`` says more of one amplitude. Three standard errors are
+    subtracted from a mean of irregular motion. With ``highest_regime="forward-slip"`` an interval ends
+    where back slip first begins, even if back slip ends again at larger amplitudes.
 
     Examples
     --------
