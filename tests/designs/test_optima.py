@@ -360,21 +360,6 @@ def test_no_ellipse_is_faster_or_gentler() -> None:
     assert load.min() >= float(question.load(gentlest.setting)) * (1 - 1e-6)
 
 
-def test_largest_amplitudes_keep_to_the_acceleration() -> None:
-    question = asked(LOOSE)
-    phase = np.radians(np.linspace(-180.0, 180.0, 181))
-    frequency = np.full(phase.shape, 25.0)
-    for share in (0.0, 0.3, 0.9, 0.999):
-        y = np.full(phase.shape, share * 1.5 * UNIT)
-        x = EllipseOptimiser(question)._most_along(frequency, y, phase)
-        load = question.load(Setting(x, y, phase, frequency))
-        assert np.all(load <= 1.5 * (1 + 1e-15))
-        np.testing.assert_allclose(load, 1.5, rtol=1e-11)
-    assert np.all(
-        EllipseOptimiser(question)._most_along(frequency, np.full(phase.shape, 1.6 * UNIT), phase) == 0.0
-    )
-
-
 def test_the_highest_of_all_frequencies_tells_whether_parts_may_hop() -> None:
     """0.2 mm normal to the trough throw parts at 50 Hz alone."""
     drive = {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.2}

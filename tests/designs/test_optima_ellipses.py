@@ -77,27 +77,6 @@ def test_the_largest_normal_amplitude_hops_no_part_or_throws_it_by_ten(
 
 
 @pytest.mark.parametrize(
-    ("phase", "normal", "along"),
-    [
-        (0.0, 0.6, 0.8),  # along a line of radius 1
-        (0.0, 0.0, 1.0),
-        (math.pi, 0.28, 0.96),
-        (0.5 * math.pi, 0.6, 1.0),  # semi-axes
-        (-0.5 * math.pi, 0.999, 1.0),
-        (0.3, 1.0, 0.0),
-        (0.3, 1.1, 0.0),
-    ],
-)
-def test_the_largest_amplitude_along_the_trough(phase: float, normal: float, along: float) -> None:
-    """Shares of the amplitude of 1.5 g."""
-    search, reach = optimiser(drive={"acceleration_g": 1.5}), 1.5 * UNIT
-    found = search._most_along(np.array([25.0]), np.array([normal * reach]), np.array([phase]))
-    assert found == pytest.approx([along * reach], rel=1e-9, abs=1e-12)
-    free = optimiser()._most_along(np.array([25.0]), np.array([normal * reach]), np.array([phase]))
-    assert free.tolist() == [math.inf]
-
-
-@pytest.mark.parametrize(
     ("most", "frequency", "highest", "more"),
     [
         (0.01, 25, Regime.HOPPING, False),

@@ -521,8 +521,9 @@ class EllipseOptimiser(Optimiser):
         along, normal, phases, frequency = spans
         f, phase = inside(frequency, coordinates[3]), inside(phases, coordinates[2])
         y, possible = below(self._most_normal(f, scale), normal, coordinates[1])
-        x, fits = below(self._most_along(f, y, phase), along, coordinates[0])
-        return Setting(x, y, phase, f), coordinates[0] + coordinates[1], possible & fits
+        setting = Setting(inside(along, coordinates[0]), y, phase, f)
+        fits = self._question.load(setting) <= self._question.drive.acceleration
+        return setting, coordinates[0] + coordinates[1], possible & fits
 
     def _most_normal(self, frequency: Floats, scale: float) -> Floats:
         """Return the largest nominal normal amplitude, that of hopping or of ``MOST_DESIGN_THROW`` [m]."""
@@ -531,23 +532,6 @@ class EllipseOptimiser(Optimiser):
         weight = question.spec.gravity * unit.hop_load / (2.0 * np.pi * frequency) ** 2
         most = MOST_DESIGN_THROW if question.flies else 1.0
         return np.asarray(most * weight / question.growth(scale) * (1.0 - TOLERANCES.beside))
-
-    def _most_along(self, frequency: Floats, normal_amplitude: Floats, phase: Floats) -> Floats:
-        """Return the largest amplitude along the trough that the drive's acceleration allows, or 0 [m].
-
-        An ellipse stays within a radius R where (R^2 - X^2) (R^2 - Y^2) is at least (X Y cos phi)^2.
-        """
-        acceleration = self._question.drive.acceleration * self._question.spec.gravity
-        if math.isinf(acceleration):
-            return np.full(np.shape(frequency), np.inf)
-        reach = acceleration / (2.0 * np.pi * frequency) ** 2
-        share = np.minimum(normal_amplitude / reach, 1.0)
-        sine = share * np.sin(phase)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rest = (1.0 - share) * (1.0 + share) / ((1.0 - sine) * (1.0 + sine))
-        # where the normal amplitude alone reaches the largest acceleration, none is left along the trough
-        most = reach * np.sqrt(np.nan_to_num(rest, nan=0.0)) * (1.0 - TOLERANCES.beside)
-        return np.where(normal_amplitude <= reach, most, 0.0)
 
 
 # ------------------------------------------------------------------------------
