@@ -70,7 +70,7 @@ def test_the_largest_normal_amplitude_hops_no_part_or_throws_it_by_ten(
     highest: Regime, scale: float, throw: float, growth: float
 ) -> None:
     search = optimiser(highest, drift=DRIFT, scene={**SCENE, "trough_angle_deg": -8})
-    found = search._most_normal(np.array([25.0, 50.0]), scale)
+    found = search._most(Setting(1.0, 1.0, 0.0, np.array([25.0, 50.0])), scale)
     most = throw * math.cos(math.radians(8.0)) * UNIT / growth
     assert found == pytest.approx([most, most / 4.0], rel=1e-9)
     assert found[0] < most
@@ -295,7 +295,7 @@ def test_a_search_stays_within_the_drive_and_its_limits(monkeypatch: pytest.Monk
     assert least < 1e-10
     every = Setting(*(np.concatenate([getattr(s, name) for s in met]) for name in Setting._fields))
     assert np.all(search._question.load(every) <= 1.5)
-    assert np.all(every.normal_amplitude <= search._most_normal(every.frequency, 1.0))
+    assert np.all(every.normal_amplitude <= search._most(Setting(1.0, 1.0, 0.0, every.frequency), 1.0))
     for values, (low, high) in zip(
         every, ((1e-4, 1e-3), (5e-5, 5e-4), (-1.6, 1.6), (20.0, 30.0)), strict=True
     ):

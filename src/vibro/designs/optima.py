@@ -135,6 +135,12 @@ class Optimiser(ABC):
         """Return which coordinates are free."""
         return np.array([low < high for low, high in spans])
 
+    def _most(self, unit: AnySetting, scale: float) -> Floats:
+        """Return the factor on settings up to which no part hops, or is thrown by ``MOST_DESIGN_THROW``."""
+        box = self._question.box(unit, scale)
+        most = MOST_DESIGN_THROW if self._question.flies else 1.0
+        return np.asarray(most * box.hop_load / box.load[1] * (1.0 - TOLERANCES.beside))
+
     # What may be asked of it: optima, margins, and what they are set by.
 
     def fastest(self, scale: float = 1.0) -> Optimum | None:
@@ -520,18 +526,10 @@ class EllipseOptimiser(Optimiser):
         """Return settings at unit-cube coordinates, the sum of their sizes' shares, and which can be."""
         along, normal, phases, frequency = spans
         f, phase = inside(frequency, coordinates[3]), inside(phases, coordinates[2])
-        y, possible = below(self._most_normal(f, scale), normal, coordinates[1])
+        y, possible = below(self._most(Setting(1.0, 1.0, 0.0, f), scale), normal, coordinates[1])
         setting = Setting(inside(along, coordinates[0]), y, phase, f)
         fits = self._question.load(setting) <= self._question.drive.acceleration
         return setting, coordinates[0] + coordinates[1], possible & fits
-
-    def _most_normal(self, frequency: Floats, scale: float) -> Floats:
-        """Return the largest nominal normal amplitude, that of hopping or of ``MOST_DESIGN_THROW`` [m]."""
-        question = self._question
-        unit = question.box(Setting(1.0, 1.0, 0.0, 1.0), scale)
-        weight = question.spec.gravity * unit.hop_load / (2.0 * np.pi * frequency) ** 2
-        most = MOST_DESIGN_THROW if question.flies else 1.0
-        return np.asarray(most * weight / question.growth(scale) * (1.0 - TOLERANCES.beside))
 
 
 # ------------------------------------------------------------------------------
@@ -551,14 +549,7 @@ class MotionOptimiser(Optimiser):
         """Return settings at unit-cube coordinates, the shares of their scales, and which can be."""
         scales, frequency = spans
         share, f = coordinates[0], inside(frequency, coordinates[1])
-        size, possible = below(self._most(f, scale), scales, share)
+        one = Scaled(1.0, f)
+        limit = self._question.drive.acceleration / self._question.load(one) * (1.0 - TOLERANCES.beside)
+        size, possible = below(np.minimum(self._most(one, scale), limit), scales, share)
         return Scaled(size, f), share, possible
-
-    def _most(self, frequency: Floats, scale: float) -> Floats:
-        """Return the largest nominal scale: that of hopping, of ``MOST_DESIGN_THROW``, or of the drive."""
-        question = self._question
-        one = Scaled(1.0, frequency)
-        hop = question.box(one, scale).hop_load / question.load(one)
-        most = (MOST_DESIGN_THROW if question.flies else 1.0) * hop / question.growth(scale)
-        limit = question.drive.acceleration / question.load(one)
-        return np.asarray(np.minimum(most, limit) * (1.0 - TOLERANCES.beside))
