@@ -387,7 +387,7 @@ SAMPLED, OTHERS = _hops(), _hops()
 # ------------------------------------------------------------------------------- kicks
 
 
-def testkicks_are_spread_evenly_and_differ_by_tenths_from_body_to_body() -> None:
+def test_kicks_are_spread_evenly_and_differ_by_tenths_from_body_to_body() -> None:
     numbers = sorted(_spread(count, body) for count in range(50) for body in range(BODIES))
     assert numbers[0] >= 0.0
     assert numbers[-1] < 1.0
