@@ -142,11 +142,6 @@ def _start_at(bed: Bed, restitution: float, index: int, most: int) -> _SearchSta
     return _SearchStart(TURN * (i % _PHASES) / _PHASES, speed, False)
 
 
-def _most_flights() -> int:
-    """Return after how many flights from a start the search ends."""
-    return _MOST_FLIGHTS
-
-
 def _leads_elsewhere(
     bed: Bed,
     restitution: float,
@@ -268,7 +263,7 @@ def list_attractors(
         if math.isnan(start.phase):
             continue
         starts += 1
-        motion = bounces(bed, restitution, flights, _most_flights(), start.phase, start.speed, False)
+        motion = bounces(bed, restitution, flights, _MOST_FLIGHTS, start.phase, start.speed, False)
         if not motion.repeats:
             lost += 1
             continue

@@ -290,7 +290,7 @@ def nearest_turn(phase: float) -> int:
 def step(course: Course, now: State) -> Step:
     """Follow a body through one leg."""
     if now.mode == Mode.FLIGHT:
-        return _in_flight(course, now)
+        return _landed(course, now, _flight(course, now))
     return _in_contact(course, now)
 
 
@@ -335,11 +335,6 @@ def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
     if not (end.settled and math.isfinite(end.half_length)):
         return leg
     return leg._replace(length=2.0 * end.half_length, displacement=way * end.displacement)
-
-
-def _in_flight(course: Course, now: State) -> Step:
-    """Fly to the next landing."""
-    return _landed(course, now, _flight(course, now))
 
 
 def _landed(course: Course, now: State, hop: Flight) -> Step:
