@@ -565,11 +565,7 @@ def _two_way(loads: Loads, at: Thresholds) -> _Cycle:
         cycle = half_length_root(loads, pair.forward.onset, pair.back.onset)
         if math.isnan(out.displacement) and not cycle.valid:
             return out  # it runs away, if slowly
-        motion = continuous_motion(loads, pair.forward.onset, pair.back.onset, cycle)
-        return _Cycle(
-            Pattern.FB, motion.displacement, motion.peak, True, cycle.edge, cycle.valid,
-            multiplier(loads, cycle),
-        )  # fmt: skip
+        return _sliding_on(loads, pair, cycle, 1, False)._replace(settled=cycle.valid)
     return out
 
 
