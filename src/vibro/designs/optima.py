@@ -205,9 +205,9 @@ class Optimiser(ABC):
         beyond = setting.scaled(1.0 + TOLERANCES.at)
         both: Any = setting._make(np.array(pair) for pair in zip(setting, beyond, strict=True))
         here, there = self.least(both, scale)
-        if math.isinf(there):
-            return self._forbids(beyond, scale)
-        if there < here * (1.0 - TOLERANCES.fall):
+        if math.isinf(there) and (by := self._forbids(beyond, scale)):
+            return by
+        if -math.inf < there < here * (1.0 - TOLERANCES.fall):
             return "back slip"
         sizes = question.space.turned(setting)
         at_most = [sizes[knob] >= drive.span(knob)[1] * nearly for knob in question.space.sizes]
@@ -215,7 +215,7 @@ class Optimiser(ABC):
         return "limit" if any(at_most) else "speed"
 
     def _forbids(self, setting: AnySetting, scale: float) -> str:
-        """Return the constraint that forbids a setting: the one without which it would be allowed."""
+        """Return the constraint without which a setting would be allowed; empty where bodies run away."""
         spec = self._question.spec
         anywhere = replace(spec, stand_ratio=math.inf)
         for name, question in {
@@ -226,7 +226,7 @@ class Optimiser(ABC):
             one = setting._make(np.array([x]) for x in setting)
             if np.isfinite(least_of(question.speeds(one, self.scenarios, scale))[0]):
                 return name
-        return "hop" if self._question.box(setting, scale).throw_number > 1.0 else "speed"  # runs away
+        return "hop" if self._question.box(setting, scale).throw_number > 1.0 else ""
 
     def first_cap(self) -> str:
         """Return the constraint that bounds the load before any speed is guaranteed."""
