@@ -187,8 +187,8 @@ def number_hint(text: str, field: str) -> str:
     pair, label = of_pair[0].pair, field.replace("_", " ")
     if not bands:
         return f"give a number: the catalogue has no {label} of {pair}"
-    said = ", ".join(f"{band_text(band)} ({condition})" for condition, band in bands.items())
-    return f"{pair} has {said}: choose from it; vibro friction {pair} names sources"
+    listed = ", ".join(f"{band_text(band)} ({condition})" for condition, band in bands.items())
+    return f"{pair} has {listed}: choose from it; vibro friction {pair} names sources"
 
 
 def _unknown_pair(text: str) -> InputError:

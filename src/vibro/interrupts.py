@@ -43,23 +43,23 @@ def ignore_signals() -> None:
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
     ignore_signals()
-    said = ["error: interrupted", *tidy_up()]
+    lines = ["error: interrupted", *tidy_up()]
     try:
-        os.write(2, "".join(f"{line}\n" for line in said).encode(errors="backslashreplace"))
+        os.write(2, "".join(f"{line}\n" for line in lines).encode(errors="backslashreplace"))
     finally:
         os._exit(EXIT_CODE)
 
 
 def tidy_up() -> list[str]:
     """Run the clean-up of the process, end its children, and return the hints of the clean-up."""
-    said = []
+    lines = []
     for act in (*reversed(_acts), _kill_children):
         try:
             hint = act()
-            said += [f"hint: {hint}"] if hint else []
+            lines += [f"hint: {hint}"] if hint else []
         except Exception:
             pass
-    return said
+    return lines
 
 
 def _kill_children() -> None:

@@ -192,7 +192,7 @@ def _rounded(value: float, error: float) -> float:
 def _machine_table(fit: ResponseFit, given: GivenMachine | None, path: Path) -> dict[str, Any] | None:
     """Return the table ``[machine]`` with what was fitted; None without an estimate.
 
-    The force stays that of the file: nobody said at which setting the points were measured.
+    The force stays that of the file: at which setting the points were measured is unknown.
     """
     if math.isnan(fit.natural_frequency) or (given is not None and math.isnan(fit.damping_ratio)):
         return None

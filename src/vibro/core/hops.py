@@ -398,7 +398,7 @@ def averages(
     track: Track, restitution: float, length: int, longest: bool, flights: Flights, hops: Hops,
     bodies: Bodies,
 ) -> Means:  # fmt: skip
-    """Average the motion of a scene in which no cycle can be told.
+    """Average the motion of a scene in which no cycle can be found.
 
     Parameters
     ----------

@@ -174,11 +174,11 @@ def history(
 
 
 def attractors(
-    scenes: Scenes, place: Place, flights: Flights, hops: Hops, out: Attractors, told: Integers, room: int
+    scenes: Scenes, place: Place, flights: Flights, hops: Hops, out: Attractors, search: Integers, room: int
 ) -> int:
     """List the cycles that coexist in the first cell; return their number.
 
-    ``told`` is written with four numbers: whether the first is that from rest, starts that were followed,
+    ``search`` is written with four numbers: whether the first is that from rest, starts that were followed,
     those of them that did not lead to a cycle, and whether a body may run away. Normal speeds in A w.
     """
     point = _point(scenes, place, 0)
@@ -186,10 +186,10 @@ def attractors(
     found = list_attractors(point.loads, at, point.restitution, flights, hops, out, room)
     for row in range(found.number):
         out.rate[row] *= point.loads.weight_normal
-    told[0] = 1 if found.from_rest else 0
-    told[1] = found.starts
-    told[2] = found.lost
-    told[3] = 1 if found.runs_away else 0
+    search[0] = 1 if found.from_rest else 0
+    search[1] = found.starts
+    search[2] = found.lost
+    search[3] = 1 if found.runs_away else 0
     return found.number
 
 

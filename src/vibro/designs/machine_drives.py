@@ -329,8 +329,8 @@ def machine_drives(table: Table, given: GivenMachine, usual_name: str, drift: fl
         for spans in frequencies:
             parts = [pack, f"{spans[0][0]:.15g} Hz" if len(frequencies) > 1 else ""]
             which = ", ".join(filter(None, parts))
-            told = f"{name} ({which})" if which else name
-            if (drive := _drive(table, given, machine, spans, drift, told, pack)) is None:
+            called = f"{name} ({which})" if which else name
+            if (drive := _drive(table, given, machine, spans, drift, called, pack)) is None:
                 return []
             drives.append(drive)
     return drives

@@ -65,8 +65,8 @@ def _entry(entry: Entry) -> Schema:
     form, quantity = entry.form, entry.quantity
     unit = f" [{quantity.unit}]" if quantity.unit else ""
     usual = entry.usual if entry.usual.startswith("needed") else f"{entry.usual} where it is left out"
-    said = [f"{quantity.meaning}{unit}: {form.says}", *([usual] if entry.usual else [])]
-    schema: Schema = {"description": f"{_sentence('; '.join(said))}.".replace("`", "")}
+    parts = [f"{quantity.meaning}{unit}: {form.says}", *([usual] if entry.usual else [])]
+    schema: Schema = {"description": f"{_sentence('; '.join(parts))}.".replace("`", "")}
     schema |= _any(_ways(entry))
     return schema if entry.example is None else {**schema, "examples": [entry.example]}
 

@@ -195,8 +195,8 @@ def _check_ways(values: Mapping[str, Any], kind: str) -> None:
     if kind == "magnet" and ("force" in values) is ("calibration" in values):
         both = "force_n and calibration are both given"
         example = "calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }"
-        said = both if "force" in values else "force_n or calibration is missing"
-        raise InputError(said, hint=f"give one of them; for example: {example}")
+        problem = both if "force" in values else "force_n or calibration is missing"
+        raise InputError(problem, hint=f"give one of them; for example: {example}")
     if _belongs(MACHINE_KEYS["natural_hz"], kind) and "natural" not in values:
         why = "the calibration was measured with one of the packs" if "calibration" in values else ""
         if not names:

@@ -59,23 +59,23 @@ def read_toml(path: Path) -> dict[str, Any]:
     try:
         text = content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as exc:
-        said = f"{path}: not a text file in UTF-8"
-        raise _other(path) or InputError(said, hint="save it as UTF-8") from exc
+        problem = f"{path}: not a text file in UTF-8"
+        raise _other(path) or InputError(problem, hint="save it as UTF-8") from exc
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as exc:  # ValueError: it is no TOML, or has thousands of digits
         comma, unit = _DECIMAL_COMMA.search(text), _UNQUOTED.search(text)
         hint = f"write a decimal point: {comma[1]} = {comma[2]}.{comma[3]}" if comma else ""
         hint = f'write a number and its unit in quotes: {unit[1]} = "{unit[2]}"' if unit else hint or _LINES
-        said = f"{path}: not valid TOML: {cut(str(exc), _REASON)}"
-        raise _other(path) or InputError(said, hint=hint) from exc
+        problem = f"{path}: not valid TOML: {cut(str(exc), _REASON)}"
+        raise _other(path) or InputError(problem, hint=hint) from exc
 
 
 def _other(path: Path) -> InputError | None:
     """Return what is wrong with a file of another kind, if its name says so."""
     kind = _OTHER_FILES.get(path.suffix.casefold())
-    said = f"{path}: {kind}, and no scene or design file"
-    return InputError(said, hint="these are TOML: NAME.toml") if kind else None
+    problem = f"{path}: {kind}, and no scene or design file"
+    return InputError(problem, hint="these are TOML: NAME.toml") if kind else None
 
 
 def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -> None:

@@ -56,23 +56,23 @@ def drive_given(
 
 def _two_drives(both: Mapping[str, str], spelled: Callable[[Quantity], str]) -> tuple[str, str]:
     """Return message and hint for quantities of two drives: their sources, and the remedy."""
-    said = [
+    given = [
         f"{source} gives {', '.join(_label(slot) for slot in both if both[slot] == source)}"
         for source in dict.fromkeys(both.values())
     ]
     if MOTION in both:
-        return f"{' and '.join(said)}: a drive has one motion", "give either the table [motion] or these"
+        return f"{' and '.join(given)}: a drive has one motion", "give either the table [motion] or these"
     why = "a drive moves either along a line or along an ellipse"
     if both.keys() <= {*LINEAR, "normal_phase"}:
         why = "a drive along a line has no phase"
     if both.keys() <= {*LINEAR, SCALE}:
         return (
-            f"{' and '.join(said)}: a drive along a line has no {_label(SCALE)}",
+            f"{' and '.join(given)}: a drive along a line has no {_label(SCALE)}",
             f"scale its amplitude, {spelled(QUANTITIES['amplitude'])}",
         )
     a, alpha, x, y, phi = (spelled(QUANTITIES[name]) for name in (*LINEAR, *ELLIPTICAL))
     return (
-        f"{' and '.join(said)}: {why}",
+        f"{' and '.join(given)}: {why}",
         f"for an ellipse give {x}, {y} and {phi}; for a line {a} and {alpha} alone",
     )
 

@@ -490,7 +490,7 @@ def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, probl
     # Of friction the example is the ratio, which fits whatever static friction is given.
     shown_as = {"kinetic_friction": "friction_ratio"}
     ways = {slot: dict.fromkeys((slot, shown_as.get(slot, slot))) for slot in missing}
-    said = ", ".join(
+    listed = ", ".join(
         f"{QUANTITIES[slot].label} ({' or '.join(caller.name(QUANTITIES[name]) for name in ways[slot])})"
         for slot in missing
     )
@@ -498,4 +498,4 @@ def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, probl
     wrong = bool(problems.slots)
     names = [shown_as.get(slot, slot) for slot in (required if wrong else missing)]
     values = {name: f"{EXAMPLES[name]:g}" for name in names}
-    problems.add(f"missing: {said}", f"for example: {caller.example(values, from_scratch=wrong)}")
+    problems.add(f"missing: {listed}", f"for example: {caller.example(values, from_scratch=wrong)}")

@@ -151,8 +151,8 @@ class Plan:
 
     def differences(self, there: Plan) -> str:
         """Say how the plan in the folder differs from this one, as far as it changes the shards."""
-        said = _differences(_described(there.content), _described(self.content))
-        return "; ".join(said or _differences(_counted(there.content), _counted(self.content)))
+        differences = _differences(_described(there.content), _described(self.content))
+        return "; ".join(differences or _differences(_counted(there.content), _counted(self.content)))
 
 
 def read_plan(path: Path) -> Plan:
@@ -219,13 +219,13 @@ def _described(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any], within: str = "") -> list[str]:
-    said = []
+    differences = []
     for key in dict.fromkeys([*here, *there]):
         old, new = there.get(key), here.get(key)
         if isinstance(old, Mapping) and isinstance(new, Mapping):
-            said += _differences(old, new, f"{within}{key} ")
+            differences += _differences(old, new, f"{within}{key} ")
         elif old != new:
             texts = (x if isinstance(x, str) else json.dumps(x) for x in (old, new))
             before, now = (cut(text, _LONGEST) for text in texts)
-            said.append(f"{within}{key}: {before} there, {now} here")
-    return said
+            differences.append(f"{within}{key}: {before} there, {now} here")
+    return differences

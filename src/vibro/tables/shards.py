@@ -198,8 +198,8 @@ def _found(plan: Plan, path: Path, shard: int) -> Made | None:
         with path.open("rb") as stream:
             metadata = parquet.read_metadata(stream)
         record = unsealed((metadata.metadata or {}).get(_FOOTER, b"{}"))
-        said = [metadata.num_rows, *(record[key] for key in ("fingerprint", "first_cell", "cells"))]
-        if said == [end - first, plan.fingerprint, first, end - first]:
+        kept = [metadata.num_rows, *(record[key] for key in ("fingerprint", "first_cell", "cells"))]
+        if kept == [end - first, plan.fingerprint, first, end - first]:
             digest = metadata.metadata[_WHOLE]
             if hashlib.sha256(path.read_bytes().replace(digest, _BLANK)).hexdigest().encode() != digest:
                 raise ValueError("it is not what was written")
