@@ -182,7 +182,7 @@ def test_units_and_decimal_commas_are_read_and_bad_input_is_told_beside_its_fiel
         re.compile("amplitude_mm=0.8&.*x_range=5:40.5|x_range=5:40.5&.*amplitude_mm=0.8")
     )
     enter(page, AMPLITUDE, "1,250")  # a thousand, or a decimal?
-    expect(alert).to_contain_text("write 1250, or 1.250 if that is meant")
+    expect(alert).to_contain_text("write it like 1.5mm")
     enter(page, FREQUENCY, "16")
     expect(alert).to_contain_text("not updated: amplitude")
     alert.get_by_role("button", name="amplitude").click()
