@@ -213,6 +213,7 @@ _SAMPLES: Final = f"a list of {LEAST_SAMPLES} to {MOST_PIECES} finite numbers: o
 _QUANTITIES: Final = ("acceleration", "displacement")
 _ZERO: Final = np.zeros(())
 _ONE: Final = np.ones(())
+_NAN: Final = np.full((), np.nan)
 
 
 class Motion:
@@ -752,8 +753,8 @@ class Drive:
     @classmethod
     def of(cls, scene: Any) -> Self:
         """Return the fields of a scene that has this kind of drive; NaN for one that is left out."""
-        given = (getattr(scene, name) for name in cast("Any", cls)._fields)
-        return cls(*(np.full((), np.nan) if x is None else x for x in given))
+        given = [getattr(scene, name) for name in cast("Any", cls)._fields]
+        return cls(*[_NAN if x is None else x for x in given])
 
     def can(self, ability: Ability) -> bool:
         """Return whether this kind of drive has an ability."""
@@ -776,7 +777,7 @@ class Drive:
     @property
     def shape(self) -> tuple[int, ...]:
         """Common shape of the fields."""
-        return np.broadcast_shapes(*(x.shape for _, _, x in self.members()))
+        return np.broadcast(*cast("Any", self)).shape
 
     @property
     def scale(self) -> Floats:
@@ -835,7 +836,8 @@ class Drive:
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""
-        return [(name, name, x) for name, x in cast("Any", self)._asdict().items()]
+        fields: Any = self
+        return [(name, name, x) for name, x in zip(fields._fields, fields, strict=True)]
 
 
 class _LineFields(NamedTuple):
@@ -967,6 +969,11 @@ class Moved(_MovedFields, Drive):
     def stroke(self) -> Floats:
         """Largest distance between two points of the path [m]."""
         return np.asarray(self.motion.stroke * self._factor)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Common shape of the fields."""
+        return np.broadcast_shapes(*(x.shape for _, _, x in self.members()))
 
     @property
     def moves_normal(self) -> bool:

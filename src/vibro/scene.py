@@ -360,12 +360,13 @@ class Scene(Shown):
         is_clamped = self.normal_acceleration is not None
         for field, name, x in self.arrays().members():
             quantity = of_part(QUANTITIES[name], is_clamped=is_clamped)
-            if x.ndim:
-                wrong = x[~(np.isfinite(x) & quantity.allows(x))][:1].tolist()
-            else:  # plain numbers take a tenth of the time
+            if not x.ndim:  # plain numbers take a tenth of the time
                 number = float(x)
                 wrong = [] if math.isfinite(number) and quantity.allows(number) else [number]
-            problems += [Problem(field, field_text(name, value), quantity.range_text) for value in wrong]
+            else:
+                wrong = x[~(np.isfinite(x) & quantity.allows(x))][:1].tolist()
+            for value in wrong:
+                problems.append(Problem(field, field_text(name, value), quantity.range_text))
         if self.normal_acceleration is not None and self.arrays().moves_normal:
             force = field_text("normal_acceleration", float(np.ravel(self.normal_acceleration)[0]))
             allowed = "left out where the trough moves normal to itself, as then the force on a part changes"
