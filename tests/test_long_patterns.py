@@ -14,8 +14,8 @@ from pyarrow import parquet
 
 import vibro
 from vibro import Status
+from vibro.core.bounces import BOUNCE
 from vibro.core.codes import MOST_LETTERS, spelt_code
-from vibro.core.flight import BOUNCE
 from vibro.steady import scale_slope, turned
 
 if TYPE_CHECKING:

@@ -9,9 +9,10 @@ from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
 
 from vibro.core import attractors as coexistence_module
 from vibro.core.attractors import _flies_otherwise, _slides_otherwise, coexisting
+from vibro.core.bounces import bounces, single_bounce
 from vibro.core.codes import Status
 from vibro.core.drive import Loads, directions, line_loads, weight_over_load
-from vibro.core.flight import bounces, single_bounce, sinusoidal
+from vibro.core.flight import sinusoidal
 from vibro.core.hops import enter, hopping
 from vibro.core.legs import track_of
 from vibro.core.return_map import (

@@ -15,15 +15,10 @@ from helpers.reference_tables import read_rows
 from vibro.core import hops as averages_module
 from vibro.core import hops as captures_module
 from vibro.core import hops as hopping_module
+from vibro.core.bounces import Bounces, bounces, single_bounce
 from vibro.core.codes import IRREGULAR, Status, spelt_text
 from vibro.core.drive import Loads, directions, line_loads, weight_over_load
-from vibro.core.flight import (
-    Bounces,
-    bed_of,
-    bounces,
-    single_bounce,
-    sinusoidal,
-)
+from vibro.core.flight import bed_of, sinusoidal
 from vibro.core.hops import (
     Bodies,
     Captures,

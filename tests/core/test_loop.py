@@ -18,12 +18,12 @@ import vibro
 import vibro.core
 from vibro import Regime, Scene, Status
 from vibro.core import loop
+from vibro.core.bounces import Flights
 from vibro.core.cells import largest
 from vibro.core.codes import IRREGULAR, Mode, Model
 from vibro.core.compiled import Doors
 from vibro.core.contact import Steady
 from vibro.core.drive import Loads, wave_loads
-from vibro.core.flight import Flights
 from vibro.core.history import Launch, Legs, State, arrival_cycles, course_of, sections_of
 from vibro.core.hops import hopping
 from vibro.core.loop import Cycle, arrivals, followed, history, moments

@@ -23,9 +23,10 @@ from helpers.hopping_bodies import (
 )
 
 from vibro.core import return_map as return_map_module
+from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import IRREGULAR, MOST_LETTERS, Mode, Status, spelt_text
 from vibro.core.drive import Loads, phase_difference, tangential_load
-from vibro.core.flight import Bounces, bed_of, bounces
+from vibro.core.flight import bed_of
 from vibro.core.hops import enter
 from vibro.core.legs import track_of
 from vibro.core.return_map import (

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import Regime
-from vibro.designs.costs import speed_costs
 from vibro.designs.proofs import extreme_ratio
+from vibro.designs.sensitivities import speed_costs
 from vibro.designs.spaces import uncertainty_set
 
 BASE: dict[str, Any] = {

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibro.core.bounces import Flights
 from vibro.core.codes import Mode
 from vibro.core.drive import Loads, directions, ellipse_loads, line_loads
-from vibro.core.flight import Flights
 from vibro.core.history import (
     Course,
     Followed,

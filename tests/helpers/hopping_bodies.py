@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from engines.two_axis_walk import Body, Cycle
 
+from vibro.core.bounces import Flights
 from vibro.core.drive import Loads, directions, ellipse_loads, line_loads
-from vibro.core.flight import Flights
 from vibro.core.numbers import BODIES, LONGEST_CYCLE, MOST_BOUNCES, MOST_HOPS
 from vibro.core.return_map import Hops
 

@@ -20,7 +20,7 @@ from vibro.answers.answer import (
     uncertain,
 )
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
-from vibro.designs.costs import changed_cycles
+from vibro.designs.sensitivities import changed_cycles
 from vibro.drives import PiecewiseMotion
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases

@@ -10,21 +10,12 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.bounces import Bounces, Flights, bounces, normal_multiplier, rests_as_from_rest, single_bounce
 from vibro.core.cells import Event, behind
 from vibro.core.codes import Mode, Status
 from vibro.core.contact import without_cycle
 from vibro.core.drive import Loads, phase_difference, proved_multiplier
-from vibro.core.flight import (
-    Bed,
-    Bounces,
-    Flights,
-    bed_of,
-    bounces,
-    lift_offs,
-    normal_multiplier,
-    rests_as_from_rest,
-    single_bounce,
-)
+from vibro.core.flight import Bed, bed_of, lift_offs
 from vibro.core.hops import cycle_of, enter, entered
 from vibro.core.legs import next_onset, track_of
 from vibro.core.numbers import INF, MOST_THROW, NAN, PI, QUARTER, TURN, Doubles, Integers, wrap

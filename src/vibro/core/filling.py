@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.bounces import ACCUMULATED, Flights, after_landing, single_bounce
 from vibro.core.codes import Mode, Status
 from vibro.core.contact import SlideLeg, cycle_slides
 from vibro.core.drive import Loads, free_along, free_normal, phase_difference, trough_along
-from vibro.core.flight import ACCUMULATED, Flights, after_landing, bed_of, flight, single_bounce
+from vibro.core.flight import bed_of, flight
 from vibro.core.hops import CAPTURED, MOST_TURNS, Bodies, cycle_of, enter, kick, means_of, spread_of, start_of
 from vibro.core.legs import Track, contact_leg, mode_of, track_of
 from vibro.core.numbers import BODIES, INF, NAN, TURN, braked, circle, doubles, hypotenuse, integers

@@ -10,31 +10,24 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.bounces import (
+    ACCUMULATED,
+    MOST_FLIGHTS,
+    SHARP,
+    Bounces,
+    Covariance,
+    Flights,
+    after_landing,
+    bounces,
+    lands_at_jump,
+    propagate,
+    within,
+)
 from vibro.core.cells import find_nodes, number_of_nodes
 from vibro.core.codes import Mode
 from vibro.core.contact import continuous_sliding, middle_phase
 from vibro.core.drive import Loads, free_along, free_normal, mix_of, phase_difference, trough_along
-from vibro.core.flight import (
-    ACCUMULATED,
-    MOST_FLIGHTS,
-    SHARP,
-    Bed,
-    Bounces,
-    Covariance,
-    Flight,
-    Flights,
-    after_landing,
-    bed_load,
-    bed_of,
-    bounces,
-    fly,
-    lands_at_jump,
-    lift_offs,
-    next_take_off,
-    no_bed,
-    propagate,
-    within,
-)
+from vibro.core.flight import Bed, Flight, bed_load, bed_of, fly, lift_offs, next_take_off, no_bed
 from vibro.core.legs import Leg, Track, contact_leg, mode_of, next_lift_off, next_onset, track_of
 from vibro.core.numbers import (
     INF,

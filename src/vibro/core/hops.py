@@ -9,28 +9,24 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.codes import IRREGULAR, Status
-from vibro.core.drive import Loads, trough_along
-from vibro.core.flight import (
+from vibro.core.bounces import (
     BOUNCE,
     LOST,
     MOST_FLIGHTS,
-    Bed,
     Bounces,
     Covariance,
-    Flight,
     Flights,
     after_landing,
-    bed_of,
     bounces,
-    fly,
-    next_take_off,
     normal_multiplier,
     propagate,
     rests_as_from_rest,
     single_bounce,
     within,
 )
+from vibro.core.codes import IRREGULAR, Status
+from vibro.core.drive import Loads, trough_along
+from vibro.core.flight import Bed, Flight, bed_of, fly, next_take_off
 from vibro.core.legs import Track, track_of
 from vibro.core.numbers import (
     BODIES,

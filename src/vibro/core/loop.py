@@ -10,6 +10,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.attractors import Attractors, coexisting, list_attractors
+from vibro.core.bounces import Bounces, Flights, fly_round
 from vibro.core.boxes import cover, evolve
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Regime, Status
 from vibro.core.contact import (
@@ -34,7 +35,6 @@ from vibro.core.drive import (
     trough_along,
 )
 from vibro.core.filling import Reaction, force_bound, mean_reaction, reaction_in_contact, reaction_of_hops
-from vibro.core.flight import Bounces, Flights, fly_round
 from vibro.core.history import LastStarts, Launch, Legs, arrival_cycles, course_of, follow_legs, sections_from
 from vibro.core.hops import cycle_of, entered, hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load, wave_limits, write_spans

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.bounces import Flights
 from vibro.core.codes import Status
 from vibro.core.contact import steady_cycle
 from vibro.core.drive import Loads
 from vibro.core.filling import Reaction, reaction_in_contact, reaction_of_hops
-from vibro.core.flight import Flights
 from vibro.core.hops import repeating
 from vibro.core.limits import CriticalLoads, critical_loads
 from vibro.core.numbers import EPS, INF, NAN, Doubles, doubles, hypotenuse

@@ -1,7 +1,7 @@
 """Return map of hopping bodies: from the velocity at a lift-off to that at the next one like it, Eq. (36).
 
 The normal motion does not depend on sliding, so that the flights of a cycle are known before
-(``flight.py``). Trajectories cannot cross, only merge: the map never decreases. It is piecewise smooth
+(``bounces.py``). Trajectories cannot cross, only merge: the map never decreases. It is piecewise smooth
 with a slope of at most 1, as a turn under friction, a rest and an impact all bring velocities closer, and
 jumps upwards only, where static friction holds one body and not its neighbour. Lengths in A, speeds in A w,
 phases in radians.
@@ -12,10 +12,10 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.bounces import BOUNCE, Flights
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.codes import MOST_LETTERS, Mode, Status
 from vibro.core.drive import Loads, mix_of, normal_load, phase_difference, trough_along
-from vibro.core.flight import BOUNCE, Flights
 from vibro.core.legs import Track, contact_leg, mode_of, next_lift_off
 from vibro.core.numbers import (
     EPS,

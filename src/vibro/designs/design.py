@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from vibro.core.codes import Regime
-from vibro.designs.costs import speed_costs
 from vibro.designs.machine_drives import covering, find_covered
 from vibro.designs.proofs import first_ratio, last_ratio
 from vibro.designs.questions import MOST_DIGITS, Question
 from vibro.designs.reading import read_spec
 from vibro.designs.rows import DIGITS, KINDS, SEARCHED
+from vibro.designs.sensitivities import speed_costs
 from vibro.errors import InputError, shown
 from vibro.reals import shielded
 from vibro.results.designs import Design, DesignResult

@@ -10,7 +10,7 @@ import pytest
 from helpers.scenes import replaced, scene_with
 
 import vibro
-from vibro.designs.costs import speed_costs
+from vibro.designs.sensitivities import speed_costs
 from vibro.steady import speed_exponent
 
 NAMES = ["amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle_deg"]
