@@ -13,6 +13,7 @@ from vibro.drives import Line, Moved, PiecewiseMotion
 from vibro.errors import SceneError
 from vibro.quantities import STAND_RATIO
 from vibro.reals import NotRealError, real_array, shielded
+from vibro.scene import check_single
 from vibro.steady import solve
 from vibro.threads import Grid, doors, lasting, over_cells
 
@@ -249,8 +250,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     continuous sliding at 1.5623 mm or 18.7486 Hz
     hopping at 3.2291 mm or 26.9543 Hz
     """
-    if scene.shape:
-        raise SceneError.of("scene", f"shape {scene.shape}", "one operating point, of shape ()")
+    check_single(scene)
     now, reach = float(scene.load), float(scene.reach)
     hop, intervals = _of_one_harmonic(scene) if scene.motion is None else _of_any_motion(scene, now)
     found = []

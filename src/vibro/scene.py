@@ -382,4 +382,10 @@ class Scene(Shown):
         return [Problem("kinetic_friction", f"{mu_d[bad].flat[0]:.15g}", limit)]
 
 
+def check_single(scene: Scene) -> None:
+    """Raise SceneError unless a scene is one operating point."""
+    if scene.shape:
+        raise SceneError.of("scene", f"shape {scene.shape}", "one operating point, of shape ()")
+
+
 _SI_DEFAULTS: Final = {name: QUANTITIES[name].to_si(value) for name, value in DEFAULTS.items()}

@@ -281,6 +281,14 @@ def test_a_crank_keeps_its_radius_and_still_weighs_the_filling() -> None:
     assert points.added_mass_share == vibro.filling(points.scene).added_mass_share
     assert points.second_harmonic == 0.0
     assert points.status == Status.OK
+    irregular = vibro.operate(
+        Machine.crank(radius=1e-3),
+        filling=2.0,
+        restitution=0.5,
+        **{**SLIDER, "drive_angle": math.radians(50.0)},
+    )
+    assert irregular.status == Status.AVERAGED
+    assert (float(irregular.phase), float(irregular.relative_amplitude)) == (0.0, 1e-3)
 
 
 def test_why_there_is_no_point_is_told() -> None:

@@ -46,9 +46,6 @@ _ROUGH: Final = 0.5  # share of the generations where one scale of the bands of 
 _STEPS: Final = 60  # iterations at most of the root search
 _AROUND: Final = 31  # settings around the best of an evolution, from which it is polished
 _NEAR: Final = 0.03  # [share of a range] standard deviation of these
-_POLISHED: Final = (
-    1e-2  # [share of a range] around the best setting of an evolution, that is sampled at first
-)
 
 
 @dataclass(frozen=True, kw_only=True)

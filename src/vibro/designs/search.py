@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 # ------------------------------------------------------------------------------
 # Bracketed root search along one unknown, for all rooms above the core.
 
-_NEIGHBOURS: Final = 4.0 * float(np.finfo(np.float64).eps)  # [1] relative width of a bracket that is closed
-
 
 def close_in(
     residual: Callable[[Floats], Floats],

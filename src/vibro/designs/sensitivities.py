@@ -9,8 +9,7 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.designs.spaces import space_of
-from vibro.errors import Problem, SceneError
-from vibro.scene import Scene
+from vibro.scene import Scene, check_single
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -101,8 +100,7 @@ def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
 
 def _inputs(scene: Scene) -> dict[str, str]:
     """Return the names of a drive's and a part's inputs as ``speed_costs`` writes them."""
-    if scene.shape:
-        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    check_single(scene)
     return {name: name + "_deg" * (name in _ANGLES) for name in (*space_of(scene).knobs, *_PARTS)}
 
 

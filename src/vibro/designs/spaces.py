@@ -17,7 +17,7 @@ from vibro.drives import Ability, Ellipse, HarmonicMotion, Harmonics, Line, Piec
 from vibro.errors import Problem, SceneError, shown
 from vibro.quantities import QUANTITIES
 from vibro.reals import NotRealError, real_array
-from vibro.scene import Scene, field_range, field_text
+from vibro.scene import Scene, check_single, field_range, field_text
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -571,11 +571,10 @@ _PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "troug
 def _one_point(scene: object) -> None:
     """Raise SceneError unless the scene is one operating point of a trough that moves."""
     if not isinstance(scene, Scene):
-        raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
-    if scene.shape:
-        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+        raise SceneError.of("scene", shown(scene), "a vibro.Scene")
+    check_single(scene)
     if scene.motion is not None and not scene.load > 0.0:
-        raise SceneError((Problem("motion", "no acceleration at all", "a motion that moves the trough"),))
+        raise SceneError.of("motion", "no acceleration at all", "a motion that moves the trough")
 
 
 def uncertainty_set(

@@ -575,14 +575,15 @@ def _most_relative(machine: Machine, case: _Case, found: _Found) -> Floats:
     """
     one = transfer(machine, case.frequency, case.natural, 1.0)
     slope = np.abs(one.relative / one.trough - case.linear.relative / case.linear.trough)
-    pulled = np.where(slope > 0.0, slope * _reach(case) / np.abs(case.compliance), 0.0)
-    return np.asarray(found.high * _bend(case.linear) + pulled)
+    return np.asarray(found.high * _bend(case.linear) + slope * _reach(case) / np.abs(case.compliance))
 
 
 def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
     """Assemble the results."""
     f, f0, infinite = case.frequency, case.natural, case.unbounded | np.isinf(found.amplitude)
-    unsure = (case.filling > 0.0) & (found.status == int(Status.AVERAGED)) & np.isnan(found.share)
+    # a crank moves its trough as it does, whatever the share is
+    unsure = (case.filling > 0.0) & np.isnan(found.share) & (case.compliance != 0.0)
+    unsure &= found.status == int(Status.AVERAGED)
     added = np.where(case.filling > 0.0, case.filling * np.nan_to_num(found.share), 0.0)
     moved, twice = transfer(machine, f, f0, added), transfer(machine, 2.0 * f, f0, 0.0)
     harmonic = -0.25 * case.filling * found.second * twice.compliance  # Eq. (90)

@@ -24,6 +24,7 @@ from vibro.quantities import (
 from vibro.reals import NotRealError, real_number, shielded
 from vibro.results.history import MOST_PHASES, History, Legs, Sample, SolvedMotion, in_mm, trough_phase
 from vibro.results.steady import lengths_of
+from vibro.scene import check_single
 from vibro.steady import solve
 from vibro.threads import Grid, Scratch, doors, lasting, over_cells
 
@@ -287,8 +288,7 @@ def grid_of(scene: Scene) -> Grid:
     SceneError, VibroError
         If it is no single one, or its motion cannot be followed.
     """
-    if scene.shape:
-        raise SceneError.of("scene", f"shape {scene.shape}", "one operating point, of shape ()")
+    check_single(scene)
     grid = Grid(scene.arrays())
     if not is_followed(grid):
         status = Status(int(solve(scene).status))

@@ -345,11 +345,6 @@ TIPPING_LOAD_RATIO: Final = Result(
     meaning="load divided by the load above which an edge of the part lifts; 0 if there is none",
     symbol=r"G/G_{\text{tip}}",
 )
-#: Results that are no fields of ``SteadyCycle``, and columns of tables.
-_DERIVED: Final = (
-    TRAVERSE_TIME, ARRIVAL_TIME, STROKES, ACCELERATION, SPEED_EXPONENT, PARTS_RATE, MASS_RATE, UPRIGHT,
-    TIPPING_LOAD_RATIO,
-)  # fmt: skip
 SteadyCycle.__doc__ = (
     (SteadyCycle.__doc__ or "").rstrip()
     + "\n\n    Attributes\n    ----------"
