@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import shutil
 import threading
 from collections import Counter
 from dataclasses import replace
@@ -19,6 +21,7 @@ from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.grid import Grid
+from vibro.tables.files import hidden_folder, remove_hidden
 from vibro.tables.plan import MANIFEST, SUCCESS, shard_name, unsealed
 from vibro.tables.shards import Summary, make_shard
 
@@ -185,3 +188,20 @@ def test_threads_end_with_their_run(tmp_path: Path, lines: Sweep, monkeypatch: p
     with pytest.raises(KeyboardInterrupt):
         written(tmp_path / "out", plan_of(lines, 10), report=interrupt)
     assert {path.name for path in (tmp_path / "out").iterdir()} == {MANIFEST, shard_name(0)}
+
+
+def test_nobody_begins_a_file_in_a_folder_that_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Or the folder stays, and the workers of a run that ended go on."""
+    remove, late = shutil.rmtree, []
+
+    def begin(path: Path, **options: Any) -> None:
+        with contextlib.suppress(OSError):
+            late.append((running / "late").open("wb"))
+        remove(path, **options)
+
+    with hidden_folder(tmp_path) as running:
+        (running / "begun").touch()
+        monkeypatch.setattr(shutil, "rmtree", begin)
+        remove_hidden(running)
+        assert not late
+    assert not [*tmp_path.iterdir()]

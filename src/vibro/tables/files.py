@@ -139,18 +139,28 @@ def hidden_folder(beside: Path) -> Iterator[Path]:
     """Have a hidden folder for temporary files, which goes whatever happens but a kill."""
     path = beside / f".vibro-{os.urandom(8).hex()}"
 
-    def remove() -> None:
-        for _ in range(_ATTEMPTS):  # somebody may begin a file in it meanwhile
-            shutil.rmtree(path, ignore_errors=True)
-            if not path.exists():
-                return
-
     path.mkdir()
-    with OnEnd(remove):
+    with OnEnd(lambda: remove_hidden(path)):
         try:
             yield path
         finally:
-            remove()
+            remove_hidden(path)
+
+
+def remove_hidden(path: Path) -> None:
+    """Remove a hidden folder, though others may begin files in it.
+
+    A file that is begun while a folder is removed keeps it, and whoever looks for it goes on: so it loses its
+    name first, in one step.
+    """
+    gone = path.with_name(f"{path.name}-gone")
+    with contextlib.suppress(OSError):  # open files keep its name on Windows
+        path.rename(gone)
+    for _ in range(_ATTEMPTS):
+        for name in (gone, path):
+            shutil.rmtree(name, ignore_errors=True)
+        if not (gone.exists() or path.exists()):
+            return
 
 
 def is_regular(path: Path) -> bool:

@@ -8,7 +8,6 @@ import logging
 import multiprocessing
 import os
 import pickle
-import shutil
 import signal
 import sys
 import threading
@@ -26,7 +25,7 @@ from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.tally import Tally
-from vibro.tables.files import hidden_folder
+from vibro.tables.files import hidden_folder, remove_hidden
 from vibro.tables.plan import made_by, sealed, shard_name, unsealed
 from vibro.threads import BLOCK, cores
 
@@ -353,7 +352,7 @@ def make_shards(
         except futures.BrokenExecutor as exc:
             raise FileError(f"a worker has ended: {cut(str(exc))}", hint=f"{_MAIN}; {GO_ON}") from exc
         finally:
-            shutil.rmtree(running, ignore_errors=True)  # so that workers end what they are at
+            remove_hidden(running)  # so that workers end what they are at
             for future in tasks:
                 future.cancel()
             pool.shutdown(wait=False)
