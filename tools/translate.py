@@ -1,4 +1,4 @@
-"""Translate the solver, plain typed Python, into C.
+"""Translate the solver, plain typed Python, into C or JavaScript.
 
 The solver is written once, in Python that uses numbers, records (``NamedTuple``) and buffers alone, and
 nothing but ``math``. Its annotations say all that a C compiler has to know, so that nothing is declared
@@ -20,16 +20,18 @@ import copy
 import functools
 import hashlib
 import math
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from dialects import BUFFERS, SCALARS, C
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-SCALARS = {"float": "double", "int": "long long", "bool": "int"}
-BUFFERS = {"Doubles": "float", "Integers": "int", "Bytes": "int"}
 ARRAYS = {"doubles": "Doubles", "integers": "Integers"}  # by the functions that make them
-_POINTERS = {"Doubles": "double *", "Integers": "long long *", "Bytes": "signed char *"}
 _LOOP = "loop"
 _NO_EFFECT, _READS, _FILLS = range(3)  # of functions on buffers
 _NUMBERS = {"float", "int", "bool", "whole"}
@@ -38,38 +40,7 @@ _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "flo
 _TESTS = {"isnan", "isinf", "isfinite"}
 _BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.BitAnd: "&"}
 _OF_WHOLE = {ast.FloorDiv: "floor_div", ast.Mod: "floor_mod", ast.BitAnd: ""}
-# Names of Python that are words of C.
-_RESERVED = {"auto", "case", "char", "const", "default", "do", "double", "enum", "extern", "goto", "inline",
-             "long", "register", "restrict", "short", "signed", "sizeof", "static", "struct", "switch",
-             "typedef", "union", "unsigned", "void", "volatile"}  # fmt: skip
 _COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
-
-_PROLOGUE = """\
-/* Translated from Python by tools/translate.py. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#ifdef _WIN32
-#define EXPORTED __declspec(dllexport)
-#else
-#define EXPORTED __attribute__((visibility("default")))
-#endif
-
-static inline double float_min(double a, double b) { return b < a ? b : a; }
-static inline double float_max(double a, double b) { return b > a ? b : a; }
-static inline long long int_min(long long a, long long b) { return b < a ? b : a; }
-static inline long long int_max(long long a, long long b) { return b > a ? b : a; }
-/* C rounds quotients towards 0, Python downwards. */
-static inline long long floor_div(long long a, long long b) {
-    return a / b - (a % b != 0 && (a < 0) != (b < 0));
-}
-static inline long long floor_mod(long long a, long long b) {
-    long long rest = a % b;
-    return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
-}
-"""
-
 
 class TranslationError(Exception):
     """A statement that has no translation."""
@@ -132,21 +103,21 @@ def digest(paths: list[Path]) -> str:
     return whole.hexdigest()
 
 
-def translate(folder: Path) -> str:
-    """Translate the modules that lie in a folder."""
-    paths = sources(folder)
-    program = _Program()
+def translate(folder: Path, dialect: C | None = None) -> str:
+    """Translate the modules that lie in a folder, into C if no dialect is given."""
+    paths, to = sources(folder), dialect or C()
+    program = _Program(to)
     for path in paths:
         program.add(path.stem, ast.parse(path.read_text("utf-8")))
     known = "\\n".join([digest(paths), *sorted(path.name for path in paths)])
-    text = f'EXPORTED const char *vibro_sources(void) {{ return "{known}"; }}\n'
-    return "\n".join([_PROLOGUE, *program.types, *program.headers, *program.bodies, text])
+    return "\n".join([to.prologue, *program.types, *program.headers, *program.bodies, to.known(known)])
 
 
 class _Program:
     """What has been translated so far."""
 
-    def __init__(self) -> None:
+    def __init__(self, to: C) -> None:
+        self.to = to
         self.types: list[str] = []
         self.headers: list[str] = []
         self.bodies: list[str] = []
@@ -158,7 +129,7 @@ class _Program:
 
     def add(self, module: str, tree: ast.Module) -> None:
         """Translate one module, whose imports have been translated before."""
-        tree = _Renamed().visit(tree)
+        tree = _Renamed(self.to.reserved).visit(tree)
         names: dict[str, Any] = {}
         self.modules[module] = names
         exported, variables = set[str](), set[str]()
@@ -187,7 +158,7 @@ class _Program:
                 case ast.AnnAssign(target=ast.Name("DOORS"), value=ast.Tuple(elts=elements)):
                     exported = {ast.unparse(element) for element in elements}
                 case ast.AnnAssign(target=ast.Name(name), annotation=ast.Name(kind)) if kind in BUFFERS:
-                    names[name] = Value(f"(({_POINTERS[kind]})0)", kind)  # of nothing
+                    names[name] = Value(self.to.nothing(kind), kind)  # of nothing
                 case ast.AnnAssign(target=ast.Name(name), value=ast.expr() as value):
                     names[name] = _constant(names, value)
                 case _:
@@ -201,10 +172,12 @@ class _Program:
         for function in functions:
             self._write(_Function(self, names, function, names[function.name]))
         if module == _LOOP:
-            self.bodies += [self._door(name, names[name]) for name in sorted(exported)]
+            for name in sorted(exported):
+                door = names[name]
+                self.bodies.append(self.to.door(name, door.name, door.arguments, self.records, door.result))
 
     def _write(self, function: _Function) -> None:
-        self.headers.append(f"static {function.head};")
+        self.headers += self.to.header(function.head)
         self.bodies.append("\n".join(function.lines))
 
     def specialized(self, template: Template, passed: dict[str, Signature]) -> Signature:
@@ -260,19 +233,12 @@ class _Program:
         """Return whether values of a type are, or have, buffers."""
         return kind in BUFFERS or any(map(self.holds_buffers, self.records.get(kind, {}).values()))
 
-    def c(self, kind: str) -> str:
-        """Spell a type in C."""
-        return "void" if kind == "None" else SCALARS.get(kind) or _POINTERS.get(kind) or f"struct {kind}"
-
     def replacing(self, kind: str, fields: list[str]) -> str:
         """Write the function that replaces some fields of a record."""
         name = f"{kind}_with_{'_'.join(fields)}"
         if name not in self._helpers:
             self._helpers.add(name)
-            arguments = "".join(f", {self.c(self.records[kind][f])} {f}" for f in fields)
-            changes = "".join(f" record.{f} = {f};" for f in fields)
-            head = f"static inline struct {kind} {name}(struct {kind} record{arguments})"
-            self.headers.append(f"{head} {{{changes} return record; }}")
+            self.headers.append(self.to.replacing(name, kind, self.records[kind], fields))
         return name
 
     def _record(self, node: ast.ClassDef) -> None:
@@ -286,55 +252,40 @@ class _Program:
 
     def _struct(self, name: str, fields: dict[str, str]) -> None:
         self.records[name] = fields
-        self.types.append(f"struct {name} {{ {' '.join(f'{self.c(k)} {f};' for f, k in fields.items())} }};")
-
-    def _door(self, name: str, inside: Signature) -> str:
-        """Export a function; a record of buffers is handed over field by field."""
-        arguments, values = [], []
-        for i, kind in enumerate(inside.arguments):
-            if kind in self.records:
-                fields = [(f"a{i}_{f}", k) for f, k in self.records[kind].items()]
-                arguments += [f"{self.c(k)} {f}" for f, k in fields]
-                values.append(f"&(struct {kind}){{{', '.join(f for f, _ in fields)}}}")
-            else:
-                arguments.append(f"{self.c(kind)} a{i}")
-                values.append(f"a{i}")
-        back = "" if inside.result == "None" else "return "
-        return (
-            f"EXPORTED {self.c(inside.result)} vibro_{name}({', '.join(arguments)})"
-            f" {{ {back}{inside.name}({', '.join(values)}); }}"
-        )
+        self.types.append(self.to.record_type(name, fields))
 
 
 class _Renamed(ast.NodeTransformer):
-    """Renames what C could not call so."""
+    """Renames what the other language could not call so."""
+
+    def __init__(self, reserved: frozenset[str]) -> None:
+        self._reserved = reserved
+
+    def _safe(self, name: str) -> str:
+        return f"{name}_" if name in self._reserved else name
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         """Rename a variable or the name of a field."""
-        node.id = _safe(node.id)
+        node.id = self._safe(node.id)
         return node
 
     def visit_arg(self, node: ast.arg) -> ast.arg:
         """Rename an argument."""
         self.generic_visit(node)
-        node.arg = _safe(node.arg)
+        node.arg = self._safe(node.arg)
         return node
 
     def visit_keyword(self, node: ast.keyword) -> ast.keyword:
         """Rename a field that is set."""
         self.generic_visit(node)
-        node.arg = _safe(node.arg or "")
+        node.arg = self._safe(node.arg or "")
         return node
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.Attribute:
         """Rename a field that is read."""
         self.generic_visit(node)
-        node.attr = _safe(node.attr)
+        node.attr = self._safe(node.attr)
         return node
-
-
-def _safe(name: str) -> str:
-    return f"{name}_" if name in _RESERVED else name
 
 
 def _members(node: ast.ClassDef) -> dict[str, int]:
@@ -405,7 +356,7 @@ class _Function:
         signature: Signature,
         arguments: list[ast.arg] | None = None,
     ) -> None:
-        self._program, self._names, self._node = program, names, node
+        self._program, self._names, self._node, self._to = program, names, node, program.to
         self._result = signature.result
         given = node.args.args if arguments is None else arguments
         self._kinds = {a.arg: k for a, k in zip(given, signature.arguments, strict=True)}
@@ -424,19 +375,15 @@ class _Function:
         lent = {a for a, k in self._kinds.items() if k in program.records}
         changed = lent & self._stored
         self._lent = lent - changed
-        heads = [
-            f"const {program.c(k)} *{a}{'__lent' * (a in changed)}" if a in lent else f"{program.c(k)} {a}"
-            for a, k in self._kinds.items()
-        ]
-        self.head = f"{program.c(signature.result)} {signature.name}({', '.join(heads) or 'void'})"
+        self.head = self._to.head(signature.name, self._kinds, lent, changed, signature.result)
         known = set(self._kinds)
         body = self._block(node.body, "    ")
         if self._result != "None" and self._is_reached():
             raise self._refused(node, "it may end without a result")
-        declared = [f"    {program.c(k)} {a};" for a, k in self._kinds.items() if a not in known]
-        declared += [f"    {program.c(self._kinds[a])} {a} = *{a}__lent;" for a in sorted(changed)]
-        declared += self._rooms
-        self.lines = [f"static {self.head}", "{", *declared, *body, "}", ""]
+        variables = {a: k for a, k in self._kinds.items() if a not in known}
+        copied = {a: self._kinds[a] for a in changed}
+        declared = [f"    {line}" for line in [*self._to.declared(variables, copied), *self._rooms]]
+        self.lines = [self.head, "{", *declared, *body, "}", ""]
 
     def _is_reached(self) -> bool:
         return self._set is not None
@@ -515,7 +462,7 @@ class _Function:
             begin = [f"    {name} = {counter};"]
             self._sets(name)
         return [
-            f"for (long long {counter} = {low}, {end} = {high}; {counter} < {end}; {counter} += {step}) {{",
+            self._to.loop(counter, low, end, high, step),
             *begin,
             *self._repeated(body, before),
             "}",
@@ -549,8 +496,8 @@ class _Function:
             raise self._refused(value, "an array does not outlive its function, whose result may have it")
         self._declare(value, name, kind)
         self._sets(name)
-        self._rooms.append(f"    {SCALARS[BUFFERS[kind]]} {name}__room[{length}];")
-        return [f"memset({name}__room, 0, sizeof {name}__room);", f"{name} = {name}__room;"]
+        self._rooms += self._to.room(name, kind, length)
+        return self._to.cleared(name, kind, length)
 
     def _unpack(self, targets: list[ast.expr], value: ast.expr) -> list[str]:
         """Assign a tuple: all of its values are known before the first is put down."""
@@ -562,7 +509,7 @@ class _Function:
             values = [self._value(v) for v in value.elts]
         else:
             whole = self._value(value)
-            before.append(f"{self._program.c(whole.kind)} all__ = {whole.text};")
+            before.append(self._to.local("all__", whole.kind, whole.text))
             fields = self._program.records.get(whole.kind, {})
             values = [Value(f"all__.{f}", k) for f, k in fields.items()]
         if len(values) != len(targets):
@@ -578,7 +525,7 @@ class _Function:
             else:
                 place = self._value(target)
             self._fits(target, v.kind, place.kind)
-            before.append(f"{self._program.c(place.kind)} part__{i} = {v.text};")
+            before.append(self._to.local(f"part__{i}", place.kind, v.text))
             after.append(f"{place.text} = part__{i};")
         return ["{", *("    " + line for line in before + after), "}"]
 
@@ -603,7 +550,7 @@ class _Function:
     def _converted(self, node: ast.expr, wanted: str) -> str:
         value = self._value(node, wanted)
         self._fits(node, value.kind, wanted)
-        return value.text
+        return self._to.as_int(value.text) if (value.kind, wanted) == ("bool", "int") else value.text
 
     def _test(self, node: ast.expr) -> str:
         return self._converted(node, "bool")
@@ -622,7 +569,7 @@ class _Function:
             case ast.Constant(value) if isinstance(value, int | float):
                 if abs(value) >= 2**63 and isinstance(value, int):
                     raise self._refused(node, "more than 64 bits")
-                return _literal(value)
+                return self._literal(value)
             case ast.Name(name):
                 return self._name(node, name)
             case ast.Attribute(ast.Name(owner), member) if isinstance(self._names.get(owner), dict):
@@ -661,7 +608,7 @@ class _Function:
                 kinds = kinds if len(kinds) == len(elts) else [self._value(e).kind for e in elts]
                 name = self._program.tuple_of(kinds)
                 parts = [self._converted(e, k) for e, k in zip(elts, kinds, strict=True)]
-                return Value(f"(struct {name}){{{', '.join(parts)}}}", name)
+                return Value(self._to.record(name, {f"_{i}": part for i, part in enumerate(parts)}), name)
             case ast.Call():
                 return self._call(node)
         raise self._refused(node, "no translation")
@@ -681,12 +628,12 @@ class _Function:
         if name in self._stored and self._set is not None and name not in self._set:
             raise self._refused(node, "not set on every way to here")
         if name in self._lent:
-            return Value(f"(*{name})", self._kinds[name])
+            return Value(self._to.lent(name), self._kinds[name])
         if name in self._kinds:
             return Value(name, self._kinds[name])
         number = self._names.get(name)
         if isinstance(number, int | float):
-            return _literal(number)
+            return self._literal(number)
         if isinstance(number, Value):
             return number
         raise self._refused(node, "unknown")
@@ -719,8 +666,8 @@ class _Function:
         kind = (
             "float" if "float" in kinds or isinstance(op, ast.Div) else "whole" if "whole" in kinds else "int"
         )
-        cast = "(double)" if isinstance(op, ast.Div) and one.kind != "float" else ""
-        return Value(f"({cast}{one.text} {_BINARY[type(op)]} {two.text})", kind)
+        dividend = self._to.dividend(one.text) if isinstance(op, ast.Div) and one.kind != "float" else one.text
+        return Value(f"({dividend} {_BINARY[type(op)]} {two.text})", kind)
 
     def _call(self, node: ast.Call) -> Value:
         match node.func:
@@ -729,7 +676,7 @@ class _Function:
             case ast.Attribute(ast.Name("math"), name) if name in _FUNCTIONS:
                 return Value(f"{name}({', '.join(self._converted(a, 'float') for a in node.args)})", "float")
             case ast.Attribute(ast.Name("math"), name) if name in _TESTS:
-                return Value(f"({name}({self._converted(node.args[0], 'float')}) != 0)", "bool")
+                return Value(self._to.test(name, self._converted(node.args[0], "float")), "bool")
             case ast.Attribute(record, "_replace"):
                 whole = self._value(record)
                 kinds = self._program.records.get(whole.kind, {})
@@ -744,9 +691,9 @@ class _Function:
                 kind = value.kind if name == "abs" else name
                 if value.kind not in _NUMBERS or kind not in ("int", "float"):
                     raise self._refused(node, f"no translation of {value.kind}")
-                size = "fabs" if kind == "float" else "llabs"
-                to = size if name == "abs" else f"({SCALARS[kind]})"
-                return Value(f"({to}({value.text}))", kind)
+                if name == "abs":
+                    return Value(self._to.size(value.text, kind), kind)
+                return Value(self._to.cast(value.text, value.kind, kind), kind)
             case ast.Name("min" | "max" as name) if len(node.args) > 1 and not node.keywords:
                 values = [self._value(a) for a in node.args]
                 kind = values[0].kind
@@ -791,25 +738,16 @@ class _Function:
             return value
         while isinstance(owner, ast.Attribute):
             owner = owner.value
-        return f"&{value}" if isinstance(owner, ast.Name) else f"(struct {kind}[1]){{{value}}}"
+        return self._to.lend(value, kind, has_place=isinstance(owner, ast.Name))
 
     def _record(self, node: ast.Call, name: str) -> Value:
         fields = self._program.records[name]
         given = dict(zip(fields, node.args, strict=False)) | {str(k.arg): k.value for k in node.keywords}
         if set(given) != set(fields) or len(node.args) + len(node.keywords) > len(fields):
             raise self._refused(node, f"takes {', '.join(fields)}")
-        parts = ", ".join(f".{f} = {self._converted(v, fields[f])}" for f, v in given.items())
-        return Value(f"(struct {name}){{{parts}}}", name)
+        return Value(self._to.record(name, {f: self._converted(given[f], k) for f, k in fields.items()}), name)
 
-
-def _literal(value: float) -> Value:
-    if isinstance(value, bool):
-        text, kind = str(int(value)), "bool"
-    elif isinstance(value, int):
-        text, kind = f"{int(value)}LL", "int"
-    elif math.isfinite(value):
-        text, kind = repr(value), "float"
-    else:
-        name = "NAN" if math.isnan(value) else "INFINITY"
-        text, kind = f"{'-' * (value < 0.0)}(double){name}", "float"
-    return Value(text if text[0].isdigit() else f"({text})", kind)
+    def _literal(self, value: float) -> Value:
+        kind = "bool" if isinstance(value, bool) else "int" if isinstance(value, int) else "float"
+        text = self._to.literal(value if kind == "bool" else int(value) if kind == "int" else value)
+        return Value(text if text[0].isdigit() else f"({text})", kind)
