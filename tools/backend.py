@@ -20,7 +20,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from compiling import CORE, LIBRARY, compile_solver, required
+from compiling import CORE, LIBRARY, SCRIPT, compile_solver, required
 
 __all__ = [
     "build_editable", "build_sdist", "build_wheel", "get_requires_for_build_editable",
@@ -56,7 +56,9 @@ def build_wheel(folder: str, config_settings: Any = None, metadata_directory: st
                 shutil.copy(path, copy)
         for name in ("src", "tools"):
             shutil.copytree(
-                name, Path(copy, name), ignore=shutil.ignore_patterns("__pycache__", f"{LIBRARY}*")
+                name,
+                Path(copy, name),
+                ignore=shutil.ignore_patterns("__pycache__", f"{LIBRARY}*", f"{SCRIPT}*"),
             )
         _compile(Path(copy))
         with contextlib.chdir(copy):
@@ -70,14 +72,17 @@ def build_editable(folder: str, config_settings: Any = None, metadata_directory:
 
 
 class SolverHook(BuildHookInterface):  # type: ignore[misc]
-    """Puts the library into the wheel, and names the wheel by its platform."""
+    """Puts the script and the library into the wheel, which is named by the platform of the library."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Add what was compiled, if anything was."""
+        """Add the script, and what was compiled, if anything was."""
+        if self.target_name != "wheel" or version != "standard":
+            return
+        build_data["artifacts"].append((CORE / SCRIPT).as_posix())
         library = CORE / LIBRARY
-        if self.target_name == "wheel" and version == "standard" and Path(self.root, library).is_file():
+        if Path(self.root, library).is_file():
             platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{platform}"

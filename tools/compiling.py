@@ -1,6 +1,7 @@
-"""Compile the solver beside its source, by any C compiler that can be had: ``python tools/compiling.py``.
+"""Make the solver beside its source, ``python tools/compiling.py``: a script for pages, and a library.
 
-A system compiler is taken where there is one, otherwise the one of the package ``ziglang``. Set ``CC`` to
+The script is in JavaScript. The library needs a C compiler: that of the system is taken where there is one,
+otherwise the one of the package ``ziglang``. Set ``CC`` to
 choose the compiler, ``VIBRO_CC=none`` to leave the solver uncompiled.
 """
 
@@ -17,12 +18,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from dialects import JavaScript
 from translate import digest, sources, translate
 
-__all__ = ["CORE", "LIBRARY", "compile_solver", "required"]
+__all__ = ["CORE", "LIBRARY", "SCRIPT", "compile_solver", "required"]
 
 CORE = Path("src", "vibro", "core")  # in a checkout
 LIBRARY = "_solver.native"  # no name that Python would import
+SCRIPT = "_solver.js"
 # No fast arithmetic and no fused multiplications: the same bits as in Python, on any processor.
 _FLAGS = ["-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s", "-fvisibility=hidden"]
 _COMPILER_PACKAGE = "ziglang>=0.13"
@@ -54,7 +57,7 @@ def required() -> list[str]:
 
 
 def compile_solver(checkout: Path) -> str:
-    """Compile the solver beside its source; return why that was not possible, or nothing.
+    """Make the script, and compile the solver; return why that was not possible, or nothing.
 
     Programs may be running the library that is there. So it stays as it is until a new one, whole, takes its
     name, and where there is no new one. One of another source would be refused, and goes: without it they
@@ -62,6 +65,7 @@ def compile_solver(checkout: Path) -> str:
     """
     core = checkout / CORE
     library = core / LIBRARY
+    _put(core / SCRIPT, translate(core, JavaScript()).encode())
     try:
         if library.is_file() and not (_is_wanted() and _is_of(library, core)):
             library.unlink()
@@ -71,6 +75,16 @@ def compile_solver(checkout: Path) -> str:
     if why and library.is_file():
         why += "\nThe library that is there is of this source, and stays"
     return why
+
+
+def _put(path: Path, content: bytes) -> None:
+    """Write a file that takes its name once it is whole."""
+    waiting = path.with_name(f"{path.name}-{os.getpid()}")  # beside it: on one file system
+    try:
+        waiting.write_bytes(content)
+        waiting.replace(path)
+    finally:
+        waiting.unlink(missing_ok=True)
 
 
 def _is_of(library: Path, core: Path) -> bool:
@@ -92,12 +106,7 @@ def _build(core: Path, library: Path) -> str:
             return f"{compiler[0]} cannot be run: {exc}"
         if done.returncode or not built.is_file():
             return f"{shlex.join(command)} failed:\n{done.stderr[-2000:]}"
-        waiting = library.with_name(f"{LIBRARY}-{os.getpid()}")  # beside it: on one file system
-        try:
-            shutil.copyfile(built, waiting)
-            waiting.replace(library)
-        finally:
-            waiting.unlink(missing_ok=True)
+        _put(library, built.read_bytes())
     return ""
 
 

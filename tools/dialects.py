@@ -79,7 +79,9 @@ static inline long long floor_mod(long long a, long long b) {
         """Lend a record: one that is no variable, or field of one, is put into a place of its own."""
         return f"&{text}" if has_place else f"(struct {kind}[1]){{{text}}}"
 
-    def head(self, name: str, arguments: dict[str, str], lent: set[str], changed: set[str], result: str) -> str:
+    def head(
+        self, name: str, arguments: dict[str, str], lent: set[str], changed: set[str], result: str
+    ) -> str:
         """Write the head of a function; records are lent, and of those that are changed copies are made."""
         heads = [
             f"const {self.type(k)} *{a}{'__lent' * (a in changed)}" if a in lent else f"{self.type(k)} {a}"
@@ -147,7 +149,12 @@ static inline long long floor_mod(long long a, long long b) {
         return text
 
     def door(
-        self, name: str, inside: str, arguments: tuple[str, ...], records: dict[str, dict[str, str]], result: str
+        self,
+        name: str,
+        inside: str,
+        arguments: tuple[str, ...],
+        records: dict[str, dict[str, str]],
+        result: str,
     ) -> str:
         """Export a function; a record of buffers is handed over field by field."""
         heads, values = [], []
@@ -214,7 +221,9 @@ function remainder(x, y) {
     def lend(self, text: str, kind: str, *, has_place: bool) -> str:
         return text
 
-    def head(self, name: str, arguments: dict[str, str], lent: set[str], changed: set[str], result: str) -> str:
+    def head(
+        self, name: str, arguments: dict[str, str], lent: set[str], changed: set[str], result: str
+    ) -> str:
         return f"function {name}({', '.join(arguments)})"
 
     def header(self, head: str) -> list[str]:
@@ -247,7 +256,11 @@ function remainder(x, y) {
 
     def cast(self, text: str, kind: str, to: str) -> str:
         # + 0, since whole numbers have no -0, and truth values are no numbers yet
-        return f"(Math.trunc({text}) + 0)" if (kind, to) in (("float", "int"), ("whole", "int")) else f"({text} + 0)"
+        return (
+            f"(Math.trunc({text}) + 0)"
+            if (kind, to) in (("float", "int"), ("whole", "int"))
+            else f"({text} + 0)"
+        )
 
     def dividend(self, text: str) -> str:
         return text
@@ -262,7 +275,12 @@ function remainder(x, y) {
         return f"({text} + 0)"
 
     def door(
-        self, name: str, inside: str, arguments: tuple[str, ...], records: dict[str, dict[str, str]], result: str
+        self,
+        name: str,
+        inside: str,
+        arguments: tuple[str, ...],
+        records: dict[str, dict[str, str]],
+        result: str,
     ) -> str:
         takes = json.dumps([[*records[kind]] if kind in records else None for kind in arguments])
         return f"exports.{name} = {inside};\n{inside}.takes = {takes};  // fields of each argument"

@@ -42,6 +42,7 @@ _BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.BitAnd: 
 _OF_WHOLE = {ast.FloorDiv: "floor_div", ast.Mod: "floor_mod", ast.BitAnd: ""}
 _COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
 
+
 class TranslationError(Exception):
     """A statement that has no translation."""
 
@@ -666,7 +667,9 @@ class _Function:
         kind = (
             "float" if "float" in kinds or isinstance(op, ast.Div) else "whole" if "whole" in kinds else "int"
         )
-        dividend = self._to.dividend(one.text) if isinstance(op, ast.Div) and one.kind != "float" else one.text
+        dividend = (
+            self._to.dividend(one.text) if isinstance(op, ast.Div) and one.kind != "float" else one.text
+        )
         return Value(f"({dividend} {_BINARY[type(op)]} {two.text})", kind)
 
     def _call(self, node: ast.Call) -> Value:
@@ -745,7 +748,9 @@ class _Function:
         given = dict(zip(fields, node.args, strict=False)) | {str(k.arg): k.value for k in node.keywords}
         if set(given) != set(fields) or len(node.args) + len(node.keywords) > len(fields):
             raise self._refused(node, f"takes {', '.join(fields)}")
-        return Value(self._to.record(name, {f: self._converted(given[f], k) for f, k in fields.items()}), name)
+        return Value(
+            self._to.record(name, {f: self._converted(given[f], k) for f, k in fields.items()}), name
+        )
 
     def _literal(self, value: float) -> Value:
         kind = "bool" if isinstance(value, bool) else "int" if isinstance(value, int) else "float"

@@ -1,0 +1,87 @@
+"""The solver in JavaScript, in place of the compiled one: its doors, run by node in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from vibro.core import compiled
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from vibro.reals import Floats
+
+SCRIPT = Path(compiled.__file__).with_name("_solver.js")
+_HOST = Path(__file__).with_name("doors.cjs")
+
+
+class NodeDoors:
+    """Doors as ``vibro.core.compiled.Doors`` has them; each call copies its buffers there and back."""
+
+    compiled = True  # as fast as that, nearly
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        self._process, self._lock = process, threading.Lock()
+
+    def rows(self, array: Floats) -> tuple[Floats, ...]:
+        """Hand over the rows of an array."""
+        return tuple(array)
+
+    def row(self, array: Floats) -> Floats:
+        """Hand over an array as one buffer."""
+        return array.reshape(-1)
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        return lambda *values: self._call(name, values)
+
+    def _call(self, name: str, values: tuple[Any, ...]) -> Any:
+        rooms: list[Any] = []
+
+        def place(value: Any) -> Any:
+            if isinstance(value, tuple):
+                return [place(part) for part in value]
+            if isinstance(value, np.ndarray):
+                rooms.append(value)
+                return [len(rooms) - 1]
+            return value.item() if isinstance(value, np.generic) else value
+
+        to, back = self._process.stdin, self._process.stdout
+        assert to is not None
+        assert back is not None
+        places = [place(value) for value in values]
+        head = {"door": name, "values": places, "sizes": [room.size for room in rooms]}
+        text = json.dumps(head).encode()
+        with self._lock:  # threads fill parts of the same buffers
+            to.write(len(text).to_bytes(4, "little") + text)
+            to.writelines(np.asarray(room, np.float64).tobytes() for room in rooms)
+            to.flush()
+            result = json.loads(back.read(int.from_bytes(back.read(4), "little")))
+            for room in rooms:
+                left = np.frombuffer(back.read(8 * room.size))
+                if room.flags.writeable:
+                    room.reshape(-1)[:] = left if room.dtype == np.float64 else left.astype(room.dtype)
+        return result
+
+
+@contextmanager
+def in_node() -> Iterator[NodeDoors]:
+    """Run the solver in JavaScript; skip the test where there is no node."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not installed")
+    process = subprocess.Popen([node, str(_HOST), str(SCRIPT)], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    with process, pytest.MonkeyPatch.context() as patch:
+        doors = NodeDoors(process)
+        patch.setattr(compiled, "doors", lambda: doors)
+        yield doors
+        assert process.stdin is not None
+        process.stdin.close()
