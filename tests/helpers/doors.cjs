@@ -32,13 +32,12 @@ function write(bytes) {
 for (;;) {
   const { door, values, sizes } = JSON.parse(read(read(4).readUInt32LE()).toString());
   const rooms = sizes.map((size) => new Float64Array(read(8 * size).buffer));
-  const given = (value) => (Array.isArray(value) ? rooms[value[0]] : value);
+  const given = (value) => (Array.isArray(value) ? rooms[value[0]] : rooms[0][value]);
   const call = solver[door];
   const parts = values.map((value, i) =>
     call.takes[i] === null ? given(value) : Object.fromEntries(call.takes[i].map((name, j) => [name, given(value[j])])));
   const result = call(...parts);
-  const head = Buffer.from(JSON.stringify(result === undefined ? null : Number(result)));
-  const size = Buffer.alloc(4);
-  size.writeUInt32LE(head.length);
-  write(Buffer.concat([size, head, ...rooms.map((room) => Buffer.from(room.buffer))]));
+  const number = Buffer.alloc(8);
+  number.writeDoubleLE(result === undefined ? NaN : Number(result));
+  write(Buffer.concat([number, ...rooms.slice(1).map((room) => Buffer.from(room.buffer))]));
 }

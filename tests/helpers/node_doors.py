@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 import subprocess
 import threading
@@ -44,6 +45,7 @@ class NodeDoors:
         return lambda *values: self._call(name, values)
 
     def _call(self, name: str, values: tuple[Any, ...]) -> Any:
+        numbers: list[float] = []
         rooms: list[Any] = []
 
         def place(value: Any) -> Any:
@@ -51,25 +53,26 @@ class NodeDoors:
                 return [place(part) for part in value]
             if isinstance(value, np.ndarray):
                 rooms.append(value)
-                return [len(rooms) - 1]
-            return value.item() if isinstance(value, np.generic) else value
+                return [len(rooms)]
+            numbers.append(value)
+            return len(numbers) - 1
 
         to, back = self._process.stdin, self._process.stdout
         assert to is not None
         assert back is not None
         places = [place(value) for value in values]
-        head = {"door": name, "values": places, "sizes": [room.size for room in rooms]}
-        text = json.dumps(head).encode()
+        sizes = [len(numbers), *(room.size for room in rooms)]
+        head = json.dumps({"door": name, "values": places, "sizes": sizes}).encode()
         with self._lock:  # threads fill parts of the same buffers
-            to.write(len(text).to_bytes(4, "little") + text)
-            to.writelines(np.asarray(room, np.float64).tobytes() for room in rooms)
+            to.write(len(head).to_bytes(4, "little") + head)
+            to.writelines(np.asarray(room, np.float64).tobytes() for room in [numbers, *rooms])
             to.flush()
-            result = json.loads(back.read(int.from_bytes(back.read(4), "little")))
+            (result,) = np.frombuffer(back.read(8))
             for room in rooms:
                 left = np.frombuffer(back.read(8 * room.size))
                 if room.flags.writeable:
                     room.reshape(-1)[:] = left if room.dtype == np.float64 else left.astype(room.dtype)
-        return result
+        return float(result) if math.isnan(result) or result % 1.0 else int(result)
 
 
 @contextmanager
