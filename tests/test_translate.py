@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from helpers.cases import each
+from helpers.node_doors import running
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -327,6 +328,26 @@ def test_compiled_it_does_what_it_does_in_python(built: Built, name: str) -> Non
         else:
             assert found == expected, values
         assert [np.asarray(x).tobytes() for x in ours] == [np.asarray(x).tobytes() for x in theirs], values
+
+
+def test_in_javascript_it_does_what_it_does_in_python(tmp_path: Path) -> None:
+    """The same, but for whole numbers beyond 2^53."""
+    built = Built(tmp_path)
+    script = tmp_path / "loop.cjs"
+    script.write_text(translate.translate(built.folder, translate.JavaScript()), "utf-8")
+    with running(script) as doors:
+        for name, values in [(name, values) for name, calls in CALLS.items() for values in calls]:
+            if 2**62 in map(abs, filter(lambda v: isinstance(v, int), values)):
+                continue
+            ours, theirs = ([v.copy() if isinstance(v, np.ndarray) else v for v in values] for _ in range(2))
+            buffers = [memoryview(v) if isinstance(v, np.ndarray) else v for v in ours]
+            expected, found = getattr(built.python, name)(*buffers), getattr(doors, name)(*theirs)
+            assert (
+                math.isnan(found) and math.isnan(expected) or float(found).hex() == float(expected).hex()
+            ), (name, values)
+            assert [np.asarray(x).tobytes() for x in ours] == [np.asarray(x).tobytes() for x in theirs], (
+                values
+            )
 
 
 @needs_compiler

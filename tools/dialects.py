@@ -144,6 +144,10 @@ static inline long long floor_mod(long long a, long long b) {
         """Ask ``isnan``, ``isinf`` or ``isfinite``, which may answer with any number but 0."""
         return f"({name}({text}) != 0)"
 
+    def whole(self, text: str) -> str:
+        """Take the result of an operation for a whole number: there is no -0 among them."""
+        return text
+
     def as_int(self, text: str) -> str:
         """Take a truth value for a whole number."""
         return text
@@ -185,7 +189,7 @@ class JavaScript(C):
 const { sin, cos, tan, asin, acos, atan, atan2, sqrt, floor, ceil, log, exp } = Math;
 const float_min = (a, b) => (b < a ? b : a), float_max = (a, b) => (b > a ? b : a);
 const int_min = float_min, int_max = float_max;
-const floor_div = (a, b) => floor(a / b), floor_mod = (a, b) => a - b * floor(a / b);
+const floor_div = (a, b) => floor(a / b) + 0, floor_mod = (a, b) => a - b * floor(a / b) + 0;  // + 0: no -0
 const isnan = Number.isNaN, isfinite = Number.isFinite, isinf = (x) => Math.abs(x) === Infinity;
 const copysign = (a, b) => (b < 0 || Object.is(b, -0) ? -Math.abs(a) : Math.abs(a));
 // Rounded to the nearest quotient, to the even one of two, as C does.
@@ -271,8 +275,10 @@ function remainder(x, y) {
     def test(self, name: str, text: str) -> str:
         return f"{name}({text})"
 
-    def as_int(self, text: str) -> str:
+    def whole(self, text: str) -> str:
         return f"({text} + 0)"
+
+    as_int = whole
 
     def door(
         self,

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from dialects import BUFFERS, SCALARS, C
+from dialects import BUFFERS, SCALARS, C, JavaScript  # noqa: F401
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -590,7 +590,8 @@ class _Function:
                 one = self._value(operand)
                 if one.kind not in ("int", "float"):
                     raise self._refused(node, f"no translation of minus {one.kind}")
-                return Value(f"(-{one.text})", one.kind)
+                text = f"(-{one.text})"
+                return Value(self._to.whole(text) if one.kind == "int" else text, one.kind)
             case ast.BoolOp(op, values):
                 sign = " && " if isinstance(op, ast.And) else " || "
                 return Value(f"({sign.join(self._test(v) for v in values)})", "bool")
@@ -670,7 +671,8 @@ class _Function:
         dividend = (
             self._to.dividend(one.text) if isinstance(op, ast.Div) and one.kind != "float" else one.text
         )
-        return Value(f"({dividend} {_BINARY[type(op)]} {two.text})", kind)
+        text = f"({dividend} {_BINARY[type(op)]} {two.text})"
+        return Value(self._to.whole(text) if kind == "int" and isinstance(op, ast.Mult) else text, kind)
 
     def _call(self, node: ast.Call) -> Value:
         match node.func:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import shutil
 import subprocess
 import threading
@@ -67,24 +66,31 @@ class NodeDoors:
             to.write(len(head).to_bytes(4, "little") + head)
             to.writelines(np.asarray(room, np.float64).tobytes() for room in [numbers, *rooms])
             to.flush()
-            (result,) = np.frombuffer(back.read(8))
+            result = float(np.frombuffer(back.read(8))[0])
             for room in rooms:
                 left = np.frombuffer(back.read(8 * room.size))
                 if room.flags.writeable:
                     room.reshape(-1)[:] = left if room.dtype == np.float64 else left.astype(room.dtype)
-        return float(result) if math.isnan(result) or result % 1.0 else int(result)
+        is_whole = result.is_integer() and (result or not np.signbit(result))  # -0.0 is not 0
+        return int(result) if is_whole else result
 
 
 @contextmanager
-def in_node() -> Iterator[NodeDoors]:
-    """Run the solver in JavaScript; skip the test where there is no node."""
+def running(script: Path) -> Iterator[NodeDoors]:
+    """Run a script's doors; skip the test where there is no node."""
     node = shutil.which("node")
     if node is None:
         pytest.skip("node is not installed")
-    process = subprocess.Popen([node, str(_HOST), str(SCRIPT)], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    with process, pytest.MonkeyPatch.context() as patch:
-        doors = NodeDoors(process)
-        patch.setattr(compiled, "doors", lambda: doors)
-        yield doors
+    command = [node, str(_HOST), str(script)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        yield NodeDoors(process)
         assert process.stdin is not None
         process.stdin.close()
+
+
+@contextmanager
+def in_node() -> Iterator[None]:
+    """Let vibro take the solver's script for the compiled solver."""
+    with running(SCRIPT) as doors, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiled, "doors", lambda: doors)
+        yield
