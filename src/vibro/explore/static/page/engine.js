@@ -1,0 +1,151 @@
+"use strict";
+/**
+ * The solver with scenes as plain objects. Runs in the page, in its workers, and in node.
+ *
+ * A drive gives its fields in SI units and radians. Each is a number, or has one value for each cell along an
+ * axis of the grid: 0 is that of rows, 1 that of columns.
+ *
+ * @typedef {number | {axis: number, values: ArrayLike<number>}} Field
+ * @typedef {object} Drive
+ * @property {"line" | "ellipse" | "harmonics" | "pieces"} kind
+ * @property {Field[]} path amplitude and drive angle; amplitudes along and normal, and a phase; else the scale
+ *   of the motion and the normal force over the mass of a clamped part, NaN of a free one
+ * @property {Field} frequency
+ * @property {Field} staticFriction
+ * @property {Field} kineticFriction
+ * @property {Field} troughAngle
+ * @property {Field} gravity
+ * @property {Field} restitution
+ * @property {Field[][]} [harmonics] amplitudes along, their phases, amplitudes normal, their phases
+ * @property {{breaks: number[], pieces: number[], unit: number}} [motion] of pieces, as PiecewiseMotion has them
+ *
+ * @typedef {Record<string, Float64Array>} Rows
+ */
+
+/**
+ * @param {Record<string, any>} doors of the solver
+ * @param {Record<string, any>} known its constants and codes
+ */
+function engineOf(doors, known) {
+  const KINDS = { line: known.LINE, ellipse: known.ELLIPSE, harmonics: known.HARMONICS, pieces: known.PIECES };
+  const TURN = 2.0 * Math.PI;
+
+  /** @param {readonly string[]} names @param {number} size @returns {Rows} */
+  const rows = (names, size) => Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
+  /** @param {string} door @param {number} argument @returns {string[]} */
+  const fields = (door, argument) => doors[door].takes[argument];
+  const flights = rows(fields("solve_hops", 4), known.MOST_BOUNCES + known.LONGEST_CYCLE);
+  const hops = rows(fields("solve_hops", 5), known.BODIES * known.MOST_HOPS);
+
+  /**
+   * Scenes as the solver reads them.
+   * @param {Drive} drive
+   * @param {number[]} shape of the grid; [1] of one scene
+   */
+  function gridOf(drive, shape = [1]) {
+    const [first, second, third = 0.0] = drive.path;
+    const { frequency, staticFriction, kineticFriction, troughAngle, gravity, restitution } = drive;
+    const own = [first, second, third, frequency, staticFriction, kineticFriction, troughAngle, gravity, restitution];
+    const further = (drive.harmonics ?? []).flat();
+    const all = [...own, ...further];
+    const values = all.map((x) => Float64Array.from(typeof x === "number" ? [x] : x.values));
+    const strides = shape.flatMap((_, axis) => all.map((x) => (typeof x === "object" && x.axis === axis ? 1 : 0)));
+    const starts = [0];
+    for (const x of values.slice(known.FIELDS)) starts.push(starts[starts.length - 1] + x.length);
+    const motion = drive.motion ?? { breaks: [0.0], pieces: [0.0], unit: 0.0 };
+    const count = drive.kind === "pieces" ? motion.breaks.length - 1 : further.length / 4;
+    const scenes = {
+      ...Object.fromEntries(fields("solve_contact", 0).slice(0, known.FIELDS).map((name, i) => [name, values[i]])),
+      harmonics: Float64Array.from(values.slice(known.FIELDS).flatMap((x) => [...x])),
+      starts: Float64Array.from(starts),
+      shape: Float64Array.from(shape),
+      strides: Float64Array.from(strides),
+      axes: shape.length,
+      kind: KINDS[drive.kind],
+      size: count,
+      most: motion.unit,
+    };
+    let numbers = 1, marks = 1;
+    if (drive.kind === "harmonics") numbers = known.ROOM * 2 * count + 8 * count * count;
+    if (drive.kind === "pieces") numbers = known.ROOM * 4 * count + 5 * count + 1;
+    if (count) marks = 2 * known.MIXES;
+    const place = {
+      index: new Float64Array(shape.length + all.length),
+      number: new Float64Array(numbers),
+      mark: new Float64Array(marks),
+    };
+    doors.prepare(scenes, place, Float64Array.from(motion.breaks), Float64Array.from(motion.pieces));
+    return { scenes, place, drive, size: shape.reduce((a, b) => a * b, 1) };
+  }
+
+  /**
+   * Solve the cells of a range; the others are left NaN.
+   * @param {ReturnType<typeof gridOf>} grid
+   * @param {{begin?: number, end?: number, others?: boolean}} [range]
+   * @returns {Rows} by the names of vibro.SteadyCycle's results
+   */
+  function solve(grid, { begin = 0, end = grid.size, others = false } = {}) {
+    const out = rows(fields("solve_contact", 2), grid.size);
+    const hopping = doors.solve_contact(grid.scenes, grid.place, out, begin, end, false);
+    if (hopping) {
+      const cells = new Float64Array(hopping);
+      let found = 0;
+      for (let i = begin; i < end; i++) if (out.status[i] === known.FLIGHT_NOT_MODELLED) cells[found++] = i;
+      doors.solve_hops(grid.scenes, grid.place, out, cells, flights, hops, 0, found);
+      if (others) {
+        const left = cells.filter((i) => out.coexists[i] < 0 && !Number.isNaN(out.mean_velocity[i]));
+        doors.find_others(grid.scenes, grid.place, out, left, flights, hops, 0, left.length);
+      }
+    }
+    return out;
+  }
+
+  /**
+   * Spell the pattern of one scene's cycle; empty if it has none.
+   * @param {ReturnType<typeof gridOf>} grid
+   * @param {Rows} cycle
+   */
+  function pattern(grid, cycle) {
+    const code = cycle.pattern_code[0];
+    if (code === 0) return "";
+    if (code === known.IRREGULAR) return "H...";
+    for (let room = 64; ; room *= 4) {
+      const legs = new Float64Array(room);
+      const number = doors.write_letters(grid.scenes, grid.place, 0, flights, hops, legs, room);
+      if (number <= room) return Array.from(legs.slice(0, number), (mode) => known.LETTERS[mode]).join("");
+    }
+  }
+
+  /**
+   * Follow the body of one scene from rest at phase 0 until its motion repeats.
+   * @param {ReturnType<typeof gridOf>} grid
+   * @param {number} cycles
+   */
+  function history(grid, cycles) {
+    if (!doors.followed(grid.scenes, grid.place, 0)) return null;
+    const last = rows(fields("history", 11), known.STARTS);
+    for (let room = 256; ; room *= 8) {
+      const legs = rows(fields("history", 7), room);
+      const cycle = rows(fields("history", 9), 1);
+      const number = doors.history(
+        grid.scenes, grid.place, 0.0, 0.0, 0.0, 0.0, cycles, legs, room, cycle, last, flights);
+      if (number >= 0) {
+        return { legs, number, first: cycle.first[0], period: cycle.period[0], advance: cycle.advance[0] };
+      }
+    }
+  }
+
+  /**
+   * Critical loads of one scene, each over its load G.
+   * @param {ReturnType<typeof gridOf>} grid
+   */
+  function limits(grid) {
+    const out = rows(fields("transition_loads", 2), grid.size);
+    doors.transition_loads(grid.scenes, grid.place, out, 0, grid.size);
+    return out;
+  }
+
+  return { gridOf, solve, pattern, history, limits, TURN };
+}
+
+if (typeof module !== "undefined") module.exports = { engineOf };
