@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import compiling
 import pytest
 import translate
-from compiling import CORE, LIBRARY, compile_solver, required
+from compiling import CORE, LIBRARY, SCRIPT, compile_solver, required
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,7 +42,7 @@ DOORS: Final = (turned,)
 @pytest.fixture
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Copy the checkout with a small solver, no library, no compiler by name; only the digest goes to C."""
-    monkeypatch.setattr(compiling, "translate", lambda core: translate.digest(translate.sources(core)))
+    monkeypatch.setattr(compiling, "translate", lambda core, *_: translate.digest(translate.sources(core)))
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.delenv("VIBRO_CC", raising=False)
     copy = tmp_path / "checkout"
@@ -291,6 +291,6 @@ def test_a_wheel_with_a_library_is_of_a_platform(
     assert editable == {"artifacts": []}
     data: dict[str, Any] = {"artifacts": []}
     hook.initialize("standard", data)
-    assert data["artifacts"] == (["src/vibro/core/_solver.native"] if compiled else [])
+    assert data["artifacts"] == [f"{CORE.as_posix()}/{name}" for name in (SCRIPT, LIBRARY)[: 1 + compiled]]
     assert data.get("tag", "py3-none-any").startswith("py3-none-")
     assert data.get("pure_python", True) is not compiled

@@ -342,9 +342,9 @@ def test_in_javascript_it_does_what_it_does_in_python(tmp_path: Path) -> None:
             ours, theirs = ([v.copy() if isinstance(v, np.ndarray) else v for v in values] for _ in range(2))
             buffers = [memoryview(v) if isinstance(v, np.ndarray) else v for v in ours]
             expected, found = getattr(built.python, name)(*buffers), getattr(doors, name)(*theirs)
-            assert (
-                math.isnan(found) and math.isnan(expected) or float(found).hex() == float(expected).hex()
-            ), (name, values)
+            assert (math.isnan(found) and math.isnan(expected)) or float(found).hex() == float(
+                expected
+            ).hex(), (name, values)
             assert [np.asarray(x).tobytes() for x in ours] == [np.asarray(x).tobytes() for x in theirs], (
                 values
             )

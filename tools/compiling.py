@@ -1,8 +1,8 @@
 """Make the solver beside its source, ``python tools/compiling.py``: a script for pages, and a library.
 
 The script is in JavaScript. The library needs a C compiler: that of the system is taken where there is one,
-otherwise the one of the package ``ziglang``. Set ``CC`` to
-choose the compiler, ``VIBRO_CC=none`` to leave the solver uncompiled.
+otherwise the one of the package ``ziglang``. Set ``CC`` to choose the compiler, ``VIBRO_CC=none`` to leave
+the solver uncompiled.
 """
 
 from __future__ import annotations

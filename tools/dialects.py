@@ -43,10 +43,11 @@ static inline long long floor_mod(long long a, long long b) {
 }
 """
     # Names of Python that are words of the language.
-    reserved = frozenset(
-        "auto case char const default do double enum extern goto inline long register restrict short signed"
-        " sizeof static struct switch typedef union unsigned void volatile".split()
-    )
+    reserved = frozenset({
+        "auto", "case", "char", "const", "default", "do", "double", "enum", "extern", "goto",
+        "inline", "long", "register", "restrict", "short", "signed", "sizeof", "static", "struct",
+        "switch", "typedef", "union", "unsigned", "void", "volatile",
+    })  # fmt: skip
 
     def type(self, kind: str) -> str:
         """Spell a type."""
@@ -200,11 +201,12 @@ function remainder(x, y) {
     return copysign(1, x) * rest;
 }
 """
-    reserved = frozenset(
-        "arguments await case catch const debugger default delete do enum eval export extends final function"
-        " implements in instanceof interface let new null package private protected public static super"
-        " switch this throw true typeof undefined var void".split()
-    )
+    reserved = frozenset({
+        "arguments", "await", "case", "catch", "const", "debugger", "default", "delete", "do", "enum",
+        "eval", "export", "extends", "final", "function", "implements", "in", "instanceof",
+        "interface", "let", "new", "null", "package", "private", "protected", "public", "static",
+        "super", "switch", "this", "throw", "true", "typeof", "undefined", "var", "void",
+    })  # fmt: skip
 
     def known(self, text: str) -> str:
         return f'exports.sources = "{text}";\n'

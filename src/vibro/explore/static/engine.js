@@ -2,10 +2,10 @@
 /**
  * The solver with scenes as plain objects. Runs in the page, in its workers, and in node.
  *
- * A drive gives its fields in SI units and radians. Each is a number, or has one value for each cell along an
- * axis of the grid: 0 is that of rows, 1 that of columns.
+ * A drive gives its fields in SI units and radians. Each is a number, or has values that differ from cell to
+ * cell of the grid: along each axis, rows first, it goes on by so many values; by 0 where one serves all.
  *
- * @typedef {number | {axis: number, values: ArrayLike<number>}} Field
+ * @typedef {number | {values: ArrayLike<number>, strides: number[]}} Field
  * @typedef {object} Drive
  * @property {"line" | "ellipse" | "harmonics" | "pieces"} kind
  * @property {Field[]} path amplitude and drive angle; amplitudes along and normal, and a phase; else the scale
@@ -28,8 +28,6 @@
  */
 function engineOf(doors, known) {
   const KINDS = { line: known.LINE, ellipse: known.ELLIPSE, harmonics: known.HARMONICS, pieces: known.PIECES };
-  const TURN = 2.0 * Math.PI;
-
   /** @param {readonly string[]} names @param {number} size @returns {Rows} */
   const rows = (names, size) => Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
   /** @param {string} door @param {number} argument @returns {string[]} */
@@ -49,7 +47,7 @@ function engineOf(doors, known) {
     const further = (drive.harmonics ?? []).flat();
     const all = [...own, ...further];
     const values = all.map((x) => Float64Array.from(typeof x === "number" ? [x] : x.values));
-    const strides = shape.flatMap((_, axis) => all.map((x) => (typeof x === "object" && x.axis === axis ? 1 : 0)));
+    const strides = shape.flatMap((_, axis) => all.map((x) => (typeof x === "number" ? 0 : x.strides[axis])));
     const starts = [0];
     for (const x of values.slice(known.FIELDS)) starts.push(starts[starts.length - 1] + x.length);
     const motion = drive.motion ?? { breaks: [0.0], pieces: [0.0], unit: 0.0 };
@@ -145,7 +143,29 @@ function engineOf(doors, known) {
     return out;
   }
 
-  return { gridOf, solve, pattern, history, limits, TURN };
+  /**
+   * Find the operating points of machines, each of least amplitude.
+   * @param {ReturnType<typeof gridOf>} grid scenes of an amplitude of 1 m
+   * @param {Rows} machines amplitude of the empty trough, and mass of the filling times H, Eq. (87)
+   */
+  function operate(grid, machines) {
+    const out = rows(fields("operate", 3), grid.size);
+    doors.operate(grid.scenes, grid.place, machines, out, flights, hops, 0, grid.size);
+    return out;
+  }
+
+  /**
+   * Weigh what lies in a trough whose cycles are solved: shares of its mass, as vibro.filling tells.
+   * @param {ReturnType<typeof gridOf>} grid
+   * @param {Rows} cycle
+   */
+  function weigh(grid, cycle) {
+    const out = rows(fields("weigh", 4), grid.size);
+    doors.weigh(grid.scenes, grid.place, cycle.pattern_code, cycle.status, out, flights, hops, 0, grid.size, false);
+    return out;
+  }
+
+  return { gridOf, solve, pattern, history, limits, operate, weigh, known };
 }
 
 if (typeof module !== "undefined") module.exports = { engineOf };
