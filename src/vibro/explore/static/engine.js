@@ -28,6 +28,11 @@
  */
 function engineOf(doors, known) {
   const KINDS = { line: known.LINE, ellipse: known.ELLIPSE, harmonics: known.HARMONICS, pieces: known.PIECES };
+  const TURN = 2.0 * Math.PI;
+  const CLASSES = 3; // of motions in contact: forward slip, back slip, continuous sliding
+  const MOST_LEGS = 2 ** 20;
+  const MOST_ATTRACTORS = 256;
+
   /** @param {readonly string[]} names @param {number} size @returns {Rows} */
   const rows = (names, size) => Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
   /** @param {string} door @param {number} argument @returns {string[]} */
@@ -115,22 +120,108 @@ function engineOf(doors, known) {
   }
 
   /**
-   * Follow the body of one scene from rest at phase 0 until its motion repeats.
+   * Follow the body of one scene from rest until its motion repeats; null if it cannot be followed, or has too many
+   * legs that do not repeat.
    * @param {ReturnType<typeof gridOf>} grid
    * @param {number} cycles
+   * @param {number} [phase] of the trough at the start [rad]
    */
-  function history(grid, cycles) {
+  function history(grid, cycles, phase = 0.0) {
     if (!doors.followed(grid.scenes, grid.place, 0)) return null;
-    const last = rows(fields("history", 11), known.STARTS);
-    for (let room = 256; ; room *= 8) {
+    const last = rows(fields("history", 10), known.STARTS);
+    for (let room = 256; room <= MOST_LEGS; room *= 8) {
       const legs = rows(fields("history", 7), room);
       const cycle = rows(fields("history", 9), 1);
       const number = doors.history(
-        grid.scenes, grid.place, 0.0, 0.0, 0.0, 0.0, cycles, legs, room, cycle, last, flights);
+        grid.scenes, grid.place, phase, 0.0, 0.0, 0.0, cycles, legs, room, cycle, last, flights);
       if (number >= 0) {
+        for (const name in legs) legs[name] = legs[name].slice(0, number);
         return { legs, number, first: cycle.first[0], period: cycle.period[0], advance: cycle.advance[0] };
       }
     }
+    return null;
+  }
+
+  /**
+   * Motion and loads at moments of the legs of one scene's body, in units of the solver.
+   * @param {ReturnType<typeof gridOf>} grid
+   * @param {Rows} legs
+   * @param {ArrayLike<number>} row leg of each moment
+   * @param {ArrayLike<number>} since phase since its start, at most its length [rad]
+   */
+  function moments(grid, legs, row, since) {
+    const found = rows(fields("moments", 6), row.length);
+    doors.moments(
+      grid.scenes, grid.place, legs, 0.0, Float64Array.from(row), Float64Array.from(since), found, row.length);
+    return found;
+  }
+
+  /**
+   * When the body of one scene has moved by a length from rest [s]; Infinity if never, NaN if that is unknown.
+   * @param {ReturnType<typeof gridOf>} grid
+   * @param {number} length [m]
+   * @param {Rows} cycle its steady cycle
+   */
+  function arrival(grid, length, cycle) {
+    const times = new Float64Array(1);
+    doors.arrivals(
+      grid.scenes, grid.place, 0.0, 0.0, 0.0, 0.0, Float64Array.of(length), cycle.displacement_per_cycle, times,
+      flights, 0, 1);
+    return times[0];
+  }
+
+  /**
+   * The slides of one scene's contact cycle, of a drive of one harmonic.
+   * @param {ReturnType<typeof gridOf>} grid
+   * @param {number} code of its pattern
+   */
+  function slides(grid, code) {
+    const found = rows(fields("cycle_legs", 3), 2);
+    doors.cycle_legs(grid.scenes, grid.place, Float64Array.of(code), found, 0, 1, 1);
+    return found;
+  }
+
+  /**
+   * The steady cycles that coexist in one scene, in units of the solver; none if its body cannot be followed.
+   * @param {ReturnType<typeof gridOf>} grid
+   */
+  function attractors(grid) {
+    const found = rows(fields("attractors", 4), MOST_ATTRACTORS);
+    if (!doors.followed(grid.scenes, grid.place, 0)) return { number: 0, ...found };
+    const search = new Float64Array(4);
+    const number = doors.attractors(grid.scenes, grid.place, flights, hops, found, search, MOST_ATTRACTORS);
+    return { number, ...found };
+  }
+
+  /**
+   * Factors of one scene's motion, beyond one harmonic, between which it has each class; and those of the hop, and of
+   * the loads that exceed static friction forward and back.
+   * @param {ReturnType<typeof gridOf>} grid
+   */
+  function spans(grid) {
+    const counts = new Float64Array(2 * CLASSES + 1);
+    for (let room = 64; ; room *= 4) {
+      const found = new Float64Array(2 * CLASSES * room + 3);
+      doors.class_scales(grid.scenes, grid.place, found, counts, room);
+      if (Math.max(...counts.slice(0, CLASSES)) > room) continue;
+      const pair = (/** @type {number} */ at) => [found[at], found[at + 1]];
+      const classes = Array.from({ length: CLASSES }, (_, k) =>
+        Array.from({ length: counts[k] }, (_, i) => pair(2 * (k * room + i))));
+      const [hop, forward, back] = found.slice(-3);
+      return { classes, hop, forward, back };
+    }
+  }
+
+  /**
+   * Unit of length of one scene in the solver [m].
+   * @param {Drive} drive of plain numbers
+   */
+  function scaleOf({ kind, path, frequency, harmonics = [], motion }) {
+    const [first, second] = /** @type {number[]} */ (path);
+    if (kind === "line") return first;
+    if (kind === "ellipse") return Math.max(first, second) || 1.0;
+    if (kind === "harmonics") return Math.max(...harmonics[0], ...harmonics[2]) * first || 1.0;
+    return (motion.unit / TURN ** 2) * (first / frequency ** 2);
   }
 
   /**
@@ -165,7 +256,10 @@ function engineOf(doors, known) {
     return out;
   }
 
-  return { gridOf, solve, pattern, history, limits, operate, weigh, known };
+  return {
+    gridOf, solve, pattern, history, moments, arrival, slides, attractors, limits, spans, operate, weigh, scaleOf, known,
+    TURN,
+  };
 }
 
 if (typeof module !== "undefined") module.exports = { engineOf };
