@@ -16,7 +16,7 @@ from vibro.plots import frame, style
 from vibro.plots.fields import BEGINS_AT, Fields, clip_line, zero_lines
 from vibro.plots.layers import WHITE, MapLayers
 from vibro.plots.maps import colour_bar, place_words
-from vibro.plots.scales import Scale, even_levels
+from vibro.plots.scales import SEQUENTIAL, Scale, even_levels
 from vibro.plots.view import Panel
 from vibro.units import LENGTH
 
@@ -280,7 +280,7 @@ def _draw_speed(figure: Figure, layers: MapLayers, settings: Settings) -> None:
     within = shown & (settings.strong(fields.y[:, np.newaxis], fields.x) > 0.0)
     high = float(speed[within if within.any() else shown].max(initial=0.0)) or 1.0
     extend = "max" if np.any(speed[shown] > high) else "neither"
-    scale = Scale(Normalize(0.0, high), "cividis", even_levels(0.0, high), extend=extend)
+    scale = Scale(Normalize(0.0, high), SEQUENTIAL, even_levels(0.0, high), extend=extend)
     layers.draw_numbers(speed, scale)
     layers.draw_level(speed, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
     machine = settings.chosen.drive.machine

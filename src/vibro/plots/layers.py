@@ -158,7 +158,7 @@ class MapLayers:
 
     def draw_numbers(self, values: Floats, scale: Scale) -> None:
         """Draw numbers as colours beneath the covers, with contours that ``write`` labels."""
-        fields, norm, colours = self.fields, scale.norm, colours_of(scale)
+        fields, norm, colours = self.fields, scale.norm, colours_of(scale.colours)
         self._has_numbers = True
         self.axes.set_facecolor(style.NO_ANSWER_FACE)
         # A mesh of so many cells draws slowly, and so does mapping numbers to colours pixel by pixel. On a

@@ -98,7 +98,7 @@ def _draw_numbers(
 def colour_bar(figure: Figure, maps: list[MapLayers], scale: Scale, label: str) -> None:
     """Draw the scale of the numbers beside the maps, its numbers in full."""
     place: Any = {"ax": [layers.axes for layers in maps], "pad": 0.02, "aspect": 28}
-    numbers = ScalarMappable(scale.norm, colours_of(scale))
+    numbers = ScalarMappable(scale.norm, colours_of(scale.colours))
     bar = figure.colorbar(numbers, label=label, extend=scale.extend, **place)
     if scale.ticks is not None:
         bar.set_ticks(list(scale.ticks), labels=[number_text(tick) for tick in scale.ticks])

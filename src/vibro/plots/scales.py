@@ -28,7 +28,10 @@ _MOST_DECADES: Final = 5.0  # of a logarithmic scale
 _DENSE_DECADES: Final = 3.0  # up to which contours lie at 1, 2 and 5 of each
 _LINEAR_SHARE: Final = 0.25  # of the numbers in contact, up to which an asinh scale is nearly even
 _WIDE: Final = 5.0  # ratio of the longest to the shortest time above which contours are at 1, 2, 5, 10 ...
-_DIVERGING: Final = "RdBu"
+#: Names of the colours of speeds, of speeds of both signs, and of times.
+SEQUENTIAL: Final = "cividis"
+DIVERGING: Final = "RdBu"
+TIME: Final = "cividis_r"
 _PALE: Final = 0.14  # of the diverging colours, on either side of their middle: as good as white
 
 
@@ -65,12 +68,12 @@ def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> 
     from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
 
     if not seen.any():
-        return Scale(Normalize(0.0, 1.0), "cividis", np.empty(0))
+        return Scale(Normalize(0.0, 1.0), SEQUENTIAL, np.empty(0))
     low, high = float(seen.min()), float(seen.max())
     sizes = np.abs(seen)
     least, middle, most = (float(size) for size in np.quantile(sizes, (0.0, 0.5, 1.0)))
     if low * high > 0.0 and least > _ALIKE * most:
-        return Scale(Normalize(low, high), "cividis", even_levels(low, high))
+        return Scale(Normalize(low, high), SEQUENTIAL, even_levels(low, high))
     usual = float(np.abs(calm).max(initial=0.0))
     slowest, fastest = float(regular.min(initial=0.0)), float(regular.max(initial=0.0))
     uneven = (
@@ -82,32 +85,32 @@ def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> 
         levels = even_levels(slowest if reverses else 0.0, fastest)
         levels = levels[levels != 0.0]
         if reverses:
-            return Scale(CenteredNorm(0.0, most), _DIVERGING, levels)
+            return Scale(CenteredNorm(0.0, most), DIVERGING, levels)
         # A few bounces of irregular motion, or an uncertain mean, may lie below.
-        return Scale(Normalize(0.0, high), "cividis", levels, extend="min" if low < 0.0 else "neither")
+        return Scale(Normalize(0.0, high), SEQUENTIAL, levels, extend="min" if low < 0.0 else "neither")
     if reverses:
         width = _LINEAR_SHARE * (usual or middle)
         ticks = log_levels(width, most)
         ticks = np.concatenate([-ticks[::-1], [0.0], ticks])
         levels = ticks[(ticks > slowest) & (ticks < _BELOW_TOP * fastest) & (ticks != 0.0)]
-        return Scale(AsinhNorm(width, -most, most), _DIVERGING, levels, ticks)
+        return Scale(AsinhNorm(width, -most, most), DIVERGING, levels, ticks)
     foot = max(float(np.quantile(seen[seen > 0.0], _BEYOND)), high * 10.0**-_MOST_DECADES)
     foot = min(foot, high / _OVER_REGULAR)
     ticks = log_levels(foot, high)
     levels = ticks[ticks < _BELOW_TOP * fastest]
-    return Scale(LogNorm(foot, high), "cividis", levels, ticks, "min" if low < foot else "neither")
+    return Scale(LogNorm(foot, high), SEQUENTIAL, levels, ticks, "min" if low < foot else "neither")
 
 
-def colours_of(scale: Scale) -> Colormap:
-    """Return the colours of a scale: none of them is white, which is the colour of bodies at rest."""
+def colours_of(name: str) -> Colormap:
+    """Return the colours of a scale by their name: none is white, which is the colour of bodies at rest."""
     from matplotlib import colormaps
     from matplotlib.colors import LinearSegmentedColormap
 
-    colours = colormaps[scale.colours]
-    if scale.colours != _DIVERGING:
+    colours = colormaps[name]
+    if name != DIVERGING:
         return colours
     shown = np.concatenate([np.linspace(0.0, 0.5 - _PALE, 128), np.linspace(0.5 + _PALE, 1.0, 128)])
-    return LinearSegmentedColormap.from_list(scale.colours, colours(shown), N=256)
+    return LinearSegmentedColormap.from_list(name, colours(shown), N=256)
 
 
 def time_scale(seen: Floats) -> Scale:
@@ -115,12 +118,12 @@ def time_scale(seen: Floats) -> Scale:
     from matplotlib.colors import LogNorm
 
     if not seen.size:
-        return Scale(LogNorm(1.0, 2.0), "cividis_r", np.empty(0))
+        return Scale(LogNorm(1.0, 2.0), TIME, np.empty(0))
     bottom, longest = float(seen.min()), float(seen.max())
     top = min(float(np.quantile(seen, 1.0 - _BEYOND)), bottom * 10.0**_MOST_DECADES)
     top = max(1.01 * bottom, top)
     levels = log_levels(bottom, top) if top > _WIDE * bottom else even_levels(bottom, top)
-    return Scale(LogNorm(bottom, top), "cividis_r", levels, levels, "max" if longest > top else "neither")
+    return Scale(LogNorm(bottom, top), TIME, levels, levels, "max" if longest > top else "neither")
 
 
 def even_levels(least: float, most: float) -> Floats:
