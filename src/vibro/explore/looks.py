@@ -8,18 +8,15 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.plots.scales import DIVERGING, SEQUENTIAL, TIME, colours_of
+from vibro.plots.scales import colours_of
 from vibro.plots.style import (
     AVERAGED_LABEL,
     BACKWARDS_LABEL,
     COEXISTS_LABEL,
-    CURVES,
     INK,
     NO_ANSWER_FACE,
     NO_ANSWER_HATCH,
     REGIME_COLOURS,
-    ZERO_SPEED,
-    CurveStyle,
 )
 
 if TYPE_CHECKING:
@@ -28,15 +25,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.plots.scales import Scale
+    from vibro.plots.style import CurveStyle
 
     Mask = NDArray[np.bool_]
 
-__all__ = ["HATCHES", "MARKS", "STRIPES", "Looks", "curve_look", "looks_of", "map_looks"]
+__all__ = ["HATCHES", "MARKS", "STRIPES", "Looks", "curve_look", "looks_of"]
 
 # Faces are places in a palette: of regimes their codes, then these, then the colours of the scale.
 _NO_ANSWER, _GREY, _FAINT, _INK, _WHITE, _SCALE = range(4, 10)
 _COLOURS: Final = 256 - _SCALE  # of a scale: with those before as many as a byte can number
-_TARGET_WIDTH: Final = 2.6  # of the curve of a speed that is wanted
 _PLAIN: Final = [
     *(REGIME_COLOURS[Regime(code)] for code in range(4)),
     NO_ANSWER_FACE,
@@ -48,7 +45,7 @@ MARKS: Final = {
     name: 1 << bit
     for bit, name in enumerate(
         ("backwards", "averaged", "coexists", "preview", "unknown", "unproved", "either", "misses",
-         "rising", "falling", "crossed", "level", "grid", "sampled")
+         "rising", "falling", "crossed", "level", "grid")
     )
 }  # fmt: skip
 _HATCHES: Final = {"/": "rising", "\\": "falling", "x": "crossed", "-": "level", "+": "grid"}
@@ -77,7 +74,6 @@ STRIPES: Final[list[dict[str, Any]]] = [
         ("grid", _FAINT, [_stripe(1, 0, 8, 1.0)]),
         ("coexists", _FAINT, _dots(7, 1.6)),
         ("unknown unproved", _FAINT, _dots(10, 1.0)),
-        ("sampled", _FAINT, [_stripe(1, -1, 16, 1.0)]),
         ("backwards", _INK, [_stripe(1, 0, 12, 1.0)]),
         ("averaged", _WHITE, [_stripe(1, 1, 24, 2.4)]),
         ("averaged", _FAINT, [_stripe(1, 1, 24, 1.8, 0.6)]),
@@ -94,7 +90,6 @@ _NAMES: Final = {
     "preview": ("preview, not exact yet", (_GREY,)),
     "unknown": ("not computed yet", (_NO_ANSWER,)),
     "unproved": ("not proved here", (_NO_ANSWER,)),
-    "sampled": ("sampled: the least of some bodies in the bands, not proved", (_GREY,)),
     "either": (
         "either regime or one between, depending on friction",
         (Regime.FORWARD_SLIP, Regime.BACK_SLIP),
@@ -187,44 +182,6 @@ def looks_of(
     )
 
 
-def map_looks() -> dict[str, Any]:
-    """Return how maps look, as JSON values.
-
-    Returns
-    -------
-    dict
-        ``palettes``: red, green and blue of each colour, a byte each, in base64: the plain faces of cells,
-        and by the name of a scale its colours, which come after those; ``scale``: their first place.
-        ``marks``: the bits of marks; ``stripes``, as ``STRIPES``; ``hatches``: marks by the codes of
-        statuses; ``names``: for the legend, in its order; ``curves`` by name.
-    """
-    scales = {"sequential": SEQUENTIAL, "diverging": DIVERGING, "time": TIME}
-    plain = np.array([[int(c[n : n + 2], 16) for n in (1, 3, 5)] for c in _PLAIN], np.uint8)
-    palettes = {"plain": plain} | {name: _colours_named(colours) for name, colours in scales.items()}
-    curves = {**CURVES, "zero_speed": ZERO_SPEED, "target": CurveStyle("", "-", _TARGET_WIDTH)}
-    return {
-        "palettes": {name: b64encode(colours.tobytes()).decode() for name, colours in palettes.items()},
-        "scale": _SCALE,
-        "marks": MARKS,
-        "stripes": STRIPES,
-        "hatches": {int(status): name for status, name in HATCHES.items()},
-        "names": [
-            {"mark": name, "text": text, "faces": [int(face) for face in faces]}
-            for name, (text, faces) in _NAMES.items()
-        ],
-        "curves": {
-            name: {
-                "label": style.label,
-                "dash": _dashes_of(style),
-                "width": style.width,
-                "colour": style.colour,
-                "halo": "" if style.colour == INK else INK,
-            }
-            for name, style in curves.items()
-        },
-    }
-
-
 def _legend(
     faces: NDArray[np.uint8], others: NDArray[np.uint8], bits: NDArray[np.uint16], words: Mapping[str, str]
 ) -> list[dict[str, Any]]:
@@ -242,12 +199,8 @@ def _legend(
 
 
 def _colours_of(scale: Scale) -> NDArray[np.uint8]:
-    return _colours_named(scale.colours)
-
-
-def _colours_named(colours: str) -> NDArray[np.uint8]:
-    shades = colours_of(colours)(np.linspace(0.0, 1.0, _COLOURS), bytes=True)
-    return np.asarray(shades[:, :3])
+    colours = colours_of(scale.colours)(np.linspace(0.0, 1.0, _COLOURS), bytes=True)
+    return np.asarray(colours[:, :3])
 
 
 def curve_look(
