@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     from vibro.scene import Fields, Scene
 
 
-_CLASSES: Final = ("forward slip", "back slip", "continuous sliding")
-_LOADS: Final = ("load for forward slip", "load for back slip")
-_HOP: Final = "hopping"
+#: Names of transitions: motions that begin in contact, loads that exceed static friction, and the hop.
+MOTIONS: Final = ("forward slip", "back slip", "continuous sliding")
+LOADS: Final = ("load for forward slip", "load for back slip")
+HOP: Final = "hopping"
 
 # [1] Relative distance within which a closed form and a root count as the same load.
 _SAME: Final = 1e-12
@@ -254,8 +255,8 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     now, reach = float(scene.load), float(scene.reach)
     hop, intervals = _of_one_harmonic(scene) if scene.motion is None else _of_any_motion(scene, now)
     found = []
-    for name, load, end in [*intervals, (_HOP, hop, math.inf)]:
-        if not 0.0 < load < math.inf or (name != _HOP and load >= hop):
+    for name, load, end in [*intervals, (HOP, hop, math.inf)]:
+        if not 0.0 < load < math.inf or (name != HOP and load >= hop):
             continue
         ratio = now / load
         if not 0.0 < ratio < math.inf:  # beyond the range of doubles
@@ -269,8 +270,8 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
 
 def _of_one_harmonic(scene: Scene) -> tuple[float, list[tuple[str, float, float]]]:
     """Return the load of the hop, and those between which motions last, by their names: all end there."""
-    loads, (forward, back, never) = critical_loads(scene), _CLASSES
-    for_forward, for_back = _LOADS
+    loads, (forward, back, never) = critical_loads(scene), MOTIONS
+    for_forward, for_back = LOADS
     # where back slip comes first its slides may outlast the forward window
     firsts = [
         (for_forward if loads.back_onset < loads.forward_onset else forward, loads.forward_onset),
@@ -296,11 +297,11 @@ def _of_any_motion(scene: Scene, now: float) -> tuple[float, list[tuple[str, flo
     hop, *onsets = (now * scale for scale in out[-3:].tolist())
     found = [
         (name, now * low, now * high)
-        for name, spans, count in zip(_CLASSES, out[:-3].reshape(CLASSES, room, 2), counts, strict=False)
+        for name, spans, count in zip(MOTIONS, out[:-3].reshape(CLASSES, room, 2), counts, strict=False)
         for low, high in spans[:count].tolist()
     ]
     begun = {name: low for name, low, _ in reversed(found)}
-    for name, load, onset in zip(_CLASSES[:2], _LOADS, onsets, strict=True):
+    for name, load, onset in zip(MOTIONS[:2], LOADS, onsets, strict=True):
         if not math.isclose(begun.get(name, math.inf), onset, rel_tol=_SAME):
             found.append((load, onset, hop))
     return hop, found

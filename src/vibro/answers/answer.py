@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 Value: TypeAlias = "float | str | None"
 
 NO_BOUNCE: Final = "restitution 0: parts land without a bounce"
+UNKNOWN: Final = "unknown"
 METRES_PER_MINUTE: Final = 0.06  # of 1 mm/s
 _DIGITS: Final = 4  # for people; JSON has all
 _BRIEF: Final = 3
@@ -58,7 +59,7 @@ class Fact(NamedTuple):
         """The value with its unit, error and note."""
         note = f" ({self.note})" if self.note else ""
         if self.value is None or (isinstance(self.value, float) and math.isnan(self.value)):
-            return f"unknown{note}"
+            return f"{UNKNOWN}{note}"
         number = uncertain(self.value, self.error) if isinstance(self.value, float) else str(self.value)
         return f"{number} {self.unit}".rstrip() + note
 
@@ -245,8 +246,13 @@ def given_text(given: Mapping[str, float]) -> str:
     return ", ".join(
         f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
         for name, value in given.items()
-        if value != DEFAULTS.get(name) and QUANTITIES[name].order <= LISTED_HARMONICS and name not in MACHINE
+        if value != DEFAULTS.get(name) and is_listed(name)
     )
+
+
+def is_listed(name: str) -> bool:
+    """Whether a quantity of a scene is named one by one, not as one of many harmonics, or with a machine."""
+    return QUANTITIES[name].order <= LISTED_HARMONICS and name not in MACHINE
 
 
 def _known(value: Any) -> Any:

@@ -10,11 +10,13 @@ import numpy as np
 from vibro.answers.answer import (
     METRES_PER_MINUTE,
     NO_BOUNCE,
+    UNKNOWN,
     Answer,
     Fact,
     Table,
     brief,
     given_text,
+    is_listed,
     label_of,
     shown,
     uncertain,
@@ -22,7 +24,7 @@ from vibro.answers.answer import (
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
 from vibro.designs.sensitivities import changed_cycles
 from vibro.drives import PiecewiseMotion
-from vibro.limits import transitions
+from vibro.limits import HOP, LOADS, MOTIONS, transitions
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import QUANTITIES, SCALE, SIZES, as_given, scene_fields
 from vibro.results.operating import OPERATING, bent
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
-_NEXT: Final = ("forward slip", "back slip", "hopping")  # what people ask for; the others on request
+_NEXT: Final = ("forward slip", "back slip", HOP)  # what people ask for; the others on request
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 _STANDS: Final[dict[Any, str]] = {True: "yes", False: "no", -1: "unknown"}  # in records None is unknown
@@ -53,6 +55,84 @@ _WHERE_ASKED: Final = (
     ("power_w", "power of the filling", "W"),
 )
 _ROUNDING: Final = 1e-9  # [%] change of a speed that is rounding alone
+
+# What an answer says, with places for its numbers: vibro explore fills in the same texts in its page.
+_SAYS: Final = {
+    "none": "none",
+    "runs away": "gains speed every cycle",
+    "speed": "{speed} mm/s ({rate} m/min), {advance} mm a cycle",
+    "over": "s over {length} mm",
+    "from rest": "{time} s from rest",
+    "from rest unknown": "from rest unknown",
+    "never": "never",
+    "not steady": "none at a steady speed",
+    "lands": "lands at {impact} mm/s, {again}",
+    "irregular": "never repeats",
+    "every cycle": "repeats every cycle",
+    "every few cycles": "repeats every {period} cycles",
+    "hops": "the part hops above 1",
+    "both": "both amplitudes",
+    "all": "all amplitudes",
+    "a little more": "{what}, {step}",
+    "some more": "10 %",
+    "more": "1 %",
+    "turned": "1 deg",
+    "pieces": "motion of {count} pieces, {given}",
+    "harmonic": "motion of {count} harmonic, {given}",
+    "harmonics": "motion of {count} harmonics, {given}",
+    "may be captured": "motions that repeat, at {speeds} mm/s, may capture a part for good",
+    "to": " to ",
+    "may run away": "a part pushed downhill runs away: the slope exceeds kinetic friction",
+    "may settle elsewhere": "a disturbed part can settle into another steady motion than one from rest",
+}
+# Labels and units of facts, and heads of tables.
+_FACTS: Final = {
+    "traverse": ("traverse time", ""),
+    "peak": ("peak speed", "mm/s"),
+    "flight": ("in flight", "% of the time"),
+    "throw": ("throw number", ""),
+    "scene": ("scene", ""),
+    "pattern": ("pattern", ""),
+}
+_HEADS: Final = {
+    "motion": ("begins", ""),
+    "begin": ("times the drive", ""),
+    "frequency": ("frequency", "Hz"),
+    "end": ("until times the drive", ""),
+    "input": ("more of", ""),
+    "speed": ("speed", "mm/s"),
+    "change": ("change", "%"),
+    "then": ("then", ""),
+    "phase": ("phase", ""),
+    "from": ("start", "ms"),
+    "until": ("end", "ms"),
+    "displacement": ("displacement", "mm"),
+}
+_TITLES: Final = {
+    "beginnings": "Where each motion begins",
+    "sensitivities": "A little more of each input",
+    "phases": "One cycle, from the drive's middle on",
+}
+
+
+def page_texts() -> dict[str, Any]:
+    """Return the texts of ``scene_answer`` for pages that make the answer themselves, as JSON has them."""
+    numbers = {
+        "stroke": (label_of(WITH_STROKE.name, WITH_STROKE.unit), WITH_STROKE.unit),
+        "acceleration": (label_of(WITH_ACCELERATION.name, WITH_ACCELERATION.unit), WITH_ACCELERATION.unit),
+    }
+    return {
+        "says": {**_SAYS, "unknown": UNKNOWN, "no bounce": NO_BOUNCE},
+        "facts": {**_FACTS, **numbers},
+        "heads": _HEADS,
+        "titles": _TITLES,
+        "phases": PHASE_NAMES,
+        "motions": MOTIONS,
+        "loads": LOADS,
+        "hop": HOP,
+        "listed": [name for name in QUANTITIES if is_listed(name)],
+        "most phases": _MOST_PHASES,
+    }
 
 
 class OneScene:
@@ -118,7 +198,7 @@ class OneScene:
         """What the drive is scaled by, as it was given: its name, unit and value, NaN if it has several."""
         sizes = [name for name in self.given if name in SIZES] or [SCALE]
         if len(sizes) > 1:
-            return f"{'both' if len(sizes) == 2 else 'all'} amplitudes", "", math.nan
+            return _SAYS["both" if len(sizes) == 2 else "all"], "", math.nan
         return QUANTITIES[sizes[0]].label, QUANTITIES[sizes[0]].unit, self.given.get(sizes[0], math.nan)
 
     @property
@@ -165,7 +245,7 @@ def scene_answer(
     """
     moves = [_motion(one), *_traverse(one)]
     if grid.output is Output.REGIMES:
-        moves = [Fact(one.regime.label or "none", "no speed is computed")]
+        moves = [Fact(one.regime.label or _SAYS["none"], "no speed is computed")]
     facts = [*moves, *_speeds(one), *_asked(one, part)]
     if grid.machine is not None:
         from vibro.answers.machine import machine_facts  # late: few scenes have a machine
@@ -242,44 +322,48 @@ def cells_answer(
 
 
 def _motion(one: OneScene) -> Fact:
-    label = one.regime.label or "none"
+    label = one.regime.label or _SAYS["none"]
     if math.isnan(one.speed):
-        return Fact(label, "gains speed every cycle" if one.status is Status.RUNAWAY else None)
+        return Fact(label, _SAYS["runs away"] if one.status is Status.RUNAWAY else None)
     speed, rate, advance = (
         uncertain(x * one.speed, x * one.error, digits)
         for x, digits in ((1.0, 4), (METRES_PER_MINUTE, 3), (1.0 / one.given["frequency"], 4))
     )
-    return Fact(label, f"{speed} mm/s ({rate} m/min), {advance} mm a cycle")
+    return Fact(label, _SAYS["speed"].format(speed=speed, rate=rate, advance=advance))
 
 
 def _traverse(one: OneScene) -> list[Fact]:
     """Tell the time over the trough at the mean speed, and exactly from rest."""
     if math.isnan(one.length):
         return []
-    time, exact = one.traverse_time, one.arrival_time
-    from_rest = f"{shown(exact, 6)} s from rest" if math.isfinite(exact) else ""
+    time, exact, (label, _) = one.traverse_time, one.arrival_time, _FACTS["traverse"]
+    from_rest = _SAYS["from rest"].format(time=shown(exact, 6)) if math.isfinite(exact) else ""
     if math.isfinite(time) and one.is_certain:
-        from_rest = from_rest or "from rest unknown"
-        over = f"s over {one.length:.10g} mm"
-        return [Fact("traverse time", time, over, time * one.relative_error, from_rest)]
-    never = "never" if math.isinf(time) and one.is_certain else None
+        over = _SAYS["over"].format(length=f"{one.length:.10g}")
+        from_rest = from_rest or _SAYS["from rest unknown"]
+        return [Fact(label, time, over, time * one.relative_error, from_rest)]
+    never = _SAYS["never"] if math.isinf(time) and one.is_certain else None
     if one.status is Status.RUNAWAY:
-        never = "none at a steady speed"
-    return [Fact("traverse time", never, note=from_rest)]
+        never = _SAYS["not steady"]
+    return [Fact(label, never, note=from_rest)]
 
 
 def _speeds(one: OneScene) -> list[Fact]:
     facts = []
     if not math.isnan(one.speed):
-        facts.append(Fact("peak speed", one.result("peak_velocity"), "mm/s"))
+        facts.append(_known("peak", one.result("peak_velocity")))
     if one.cycle.flight_fraction > 0.0:
         impact, period = shown(one.result("impact_velocity")), float(one.cycle.period_cycles)
-        again = "never repeats" if math.isnan(period) else "repeats every cycle"
-        again = f"repeats every {period:.0f} cycles" if period > 1.0 else again
+        again = _SAYS["irregular" if math.isnan(period) else "every cycle"]
+        again = _SAYS["every few cycles"].format(period=f"{period:.0f}") if period > 1.0 else again
         share = 100.0 * float(one.cycle.flight_fraction)
-        facts.append(Fact("in flight", share, "% of the time", note=f"lands at {impact} mm/s, {again}"))
-    throw = brief(float(one.cycle.throw_number))
-    return [*facts, Fact("throw number", throw, note="the part hops above 1")]
+        facts.append(_known("flight", share, _SAYS["lands"].format(impact=impact, again=again)))
+    return [*facts, _known("throw", brief(float(one.cycle.throw_number)), _SAYS["hops"])]
+
+
+def _known(name: str, value: Value, note: str = "", *, is_rare: bool = False) -> Fact:
+    label, unit = _FACTS[name]
+    return Fact(label, value, unit, note=note, is_rare=is_rare)
 
 
 def _asked(one: OneScene, part: Mapping[str, float]) -> list[Fact]:
@@ -309,8 +393,8 @@ def _rare(one: OneScene) -> list[Fact]:
     if OPERATING in one.block.values:  # from which the amplitude follows
         del given["amplitude"]
     return [
-        Fact("scene", scene_text(one.scene, given), is_rare=True),
-        Fact("pattern", str(one.cycle.pattern) or None, is_rare=True),
+        _known("scene", scene_text(one.scene, given), is_rare=True),
+        _known("pattern", str(one.cycle.pattern) or None, is_rare=True),
         _fact(one, WITH_STROKE),
         _fact(one, WITH_ACCELERATION),
     ]
@@ -319,21 +403,21 @@ def _rare(one: OneScene) -> list[Fact]:
 def _beginnings(one: OneScene, *, every: bool) -> Table:
     """List where each motion begins, and under a given motion ends; or what people ask for and is to come."""
     # a part that runs away slides one way for good
-    names = ("hopping",) if one.status is Status.RUNAWAY else _NEXT
+    names = (HOP,) if one.status is Status.RUNAWAY else _NEXT
     found = [t for t in transitions(one.scene) if every or (t.name in names and t.ratio < 1.0)]
     name, unit, size = one.size
-    columns: dict[tuple[str, str], list[Value]] = {("begins", ""): [t.name for t in found]}
+    columns: dict[tuple[str, str], list[Value]] = {_HEADS["motion"]: [t.name for t in found]}
     if every or math.isnan(size):
-        columns["times the drive", ""] = [t.scales[0] for t in found]
+        columns[_HEADS["begin"]] = [t.scales[0] for t in found]
     if not math.isnan(size):
         columns[name, unit] = [size / t.ratio for t in found]
     if one.frequency_counts:
-        columns["frequency", "Hz"] = [t.frequency for t in found]
+        columns[_HEADS["frequency"]] = [t.frequency for t in found]
     if every and one.scene.motion is not None:
-        columns["until times the drive", ""] = [t.scales[1] for t in found]
+        columns[_HEADS["end"]] = [t.scales[1] for t in found]
     rows = [*zip(*columns.values(), strict=True)]
     if every:
-        return Table("beginnings", [*columns], rows, "Where each motion begins")
+        return Table("beginnings", [*columns], rows, _TITLES["beginnings"])
     return Table("next", [*columns], rows, is_brief=True)
 
 
@@ -341,20 +425,20 @@ def _sensitivities(one: OneScene) -> Table:
     """List what a little more of each input does to the speed, solved again."""
     names, cycle = changed_cycles(one.scene)
     speeds, errors = (SPEED.from_si(x) for x in (cycle.mean_velocity, cycle.mean_velocity_error))
-    columns = [("more of", ""), ("speed", "mm/s"), ("change", "%"), ("then", "")]
+    columns = [_HEADS[name] for name in ("input", "speed", "change", "then")]
     rows = []
     for cell, name in enumerate(names, 1):
         if name == "frequency" and OPERATING in one.block.values:  # with which a machine's amplitude changes
             continue
-        step = "10 %" if name == "drive" else "1 deg" if name.endswith("_deg") else "1 %"
+        step = _SAYS["some more" if name == "drive" else "turned" if name.endswith("_deg") else "more"]
         own = one.size[0] if name in ("amplitude", "drive") else QUANTITIES[name.removesuffix("_deg")].label
         change = 100.0 * (speeds[cell] / speeds[0] - 1.0) if speeds[0] and errors[0] == 0.0 else math.nan
         change = None if math.isnan(change) else 0.0 if abs(change) < _ROUNDING else float(change)
         regime, status = Regime(int(cycle.regime[cell])), Status(int(cycle.status[cell]))
         then = regime.label if regime != cycle.regime[0] else ""
         then = then if status.answered else status.label
-        rows.append((f"{own}, {step}", float(speeds[cell]), change, then))
-    return Table("sensitivities", columns, rows, "A little more of each input")
+        rows.append((_SAYS["a little more"].format(what=own, step=step), float(speeds[cell]), change, then))
+    return Table("sensitivities", columns, rows, _TITLES["sensitivities"])
 
 
 def _phases(one: OneScene) -> Table:
@@ -364,8 +448,8 @@ def _phases(one: OneScene) -> Table:
         (PHASE_NAMES[p.kind], 1e3 * p.start, 1e3 * p.end, float(LENGTH.from_si(p.displacement)))
         for p in phases[:_MOST_PHASES]
     ]
-    columns = [("phase", ""), ("start", "ms"), ("end", "ms"), ("displacement", "mm")]
-    return Table("phases", columns, rows, "One cycle, from the drive's middle on")
+    columns = [_HEADS[name] for name in ("phase", "from", "until", "displacement")]
+    return Table("phases", columns, rows, _TITLES["phases"])
 
 
 def _notes(one: OneScene) -> list[str]:
@@ -376,13 +460,13 @@ def _notes(one: OneScene) -> list[str]:
 
         speeds = sorted(float(SPEED.from_si(x.mean_velocity)) for x in attractors(one.scene) if x.stable)
         if speeds:
-            ends = " to ".join(dict.fromkeys(shown(speed) for speed in (speeds[0], speeds[-1])))
-            notes.append(f"motions that repeat, at {ends} mm/s, may capture a part for good")
+            ends = _SAYS["to"].join(dict.fromkeys(shown(speed) for speed in (speeds[0], speeds[-1])))
+            notes.append(_SAYS["may be captured"].format(speeds=ends))
     elif one.cycle.coexists > 0:
         if abs(math.tan(float(one.scene.trough_angle))) > float(one.scene.kinetic_friction):
-            notes.append("a part pushed downhill runs away: the slope exceeds kinetic friction")
+            notes.append(_SAYS["may run away"])
         else:
-            notes.append("a disturbed part can settle into another steady motion than one from rest")
+            notes.append(_SAYS["may settle elsewhere"])
     if one.cycle.flight_fraction > 0.0 and one.given["restitution"] == 0.0:
         notes.append(NO_BOUNCE)
     return notes
@@ -390,12 +474,13 @@ def _notes(one: OneScene) -> list[str]:
 
 def scene_text(scene: Scene, given: Mapping[str, float]) -> str:
     """Name the quantities of a scene, after the kind of its motion, if it has one."""
+    text = given_text(given)
     if scene.motion is None:
-        return given_text(given)
+        return text
     if isinstance(scene.motion, PiecewiseMotion):
-        return f"motion of {scene.motion.breaks.size - 1} pieces, {given_text(given)}"
+        return _SAYS["pieces"].format(count=scene.motion.breaks.size - 1, given=text)
     count = max(len(scene.along_harmonics or ()), len(scene.normal_harmonics or ()))
-    return f"motion of {count} harmonic{'s' * (count > 1)}, {given_text(given)}"
+    return _SAYS["harmonics" if count > 1 else "harmonic"].format(count=count, given=text)
 
 
 def scene_record(request: Request) -> dict[str, Any]:
