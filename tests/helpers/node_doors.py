@@ -70,7 +70,8 @@ class NodeDoors:
             for room in rooms:
                 left = np.frombuffer(back.read(8 * room.size))
                 if room.flags.writeable:
-                    room.reshape(-1)[:] = left if room.dtype == np.float64 else left.astype(room.dtype)
+                    with np.errstate(invalid="ignore"):  # integers that nothing has been written to
+                        room.reshape(-1)[:] = left.astype(room.dtype)
         is_whole = result.is_integer() and (result or not np.signbit(result))  # -0.0 is not 0
         return int(result) if is_whole else result
 
