@@ -128,7 +128,7 @@ function engineOf(doors, known) {
    */
   function history(grid, cycles, phase = 0.0) {
     if (!doors.followed(grid.scenes, grid.place, 0)) return null;
-    const last = rows(fields("history", 10), known.STARTS);
+    const last = rows(fields("history", 10), known.MOST_BOUNCES + known.LONGEST_CYCLE);
     for (let room = 256; room <= MOST_LEGS; room *= 8) {
       const legs = rows(fields("history", 7), room);
       const cycle = rows(fields("history", 9), 1);

@@ -1,0 +1,161 @@
+"""Scenes in users' units, as the page hands them to its solver: drives of all kinds, maps, machines."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.frozen_questions import Draws, batches
+from helpers.page_scripts import in_scripts
+
+import vibro
+from vibro.quantities import QUANTITIES, kinetic_friction, scene_fields
+
+RUN = """
+function run(asked) {
+  return asked.map((scene) => {
+    const cycle = engine.solve(engine.gridOf(scenes.driveOf(data, scene)));
+    return [cycle.regime[0], cycle.status[0], cycle.mean_velocity[0], cycle.peak_velocity[0]];
+  });
+}
+"""
+RESULTS = ("regime", "status", "mean_velocity", "peak_velocity")
+
+
+def drawn(seed: int, count: int) -> list[dict[str, float]]:
+    """Draw scenes in users' units, of lines, ellipses and harmonics."""
+    draw, found = Draws(f"scenes of pages {seed}"), []
+    for _ in range(count):
+        kind, order = (int(draw(0.0, top, 1)[0]) for top in (3.0, 5.0))
+        throw = float(draw(0.1, 3.0, 1)[0])
+        body = {
+            "frequency": float(draw(5.0, 100.0, 1)[0]),
+            "static_friction": float(draw(0.1, 1.0, 1)[0]),
+            "friction_ratio": float(draw(0.2, 1.0, 1)[0]),
+            "trough_angle": float(draw(-5.0, 5.0, 1)[0]),
+            "restitution": 0.0,
+        }
+        unit = 9810.0 / (2.0 * math.pi * body["frequency"]) ** 2  # [mm]
+        if kind == 0:
+            angle = float(draw(5.0, 60.0, 1)[0])
+            scene = {"amplitude": throw * unit / math.sin(math.radians(angle)), "drive_angle": angle}
+        else:
+            scene = {
+                "along_amplitude": 2.0 * throw * unit,
+                "normal_amplitude": throw * unit,
+                "normal_phase": float(draw(-180.0, 180.0, 1)[0]),
+            }
+        for n in range(2, order + 2) if kind == 2 else ():
+            for way in ("along", "normal"):
+                scene[f"{way}_amplitude_{n}"] = float(draw(0.0, 1.0, 1)[0]) * throw * unit / (n * n * order)
+                scene[f"{way}_phase_{n}"] = float(draw(-180.0, 180.0, 1)[0])
+        found.append(scene | body)
+    return found
+
+
+def assert_same(found: list[Any], scene: vibro.Scene) -> None:
+    cycle = vibro.solve(scene)
+    for name, x in zip(RESULTS, found, strict=True):
+        expected = float(getattr(cycle, name))
+        bound = 1e-9 * abs(expected) + 1e-9 * float(scene.scale) * float(scene.frequency)
+        if name == "mean_velocity" and cycle.status == vibro.Status.AVERAGED:
+            bound = 8.0 * float(cycle.mean_velocity_error)
+        if name == "peak_velocity" and cycle.status == vibro.Status.AVERAGED:
+            continue
+        assert float(x) == pytest.approx(expected, abs=bound, rel=0.0, nan_ok=True), (name, scene)
+
+
+def test_drives_of_all_kinds_are_those_of_python() -> None:
+    scenes = drawn(1, 300)
+    found = in_scripts(RUN, [{"values": values, "given": None} for values in scenes])
+    for values, one in zip(scenes, found, strict=True):
+        assert_same(one, vibro.Scene(**scene_fields(values)))
+
+
+@pytest.mark.parametrize("name", ["steps", "samples"])
+def test_motions_of_pieces_keep_their_scale(name: str) -> None:
+    for _, batch in zip(range(4), batches(name), strict=False):
+        motion, count = batch["motion"], batch["frequency"].size
+        given = {
+            "breaks": motion.breaks.tolist(),
+            "pieces": motion.pieces.ravel().tolist(),
+            "unit": motion.unit,
+        }
+        asked, expected = [], []
+        for i in range(count):
+            values = {
+                key: float(QUANTITIES[key].from_si(x[i])) for key, x in batch.items() if key in QUANTITIES
+            }
+            values["kinetic_friction"] = min(values["kinetic_friction"], values["static_friction"])
+            asked.append({"values": values, "given": {"kind": "pieces", "motion": given}})
+            expected.append(vibro.Scene.allowing_infeasible(**scene_fields(values | {"motion": motion})))
+        for scene, one in zip(expected, in_scripts(RUN, asked), strict=True):
+            assert_same(one, scene)
+
+
+def test_friction_by_its_ratio_is_spelled_as_in_python() -> None:
+    draw = Draws("ratios of pages")
+    pairs = np.stack([draw(0.0, 1.0, 2000).round(3), draw(0.01, 2.0, 2000).round(2)], axis=1)
+    run = "const run = (asked) => asked.map(([ratio, most]) => scenes.spelledFriction(ratio, most));"
+    assert in_scripts(run, pairs.tolist()) == kinetic_friction(pairs[:, 0], pairs[:, 1]).tolist()
+
+
+MAP = """
+function run({ values, given }) {
+  const rows = { values: values.friction_ratio, strides: [1, 0] };
+  const columns = { values: values.static_friction, strides: [0, 1] };
+  const axes = { friction_ratio: rows, static_friction: columns };
+  const drive = scenes.driveOf(data, { values: { ...values, ...axes }, given });
+  const cycle = engine.solve(engine.gridOf(drive, [rows.values.length, columns.values.length]));
+  return [cycle.regime, cycle.mean_velocity];
+}
+"""
+
+
+def test_maps_over_both_frictions_have_the_cells_of_a_sweep() -> None:
+    fixed = {"amplitude": 1.0, "frequency": 15.0, "drive_angle": 20.0, "trough_angle": -1.0}
+    axes = {"friction_ratio": [0.3, 0.5, 0.8, 1.0], "static_friction": [0.2, 0.4, 0.9]}
+    regime, speed = in_scripts(MAP, {"values": fixed | axes, "given": None})
+    given = {QUANTITIES[name].column: value for name, value in (fixed | axes).items()}
+    table = vibro.sweep(**given).to_frame().sort_values(["friction_ratio", "static_friction"])
+    assert [vibro.Regime(int(code)).label for code in regime] == table["regime"].tolist()
+    assert np.array(speed, float) * 1e3 == pytest.approx(
+        table["mean_velocity_mm_s"].to_numpy(), rel=1e-9, abs=1e-9
+    )
+
+
+MACHINES = """
+const run = (asked) => asked.map((scene) => scenes.operatingOf(data, engine, scene));
+"""
+NAMES = {
+    "amplitude": "amplitude", "empty": "amplitude_empty", "low": "amplitude_low", "high": "amplitude_high",
+    "phase": "phase", "relative": "relative_amplitude", "frequencyRatio": "frequency_ratio",
+    "filledRatio": "filled_frequency_ratio", "addedMass": "added_mass_share",
+    "addedDamping": "added_damping_share", "second": "second_harmonic", "number": "number",
+    "status": "status", "strikes": "strikes",
+}  # fmt: skip
+
+
+def test_machines_settle_where_python_says() -> None:
+    asked, expected = [], []
+    for batch in batches("machines"):
+        machine = batch.pop("machine")
+        fields = {name: getattr(machine, name) for name in machine.__dataclass_fields__} | {"share": None}
+        for i in range(batch["frequency"].size):
+            one = {key: float(x[i]) for key, x in batch.items()}
+            one["kinetic_friction"] = min(one["kinetic_friction"], one["static_friction"])
+            values = {key: float(QUANTITIES[key].from_si(x)) for key, x in one.items()}
+            asked.append({"values": values, "machine": fields})
+            expected.append((machine, {key: float(QUANTITIES[key].to_si(x)) for key, x in values.items()}))
+    found = in_scripts(MACHINES, asked)
+    wrong = []
+    for one, (machine, given) in zip(found, expected, strict=True):
+        point = vibro.operate(machine, **given, allow_strikes=True)
+        for name, own in NAMES.items():
+            x, y = float(one[name][0]), float(getattr(point, own))
+            size = float(point.amplitude_empty) if name in ("amplitude", "low", "high", "relative") else 1.0
+            if not (x == y or abs(x - y) <= 1e-9 * (abs(y) + size) or (math.isnan(x) and math.isnan(y))):
+                wrong.append((name, x, y, machine.kind, given))
+    assert not wrong, (len(wrong), wrong[:5])
