@@ -73,8 +73,9 @@ _MARKED: Final = {
         "test_scales.py", "test_scene.py", "test_steady.py", "test_steps.py",
     ),
     "slow": (
-        "accuracy/test_trade.py", "cli/test_capabilities.py", "cli/test_measure_trough.py",
-        "cli/test_report.py", "explore/test_page", "designs/test_design.py",
+        "accuracy/test_trade.py", "core/test_javascript.py",
+        "cli/test_capabilities.py", "cli/test_measure_trough.py",
+        "cli/test_report.py", "explore/test_page.py", "designs/test_design.py",
         "designs/test_machine_drives.py", "designs/test_motions.py", "designs/test_windows.py",
         "messages/", "records/test_comparison.py", "records/test_fitting.py",
         "records/test_trough_harmonics.py",
@@ -83,13 +84,14 @@ _MARKED: Final = {
     ),
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
-        "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "explore/test_guards.py",
+        "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "core/test_javascript.py",
+        "explore/test_guards.py",
         "plots/test_style.py", "tables/test_faults.py", "tables/test_readers.py", "tables/test_shards.py",
         "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
         "test_site.py", "test_threads.py", "test_translate.py",
     ),
     "browser": (
-        "explore/test_page", "tables/test_libreoffice.py", "answers/test_printed.py", "test_site.py",
+        "explore/test_page.py", "tables/test_libreoffice.py", "answers/test_printed.py", "test_site.py",
     ),
 }  # fmt: skip
 

@@ -118,7 +118,7 @@ def test_maps_over_both_frictions_have_the_cells_of_a_sweep() -> None:
     fixed = {"amplitude": 1.0, "frequency": 15.0, "drive_angle": 20.0, "trough_angle": -1.0}
     axes = {"friction_ratio": [0.3, 0.5, 0.8, 1.0], "static_friction": [0.2, 0.4, 0.9]}
     regime, speed = in_scripts(MAP, {"values": fixed | axes, "given": None})
-    given = {QUANTITIES[name].column: value for name, value in (fixed | axes).items()}
+    given: dict[str, Any] = {QUANTITIES[name].column: value for name, value in (fixed | axes).items()}
     table = vibro.sweep(**given).to_frame().sort_values(["friction_ratio", "static_friction"])
     assert [vibro.Regime(int(code)).label for code in regime] == table["regime"].tolist()
     assert np.array(speed, float) * 1e3 == pytest.approx(
@@ -139,7 +139,8 @@ NAMES = {
 
 
 def test_machines_settle_where_python_says() -> None:
-    asked, expected = [], []
+    asked: list[Any] = []
+    expected: list[tuple[vibro.Machine, dict[str, Any]]] = []
     for batch in batches("machines"):
         machine = batch.pop("machine")
         fields = {name: getattr(machine, name) for name in machine.__dataclass_fields__} | {"share": None}

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
 
-import pytest
-from helpers.node_doors import SCRIPT
+from helpers.node_doors import SCRIPT, node
 
 from vibro import Regime, Status
 from vibro.core import codes, numbers
@@ -70,17 +68,9 @@ def _odd(value: Any) -> Any:
 
 def in_scripts(function: str, asked: Any) -> Any:
     """Call a function of JavaScript, ``run(asked)``, beside ``engine``, ``scenes`` and ``data``."""
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("node is not installed")
     given = {"static": str(STATIC), "solver": str(SCRIPT), "known": KNOWN, "units": UNITS, "asked": asked}
     done = subprocess.run(
-        [node, "-e", function + _HOST], input=json.dumps(_odd(given)), capture_output=True, text=True
+        [node(), "-e", function + _HOST], input=json.dumps(_odd(given)), capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout, parse_constant=float, object_hook=None)
-
-
-def number(value: Any) -> float:
-    """Read a number that node wrote."""
-    return float(value)
+    return json.loads(done.stdout)
