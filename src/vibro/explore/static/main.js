@@ -1,131 +1,155 @@
-/** Order of updates: changes go to the address and to the server, its answers to the page. */
+/** Order of updates: a change goes to the state, that to the map, the numbers, the motion and the address. */
 
-import { bindControls, showRefused } from "./controls.js";
-import { place } from "./draw.js";
-import { offerFiles } from "./files.js";
-import { drawHistory } from "./history.js";
+import { html, place, set } from "./draw.js";
+import { commandOf, offerFiles, tomlOf } from "./files.js";
+import { createForm } from "./form.js";
 import { MapView } from "./map.js";
-import { createLane, pause, unpack } from "./requests.js";
-import { begin, isInvited } from "./session.js";
-import { createStore } from "./state.js";
+import { drawMotion } from "./motion.js";
+import { answerOf, showAnswer } from "./numbers.js";
+import { createStore, data, drivesOf, quantitiesOf, typedText } from "./state.js";
 
-const TEXTS = /** @type {const} */ (["regime", "speed", "guaranteed", "command", "apart", "toml"]); // of the point
-const HEAD_START = 150; // [ms] that the question for a new map has at most before the others
-const CALM = 150; // [ms] without a change after which a map is refined, and guarantees are searched for
+/** @typedef {import("./state.js").Shown} Shown
+ * @typedef {import("./state.js").Texts} Texts
+ * @typedef {import("./numbers.js").Answer} Answer */
+
+const APART = "For the operating point's own values: these commands and scene files have no bands.";
+/** What the command of a drive reads from the scene file. @type {Record<string, string>} */
+const READ = { given: "motion", machine: "machine" };
 
 function say(/** @type {string} */ text, where = "says") {
   if (place(where).textContent !== text) place(where).textContent = text;
 }
 
-function start(/** @type {Schema} */ schema) {
-  const store = createStore(schema);
-  const view = new MapView(schema, store.value, (patch, isFinished) => change(patch, "map", isFinished));
-  const renderControls = bindControls(schema.form, store, change);
-  let asked = /** @type {string | null} */ (null); // what the map depends on that was asked last
-  let isLinked = true; // the state comes from the address
+/** How texts to take along differ from what is shown, or what they need. @param {Shown} state */
+function apartText({ drive, bands }) {
+  const file = drive in READ ? [`The command reads the ${READ[drive]} from the scene file, saved as scene.toml.`] : [];
+  return [...file, ...(Object.keys(bands).length ? [APART] : [])].join(" ");
+}
+
+/** What is asked, for paper: the scene and its quantities. @param {Shown} state */
+function questionText({ scene, drive, values, bands, target }) {
+  const drives = drivesOf(data, scene);
+  const parts = quantitiesOf(data, drives[drive]).filter((name) => name in values && name !== "friction_ratio").map((name) => {
+    const { label, sign } = data.quantities[name];
+    const ends = name in bands ? bands[name] : [values[name]];
+    return `${label} ${ends.map(typedText).join(" to ")} ${sign}`.trim();
+  });
+  const wanted = target === null ? [] : [`target speed ${typedText(target)} mm/s`];
+  return [`${data.scenes[scene].name || "Scene"}, trough moved ${drives[drive].label}: ${parts.join(", ")}`, ...wanted].join("; ");
+}
+
+function start() {
+  const engine = engineOf(exports, data.known);
+  const store = createStore(data);
+  const view = new MapView(data, { value: store.value, move: (/** @type {Texts} */ patch, /** @type {boolean} */ isFinished) => change(patch, "map", isFinished) });
+  const form = createForm(data, store, change);
+  const answers = /** @type {(Answer | null)[]} */ (data.scenes.map(() => null));
   let badLink = ""; // message on an address without a valid state
-  let isTold = true; // how the last finished change ended has been said
-  let changed = 0; // [ms] when the state last did
-  let refining = 0; // the timer of the next refinement
-  let searching = 0; // the timer of the next search
-  let motion = /** @type {HistoryAnswer | null} */ (null);
+  let wide = 0; // [px] of the motion as it was drawn
 
-  const map = createLane("map", unpack, (/** @type {MapAnswer} */ answer) => (view.show(answer), refine()), tell);
-  const past = createLane("history", unpack, (answer) => drawHistory((motion = answer)), tell);
-  const point = createLane("point", (response) => response.json(), showPoint, tell);
-  const search = createLane("guarantee", (response) => response.json(), showSearched, tell);
-
-  /** @param {State} patch @param {string} control @param {boolean} isFinished */
+  /** @param {Texts} patch @param {string} control @param {boolean} isFinished */
   function change(patch, control, isFinished) {
+    badLink = "";
     store.change(patch, control, isFinished);
-    isTold = !isFinished;
-    leave(false);
     update();
+    if (isFinished && !store.problems.length) say(answers[store.scene]?.title ?? "");
   }
 
-  /** Leave what a bad link said. @param {boolean} forLink */
-  function leave(forLink) {
-    isLinked = forLink;
-    if (badLink) showRefused([], (badLink = ""));
-  }
-
-  /** Ask for what the state changed: first a map, then the rest, lest they compete. */
-  async function update() {
-    changed = performance.now();
-    clearTimeout(searching); // for the state before: of one that is refused its problem would stay
-    renderControls();
-    view.put();
-    refine();
-    const isDue = asked !== store.mapKey();
-    asked = store.mapKey();
-    if (isDue) await Promise.race([map.ask(store.query()), pause(HEAD_START)]);
-    past.ask(store.query());
-    point.ask(store.query());
-  }
-
-  /** Ask for more of a map that is not done, once changes pause. */
-  function refine() {
-    clearTimeout(refining);
-    if (!view.map || view.map.header.progress.done) return;
-    const ask = () => void (map.waiting ?? (map.problems.length || map.ask(`${store.query()}&advance=1`)));
-    refining = setTimeout(ask, Math.max(changed + CALM - performance.now(), 0));
-  }
-
-  /** Show all problems. @param {boolean} isRefused */
-  function tell(isRefused) {
-    const lanes = [map, past, point, search];
-    say(lanes.find((lane) => lane.trouble)?.trouble ?? "", "gone");
-    if (map.problems.length) asked = null; // to be asked again once the state is mended
-    // Where it was mended while the refusal was under way, nothing else would ask.
-    if (map.refused && map.refused.replace("&advance=1", "") !== store.query()) map.ask(store.query());
-    const problems = new Map(lanes.flatMap((lane) => lane.problems).map((problem) => [problem.text, problem]));
-    if (isRefused && isLinked && location.hash.length > 1) {
-      badLink = `This link could not be read: ${[...problems.keys()].join("; ")}. The initial state is shown.`;
-      isLinked = false;
-      store.read("");
-      update();
+  /** Do something that may fail for a scene that nobody has tried; the rest of the page goes on.
+   * @param {string} what @param {() => void} act */
+  function attempt(what, act) {
+    try {
+      act();
+    } catch (error) {
+      console.error(error);
+      form.refuse([{ field: "", text: `${what}: ${error instanceof Error ? error.message : error}` }], "");
     }
-    showRefused(badLink ? [] : [...problems.values()], badLink);
   }
 
-  /** @param {PointAnswer} answer @param {string} query */
-  function showPoint(answer, query) {
-    for (const id of TEXTS) say(answer[id], id);
-    place("chip").style.backgroundColor = answer.colour;
+  /** Show the state. While what somebody typed is refused, all but the form shows the last valid one. */
+  function update() {
+    const { problems, scene, state } = store;
+    form.render();
+    form.refuse(badLink ? [] : problems, badLink);
+    if (!state || problems.length) return;
+    attempt("map", () => view.show(state));
+    attempt("numbers", () => showNumbers((answers[scene] = answerOf(data, engine, state))));
+    attempt("motion", () => drawMotion(data, engine, state));
+    attempt("files", () => takeAlong(state));
+    showScenes();
+  }
+
+  /** @param {Answer} answer */
+  function showNumbers(answer) {
+    say(answer.regime, "regime");
+    say(answer.speedText, "speed");
+    place("chip").style.backgroundColor = answer.colour || "transparent";
     document.title = `${answer.title} – vibro`;
-    place("tables").innerHTML = answer.tables;
-    clearTimeout(searching);
-    if (query !== store.query()) return;
-    if (answer.unproved) say(`${answer.guaranteed}: searching …`, "guaranteed");
-    if (answer.unproved) searching = setTimeout(() => search.ask(store.query()), CALM);
-    store.adopt(answer);
-    if (asked !== null) asked = store.mapKey();
-    renderControls();
-    view.put();
-    if (!isTold && !view.dragging) say([answer.title, answer.guaranteed].filter(Boolean).join(", "));
-    isTold = true;
+    showAnswer(answer, place("tables"));
   }
 
-  /** @param {{ text: string }} answer @param {string} query */
-  function showSearched(answer, query) {
-    if (query !== store.query()) return;
-    say(answer.text, "guaranteed");
-    say(answer.text);
+  /** @param {Shown} state */
+  function takeAlong(state) {
+    say(commandOf(data, state), "command");
+    say(tomlOf(data, state), "toml");
+    say(apartText(state), "apart");
+    say(questionText(state), "print-question"); // on paper alone, where no slider tells it
+  }
+
+  /** Tabs of several scenes, and a table that compares them. */
+  function showScenes() {
+    if (data.scenes.length < 2) return;
+    place("tabs").hidden = place("compare").hidden = false;
+    const tabs = [...place("tabs").children];
+    tabs.forEach((tab, scene) => set(tab, { "aria-current": String(scene === store.scene) }));
+    const rows = data.scenes.map((_, scene) => {
+      const { regime, speedText } = answerFor(scene) ?? { regime: "unknown", speedText: "unknown" };
+      return html("tr", {}, html("th", { scope: "row" }, nameOf(scene)), html("td", {}, regime), html("td", {}, speedText));
+    });
+    const heads = ["scene", "regime", "mean speed"].map((text) => html("th", { scope: "col" }, text));
+    place("compare").replaceChildren(html("table", {}, html("caption", {}, "Scenes compared"),
+      html("thead", {}, html("tr", {}, ...heads)), html("tbody", {}, ...rows)));
+  }
+
+  const nameOf = (/** @type {number} */ scene) => data.scenes[scene].name || `scene ${scene + 1}`;
+
+  /** The answer of a scene, also of one that was not shown yet. @param {number} scene */
+  function answerFor(scene) {
+    const { state } = store.tabs[scene];
+    if (!answers[scene] && state) attempt(nameOf(scene), () => void (answers[scene] = answerOf(data, engine, state)));
+    return answers[scene];
+  }
+
+  /** Show another scene. @param {number} scene */
+  function open(scene) {
+    badLink = "";
+    store.open(scene);
+    form.build();
+    update();
   }
 
   /** Take over the state of the address. */
   function follow() {
-    if (isInvited()) return; // the page is loaded anew
-    leave(true);
-    store.read(location.hash);
+    const wrong = store.read(location.hash);
+    const said = wrong.map(({ text }) => text).join("; ");
+    badLink = wrong.length ? `This link could not be read: ${said}. The initial state is shown.` : "";
+    form.build();
     update();
   }
+
+  place("tabs").replaceChildren(...data.scenes.map((_, scene) => {
+    const tab = html("button", { type: "button" }, nameOf(scene));
+    tab.addEventListener("click", () => open(scene));
+    return tab;
+  }));
   window.addEventListener("popstate", follow);
-  new ResizeObserver(() => motion && drawHistory(motion)).observe(place("history"));
-  offerFiles(view, store.query, say);
+  new ResizeObserver(() => {
+    const { clientWidth } = place("history");
+    if (store.state && clientWidth !== wide) drawMotion(data, engine, store.state);
+    wide = clientWidth;
+  }).observe(place("history"));
+  offerFiles(view, () => store.state);
   follow();
 }
-const schema = createLane("schema", (response) => response.json(), start, () => say(schema.trouble, "gone"));
-window.addEventListener("popstate", () => isInvited() && location.reload());
-if (isInvited()) await begin();
-schema.ask("");
+
+start();

@@ -15,18 +15,17 @@ export const data = JSON.parse(globalThis.document?.getElementById("data")?.text
  * @property {number} per_si
  * @property {number} si
  * @property {Record<string, [number, number]>} sizes of units in the one outside: each a fraction of whole numbers
- * @property {number | null} low
- * @property {number | null} high
+ * @property {number} low
+ * @property {number} high
  * @property {boolean} with_low
  * @property {boolean} with_high
  * @property {number | null} default
- * @property {string} start its text where no scene gives one
  * @property {string} meaning
  * @property {number} order
  * @property {Control | null} control
  * @typedef {{label: string, quantities: string[], x: string, y: string}} DriveKind
- * @typedef {DriveKind & {kind: string, values: Values, motion: any}} GivenDrive
- * @typedef {DriveKind & {packs: Record<string, number>}} GivenMachine
+ * @typedef {DriveKind & {kind: string, fixed: Values, motion: any, table: string[]}} GivenDrive
+ * @typedef {DriveKind & {packs: Record<string, number>, fields: any, kind: string, share: [number, number] | null}} GivenMachine
  * @typedef {object} Scene
  * @property {string} name
  * @property {Texts} state at the start
@@ -93,6 +92,7 @@ function cutText(text) {
 
 /** A number as formats with a letter g write it: 0.0001, 1e-05, 1e+15. @param {number} value @param {number} digits */
 export function generalText(value, digits) {
+  if (!Number.isFinite(value)) return String(value);
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
   const power = Number(exponent);
   if (power >= -4 && power < digits) return String(Number(value.toPrecision(digits)));
@@ -154,15 +154,16 @@ export function numberIn({ label, unit, sizes }, text) {
 /** Whether a quantity may have a value; compared in SI units, as the solver does. @param {Quantity} quantity @param {number} value */
 function allows({ si, per_si, low, high, with_low, with_high }, value) {
   const inside = (/** @type {number} */ x) => (si === 1 ? x / per_si : x * si);
-  const [x, least, most] = [inside(value), inside(low ?? -Infinity), inside(high ?? Infinity)];
+  const [x, least, most] = [value, low, high].map(inside);
   return (with_low ? x >= least : x > least) && (with_high ? x <= most : x < most);
 }
 
 /** What a quantity may be, as messages say it. @param {Quantity} quantity */
 function allowedText({ unit, low, high, with_low, with_high }) {
-  const ends = [low, high].map((end) => (end === null ? null : generalText(end, 6)));
-  const above = ends[0] === null ? "finite" : `finite and ${with_low ? ">=" : ">"} ${ends[0]}`;
-  return `${ends[1] === null ? above : `in ${with_low ? "[" : "("}${ends[0]}, ${ends[1]}${with_high ? "]" : ")"}`} ${unit}`.trim();
+  const [least, most] = [low, high].map((end) => generalText(end, 6));
+  const above = low === -Infinity ? "finite" : `finite and ${with_low ? ">=" : ">"} ${least}`;
+  const inside = `in ${with_low ? "[" : "("}${least}, ${most}${with_high ? "]" : ")"}`;
+  return `${high === Infinity ? above : inside} ${unit}`.trim();
 }
 
 /** A value with its unit. @param {Quantity} quantity @param {number} value */
@@ -199,13 +200,7 @@ export function controlOf(data, scene, name) {
 }
 
 /** All keys of a scene with their texts at the start. @param {PageData} data @param {number} scene @returns {Texts} */
-export function initialTexts(data, scene) {
-  const drives = Object.values(drivesOf(data, scene));
-  const quantities = new Set(drives.flatMap((drive) => quantitiesOf(data, drive)));
-  quantities.delete("friction_ratio"); // it follows from both frictions
-  const usual = [...quantities].map((name) => [data.quantities[name].column, data.quantities[name].start]);
-  return { ...CHOICES, ...Object.fromEntries(usual), ...data.scenes[scene].state };
-}
+export const initialTexts = (data, scene) => ({ ...CHOICES, ...data.scenes[scene].state });
 
 /** Keys that a drive leaves idle: quantities of the others. @param {PageData} data @param {number} scene @param {string} drive */
 function idleKeys(data, scene, drive) {
@@ -283,9 +278,9 @@ class Reading {
   /** The operating point. @param {string[]} names @returns {Values} */
   values(names) {
     const { data: { quantities, scenes }, texts } = this;
-    const values = /** @type {Values} */ ({ ...(texts.drive === "given" ? scenes[this.scene].given?.values : {}) });
+    const values = /** @type {Values} */ ({ ...(texts.drive === "given" ? scenes[this.scene].given?.fixed : {}) });
     for (const name of names) {
-      const text = texts[quantities[name].column];
+      const text = texts[quantities[name].column] ?? "";
       if (name === "friction_ratio" || (name === "trough_length" && !text)) continue;
       const value = this.take(quantities[name].column, () => valueIn(this.quantity(name, names), text));
       if (value !== undefined) values[name] = value;
@@ -398,7 +393,7 @@ export function stateOf(data, scene, given) {
     reading.wrong("y", "friction ratio and kinetic friction describe the same", "choose one of them");
   }
   const bands = reading.bands(drawn, values);
-  const target = texts.target ? reading.take("target", () => valueIn(quantities.speed, texts.target)) ?? null : null;
+  const target = texts.target ? reading.take("target", () => valueIn(quantities.target, texts.target)) ?? null : null;
   if (texts.view === "traverse" && !texts.trough_length_mm) {
     reading.wrong("trough_length_mm", "the traverse time needs the length of the trough", "give it");
   }
