@@ -36,6 +36,13 @@ console.log(JSON.stringify(answers));
 """
 
 
+_USUAL = {
+    QUANTITIES[name].column: f"{value:g}"
+    for name, value in {**EXAMPLES, **DEFAULTS}.items()
+    if name != "friction_ratio"
+}
+
+
 def _quantity(q: Quantity) -> dict[str, Any]:
     control = CONTROLS.get(q.name)
     return {
@@ -47,22 +54,20 @@ def _quantity(q: Quantity) -> dict[str, Any]:
         "sizes": {unit: size.as_integer_ratio() for unit, size in q.kind.sizes.items()},
         **vars(q.allowed),
         "default": q.default,
+        "start": _USUAL.get(q.column, "1"),
         "control": control and control._asdict(),
     }
 
 
-_USUAL = {QUANTITIES[name].column: "0.1" for name in CONTROLS} | {
-    QUANTITIES[name].column: f"{value:g}" for name, value in {**EXAMPLES, **DEFAULTS}.items()
-}
 _RANGES = {"x": "frequency_hz", "y": "amplitude_mm", "x_range": "5:60", "y_range": "0.1:3"}
-_NUT = {key: text for key, text in _USUAL.items() if key != "friction_ratio"} | _RANGES
+_NUT = {**_USUAL, **_RANGES}
 _PULL = {
     "label": "as the scene gives it",
     "quantities": ["along_amplitude", "motion_scale", "normal_acceleration"],
     "x": "frequency",
     "y": "motion_scale",
     "kind": "harmonics",
-    "fixed": {"along_amplitude_3": 0.1, "along_phase_3": 20.0},
+    "values": {"along_amplitude_3": 0.1, "along_phase_3": 20.0},
 }
 _MAGNET = {
     "label": "by the scene's machine",
@@ -77,7 +82,7 @@ _EMPTY: dict[str, Any] = {"controls": {}, "given": None, "machine": None}
 DATA: dict[str, Any] = {
     "quantities": {
         **{name: _quantity(QUANTITIES[name]) for name in CONTROLS},
-        "target": _quantity(LEAST_SPEED),
+        "speed": _quantity(LEAST_SPEED),
     },
     "drives": {name: drive._asdict() | {"controls": {}} for name, drive in DRIVES.items()},
     "presets": {name: preset._asdict() for name, preset in PRESETS.items()},
@@ -123,7 +128,7 @@ _UNITS = {
     "static_friction": ["", "%", " %"],
     "setting": ["", "%"],
     "gravity": ["", "m/s^2", "m/s2", "m/s²"],
-    "target": ["", "mm/s", "m/min", "in/min", "ft / min", "cm/s"],
+    "speed": ["", "mm/s", "m/min", "in/min", "ft / min", "cm/s"],
 }
 _DIGITS = [
     "1", "0.3", "1,5", "+7", ".5", "3.", "1e-3", "2E+2", "900", "0,74", "12345678901234567890", "1e-320",
@@ -146,7 +151,7 @@ def _read(text: str, quantity: Quantity) -> float | None:
 
 @each("name", _UNITS)
 def test_numbers_are_the_same_doubles_as_vibro_reads(name: str, ask: Callable[..., list[Any]]) -> None:
-    quantity = LEAST_SPEED if name == "target" else QUANTITIES[name]
+    quantity = LEAST_SPEED if name == "speed" else QUANTITIES[name]
     chance = random.Random(51)
     drawn = [
         f"{chance.uniform(0.0, 10.0) * 10.0 ** chance.randint(-9, 9):.{chance.randint(1, 17)}g}"

@@ -100,7 +100,7 @@ function fieldsetsOf(data, scene) {
       pairOf("view", "Show", selectOf("view", Object.entries(views))),
       axisRow("x", "Horizontal axis", "Across"),
       axisRow("y", "Vertical axis", "Up"),
-      pairOf("target", "Target speed", measureOf("target", quantities.target.sign, { placeholder: "none" })),
+      pairOf("target", "Target speed", measureOf("target", quantities.speed.sign, { placeholder: "none" })),
     ]),
     fieldsetOf("Drive", {}, [
       pairOf("preset", "Preset", selectOf("preset", [["", "choose one"], ...labelled(presets)])),

@@ -20,11 +20,12 @@ export const data = JSON.parse(globalThis.document?.getElementById("data")?.text
  * @property {boolean} with_low
  * @property {boolean} with_high
  * @property {number | null} default
+ * @property {string} start its text where no scene gives one
  * @property {string} meaning
  * @property {number} order
  * @property {Control | null} control
  * @typedef {{label: string, quantities: string[], x: string, y: string}} DriveKind
- * @typedef {DriveKind & {kind: string, fixed: Values, motion: any, table: string[]}} GivenDrive
+ * @typedef {DriveKind & {kind: string, values: Values, motion: any, table: string[]}} GivenDrive
  * @typedef {DriveKind & {packs: Record<string, number>, fields: any, kind: string, share: [number, number] | null}} GivenMachine
  * @typedef {object} Scene
  * @property {string} name
@@ -200,7 +201,12 @@ export function controlOf(data, scene, name) {
 }
 
 /** All keys of a scene with their texts at the start. @param {PageData} data @param {number} scene @returns {Texts} */
-export const initialTexts = (data, scene) => ({ ...CHOICES, ...data.scenes[scene].state });
+export function initialTexts(data, scene) {
+  const names = new Set(Object.values(drivesOf(data, scene)).flatMap((drive) => quantitiesOf(data, drive)));
+  names.delete("friction_ratio"); // it follows from both frictions
+  const usual = [...names].map((name) => [data.quantities[name].column, data.quantities[name].start]);
+  return { ...CHOICES, ...Object.fromEntries(usual), ...data.scenes[scene].state };
+}
 
 /** Keys that a drive leaves idle: quantities of the others. @param {PageData} data @param {number} scene @param {string} drive */
 function idleKeys(data, scene, drive) {
@@ -278,9 +284,9 @@ class Reading {
   /** The operating point. @param {string[]} names @returns {Values} */
   values(names) {
     const { data: { quantities, scenes }, texts } = this;
-    const values = /** @type {Values} */ ({ ...(texts.drive === "given" ? scenes[this.scene].given?.fixed : {}) });
+    const values = /** @type {Values} */ ({ ...(texts.drive === "given" ? scenes[this.scene].given?.values : {}) });
     for (const name of names) {
-      const text = texts[quantities[name].column] ?? "";
+      const text = texts[quantities[name].column];
       if (name === "friction_ratio" || (name === "trough_length" && !text)) continue;
       const value = this.take(quantities[name].column, () => valueIn(this.quantity(name, names), text));
       if (value !== undefined) values[name] = value;
@@ -393,7 +399,7 @@ export function stateOf(data, scene, given) {
     reading.wrong("y", "friction ratio and kinetic friction describe the same", "choose one of them");
   }
   const bands = reading.bands(drawn, values);
-  const target = texts.target ? reading.take("target", () => valueIn(quantities.target, texts.target)) ?? null : null;
+  const target = texts.target ? reading.take("target", () => valueIn(quantities.speed, texts.target)) ?? null : null;
   if (texts.view === "traverse" && !texts.trough_length_mm) {
     reading.wrong("trough_length_mm", "the traverse time needs the length of the trough", "give it");
   }
