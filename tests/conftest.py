@@ -53,7 +53,7 @@ _MARKED: Final = {
         "core/test_bounces.py", "core/test_contact.py", "core/test_drive.py", "core/test_flight.py",
         "core/test_history.py", "core/test_legs.py", "core/test_loop.py", "core/test_numbers.py",
         "core/test_scenes.py", "core/test_slides.py",
-        "explore/test_form.py", "explore/test_state.py", "files/test_descriptions.py",
+        "explore/test_page_file.py", "explore/test_scenes.py", "files/test_descriptions.py",
         "files/test_machines.py", "files/test_motions.py", "files/test_points.py",
         "designs/test_guarantees_bounds.py", "designs/test_guarantees_extremes.py",
         "designs/test_optima_lines.py", "designs/test_pictured.py", "designs/test_questions_specs.py",
@@ -75,7 +75,7 @@ _MARKED: Final = {
     "slow": (
         "accuracy/test_trade.py", "core/test_javascript.py",
         "cli/test_capabilities.py", "cli/test_measure_trough.py",
-        "cli/test_report.py", "explore/test_page.py", "designs/test_design.py",
+        "cli/test_report.py", "explore/test_browser", "designs/test_design.py",
         "designs/test_machine_drives.py", "designs/test_motions.py", "designs/test_windows.py",
         "messages/", "records/test_comparison.py", "records/test_fitting.py",
         "records/test_trough_harmonics.py",
@@ -83,15 +83,15 @@ _MARKED: Final = {
         "test_walks.py",
     ),
     "process": (
-        "cli/test_app.py", "cli/test_completion.py", "cli/test_explore.py", "cli/test_interrupts.py",
+        "cli/test_app.py", "cli/test_completion.py", "cli/test_interrupts.py",
         "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "core/test_javascript.py",
-        "explore/test_guards.py", "explore/test_page_state.py",
+        "explore/test_page_file.py", "explore/test_page_state.py",
         "plots/test_style.py", "tables/test_faults.py", "tables/test_readers.py", "tables/test_shards.py",
         "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
         "test_site.py", "test_threads.py", "test_translate.py",
     ),
     "browser": (
-        "explore/test_page.py", "tables/test_libreoffice.py", "answers/test_printed.py", "test_site.py",
+        "explore/test_browser", "tables/test_libreoffice.py", "answers/test_printed.py", "test_site.py",
     ),
 }  # fmt: skip
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from vibro.errors import InputError as InputError
     from vibro.errors import SceneError as SceneError
     from vibro.errors import VibroError as VibroError
+    from vibro.explore.page import Page as Page
+    from vibro.explore.page import page as page
     from vibro.fillings import filling as filling
     from vibro.limits import critical_loads as critical_loads
     from vibro.limits import transitions as transitions
@@ -61,6 +63,7 @@ _HOMES = {
         ("designs.windows", "feasible_amplitudes yield_share"),
         ("drives", "Motion"),
         ("errors", "FileError InputError SceneError VibroError"),
+        ("explore.page", "Page page"),
         ("fillings", "filling"),
         ("limits", "critical_loads transitions"),
         ("machines.machine", "Calibration Machine"),

@@ -14,7 +14,7 @@ from helpers.made_records import EXAMPLES
 
 import vibro
 from vibro.designs.guarantees import certain
-from vibro.explore.state import initial_state
+from vibro.explore.scenes import scene_data
 from vibro.records.problem import FITTABLE
 from vibro.records.reading import TOL
 from vibro.sweeps.whole import request_of_call
@@ -78,7 +78,7 @@ def function(*asks: Callable[[vibro.Scene], Any]) -> Callable[[Run, Path], str]:
 def explored(_: Run, file: Path) -> str:
     """Return whether the page shows a scene."""
     try:
-        initial_state(request_of_call(file, {}))
+        scene_data(request_of_call(file, {}))
     except vibro.InputError as exc:
         return str(exc)
     return "yes"

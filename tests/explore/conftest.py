@@ -1,4 +1,4 @@
-"""The explorer's page in a browser."""
+"""The explorer's page in a browser, opened as a file."""
 
 from __future__ import annotations
 
@@ -6,62 +6,40 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from helpers.browsers import PATIENCE, axe, browser
-from helpers.explorers import serve_explorer
+
+from vibro.explore.page import page_text
+from vibro.sweeps.whole import request_of_call
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from pathlib import Path
 
-    from playwright.sync_api import Browser, BrowserContext, Page
+    from playwright.sync_api import Browser, Page
 
 __all__ = ["axe", "browser"]
 
 
-@pytest.fixture(scope="module")
-def session(browser: Browser) -> tuple[str, Any]:
-    """Serve the explorer, and return its address with what the browser that opened it first has stored."""
-    url = serve_explorer()
-    with browser.new_context() as context:
-        page = context.new_page()
-        page.goto(url)
-        page.locator("#tables caption").first.wait_for(state="attached")
-        return url.partition("#")[0], context.storage_state()
-
-
-@pytest.fixture(scope="module")
-def contexts(browser: Browser, session: tuple[str, Any]) -> Iterator[Callable[..., BrowserContext]]:
-    """Return what makes windows of the browser that may ask; those with the same options are one."""
-    made: dict[str, BrowserContext] = {}
-
-    def context(**options: Any) -> BrowserContext:
-        chosen = {"viewport": {"width": 1200, "height": 800}, **options}
-        if repr(chosen) not in made:
-            made[repr(chosen)] = browser.new_context(storage_state=session[1], **chosen)
-            made[repr(chosen)].set_default_timeout(PATIENCE)
-        return made[repr(chosen)]
-
-    yield context
-    for context_made in made.values():
-        context_made.close()
-
-
 @pytest.fixture
-def open_page(
-    session: tuple[str, Any], contexts: Callable[..., BrowserContext]
-) -> Iterator[Callable[..., Page]]:
-    """Return what opens the page at a fragment, and waits until all of it is there."""
-    pages, errors = [], []
+def open_page(browser: Browser, tmp_path: Path) -> Iterator[Callable[..., Page]]:
+    """Return what opens the page of scene files, given as texts, at a fragment; no script may fail."""
+    windows, errors = [], []
 
-    def opened(fragment: str = "", **options: Any) -> Page:
-        page = contexts(**options).new_page()
-        pages.append(page)
+    def opened(fragment: str = "", *scenes: str, **options: Any) -> Page:
+        requests = []
+        for number, text in enumerate(scenes, 1):
+            (file := tmp_path / f"scene{number}.toml").write_text(text, encoding="utf-8")
+            requests.append(request_of_call(file, {}))
+        (file := tmp_path / "page.html").write_text(page_text(requests or [None]), encoding="utf-8")
+        window = browser.new_context(**{"viewport": {"width": 1200, "height": 800}, **options})
+        window.set_default_timeout(PATIENCE)
+        windows.append(window)
+        page = window.new_page()
         page.on("pageerror", lambda error: errors.append(error))
-        page.goto(session[0] + fragment)
-        for part in ("#tables caption", ".curves [data-curve]", "#history p"):
-            # This goes on at once, where expect() would look now and then.
-            page.locator(part).first.wait_for(state="attached")
+        page.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
+        page.goto(file.as_uri() + fragment)
         return page
 
     yield opened
-    for page in pages:
-        page.close()
+    for window in windows:
+        window.close()
     assert not errors

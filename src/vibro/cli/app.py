@@ -214,7 +214,10 @@ _COMMANDS: Final[dict[str, Any]] = {
     "design": (design_command, {"files": "DESIGN.toml", "of_scene": False}),
     "drive": (drive_command, {"files": "MACHINE.toml...", "most": None, "first": _OF_MACHINE}),
     **dict.fromkeys(("measure", "motion", "compare"), (measure_command, _OF_RECORDS)),
-    "explore": (explore_command, {"of_answer": False}),
+    "explore": (
+        explore_command,
+        {"files": "[SCENE.toml]...", "most": None, "forms": ("html",), "prints": False},
+    ),
     "accuracy": (accuracy_command, {"forms": HISTORIES}),
     "friction": (friction_command, None),
     "schema": (schema_command, None),

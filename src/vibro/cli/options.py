@@ -156,7 +156,7 @@ class Options:
         return replace(self, files=files, **changed)
 
 
-_OF_ANSWER: Final = ("output", "json", "decimal_comma", "force")
+_OF_ANSWER: Final = ("json", "decimal_comma")
 _NAMED: Final = re.compile(r"([A-Za-z_][\w -]*?)\s*=\s*(.*)", re.DOTALL)
 _NUMBER: Final = re.compile(r"[+\N{MINUS SIGN}-]?\.?[0-9][0-9.,:eE+-]*\s*[\w/%\N{DEGREE SIGN}^ ]*")
 
@@ -276,13 +276,13 @@ def _quantity_parameter(quantity: Quantity, *, hidden: bool) -> inspect.Paramete
 
 
 def _shared_parameters(
-    files: str, forms: Sequence[str], first: Sequence[str], *, of_scene: bool, of_answer: bool
+    files: str, forms: Sequence[str], first: Sequence[str], *, of_scene: bool, prints: bool
 ) -> list[inspect.Parameter]:
     """Make the parameters of a command that are shared: arguments, quantities, and fields of ``Options``."""
     text = "Files; other quantities, such as gravity=3.7."
     metavar = f"{files}{' [NAME=VALUE]...' if of_scene else ''}"
     argument = typer.Argument(metavar=metavar, help=text, show_default=False, hidden=True)
-    left_out = {*([] if of_scene else ["pack"]), *([] if of_answer else _OF_ANSWER)}
+    left_out = {*([] if of_scene else ["pack"]), *([] if prints else _OF_ANSWER)}
     kinds = {**get_type_hints(Options, include_extras=True), "output": output_option(forms)}
     return [
         _parameter("arguments", None, Annotated[list[str] | None, argument]),
@@ -305,7 +305,7 @@ def shares_options(
     files: str = "[SCENE.toml]",
     most: int | None = 1,
     of_scene: bool = True,
-    of_answer: bool = True,
+    prints: bool = True,
     forms: Sequence[str] = SERIES,
     more: Sequence[Quantity] = (),
     first: Sequence[str] = _FIRST,
@@ -322,8 +322,8 @@ def shares_options(
         Largest number of these.
     of_scene : bool
         Whether it takes the quantities of a scene.
-    of_answer : bool
-        Whether it has an answer, which can be printed and written to files.
+    prints : bool
+        Whether it has an answer, which can be printed.
     forms : sequence of str
         Endings of the files that it can write.
     more : sequence of Quantity
@@ -336,7 +336,7 @@ def shares_options(
     callable
         Whose signature has a parameter for every shared option, as typer needs it.
     """
-    shared = _shared_parameters(files, forms, first, of_scene=of_scene, of_answer=of_answer)
+    shared = _shared_parameters(files, forms, first, of_scene=of_scene, prints=prints)
     quantities = [p.name for p in shared if p.name in QUANTITIES]
     own_ones = {quantity.name: quantity for quantity in more}
     _, *own = inspect.signature(run, eval_str=True).parameters.values()

@@ -6,30 +6,12 @@ import math
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from vibro.quantities import DRIVES as OF_DRIVES
 from vibro.quantities import LINEAR, MACHINE, QUANTITIES, SCALE, SWEPT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from vibro.files.machines import GivenMachine
-
-__all__ = [
-    "BANDS",
-    "CONTROLS",
-    "DRIVEN",
-    "DRIVES",
-    "GIVEN",
-    "PRESETS",
-    "VIEWS",
-    "Control",
-    "Drive",
-    "drive_named",
-    "drives_of",
-    "given_drive",
-    "is_weighed",
-    "machine_drive",
-]
 
 
 class Control(NamedTuple):
@@ -103,7 +85,7 @@ CONTROLS: Final = {
 assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
 
 #: Quantities that may be given as bands.
-BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
+BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio", "restitution")
 
 VIEWS: Final = {
     "regime": "regimes",
@@ -224,20 +206,7 @@ def machine_drive(machine: GivenMachine, values: Mapping[str, float]) -> Drive:
     return Drive("by the scene's machine", quantities, "frequency", "filling", controls)
 
 
-def is_weighed(machine: GivenMachine | None, axes: Collection[str], fixed: Mapping[str, float]) -> bool:
-    """Whether amplitudes depend on what the solver finds that a filling weighs, and so on friction."""
-    if machine is None or machine.share is not None:
-        return False
-    return "filling" in axes or fixed["filling"] > 0.0
-
-
 def _control(low: float, high: float, step: float) -> Control:
     """Return a slider with round numbers, and an axis of the same ends."""
     low, high = (float(f"{end:.3g}") for end in (low, high))
     return Control(low, high, float(f"{step:.1g}"), f"{low:g}:{high:g}")
-
-
-def drives_of(quantity: str, drives: Mapping[str, Drive]) -> list[str]:
-    """Name those of some drives that have a quantity."""
-    is_of_all = quantity not in (*OF_DRIVES, *MACHINE, "normal_acceleration")
-    return [name for name, drive in drives.items() if is_of_all or quantity in drive.quantities]

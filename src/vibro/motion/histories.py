@@ -183,7 +183,7 @@ def _arrivals(scene: Scene, length: Floats, start: Start) -> Floats:
 
 _FEW: Final = 1024  # legs allocated at first; nearly every motion repeats sooner
 _MORE: Final = 4  # factor by which that grows
-_STARTS: Final = MOST_BOUNCES + LONGEST_CYCLE  # flights of a cycle, at most
+STARTS: Final = MOST_BOUNCES + LONGEST_CYCLE  # flights of a cycle, at most
 
 
 @shielded
@@ -314,7 +314,7 @@ def follow_body(grid: Grid, start: Start, cycles: float) -> SolvedMotion:
     """
     solver, scratch = doors(), Scratch()
     first, period, advance = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1)
-    row, change = np.empty(_STARTS, np.int64), np.empty(_STARTS)
+    row, change = np.empty(STARTS, np.int64), np.empty(STARTS)
 
     def followed(legs: Legs, rows: int) -> Any:
         parts = (legs, (first, period, advance), (row, change))

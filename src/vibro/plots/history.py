@@ -101,7 +101,7 @@ PANELS: Final[Mapping[str, Panel]] = {
 }  # fmt: skip
 
 # Replaces the trough's panel for elliptical drives.
-_ELLIPSE: Final = Panel(
+ELLIPSE: Final = Panel(
     "motion of\nthe trough", "mm", 1e-3,
     (
         Curve("trough_normal", "trough, normal to itself", _GREEN, SECOND, 1.2),
@@ -150,7 +150,7 @@ def choose_panels(text: str | None, *, flies: bool) -> list[str]:
 def panels_of(names: Sequence[str], trace: Sample) -> dict[str, Panel]:
     """Return panels by their names; that of the trough shows a line, or both ways of an ellipse."""
     elliptical = _is_elliptical(trace)
-    return {name: _ELLIPSE if name == "trough" and elliptical else PANELS[name] for name in names}
+    return {name: ELLIPSE if name == "trough" and elliptical else PANELS[name] for name in names}
 
 
 def _is_elliptical(trace: Sample) -> bool:
