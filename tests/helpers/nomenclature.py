@@ -35,8 +35,7 @@ numbers."""
 STATUSES = """\
 Every cell has one status. [Chapter 7 of the theory](../theory/07-special-cases.md) says when each occurs."""
 EXIT_CODES = """\
-The exit code says how a run ended. Code 1 means a file that is missing or exists already, or a full disk. You
-end `vibro explore` with Ctrl-C; its exit code is then 0."""
+The exit code says how a run ended. Code 1 means a file that is missing or exists already, or a full disk."""
 OTHERS = "Bold symbols have another meaning on these pages: German practice (VDI 2333) swaps letters."
 FILLING = """\
 What `vibro solve filling=` adds, where the trough moves as the scene says (theory, section 18). Three
