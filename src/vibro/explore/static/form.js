@@ -178,8 +178,8 @@ export function createForm(data, store, change) {
     const box = /** @type {Setting} */ (target);
     if (!boxes.includes(box)) return;
     const isFinished = type === "change";
-    if (isFinished || box.type === "range") change(patchOf(data, store, box), box.name, isFinished);
     edited = isFinished ? null : box; // and not overwritten meanwhile
+    if (isFinished || box.type === "range") change(patchOf(data, store, box), box.name, isFinished);
   });
   document.addEventListener("focusout", () => (edited = null));
   form.addEventListener("submit", (event) => event.preventDefault());

@@ -32,7 +32,7 @@ function questionText({ scene, drive, values, bands, target }) {
   const parts = quantitiesOf(data, drives[drive]).filter((name) => name in values && name !== "friction_ratio").map((name) => {
     const { label, sign } = data.quantities[name];
     const ends = name in bands ? bands[name] : [values[name]];
-    return `${label} ${ends.map(typedText).join(" to ")} ${sign}`.trim();
+    return `${label} ${ends.map(typedText).join(" to ")}${sign === "°" ? sign : ` ${sign}`}`.trim();
   });
   const wanted = target === null ? [] : [`target speed ${typedText(target)} mm/s`];
   return [`${data.scenes[scene].name || "Scene"}, trough moved ${drives[drive].label}: ${parts.join(", ")}`, ...wanted].join("; ");

@@ -458,12 +458,15 @@ export function bandsIf({ values, bands }, follows) {
 
 /** The states of all scenes of the page, of which one is shown. @typedef {ReturnType<typeof createStore>} Store */
 export function createStore(/** @type {PageData} */ data) {
-  const tabs = data.scenes.map((_, scene) => ({
-    texts: initialTexts(data, scene), // as they were typed
-    state: stateOf(data, scene, {}).state, // the last one that was valid
-    problems: /** @type {Problem[]} */ ([]), // of the texts
-    ratio: NaN, // of kinetic to static friction, as it was last set by hand
-  }));
+  const tabs = data.scenes.map((_, scene) => {
+    const { state, problems } = stateOf(data, scene, {});
+    return {
+      texts: state?.texts ?? initialTexts(data, scene), // as they were typed
+      state, // the last one that was valid
+      problems, // of the texts
+      ratio: NaN, // of kinetic to static friction, as it was last set by hand
+    };
+  });
   let scene = 0;
   let changer = ""; // the control that changed the state last
   let until = 0; // what it does is the same change [ms]
