@@ -14,12 +14,16 @@ from helpers.node_doors import node
 
 from vibro.errors import InputError
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
-from vibro.files.descriptions import EXAMPLES
-from vibro.quantities import DEFAULTS, LEAST_SPEED, QUANTITIES, Quantity, checked_number, exact_number
+from vibro.explore.page import page_data
+from vibro.explore.scenes import scene_data
+from vibro.quantities import LEAST_SPEED, QUANTITIES, Quantity, checked_number, exact_number
+from vibro.sweeps.whole import request_of_call
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
+
+    from vibro.sweeps.request import Request
 
 _ASK = """
 import { readFileSync } from "node:fs";
@@ -27,7 +31,9 @@ import * as state from "./state.js";
 const { data, asked } = JSON.parse(readFileSync(0, "utf-8"));
 const answers = asked.map(([name, ...values]) => {
   try {
-    return state[name](...values.map((value) => (value === "DATA" ? data : value))) ?? null;
+    const [first, ...others] = values;
+    if (name === "numberIn") return state[name](data.quantities[first], ...others);
+    return state[name](...(first === "DATA" ? [data, ...others] : values)) ?? null;
   } catch (error) {
     return { thrown: `${error.name}: ${error.message}`, hint: error.hint };
   }
@@ -36,63 +42,28 @@ console.log(JSON.stringify(answers));
 """
 
 
-_USUAL = {
-    QUANTITIES[name].column: f"{value:g}"
-    for name, value in {**EXAMPLES, **DEFAULTS}.items()
-    if name != "friction_ratio"
-}
-
-
-def _quantity(q: Quantity) -> dict[str, Any]:
-    control = CONTROLS.get(q.name)
-    return {
-        "column": q.column,
-        "label": q.label,
-        "unit": q.unit,
-        "per_si": q.kind.per_si,
-        "si": q.kind.si,
-        "sizes": {unit: size.as_integer_ratio() for unit, size in q.kind.sizes.items()},
-        **vars(q.allowed),
-        "default": q.default,
-        "start": _USUAL.get(q.column, "1"),
-        "control": control and control._asdict(),
-    }
-
-
-_RANGES = {"x": "frequency_hz", "y": "amplitude_mm", "x_range": "5:60", "y_range": "0.1:3"}
-_NUT = {**_USUAL, **_RANGES}
-_PULL = {
-    "label": "as the scene gives it",
-    "quantities": ["along_amplitude", "motion_scale", "normal_acceleration"],
-    "x": "frequency",
-    "y": "motion_scale",
-    "kind": "harmonics",
-    "values": {"along_amplitude_3": 0.1, "along_phase_3": 20.0},
-}
-_MAGNET = {
-    "label": "by the scene's machine",
-    "quantities": ["setting", "filling", "natural", "drive_angle"],
-    "x": "frequency",
-    "y": "filling",
-    "packs": {"6 leaves": 55.6, "4 & a half": 47.6},
-}
-_CLAMPED = {**_NUT, "drive": "given", "motion": "0f0f", "normal_acceleration_m_s2": "20", "x": "", "y": ""}
-_DRIVEN = {**_NUT, "drive": "machine", "motion": "abcd", "natural_hz": "55.6", "filling_kg": "2"}
-_EMPTY: dict[str, Any] = {"controls": {}, "given": None, "machine": None}
-DATA: dict[str, Any] = {
-    "quantities": {
-        **{name: _quantity(QUANTITIES[name]) for name in CONTROLS},
-        "speed": _quantity(LEAST_SPEED),
-    },
-    "drives": {name: drive._asdict() | {"controls": {}} for name, drive in DRIVES.items()},
-    "presets": {name: preset._asdict() for name, preset in PRESETS.items()},
-    "views": VIEWS,
-    "scenes": [
-        {**_EMPTY, "name": "nut", "state": _NUT},
-        {**_EMPTY, "name": "clamped", "state": {**_CLAMPED, "x_range": "", "y_range": ""}, "given": _PULL},
-        {**_EMPTY, "name": "feeder", "state": {**_DRIVEN, "x": "", "y": ""}, "machine": _MAGNET},
-    ],
-}
+_CLAMPED = """[scene]
+static_friction = 0.74
+kinetic_friction = 0.57
+frequency_hz = 15
+along_amplitudes_mm = [1, 0, 0.1]
+along_phases_deg = [0, 0, 20]
+normal_acceleration_m_s2 = 20
+"""
+_FEEDER = """[scene]
+static_friction = 0.74
+kinetic_friction = 0.57
+frequency_hz = 50
+drive_angle_deg = 20
+[machine]
+kind = "magnet"
+trough_mass_kg = 6
+counter_mass_kg = 12
+natural_hz = 55.6
+damping_ratio = 0.015
+calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }
+filling_kg = 2
+"""
 
 
 @pytest.fixture(scope="module")
@@ -104,9 +75,15 @@ def ask(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[Any]]:
     (folder / "state.js").write_text(script, encoding="utf-8")
     (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
     (folder / "ask.js").write_text(_ASK, encoding="utf-8")
+    requests: list[Request | None] = [None]
+    for name, text in (("clamped", _CLAMPED), ("feeder", _FEEDER)):
+        (file := folder / f"{name}.toml").write_text(text, encoding="utf-8")
+        requests.append(request_of_call(file, {}))
+    data = json.dumps(page_data([scene_data(request) for request in requests]))
+    known = data.replace("Infinity", "1e999").replace("NaN", "null")  # as JSON has them
 
     def asked(*calls: list[Any]) -> list[Any]:
-        told = json.dumps({"data": DATA, "asked": calls}).replace("Infinity", "1e999")  # as JSON has it
+        told = f'{{"data": {known}, "asked": {json.dumps(calls)}}}'
         command = [program, str(folder / "ask.js")]
         done = subprocess.run(
             command, input=told, capture_output=True, text=True, encoding="utf-8", check=True
@@ -158,7 +135,7 @@ def test_numbers_are_the_same_doubles_as_vibro_reads(name: str, ask: Callable[..
         for _ in range(99)
     ]
     texts = [digits + unit for digits in (*_DIGITS, *drawn) for unit in _UNITS[name]] + _SLIPS
-    found = ask(*(["numberIn", DATA["quantities"][name], text] for text in texts))
+    found = ask(*(["numberIn", name, text] for text in texts))
     for text, value in zip(texts, found, strict=True):
         wanted = _read(text, quantity)
         if wanted is None:
