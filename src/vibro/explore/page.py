@@ -36,10 +36,8 @@ if TYPE_CHECKING:
 
 #: Scripts of the solver, whose names are global in the page and in its workers, in their order.
 SOLVER: Final = ("engine", "scenes", "worker")
-#: Modules of the page, which are joined in this order.
-MODULES: Final = ("draw", "state", "form", "numbers", "motion", "fields", "cells", "map", "files", "main")
 
-_IMPORT: Final = re.compile(r"^import\b[^;]*;\n", re.MULTILINE)
+_IMPORT: Final = re.compile(r'^import\b[^;"]*"\./(\w+)\.js";\n', re.MULTILINE)
 _EXPORT: Final = re.compile(r"^export (?=(?:async )?function|const|let|class)", re.MULTILINE)
 _COMMENT: Final = re.compile(r"^[ \t]*(?:/\*(?:[^*]|\*(?!/))*\*/[ \t]*\n|//.*\n)", re.MULTILINE)
 _INDENT: Final = re.compile(r"^[ \t]+", re.MULTILINE)
@@ -186,9 +184,19 @@ def solver_script() -> str:
 
 
 def page_script() -> str:
-    """Return the modules of the page as one: without imports, each name is there for all."""
-    texts = (text for name in MODULES for text in _assets(f"{name}.js"))
-    return _safe("\n".join(_EXPORT.sub("", _IMPORT.sub("", _COMMENT.sub("", text))) for text in texts))
+    """Return the modules of the page as one, each after those that it imports: each name is there for all."""
+    modules: dict[str, str] = {}
+    _gather("main", modules)
+    return _safe("\n".join(_EXPORT.sub("", _IMPORT.sub("", _COMMENT.sub("", x))) for x in modules.values()))
+
+
+def _gather(name: str, modules: dict[str, str]) -> None:
+    """Add a module to others by their names, after those that it imports and that are not there yet."""
+    text = "".join(_assets(f"{name}.js"))
+    for other in _IMPORT.findall(text):
+        if other not in modules:
+            _gather(other, modules)
+    modules[name] = text
 
 
 def _solver_text() -> str:
