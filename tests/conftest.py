@@ -85,7 +85,8 @@ _MARKED: Final = {
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_interrupts.py",
         "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "core/test_javascript.py",
-        "explore/test_page_begins.py", "explore/test_page_file.py", "explore/test_page_state.py",
+        "explore/test_page_begins.py", "explore/test_page_file.py", "explore/test_page_motion.py",
+        "explore/test_page_numbers.py", "explore/test_page_state.py",
         "plots/test_style.py", "tables/test_faults.py", "tables/test_readers.py", "tables/test_shards.py",
         "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
         "test_site.py", "test_threads.py", "test_translate.py",

@@ -57,12 +57,12 @@ process.stdout.write(JSON.stringify(run(given.asked), written));
 """
 
 
-def _odd(value: Any) -> Any:
+def spelt(value: Any) -> Any:
     """Spell infinities and NaN as texts, all through."""
     if isinstance(value, dict):
-        return {key: _odd(part) for key, part in value.items()}
+        return {key: spelt(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [_odd(part) for part in value]
+        return [spelt(part) for part in value]
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -70,7 +70,7 @@ def in_scripts(function: str, asked: Any) -> Any:
     """Call a function of JavaScript, ``run(asked)``, beside ``engine``, ``scenes`` and ``data``."""
     given = {"static": str(STATIC), "solver": str(SCRIPT), "known": KNOWN, "units": UNITS, "asked": asked}
     done = subprocess.run(
-        [node(), "-e", function + _HOST], input=json.dumps(_odd(given)), capture_output=True, text=True
+        [node(), "-e", function + _HOST], input=json.dumps(spelt(given)), capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)

@@ -29,7 +29,6 @@
 function engineOf(doors, known) {
   const KINDS = { line: known.LINE, ellipse: known.ELLIPSE, harmonics: known.HARMONICS, pieces: known.PIECES };
   const TURN = 2.0 * Math.PI;
-  const CLASSES = 3; // of motions in contact: forward slip, back slip, continuous sliding
   const MOST_LEGS = 2 ** 20;
   const MOST_ATTRACTORS = 256;
 
@@ -104,19 +103,39 @@ function engineOf(doors, known) {
   }
 
   /**
+   * By how many places a list is turned to be the least of all its turns.
+   * @param {number[]} list
+   */
+  function leastTurn(list) {
+    const size = list.length;
+    const isLess = (/** @type {number} */ by, /** @type {number} */ than) => {
+      const apart = list.findIndex((_, n) => list[(n + by) % size] !== list[(n + than) % size]);
+      return apart >= 0 && list[(apart + by) % size] < list[(apart + than) % size];
+    };
+    return list.reduce((least, _, by) => (isLess(by, least) ? by : least), 0);
+  }
+
+  /**
    * Spell the pattern of one scene's cycle; empty if it has none.
    * @param {ReturnType<typeof gridOf>} grid
    * @param {Rows} cycle
    */
   function pattern(grid, cycle) {
     const code = cycle.pattern_code[0];
-    if (code === 0) return "";
     if (code === known.IRREGULAR) return "H...";
-    for (let room = 64; ; room *= 4) {
-      const legs = new Float64Array(room);
-      const number = doors.write_letters(grid.scenes, grid.place, 0, flights, hops, legs, room);
-      if (number <= room) return Array.from(legs.slice(0, number), (mode) => known.LETTERS[mode]).join("");
+    if (code >= 0 && code < known.PATTERNS.length) return known.PATTERNS[code];
+    let number = 64, legs = new Float64Array(0);
+    while (number > legs.length) {
+      legs = new Float64Array(number);
+      number = doors.write_letters(grid.scenes, grid.place, 0, flights, hops, legs, number);
     }
+    let modes = [...legs.slice(0, number)];
+    if (grid.drive.kind === "harmonics" || grid.drive.kind === "pieces") { // from wherever its cycle was counted
+      if (number > 1 && modes[0] === modes[number - 1] && modes[0] !== known.Mode.FLIGHT) modes.pop();
+      const turn = leastTurn(modes);
+      modes = [...modes.slice(turn), ...modes.slice(0, turn)];
+    }
+    return modes.map((mode) => known.LETTERS[mode]).join("");
   }
 
   /**
@@ -154,6 +173,20 @@ function engineOf(doors, known) {
     doors.moments(
       grid.scenes, grid.place, legs, 0.0, Float64Array.from(row), Float64Array.from(since), found, row.length);
     return found;
+  }
+
+  /**
+   * Where the trough of one scene is at phases of its motion [m].
+   * @param {ReturnType<typeof gridOf>} grid of plain numbers
+   * @param {number[]} phases [rad]
+   * @returns {[number, number][]} along and normal to itself
+   */
+  function path(grid, phases) {
+    const rest = rows(fields("moments", 2), 1);
+    rest.mode[0] = known.Mode.REST;
+    const found = moments(grid, rest, phases.map(() => 0), phases);
+    const scale = scaleOf(grid.drive);
+    return phases.map((_, n) => [scale * found.trough_along[n], scale * found.trough_normal[n]]);
   }
 
   /**
@@ -199,13 +232,13 @@ function engineOf(doors, known) {
    * @param {ReturnType<typeof gridOf>} grid
    */
   function spans(grid) {
-    const counts = new Float64Array(2 * CLASSES + 1);
+    const counts = new Float64Array(2 * known.CLASSES + 1);
     for (let room = 64; ; room *= 4) {
-      const found = new Float64Array(2 * CLASSES * room + 3);
+      const found = new Float64Array(2 * known.CLASSES * room + 3);
       doors.class_scales(grid.scenes, grid.place, found, counts, room);
-      if (Math.max(...counts.slice(0, CLASSES)) > room) continue;
+      if (Math.max(...counts.slice(0, known.CLASSES)) > room) continue;
       const pair = (/** @type {number} */ at) => [found[at], found[at + 1]];
-      const classes = Array.from({ length: CLASSES }, (_, k) =>
+      const classes = Array.from({ length: known.CLASSES }, (_, k) =>
         Array.from({ length: counts[k] }, (_, i) => pair(2 * (k * room + i))));
       const [hop, forward, back] = found.slice(-3);
       return { classes, hop, forward, back };
@@ -257,7 +290,7 @@ function engineOf(doors, known) {
   }
 
   return {
-    gridOf, solve, pattern, history, moments, arrival, slides, attractors, limits, spans, operate, weigh, scaleOf, known,
+    gridOf, solve, leastTurn, pattern, history, moments, path, arrival, slides, attractors, limits, spans, operate, weigh, scaleOf, known,
     TURN,
   };
 }

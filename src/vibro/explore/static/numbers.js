@@ -1,0 +1,537 @@
+/**
+ * The answer about one scene, as texts: what vibro.answers.scene writes for `vibro solve --all`, figure by figure.
+ *
+ * @typedef {import("./engine.js").Drive} Drive
+ * @typedef {{label: string, text: string}} Fact
+ * @typedef {{title: string, columns: string[], rows: string[][]}} AnswerTable the first text of a row names it
+ * @typedef {object} Answer
+ * @property {string} title regime and speed
+ * @property {string} regime
+ * @property {string} colour of the regime
+ * @property {string} speedText
+ * @property {Fact[]} facts
+ * @property {AnswerTable[]} tables
+ * @property {string[]} notes
+ */
+import { html } from "./draw.js";
+import { TURN, followed, phasesOf } from "./histories.js";
+
+/* global driveOf */
+
+// ------------------------------------------------------------------------------
+// Numbers as Python writes them. Of two decimals that are equally near Python takes the even one, JavaScript the
+// larger one: enough exact digits tell where that is so.
+
+const EXACT_DIGITS = 100;
+const LEAST_ERRORS = [1e-9, 1e-12]; // of a value, and of its unit: nobody measures with less error
+
+/**
+ * @param {string} rounded number
+ * @param {string} exact its digits
+ * @param {number} cut the first of these that is cut off
+ */
+function evened(rounded, exact, cut) {
+  const wentUp = /^50*$/.test(exact.slice(cut)) && /[13579]$/.test(rounded);
+  return wentUp ? rounded.slice(0, -1) + (Number(rounded.slice(-1)) - 1) : rounded;
+}
+
+/** As Python's `z.2f`. @param {number} value @param {number} decimals */
+export function fixedText(value, decimals) {
+  const exact = value.toFixed(EXACT_DIGITS);
+  const text = evened(value.toFixed(decimals), exact, exact.indexOf(".") + 1 + decimals);
+  return /[1-9]/.test(text) ? text : text.replace("-", "");
+}
+
+/** As Python's `z.4g`. @param {number} value @param {number} digits */
+export function roundedText(value, digits) {
+  if (!Number.isFinite(value)) return String(value).toLowerCase().replace("infinity", "inf");
+  const [exact] = value.toExponential(EXACT_DIGITS).split("e");
+  const [mantissa, power] = value.toExponential(digits - 1).split("e");
+  const even = evened(mantissa, exact, exact.length - EXACT_DIGITS + digits - 1);
+  const exponent = Number(power);
+  const trimmed = (/** @type {string} */ text) => text.replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+  if (exponent >= -4 && exponent < digits) {
+    return trimmed((Number(`${even}e${power}`) + 0.0).toFixed(digits - 1 - exponent));
+  }
+  return `${trimmed(even)}e${power[0]}${power.slice(1).padStart(2, "0")}`;
+}
+
+/** The power of ten of a number's first digit. @param {number} value */
+const powerOf = (value) => Number(value.toExponential().split("e")[1]);
+
+/** A number for people, nothing for null. @param {number | string | null} value @param {number} [digits] */
+export function shownText(value, digits = 4) {
+  if (typeof value !== "number") return value ?? "";
+  return Number.isNaN(value) ? "-" : roundedText(value, digits);
+}
+
+/** With a standard error, to two digits of that. @param {number} value @param {number} error @param {number} [digits] */
+export function uncertainText(value, error, digits = 4) {
+  const isSeen = Math.max(LEAST_ERRORS[0] * Math.abs(value), LEAST_ERRORS[1]) < error && error < Infinity;
+  if (!isSeen) return shownText(value, digits);
+  const decimals = Math.max(0, 1 - powerOf(error));
+  return `${fixedText(value, decimals)} \u00b1 ${fixedText(error, decimals)}`;
+}
+
+/** Three digits, zeros at the end among them. @param {number} value */
+export function briefText(value) {
+  const size = Math.abs(value);
+  if (!(size >= 1e-4 && size < 1e6)) return shownText(value, 3);
+  return fixedText(value, Math.max(0, 2 - powerOf(size)));
+}
+
+/** Put texts into their places: `{speed} mm/s`. @param {string} text @param {Record<string, string | number>} parts */
+const filled = (text, parts) => text.replace(/\{(\w+)\}/g, (_, name) => String(parts[name]));
+
+// ------------------------------------------------------------------------------
+// One solved scene.
+
+const SAME = 1e-12; // [1] relative distance within which two loads are the same
+const LEAST_DIFFERENCE = 2 ** -26; // [A] where slides to and fro nearly cancel, their difference is rounding
+const LEAST_CERTAIN = 1.0 / 3.0; // error over the size of a mean whose sign is not in doubt
+const MILLI = 1000.0; // [mm/m]
+
+/** The operating point, its steady cycle, and what most facts need of them. */
+function solvedScene(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ state) {
+  const { trough_length: length = NaN, friction_ratio: _, ...values } = state.values;
+  const drive = driveOf(data, { values, given: state.given });
+  if (state.given?.table.length) for (const name in state.given.values) delete values[name]; // its file has a motion
+  const grid = engine.gridOf(drive);
+  const cycle = engine.solve(grid);
+  const pattern = engine.pattern(grid, cycle);
+  const isSmall = Math.abs(cycle.displacement_per_cycle[0]) <= LEAST_DIFFERENCE * engine.scaleOf(drive);
+  const isStill = isSmall && pattern.includes("F") && pattern.includes("B");
+  const speed = isStill ? 0.0 : MILLI * cycle.mean_velocity[0];
+  const error = MILLI * cycle.mean_velocity_error[0];
+  const relativeError = speed ? Math.abs(error / speed) : 0.0;
+  return {
+    data, engine, values, length, drive, grid, cycle, pattern, speed, error, relativeError,
+    texts: data.texts,
+    says: data.texts.says,
+    regime: data.regimes.find((/** @type {any} */ x) => x.code === cycle.regime[0]),
+    status: data.statuses.find((/** @type {any} */ x) => x.code === cycle.status[0]),
+    isCertain: !(relativeError > LEAST_CERTAIN),
+    size: sizeOf(data, values),
+  };
+}
+
+/** @typedef {ReturnType<typeof solvedScene>} Solved */
+
+/** What the drive is scaled by, as it was given; NaN if by several. */
+function sizeOf(/** @type {any} */ { quantities, texts: { says } }, /** @type {Record<string, number>} */ values) {
+  const sizes = Object.keys(values).filter((name) => name === "stroke" || name.includes("amplitude"));
+  if (sizes.length > 1) return { label: sizes.length === 2 ? says.both : says.all, unit: "", value: NaN };
+  const name = sizes[0] ?? "motion_scale";
+  return { label: quantities[name].label, unit: quantities[name].unit, value: values[name] ?? NaN };
+}
+
+/**
+ * All that is known of the operating point.
+ * @param {any} data @param {any} engine @param {any} state
+ * @returns {Answer}
+ */
+export function answerOf(data, engine, state) {
+  const one = solvedScene(data, engine, state);
+  const { regime, cycle, says } = one;
+  const [mean, error] = [MILLI * cycle.mean_velocity[0], MILLI * cycle.mean_velocity_error[0]];
+  const speedText = Number.isNaN(mean) ? says.unknown : `${uncertainText(mean, error, 6)} mm/s`;
+  return {
+    title: [regime.label, speedText].filter(Boolean).join(", "),
+    regime: regime.label,
+    colour: regime.colour,
+    speedText,
+    facts: [motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...rareFacts(one)],
+    tables: [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
+    notes: notesOf(one),
+  };
+}
+
+/** A figure with its unit, error and note. @returns {Fact} */
+function factOf(/** @type {Solved} */ { says }, /** @type {[string, string]} */ [label, unit],
+  /** @type {number | string | null} */ value, note = "", error = 0.0) {
+  const behind = note && ` (${note})`;
+  if (value === null || Number.isNaN(value)) return { label, text: says.unknown + behind };
+  const number = typeof value === "number" ? uncertainText(value, error) : value;
+  return { label, text: `${number} ${unit}`.trimEnd() + behind };
+}
+
+/** Rows as texts below their heads, without columns that are empty; no table without rows. @returns {AnswerTable[]} */
+function tableOf(/** @type {string} */ title, /** @type {[string, string][]} */ heads,
+  /** @type {(number | string | null)[][]} */ rows) {
+  const cells = rows.map((row) => row.map((cell) => shownText(cell)));
+  const isFilled = (/** @type {unknown} */ _, /** @type {number} */ i) => cells.some((row) => row[i]);
+  const columns = heads.map(([label, unit]) => (unit ? `${label} [${unit}]` : label)).filter(isFilled);
+  return rows.length ? [{ title, columns, rows: cells.map((row) => row.filter(isFilled)) }] : [];
+}
+
+// ------------------------------------------------------------------------------
+// Facts.
+
+function motionFact(/** @type {Solved} */ one) {
+  const { says, regime, speed, error, values } = one;
+  const label = regime.label || says.none;
+  if (Number.isNaN(speed)) return factOf(one, [label, ""], one.status.name === "RUNAWAY" ? says["runs away"] : null);
+  const [mean, rate, advance] = [[1.0, 4], [0.06, 3], [1.0 / values.frequency, 4]].map(([by, digits]) =>
+    uncertainText(by * speed, by * error, digits));
+  return factOf(one, [label, ""], filled(says.speed, { speed: mean, rate, advance }));
+}
+
+/** The time over the trough at the mean speed, and exactly from rest. */
+function traverseFacts(/** @type {Solved} */ one) {
+  const { says, texts, length, speed, isCertain, engine, grid, cycle } = one;
+  if (Number.isNaN(length)) return [];
+  const [label] = texts.facts.traverse;
+  const time = speed <= 0.0 ? Infinity : length / speed;
+  const exact = engine.arrival(grid, length / MILLI, cycle);
+  const fromRest = Number.isFinite(exact) ? filled(says["from rest"], { time: shownText(exact, 6) }) : "";
+  if (Number.isFinite(time) && isCertain) {
+    const over = filled(says.over, { length: roundedText(length, 10) });
+    return [factOf(one, [label, over], time, fromRest || says["from rest unknown"], time * one.relativeError)];
+  }
+  const never = time === Infinity && isCertain ? says.never : null;
+  return [factOf(one, [label, ""], one.status.name === "RUNAWAY" ? says["not steady"] : never, fromRest)];
+}
+
+function speedFacts(/** @type {Solved} */ one) {
+  const { says, texts: { facts }, cycle } = one;
+  const found = Number.isNaN(one.speed) ? [] : [factOf(one, facts.peak, MILLI * cycle.peak_velocity[0])];
+  if (cycle.flight_fraction[0] > 0.0) {
+    const period = cycle.period_cycles[0];
+    let again = Number.isNaN(period) ? says.irregular : says["every cycle"];
+    if (period > 1.0) again = filled(says["every few cycles"], { period });
+    const lands = filled(says.lands, { impact: shownText(MILLI * cycle.impact_velocity[0]), again });
+    found.push(factOf(one, facts.flight, 100.0 * cycle.flight_fraction[0], lands));
+  }
+  return [...found, factOf(one, facts.throw, briefText(cycle.throw_number[0]), says.hops)];
+}
+
+function rareFacts(/** @type {Solved} */ one) {
+  const { texts: { facts }, drive, engine, values } = one;
+  const stroke = "amplitude" in values ? 2.0 * values.amplitude : MILLI * strokeOf(engine, drive);
+  return [
+    factOf(one, facts.scene, sceneText(one)),
+    factOf(one, facts.pattern, one.pattern || null),
+    factOf(one, facts.stroke, stroke),
+    factOf(one, facts.acceleration, loadOf(engine, drive)),
+  ];
+}
+
+/** The quantities of the scene without their usual values, after the kind of its motion. */
+function sceneText({ data: { quantities }, says, texts, values, drive }) {
+  const isSaid = (/** @type {string} */ name) => name in values
+    && (values[name] !== quantities[name].default || name === "motion_scale");
+  const given = texts.listed.filter(isSaid).map((/** @type {string} */ name) =>
+    `${quantities[name].label} ${roundedText(values[name], 15)} ${quantities[name].unit}`.trimEnd()).join(", ");
+  if (drive.kind === "pieces") return filled(says.pieces, { count: drive.motion.breaks.length - 1, given });
+  if (drive.kind !== "harmonics") return given;
+  const count = drive.harmonics[0].length;
+  return filled(count > 1 ? says.harmonics : says.harmonic, { count, given });
+}
+
+// ------------------------------------------------------------------------------
+// The drive's path: its stroke and its largest acceleration, sampled, and searched more finely about the best place.
+
+const POINTS = 64; // of a path per harmonic
+const LEAST_POINTS = 512;
+const [FINER, SEARCHES] = [8, 10]; // places to each side, of each search; it is half as far as the one before
+
+/** @typedef {[number, number]} Point */
+const around = (/** @type {number} */ middle, /** @type {number} */ far) =>
+  Array.from({ length: 2 * FINER + 1 }, (_, n) => middle + far * (n / FINER - 1.0));
+
+/** Points of a path, and the distance between two phases. @param {Drive} drive */
+function sampledPath(/** @type {any} */ engine, drive) {
+  const number = Math.max(LEAST_POINTS, POINTS * (drive.harmonics?.[0].length ?? 0));
+  const phases = Array.from({ length: number }, (_, n) => (TURN * n) / number);
+  const grid = engine.gridOf(drive);
+  const path = (/** @type {number[]} */ at) => /** @type {Point[]} */ (engine.path(grid, at));
+  return { path, phases, points: path(phases), step: TURN / number };
+}
+
+/** Search the largest value of a function about a place. @returns {number} */
+function largestAbout(/** @type {(places: number[]) => number[]} */ of, /** @type {number} */ middle, /** @type {number} */ far) {
+  let best = -Infinity;
+  for (let n = 0; n < SEARCHES; n++, far /= 2.0) {
+    const places = around(middle, far);
+    const values = of(places);
+    best = Math.max(...values);
+    middle = places[values.indexOf(best)];
+  }
+  return best;
+}
+
+/** The two points, one of each list, that are farthest apart. @param {Point[]} first @param {Point[]} second */
+function widestPair(first, second) {
+  const found = { square: -1.0, i: 0, j: 0 };
+  for (let i = 0; i < first.length; i++) {
+    const [x, y] = first[i];
+    for (let j = 0; j < second.length; j++) {
+      const [dx, dy] = [x - second[j][0], y - second[j][1]];
+      const square = dx * dx + dy * dy;
+      if (square > found.square) Object.assign(found, { square, i, j });
+    }
+  }
+  return found;
+}
+
+/** Larger axis of an ellipse, halved: it is the sum of two opposite rotations. @param {number[]} path */
+function reachOf([along, normal, phase]) {
+  const [sine, cosine] = [normal * Math.sin(phase), normal * Math.cos(phase)];
+  return 0.5 * (Math.hypot(along + sine, cosine) + Math.hypot(along - sine, cosine));
+}
+
+/** From one end of the trough's path to the other, the farther way [m]. @param {Drive} drive of plain numbers */
+function strokeOf(/** @type {any} */ engine, drive) {
+  const own = /** @type {number[]} */ (drive.path);
+  if (drive.kind === "line") return 2.0 * own[0];
+  if (drive.kind === "ellipse") return 2.0 * reachOf(own);
+  const { path, phases, points, step } = sampledPath(engine, drive);
+  let { square, i, j } = widestPair(points, points);
+  let [p, q] = [phases[i], phases[j]];
+  for (let n = 0, far = step; n < SEARCHES; n++, far /= 2.0) {
+    const [first, second] = [around(p, far), around(q, far)];
+    ({ square, i, j } = widestPair(path(first), path(second)));
+    [p, q] = [first[i], second[j]];
+  }
+  return Math.sqrt(square);
+}
+
+/** Largest acceleration of the trough over gravity. @param {Drive} drive of plain numbers */
+function loadOf(/** @type {any} */ engine, drive) {
+  const { kind, path: own, frequency, gravity, harmonics = [], motion } = /** @type {any} */ (drive);
+  const rate = TURN * frequency;
+  if (kind === "line") return (own[0] * rate ** 2) / gravity;
+  if (kind === "ellipse") return (reachOf(own) * rate ** 2) / gravity;
+  if (kind === "pieces") return (own[0] * largestOfPieces(motion)) / gravity;
+  const louder = harmonics.map((/** @type {number[]} */ column, /** @type {number} */ of) =>
+    column.map((x, n) => (of % 2 ? x : x * (n + 1) ** 2)));
+  const { path, phases, points, step } = sampledPath(engine, { ...drive, harmonics: louder });
+  const sizes = points.map(([x, y]) => Math.hypot(x, y));
+  const place = phases[sizes.indexOf(Math.max(...sizes))];
+  return (largestAbout((at) => path(at).map(([x, y]) => Math.hypot(x, y)), place, step) * rate ** 2) / gravity;
+}
+
+/** Largest acceleration of cubics on pieces, at a scale of 1 [m/s^2]. */
+function largestOfPieces(/** @type {{breaks: number[], pieces: number[]}} */ { breaks, pieces }) {
+  const count = breaks.length - 1;
+  const cubic = (/** @type {number} */ at, /** @type {number} */ u) =>
+    pieces[at] + u * (pieces[at + 1] + u * (pieces[at + 2] + u * pieces[at + 3]));
+  const sizes = (/** @type {number} */ n) => (/** @type {number[]} */ places) => places
+    .map((u) => Math.min(Math.max(u, 0.0), 1.0))
+    .map((u) => Math.hypot(cubic(4 * n, u), cubic(4 * (count + n), u)));
+  const best = Array.from({ length: count }, (_, n) => Math.max(...sizes(n)(around(0.5, 0.5))));
+  const most = Math.max(...best);
+  const near = best.flatMap((size, n) => (size > 0.9 * most ? [n] : []));
+  return Math.max(most, ...near.map((n) => largestAbout(sizes(n), 0.5, 0.5)));
+}
+
+// ------------------------------------------------------------------------------
+// Where each motion begins, as vibro.transitions has it.
+
+/** Whether two loads are the same but for rounding; none is the same as an infinite one. */
+const areSame = (/** @type {number} */ a, /** @type {number} */ b) =>
+  a === b || (Math.abs(a - b) < Infinity && Math.abs(a - b) <= SAME * Math.max(Math.abs(a), Math.abs(b)));
+
+/** Loads between which motions last, by their names, each over the scene's load. */
+function lastingMotions(/** @type {Solved} */ { engine, grid, drive, texts: { motions, loads, hop: hopping } }) {
+  if (drive.kind === "harmonics" || drive.kind === "pieces") {
+    const { classes, hop, forward, back } = engine.spans(grid);
+    const found = motions.flatMap((/** @type {string} */ name, /** @type {number} */ k) =>
+      classes[k].map((/** @type {[number, number]} */ [low, high]) => ({ name, low, high })));
+    const firstOf = (/** @type {string} */ name) =>
+      found.find((/** @type {any} */ x) => x.name === name)?.low ?? Infinity;
+    [forward, back].forEach((low, k) => {
+      if (!areSame(firstOf(motions[k]), low)) found.push({ name: loads[k], low, high: hop });
+    });
+    return [...found, { name: hopping, low: hop, high: Infinity }];
+  }
+  const found = Object.fromEntries(Object.entries(engine.limits(grid)).map(([name, [load]]) =>
+    [name, load / loadOf(engine, drive)]));
+  const { hop: high, forward_onset: forward, back_onset: back } = found;
+  return [
+    // where back slip comes first its slides may outlast the forward window
+    { name: back < forward ? loads[0] : motions[0], low: forward, high },
+    { name: motions[1], low: found.back_slip, high },
+    { name: motions[2], low: found.continuous_sliding, high },
+    ...(areSame(back, found.back_slip) ? [] : [{ name: loads[1], low: back, high }]),
+    { name: hopping, low: high, high: Infinity },
+  ];
+}
+
+function beginningsTable(/** @type {Solved} */ one) {
+  const { texts: { heads, titles, hop: hopping }, values, size, drive } = one;
+  const lasting = lastingMotions(one);
+  const hop = lasting[lasting.length - 1].low;
+  const found = lasting
+    .filter(({ name, low }) => low > 0.0 && low < Infinity && (name === hopping || low < hop))
+    .sort((a, b) => a.low - b.low);
+  const columns = [
+    { head: heads.motion, of: ({ name }) => name },
+    { head: heads.begin, of: ({ low }) => low },
+    ...(Number.isNaN(size.value) ? [] : [{ head: [size.label, size.unit], of: ({ low }) => size.value * low }]),
+    ...(drive.kind === "pieces" ? [] : [{ head: heads.frequency, of: ({ low }) => values.frequency * Math.sqrt(low) }]),
+    ...(drive.kind === "line" || drive.kind === "ellipse" ? [] : [{ head: heads.end, of: ({ high }) => high }]),
+  ];
+  const rows = found.map((/** @type {any} */ motion) => columns.map(({ of }) => of(motion)));
+  return tableOf(titles.beginnings, columns.map(({ head }) => head), rows);
+}
+
+// ------------------------------------------------------------------------------
+// A little more of each input, solved again.
+
+const [MORE, SOME_MORE, TURNED] = [0.01, 0.1, Math.PI / 180.0]; // [1], of the whole drive, [rad]
+const ROUNDING = 1e-9; // [%] change of a speed that is rounding alone
+const KNOBS = {
+  line: ["amplitude", "frequency", "drive_angle"],
+  ellipse: ["along_amplitude", "normal_amplitude", "normal_phase", "frequency"],
+  harmonics: ["motion_scale", "frequency"],
+  pieces: ["motion_scale", "frequency"],
+};
+const PARTS = ["static_friction", "kinetic_friction", "trough_angle"];
+const OF_PATH = {
+  amplitude: 0, along_amplitude: 0, motion_scale: 0, drive_angle: 1, normal_amplitude: 1, normal_phase: 2,
+};
+const OF_BODY = {
+  frequency: "frequency", static_friction: "staticFriction", kinetic_friction: "kineticFriction",
+  trough_angle: "troughAngle",
+};
+
+/** The drive with more of one quantity. @returns {Drive} */
+function changedDrive(/** @type {any} */ drive, /** @type {string} */ name, /** @type {(x: number) => number} */ more) {
+  if (name in OF_BODY) return { ...drive, [OF_BODY[name]]: more(drive[OF_BODY[name]]) };
+  return { ...drive, path: drive.path.map((/** @type {number} */ x, /** @type {number} */ n) => (n === OF_PATH[name] ? more(x) : x)) };
+}
+
+function sensitivitiesTable(/** @type {Solved} */ one) {
+  const { data: { quantities, regimes, statuses }, engine, says, texts: { heads, titles }, drive, cycle, size } = one;
+  const names = [...KNOBS[drive.kind], ...PARTS];
+  const sizes = drive.kind === "ellipse" ? names.slice(0, 2) : names.slice(0, 1);
+  const changes = names.map((name) => {
+    const isTurned = name === "normal_phase" || name === "trough_angle";
+    const label = name === "amplitude" ? size.label : quantities[name].label;
+    const more = (/** @type {number} */ x) => x + (isTurned ? TURNED : MORE * x);
+    return { label, step: isTurned ? says.turned : says.more, changed: changedDrive(drive, name, more) };
+  });
+  const whole = sizes.reduce((so, name) => changedDrive(so, name, (x) => x * (1.0 + SOME_MORE)), drive);
+  changes.push({ label: size.label, step: says["some more"], changed: whole });
+  const speed = MILLI * cycle.mean_velocity[0];
+  const rows = changes.map(({ label, step, changed }) => {
+    const found = engine.solve(engine.gridOf(changed));
+    const then = MILLI * found.mean_velocity[0];
+    const isExact = speed !== 0.0 && cycle.mean_velocity_error[0] === 0.0;
+    const change = isExact ? 100.0 * (then / speed - 1.0) : NaN;
+    const [regime, status] = [found.regime[0], found.status[0]];
+    const codeIs = (/** @type {number} */ code) => (/** @type {any} */ x) => x.code === code;
+    return [
+      filled(says["a little more"], { what: label, step }),
+      then,
+      Number.isNaN(change) ? null : Math.abs(change) < ROUNDING ? 0.0 : change,
+      engine.known.answered.includes(status)
+        ? (regime === cycle.regime[0] ? "" : regimes.find(codeIs(regime)).label)
+        : statuses.find(codeIs(status)).name.toLowerCase().replaceAll("_", "-"),
+    ];
+  });
+  return tableOf(titles.sensitivities, ["input", "speed", "change", "then"].map((name) => heads[name]), rows);
+}
+
+// ------------------------------------------------------------------------------
+// The phases of one steady cycle, counted from the drive's middle on.
+
+const LONGEST_RUN = 1000.0; // [drive cycles] from rest in which phases with flights must begin to repeat
+const SHORT = 1e-2; // [rad] shorter flights are listed as one phase
+const SHORTEST = 1e-12; // [drive cycles] shorter phases at the ends of a cycle are rounding
+
+/** The steady cycle as a history, and the time since the trough's middle at which it begins; or null. */
+function steadyHistory(/** @type {Solved} */ { engine, grid, drive, cycle, pattern }) {
+  const { frequency, kind, path } = /** @type {any} */ (drive);
+  const isOneHarmonic = kind === "line" || kind === "ellipse";
+  const hops = cycle.regime[0] === engine.known.Regime.HOPPING;
+  if (pattern === "_" || (isOneHarmonic && !hops)) { // its first slide begins at rest, at a known phase
+    const phase = pattern === "_" ? 0.0 : engine.slides(grid, cycle.pattern_code[0]).begin[0];
+    const history = followed(engine, drive, 1.0, phase);
+    return history && { history, lag: phase / (TURN * frequency) };
+  }
+  const motion = engine.history(grid, LONGEST_RUN);
+  const number = motion ? motion.number - motion.first : 0;
+  if (!number) return null;
+  const turn = isOneHarmonic ? 0 : engine.leastTurn([...motion.legs.mode.slice(motion.first)]);
+  const order = Array.from({ length: number }, (_, n) => (n + turn) % number);
+  const legs = Object.fromEntries(Object.entries(motion.legs).map(([name, x]) =>
+    [name, Float64Array.from(order, (n) => x[motion.first + n])]));
+  order.forEach((from, n) => { // what was before the first leg comes a cycle later
+    if (from >= turn) return;
+    legs.cycle[n] += motion.period;
+    legs.position[n] += motion.advance;
+  });
+  for (const name of ["cycle", "position"]) legs[name] = legs[name].map((x) => x - legs[name][0]);
+  const lead = kind === "ellipse" ? path[2] : 0.0; // phases count from the middle of the motion along the trough
+  const phase = (((legs.phase[0] - lead) % TURN) + TURN) % TURN;
+  const steady = { legs, number, first: 0, period: motion.period, advance: motion.advance };
+  const history = {
+    engine, grid, motion: steady, frequency, scale: engine.scaleOf(drive), end: motion.period / frequency,
+    startPhase: phase,
+  };
+  return { history, lag: phase / (TURN * frequency) };
+}
+
+function phasesTable(/** @type {Solved} */ one) {
+  const { engine, texts: { heads, titles, phases: names, "most phases": most }, drive, cycle, pattern } = one;
+  const hops = cycle.regime[0] === engine.known.Regime.HOPPING;
+  if (hops ? !(cycle.flight_fraction[0] > 0.0) : !pattern) return [];
+  const steady = steadyHistory(one);
+  if (!steady) return [];
+  const { history, lag } = steady;
+  const rounding = SHORTEST / history.frequency;
+  const short = SHORT / (TURN * history.frequency);
+  /** @type {import("./histories.js").Phase[]} */
+  const listed = [];
+  for (const phase of phasesOf(history)) {
+    if (!(phase.end > rounding && phase.start < history.end - rounding)) continue;
+    const kind = phase.kind === "H" && phase.end - phase.start < short ? "h" : phase.kind;
+    const last = listed[listed.length - 1];
+    if (kind === "h" && last?.kind === "h") {
+      last.end = phase.end;
+      last.moved += phase.moved;
+    } else listed.push({ ...phase, kind });
+  }
+  const rows = listed.slice(0, most).map(({ kind, start, end, moved }) =>
+    [names[kind], MILLI * (start + lag), MILLI * (end + lag), MILLI * moved]);
+  return tableOf(titles.phases, ["phase", "from", "until", "displacement"].map((name) => heads[name]), rows);
+}
+
+// ------------------------------------------------------------------------------
+// Notes, and the answer as part of a page.
+
+/** A sentence for a status, and for each doubt. @returns {string[]} */
+function notesOf(/** @type {Solved} */ one) {
+  const { engine, says, grid, drive, cycle, status, values } = one;
+  const { troughAngle, kineticFriction } = /** @type {any} */ (drive);
+  const notes = status.name === "OK" ? [] : [status.message];
+  if (status.name === "AVERAGED") {
+    const found = engine.attractors(grid);
+    const unit = MILLI * engine.scaleOf(drive) * values.frequency;
+    const stable = Array.from({ length: found.number }, (_, n) => n).filter((n) => found.multiplier[n] < 1.0);
+    const speeds = stable.map((n) => unit * found.displacement[n]).sort((a, b) => a - b);
+    const ends = new Set([speeds[0], speeds[speeds.length - 1]].map((speed) => shownText(speed)));
+    if (speeds.length) notes.push(filled(says["may be captured"], { speeds: [...ends].join(says.to) }));
+  } else if (cycle.coexists[0] > 0) {
+    const isSteep = Math.abs(Math.tan(troughAngle)) > kineticFriction;
+    notes.push(says[isSteep ? "may run away" : "may settle elsewhere"]);
+  }
+  if (cycle.flight_fraction[0] > 0.0 && values.restitution === 0.0) notes.push(says["no bounce"]);
+  return notes;
+}
+
+/** Show an answer: its facts, its tables, its notes. @param {Answer} answer @param {Element} place */
+export function showAnswer({ facts, tables, notes }, place) {
+  const lines = (/** @type {string[][]} */ rows) => rows.map(([name, ...cells]) =>
+    html("tr", {}, html("th", { scope: "row" }, name), ...cells.map((text) => html("td", {}, text))));
+  const list = html("table", { class: "facts" },
+    html("caption", {}, "What the body does"),
+    html("tbody", {}, ...lines(facts.map(({ label, text }) => [label, text]))));
+  const numeric = tables.map(({ title, columns, rows }) => html("table", { class: "numeric" },
+    html("caption", {}, title),
+    html("thead", {}, html("tr", {}, ...columns.map((text) => html("th", { scope: "col" }, text)))),
+    html("tbody", {}, ...lines(rows))));
+  place.replaceChildren(list, ...numeric, ...notes.map((note) => html("p", {}, note)));
+}

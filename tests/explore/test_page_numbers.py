@@ -1,0 +1,110 @@
+"""The numbers that the page makes itself: every figure of ``vibro solve --all``, as text."""
+
+from __future__ import annotations
+
+import random
+import re
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from helpers.cases import each
+from helpers.page_modules import cells, in_modules, state_of
+
+from vibro import Status
+from vibro.answers.answer import brief, shown, uncertain
+from vibro.answers.scene import OneScene, scene_answer
+from vibro.designs.sensitivities import changed_cycles
+from vibro.sweeps.run import sweep_blocks
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from vibro.sweeps.grid import Grid
+
+_ERRORS = 4.0  # standard errors that means may be apart
+
+
+@pytest.fixture(scope="module")
+def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Return what the page answers about each scene."""
+    asked = cells()
+    folder = tmp_path_factory.mktemp("page")
+    found = in_modules(folder, "numbers", "answerOf", [state_of(grid) for grid in asked.values()])
+    return dict(zip(asked, found, strict=True))
+
+
+def _known(grid: Grid) -> tuple[OneScene, dict[str, Any]]:
+    (block,) = sweep_blocks(grid)
+    one = OneScene(block)
+    answer = scene_answer(one, grid, {}, {}, every=True)
+    return one, {
+        "facts": [{"label": fact.label, "text": fact.text} for fact in answer.facts],
+        "tables": [
+            {"title": table.title, "columns": head, "rows": rows}
+            for table in answer.tables
+            for head, *rows in [table.texts]
+        ],
+        "notes": [*answer.notes],
+    }
+
+
+def _masked(value: Any) -> str:
+    """Write an answer without its numbers."""
+    return re.sub(r"-?[0-9][0-9.e+]*", "#", str(value))
+
+
+@each(("name", "grid"), [*cells().items()])
+def test_every_figure_is_that_of_vibro_solve(name: str, grid: Grid, answers: dict[str, Any]) -> None:
+    one, known = _known(grid)
+    found = {key: answers[name][key] for key in known}
+    # sines of JavaScript differ by roundings, which irregular motion amplifies: its means differ
+    _, changed = changed_cycles(one.scene)
+    irregular = [n for n, status in enumerate(changed.status[1:]) if status == Status.AVERAGED]
+    for answer in (found, known):
+        rows = answer["tables"][1]["rows"]
+        answer["tables"][1]["rows"] = [row[:1] if n in irregular else row for n, row in enumerate(rows)]
+    if one.status is not Status.AVERAGED:
+        assert found == known
+        return
+    mean, error = map(float, re.findall(r"[0-9.]+", answers[name]["speedText"])[:2])
+    assert abs(mean - one.speed) < _ERRORS * (error + one.error)
+    assert _masked(found["facts"]) == _masked(known["facts"])
+    assert _masked(found["notes"]) == _masked(known["notes"])
+    assert found["tables"][0] == known["tables"][0]
+
+
+def test_scenes_are_of_all_kinds() -> None:
+    ones = [_known(grid)[0] for grid in cells().values()]
+    assert {one.status for one in ones} >= {Status.OK, Status.AVERAGED, Status.RUNAWAY}
+    assert len({one.regime for one in ones}) == 4
+
+
+def test_a_title_has_six_digits(answers: dict[str, Any]) -> None:
+    assert answers["nut"]["title"] == "forward-slip, 16.2635 mm/s"
+    assert answers["runaway"]["title"] == "forward-slip, unknown"
+
+
+_WRITTEN = """
+import * as numbers from "./numbers.js";
+export const written = (data, engine, [name, ...values]) => numbers[name](...values);
+"""
+
+
+def test_numbers_are_written_as_in_python(tmp_path: Path) -> None:
+    draw = random.Random(7)
+    values = [0.0, 0.5, 2.5, 1.0625, 0.0009765625, 99995.0, 9.9995, 1e-4, 1e5, 123456.5, 1e22, 1.5e-7]
+    values += [draw.choice((-1, 1)) * draw.uniform(1, 10) * 10 ** draw.randint(-9, 9) for _ in range(300)]
+    values += [draw.randint(1, 9999) / 2 ** draw.randint(1, 12) for _ in range(300)]  # with ties
+    errors = [10 ** draw.uniform(-5, 2) for _ in values]
+    (tmp_path / "written.js").write_text(_WRITTEN, encoding="utf-8")
+    asked = [["shownText", value, digits] for value in values for digits in (3, 4, 6, 10, 15)]
+    asked += [["uncertainText", value, error] for value, error in zip(values, errors, strict=True)]
+    asked += [["briefText", value] for value in values]
+    known = [shown(value, digits) for value in values for digits in (3, 4, 6, 10, 15)]
+    known += [uncertain(value, error) for value, error in zip(values, errors, strict=True)]
+    known += [brief(value) for value in values]
+    found = in_modules(tmp_path, "written", "written", asked)
+    wrong = [
+        (ask, ours, theirs) for ask, ours, theirs in zip(asked, found, known, strict=True) if ours != theirs
+    ]
+    assert not wrong, wrong[:5]

@@ -1,0 +1,173 @@
+"""Modules of the page in node, asked about scenes of all drives: answers and motions as it shows them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from helpers.node_doors import SCRIPT, node
+from helpers.page_scripts import STATIC, spelt
+
+from vibro import Motion
+from vibro.drives import HarmonicMotion, PiecewiseMotion
+from vibro.explore.page import page_data
+from vibro.files.motions import GivenMotion
+from vibro.quantities import LINEAR, QUANTITIES
+from vibro.sweeps.grid import Grid
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+_MODULES = ("histories", "numbers", "motion")
+# What draws is not asked for.
+_DRAW = "export const [INK, axis, curve, html, legend, place, plot, set, svg, textWidth, way] = Array(11);"
+_ASK = """
+import { createRequire } from "node:module";
+import { readFileSync } from "node:fs";
+const require = createRequire(import.meta.url);
+const odd = { nan: NaN, inf: Infinity, "-inf": -Infinity };
+const read = (_, x) => (typeof x === "string" && x in odd ? odd[x] : x);
+const written = (_, x) => {
+  if (ArrayBuffer.isView(x)) return Array.from(x);
+  if (typeof x !== "number" || Number.isFinite(x)) return x;
+  return Number.isNaN(x) ? "nan" : x > 0 ? "inf" : "-inf";
+};
+const { from, called, sources, solver, data, asked } = JSON.parse(readFileSync(0, "utf8"), read);
+Object.assign(globalThis, require(`${sources}/scenes.js`));
+const engine = require(`${sources}/engine.js`).engineOf(require(solver), data.known);
+const ask = (await import(`./${from}.js`))[called];
+process.stdout.write(JSON.stringify(asked.map((one) => ask(data, engine, one)), written));
+"""
+_NUT = {
+    "amplitude": 1.0,
+    "frequency": 15.0,
+    "drive_angle": 20.0,
+    "static_friction": 0.74,
+    "kinetic_friction": 0.57,
+    "trough_angle": 0.0,
+    "gravity": 9.81,
+    "restitution": 0.0,
+}
+
+
+def cell(motion: Motion | None = None, length: float | None = 600.0, /, **changes: float) -> Grid:
+    """Return a single cell with changes to the nut, in the units outside; another drive replaces the line."""
+    names = {"along_amplitude", "normal_amplitude", "motion_scale"}.intersection(changes)
+    own = {name: value for name, value in _NUT.items() if not names or name not in LINEAR} | changes
+    given = None if motion is None else GivenMotion({"along_samples": []}, motion)
+    fixed = {name: own[name] for name in QUANTITIES if name in own}
+    return Grid({}, fixed, length, arrivals=length is not None, motion=given)
+
+
+def state_of(grid: Grid, cycles: int = 3) -> dict[str, Any]:
+    """Return the page's state of a single cell."""
+    values = dict(grid.fixed)
+    if grid.length is not None:
+        values["trough_length"] = grid.length
+    given: dict[str, Any] | None = None
+    if grid.motion is not None:
+        motion = grid.motion.motion
+        given = {"kind": "harmonics", "values": {}, "motion": None, "table": [*grid.motion.table]}
+        if isinstance(motion, PiecewiseMotion):
+            pieces = {"breaks": motion.breaks.tolist(), "pieces": motion.pieces.ravel().tolist()}
+            given |= {"kind": "pieces", "motion": {**pieces, "unit": motion.unit}}
+        elif isinstance(motion, HarmonicMotion):
+            given["values"] = _harmonics(motion)
+        values |= given["values"]
+    drive = "line" if given is None else "given"
+    return {"scene": 0, "drive": drive, "values": values, "given": given, "machine": None, "cycles": cycles}
+
+
+def _harmonics(motion: HarmonicMotion) -> dict[str, float]:
+    return {
+        name: float(QUANTITIES[name].from_si(value))
+        for way, pairs in (("along", motion.along), ("normal", motion.normal))
+        for n, pair in enumerate(pairs, 1)
+        for of, value in zip((f"{way}_amplitude", f"{way}_phase"), pair, strict=True)
+        for name in [of if n == 1 else f"{of}_{n}"]
+    }
+
+
+def cells() -> dict[str, Grid]:
+    """Return single cells of all drives and regimes, by what they are."""
+    turn = 2.0 * np.pi * np.arange(64) / 64
+    ellipse = {"along_amplitude": 0.9, "normal_amplitude": 0.4, "normal_phase": -40.0}
+    second = {
+        "along_amplitude_2": 0.2,
+        "along_phase_2": 30.0,
+        "normal_amplitude_2": 0.05,
+        "normal_phase_2": 10.0,
+    }
+    harmonics, high = {**ellipse, **second}, {"normal_amplitude": 1.45}
+    pull = {"along_amplitude": 20.0, "along_amplitude_2": 5.0, "along_phase_2": -110.0, "frequency": 2.5}
+    slow = {"frequency": 2.5, "static_friction": 0.3, "kinetic_friction": 0.25}
+    saw = Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])
+    two_way = Motion.steps(along=[(0.5, 9.0), (0.5, -9.0)], normal=[(0.25, -4.2), (0.75, 1.4)])
+    along = 9.0 * np.sin(turn) + 2.0 * np.cos(2.0 * turn)
+    shaken = Motion.samples(along=along, normal=5.0 * np.sin(turn + 0.5))
+    moved = Motion.samples(along=1e-4 * along, normal=5e-4 * np.sin(turn + 0.5), of="displacement")
+    return {
+        "nut": cell(),
+        "without length": cell(None, None),
+        "another length": cell(None, 1234.5),
+        "resting": cell(amplitude=0.3),
+        "both ways": cell(amplitude=1.3),
+        "continuous": cell(amplitude=2.0),
+        "hopping": cell(amplitude=4.0),
+        "hopping high": cell(amplitude=7.0),
+        "hopping higher": cell(amplitude=12.0),
+        "bouncing": cell(amplitude=4.0, restitution=0.3),
+        "bouncing high": cell(amplitude=4.5, restitution=0.5),
+        "bouncing beside irregular motion": cell(amplitude=5.0, restitution=0.6),
+        "irregular": cell(amplitude=6.3, restitution=0.6),
+        "uphill": cell(trough_angle=6.0, amplitude=1.5),
+        "downhill": cell(trough_angle=-10.0),
+        "backwards": cell(trough_angle=20.0, amplitude=2.1, static_friction=0.5, kinetic_friction=0.4),
+        "runaway": cell(trough_angle=-31.0),
+        "on the moon": cell(gravity=1.62, amplitude=0.25),
+        "flat": cell(drive_angle=0.0),
+        "at the onset": cell(amplitude=0.6852),
+        "slow": cell(frequency=5.0, amplitude=10.0),
+        "fast": cell(frequency=100.0, amplitude=0.05, drive_angle=30.0),
+        "equal frictions": cell(kinetic_friction=0.74),
+        "tie": cell(amplitude=1.03125, frequency=16.0),
+        "ellipse": cell(**ellipse),
+        "ellipse backwards": cell(**{**ellipse, "normal_phase": 140.0}),
+        "ellipse hopping": cell(**{**ellipse, **high}),
+        "ellipse bouncing": cell(restitution=0.3, **{**ellipse, **high}),
+        "harmonics": cell(**harmonics),
+        "harmonics uphill": cell(trough_angle=3.0, **harmonics),
+        "harmonics hopping": cell(**{**harmonics, **high}),
+        "harmonics bouncing": cell(restitution=0.3, **{**harmonics, **high}),
+        "clamped": cell(normal_acceleration=3.0, along_phase=0.0, **{**pull, **slow}),
+        "steps": cell(saw, motion_scale=1.0),
+        "steps slow": cell(saw, motion_scale=0.5, **slow),
+        "steps clamped": cell(saw, motion_scale=1.0, normal_acceleration=5.0, frequency=4.0),
+        "steps both ways": cell(two_way, motion_scale=1.2),
+        "steps hopping": cell(two_way, motion_scale=3.2),
+        "samples": cell(shaken, motion_scale=1.0),
+        "samples hopping": cell(shaken, motion_scale=2.4, restitution=0.3),
+        "displacements": cell(moved, motion_scale=1.0),
+    }
+
+
+def in_modules(folder: Path, module: str, function: str, asked: Sequence[Any]) -> list[Any]:
+    """Call ``function(data, engine, one)`` of a module with each of what is asked."""
+    scripts = {name: STATIC / f"{name}.js" for name in _MODULES}
+    texts = {name: path.read_text(encoding="utf-8") for name, path in scripts.items() if path.is_file()}
+    for name, text in {**texts, "draw": _DRAW, "ask": _ASK}.items():
+        (folder / f"{name}.js").write_text(text, encoding="utf-8")
+    (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
+    told = {"from": module, "called": function, "sources": str(STATIC), "solver": str(SCRIPT)}
+    everything = {"given": {"values": dict.fromkeys(QUANTITIES)}, "name": ""}
+    done = subprocess.run(
+        [node(), str(folder / "ask.js")],
+        input=json.dumps(spelt({**told, "data": page_data([everything]), "asked": asked})),
+        capture_output=True,
+        encoding="utf-8",
+    )
+    assert done.returncode == 0, done.stderr
+    return list(json.loads(done.stdout))
