@@ -99,67 +99,31 @@ _MAP: Final = {"drive": "line", "x": "frequency_hz", "y": "amplitude_mm"}
 # A magnet on mains of 50 Hz pulls at every half-wave, behind a diode at every second one; motors with 4 and 6
 # poles turn 1500 and 1000 times a minute. Amplitudes are of the size that such drives have
 # (docs/guide/makers.md, examples/bowl_feeder.toml).
+# fmt: off
 PRESETS: Final = {
-    "bowl-50": Preset(
-        "bowl feeder, 50 Hz",
-        {
-            "drive": "ellipse",
-            "along_amplitude_mm": "0.2",
-            "normal_amplitude_mm": "0.08",
-            "normal_phase_deg": "0",
-            "frequency_hz": "50",
-            "trough_angle_deg": "2",
-            "x": "normal_phase_deg",
-            "y": "along_amplitude_mm",
-            "x_range": "-180:180",
-            "y_range": "0.02:0.5",
-        },
-    ),
-    "magnet-50": Preset(
-        "magnet, 50 Hz",
-        {
-            **_MAP,
-            "amplitude_mm": "0.5",
-            "frequency_hz": "50",
-            "drive_angle_deg": "25",
-            "x_range": "20:80",
-            "y_range": "0.05:1.5",
-        },
-    ),
-    "magnet-100": Preset(
-        "magnet, 100 Hz",
-        {
-            **_MAP,
-            "amplitude_mm": "0.15",
-            "frequency_hz": "100",
-            "drive_angle_deg": "20",
-            "x_range": "50:150",
-            "y_range": "0.01:0.5",
-        },
-    ),
-    "motor-25": Preset(
-        "unbalance motor, 1500 rpm",
-        {
-            **_MAP,
-            "amplitude_mm": "2",
-            "frequency_hz": "25",
-            "drive_angle_deg": "30",
-            "x_range": "8:50",
-            "y_range": "0.2:5",
-        },
-    ),
-    "motor-16": Preset(
-        "unbalance motor, 1000 rpm",
-        {
-            **_MAP,
-            "amplitude_mm": "4",
-            "frequency_hz": "16.6667",
-            "drive_angle_deg": "30",
-            "x_range": "5:40",
-            "y_range": "0.2:8",
-        },
-    ),
+    "bowl-50": Preset("bowl feeder, 50 Hz", {
+        "drive": "ellipse", "along_amplitude_mm": "0.2", "normal_amplitude_mm": "0.08",
+        "normal_phase_deg": "0", "frequency_hz": "50", "trough_angle_deg": "2",
+        "x": "normal_phase_deg", "y": "along_amplitude_mm", "x_range": "-180:180", "y_range": "0.02:0.5",
+    }),
+    "magnet-50": Preset("magnet, 50 Hz", {
+        **_MAP, "amplitude_mm": "0.5", "frequency_hz": "50", "drive_angle_deg": "25",
+        "x_range": "20:80", "y_range": "0.05:1.5",
+    }),
+    "magnet-100": Preset("magnet, 100 Hz", {
+        **_MAP, "amplitude_mm": "0.15", "frequency_hz": "100", "drive_angle_deg": "20",
+        "x_range": "50:150", "y_range": "0.01:0.5",
+    }),
+    "motor-25": Preset("unbalance motor, 1500 rpm", {
+        **_MAP, "amplitude_mm": "2", "frequency_hz": "25", "drive_angle_deg": "30",
+        "x_range": "8:50", "y_range": "0.2:5",
+    }),
+    "motor-16": Preset("unbalance motor, 1000 rpm", {
+        **_MAP, "amplitude_mm": "4", "frequency_hz": "16.6667", "drive_angle_deg": "30",
+        "x_range": "5:40", "y_range": "0.2:8",
+    }),
 }
+# fmt: on
 
 
 def drive_named(quantities: Collection[str]) -> str:

@@ -43,7 +43,7 @@ _SCALES: Final = ("cividis", "cividis_r", "RdBu")
 MARKS: Final = {
     name: 1 << bit
     for bit, name in enumerate(
-        ("backwards", "averaged", "coexists", "preview", "unknown", "unproved", "either", "misses",
+        ("backwards", "averaged", "coexists", "preview", "sampled", "either", "misses",
          "rising", "falling", "crossed", "level", "grid")
     )
 }  # fmt: skip
@@ -72,7 +72,7 @@ STRIPES: Final[list[dict[str, Any]]] = [
         ("level grid", _FAINT, [_stripe(0, 1, 8, 1.0)]),
         ("grid", _FAINT, [_stripe(1, 0, 8, 1.0)]),
         ("coexists", _FAINT, _dots(7, 1.6)),
-        ("unknown unproved", _FAINT, _dots(10, 1.0)),
+        ("sampled", _FAINT, [_stripe(1, -1, 16, 1.0)]),
         ("backwards", _INK, [_stripe(1, 0, 12, 1.0)]),
         ("averaged", _WHITE, [_stripe(1, 1, 24, 2.4)]),
         ("averaged", _FAINT, [_stripe(1, 1, 24, 1.8, 0.6)]),
@@ -86,9 +86,8 @@ _NAMES: Final = {
     "backwards": (BACKWARDS_LABEL, [int(Regime.NO_SLIP)]),
     "averaged": (AVERAGED_LABEL, [int(Regime.NO_SLIP)]),
     "coexists": (COEXISTS_LABEL, [int(Regime.NO_SLIP)]),
-    "preview": ("preview, not exact yet", [_GREY]),
-    "unknown": ("not computed yet", [_NO_ANSWER]),
-    "unproved": ("not proved here", [_NO_ANSWER]),
+    "preview": ("not solved yet: a neighbour's", [_GREY]),
+    "sampled": ("sampled: the least of a few bodies", [int(Regime.NO_SLIP)]),
     "either": (
         "either regime or one between, depending on friction",
         [int(Regime.FORWARD_SLIP), int(Regime.BACK_SLIP)],
