@@ -1,14 +1,11 @@
-// What the server answers, and what the modules of the page hand to each other.
+// What the modules of the page hand to each other, and what its classic script has for all of them.
 
-type State = Record<string, string>;
+declare const exports: Record<string, any>; // the solver's doors
+declare const engineOf: typeof import("../../src/vibro/explore/static/engine.js").engineOf;
+declare const driveOf: typeof import("../../src/vibro/explore/static/scenes.js").driveOf;
+declare const operatingOf: typeof import("../../src/vibro/explore/static/scenes.js").operatingOf;
+
 type Problem = { field: string; text: string };
-type Refusal = { problems: Problem[]; hint?: string };
-
-type Schema = {
-  initial: State; form: string; idle: Record<string, string[]>; marks: Record<string, number>;
-  regimes: { code: number; label: string }[]; statuses: { code: number; message: string }[];
-};
-
 type Tick = [share: number, text: string];
 type AxisInfo = {
   column: string; label: string; title: string; unit: string; from: number; to: number; log: boolean; count: number;
@@ -34,12 +31,6 @@ type HistoryHeader = {
   phases: { name: string; colour: string; start: number; end: number }[];
 };
 type HistoryAnswer = Packed<HistoryHeader>;
-
-type PointAnswer = {
-  state: State; title: string; regime: string; colour: string; speed: string; guaranteed: string; unproved: boolean; tables: string;
-  bands: State[];
-  command: string; apart: string; toml: string;
-};
 
 type ArrayInfo = { name: string; type: "f4" | "i1" | "u1" | "u2"; shape: number[]; offset: number };
 type Box = { left: number; top: number; width: number; height: number };
