@@ -61,7 +61,8 @@ def test_operating_points_are_those_of_the_files(tmp_path: Path) -> None:
         requests.append(request)
         expected.append(vibro.solve(read_scene(file)) if {*request.varying} <= {*request.own} else None)
     static = Path(pages.__file__).with_name("static")
-    (tmp_path / "state.js").write_text((static / "state.js").read_text(encoding="utf-8"), encoding="utf-8")
+    for module in ("state.js", "typed.js"):
+        (tmp_path / module).write_text((static / module).read_text(encoding="utf-8"), encoding="utf-8")
     (tmp_path / "package.json").write_text('{"type": "module"}', encoding="utf-8")
     (tmp_path / "run.js").write_text(RUN, encoding="utf-8")
     data = json.loads(pages._json(page_data([scene_data(request) for request in requests])))

@@ -28,12 +28,15 @@ if TYPE_CHECKING:
 _ASK = """
 import { readFileSync } from "node:fs";
 import * as state from "./state.js";
+import * as store from "./store.js";
+import * as typed from "./typed.js";
 const { data, asked } = JSON.parse(readFileSync(0, "utf-8"));
+const called = { ...state, ...store, ...typed };
 const answers = asked.map(([name, ...values]) => {
   try {
     const [first, ...others] = values;
-    if (name === "numberIn") return state[name](data.quantities[first], ...others);
-    return state[name](...(first === "DATA" ? [data, ...others] : values)) ?? null;
+    if (name === "numberIn") return called[name](data.quantities[first], ...others);
+    return called[name](...(first === "DATA" ? [data, ...others] : values)) ?? null;
   } catch (error) {
     return { thrown: `${error.name}: ${error.message}`, hint: error.hint };
   }
@@ -68,11 +71,12 @@ filling_kg = 2
 
 @pytest.fixture(scope="module")
 def ask(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[Any]]:
-    """Return what calls functions of state.js in node, each given as its name and its arguments."""
+    """Return what calls functions of the page in node, each given as its name and its arguments."""
     program = node()
     folder: Path = tmp_path_factory.mktemp("page")
-    script = (files("vibro.explore") / "static" / "state.js").read_text(encoding="utf-8")
-    (folder / "state.js").write_text(script, encoding="utf-8")
+    for name in ("state.js", "store.js", "typed.js"):
+        script = (files("vibro.explore") / "static" / name).read_text(encoding="utf-8")
+        (folder / name).write_text(script, encoding="utf-8")
     (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
     (folder / "ask.js").write_text(_ASK, encoding="utf-8")
     requests: list[Request | None] = [None]

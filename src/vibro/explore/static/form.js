@@ -1,11 +1,13 @@
 /** The settings, built from the page's data; every box has a key of the state as its name. */
 
 import { html, input, place, set } from "./draw.js";
-import { bandsIf, controlOf, drivesOf, quantitiesOf, typedText } from "./state.js";
+import { controlOf, drivesOf, quantitiesOf } from "./state.js";
+import { bandsIf } from "./store.js";
+import { typedText } from "./typed.js";
 
 /** @typedef {HTMLInputElement | HTMLSelectElement} Setting
  * @typedef {import("./state.js").PageData} PageData
- * @typedef {import("./state.js").Store} Store
+ * @typedef {import("./store.js").Store} Store
  * @typedef {import("./state.js").Texts} Texts
  * @typedef {Record<string, string | number>} Attributes */
 

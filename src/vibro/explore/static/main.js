@@ -6,7 +6,9 @@ import { createForm } from "./form.js";
 import { MapView } from "./map.js";
 import { drawMotion } from "./motion.js";
 import { answerOf, showAnswer } from "./numbers.js";
-import { createStore, data, drivesOf, quantitiesOf, typedText } from "./state.js";
+import { data, drivesOf, quantitiesOf } from "./state.js";
+import { createStore } from "./store.js";
+import { typedText } from "./typed.js";
 
 /** @typedef {import("./state.js").Shown} Shown
  * @typedef {import("./state.js").Texts} Texts
