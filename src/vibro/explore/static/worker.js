@@ -1,0 +1,158 @@
+"use strict";
+/**
+ * Blocks of rows of a map. A worker answers each message with one; without workers the page calls `solveRows`.
+ *
+ * @typedef {{name: string, values: number[]}} AxisValues in the unit outside, ascending
+ * @typedef {object} MapJob what decides the cells of a map
+ * @property {Record<string, number | undefined>} values of all other quantities, in the units outside
+ * @property {AxisValues} x along rows
+ * @property {AxisValues} y from row to row
+ * @property {any} given drive of a scene that sliders cannot make, or null
+ * @property {any} machine from which amplitudes follow, or null
+ * @property {Record<string, number | undefined>[]} bodies of the bands, by the quantities in which they differ
+ * @property {Record<string, Record<string, number | undefined>>} edges bodies whose critical loads are drawn
+ *
+ * @typedef {Record<string, Float64Array | Int8Array>} CellRows results by name, row after row
+ * @typedef {object} RowBlock
+ * @property {number} begin its first row
+ * @property {number} end the row after its last
+ * @property {CellRows} rows
+ */
+
+const CELL_CODES = ["regime", "status", "coexists", "model_code"]; // results that are small whole numbers
+const LOG_RATIOS = ["hop", "forward_onset", "back_slip", "continuous_sliding"];
+
+/**
+ * Solve some rows of a map: results by the names of vibro.SteadyCycle, and of ln(G / G_critical) as `ratio_...`.
+ * @param {any} data of the page
+ * @param {any} engine
+ * @param {MapJob} job
+ * @param {number} begin
+ * @param {number} end
+ * @returns {RowBlock}
+ */
+function solveRows(data, engine, job, begin, end) {
+  const shape = [end - begin, job.x.values.length];
+  const axes = {
+    [job.y.name]: { values: job.y.values.slice(begin, end), strides: [1, 0] },
+    [job.x.name]: { values: job.x.values, strides: [0, 1] },
+  };
+  const solved = (/** @type {Record<string, any>} */ own) => solveCells(data, engine, job, { ...job.values, ...axes, ...own }, shape);
+  const { drive, cells, amplitude } = solved({});
+  const rows = /** @type {CellRows} */ ({});
+  for (const [name, x] of Object.entries(cells)) rows[name] = CELL_CODES.includes(name) ? Int8Array.from(x) : x;
+  if (amplitude) rows.amplitude = amplitude;
+  Object.assign(rows, logRatiosOf(engine, drive, shape, "ratio"));
+  for (const [edge, own] of Object.entries(job.edges)) {
+    const values = { ...job.values, ...axes, ...own, ...(amplitude && { amplitude: 1.0 }) };
+    Object.assign(rows, logRatiosOf(engine, driveOf(data, { values, given: job.given }), shape, edge));
+  }
+  if (job.bodies.length) Object.assign(rows, leastOf(job.bodies.map((own) => solved(own).cells)));
+  return { begin, end, rows };
+}
+
+/**
+ * @param {any} data @param {any} engine @param {MapJob} job
+ * @param {Record<string, any>} values @param {number[]} shape
+ */
+function solveCells(data, engine, { given, machine }, values, shape) {
+  const operating = machine ? operatingOf(data, engine, { values, machine, given: null }, shape) : null;
+  if (operating) { // any amplitude, where there is none: those results are withheld
+    const found = operating.amplitude.map((x) => (Number.isNaN(x) ? 1.0 : 1000.0 * x));
+    values = { ...values, amplitude: { values: found, strides: [shape[1], 1] } };
+  }
+  const drive = driveOf(data, { values, given });
+  const cells = engine.solve(engine.gridOf(drive, shape));
+  if (operating) withhold(cells, operating, engine.known);
+  return { drive, cells, amplitude: operating && operating.amplitude };
+}
+
+/**
+ * Let no cell be surer than its operating point, as vibro.sweeps.machines.withheld does.
+ * @param {Record<string, Float64Array>} cells
+ * @param {Record<string, Float64Array>} operating
+ * @param {any} known
+ */
+function withhold(cells, operating, known) {
+  const { OK, BOUNDARY, INFEASIBLE, AVERAGED } = known.Status;
+  const isAnswered = (/** @type {number} */ status) => known.answered.includes(status);
+  const nothing = /** @type {Record<string, number>} */ ({ regime: -1, coexists: -1, pattern_code: 0, model_code: 0 });
+  for (let n = 0; n < cells.status.length; n++) {
+    const [own, point] = [cells.status[n], operating.status[n]];
+    if (Number.isNaN(operating.amplitude[n])) {
+      if (own === INFEASIBLE) continue;
+      for (const [name, x] of Object.entries(cells)) x[n] = nothing[name] ?? NaN;
+      cells.status[n] = isAnswered(point) ? INFEASIBLE : point; // the masses strike
+    } else if (point === AVERAGED && isAnswered(own)) { // the amplitude is known to an interval
+      if (own !== AVERAGED) cells.mean_velocity_error[n] = NaN;
+      cells.status[n] = AVERAGED;
+    } else if (point === BOUNDARY && own === OK) cells.status[n] = BOUNDARY;
+  }
+}
+
+/**
+ * ln(G / G_critical) of each cell: positive where a motion has begun. None of drives beyond one harmonic.
+ * @param {any} engine @param {any} drive @param {number[]} shape @param {string} prefix of the names
+ * @returns {CellRows}
+ */
+function logRatiosOf(engine, drive, [many, few], prefix) {
+  if (drive.kind !== "line" && drive.kind !== "ellipse") return {};
+  const at = (/** @type {any} */ x, /** @type {number} */ i, /** @type {number} */ j) =>
+    typeof x === "number" ? x : x.values[i * x.strides[0] + j * x.strides[1]];
+  // Critical loads depend on proportions, angles and frictions alone: they are found once where axes change none.
+  const path = drive.kind === "line" ? [1.0, drive.path[1]] : drive.path;
+  const bare = { ...drive, path, frequency: 1.0, gravity: 1.0, restitution: 0.0 };
+  const fields = [...path, drive.staticFriction, drive.kineticFriction, drive.troughAngle];
+  const [rows, columns] = [many, few].map((n, axis) => (fields.some((x) => x.strides?.[axis]) ? n : 1));
+  const critical = engine.limits(engine.gridOf(bare, [rows, columns]));
+  const found = /** @type {CellRows} */ ({});
+  for (const name of LOG_RATIOS) {
+    critical[name] = critical[name].map(Math.log);
+    found[`${prefix}_${name}`] = new Float64Array(many * few);
+  }
+  for (let n = 0; n < many * few; n++) {
+    const [i, j] = [Math.floor(n / few), n % few];
+    const [first, second, third] = drive.path.map((/** @type {any} */ x) => at(x, i, j));
+    // an ellipse is two opposite rotations: its larger semi-axis is the sum of their radii
+    const [sine, cosine] = third === undefined ? [0.0, 0.0] : [second * Math.sin(third), second * Math.cos(third)];
+    const reach = third === undefined ? first : 0.5 * (Math.hypot(first + sine, cosine) + Math.hypot(first - sine, cosine));
+    const turn = 2.0 * Math.PI * at(drive.frequency, i, j);
+    const load = Math.log((reach * turn * turn) / at(drive.gravity, i, j));
+    const k = (rows > 1 ? i : 0) * columns + (columns > 1 ? j : 0);
+    for (const name of LOG_RATIOS) found[`${prefix}_${name}`][n] = load - critical[name][k];
+  }
+  return found;
+}
+
+/**
+ * Of several bodies the least speed, unknown where any is, and the lowest and the highest regime.
+ * @param {Record<string, Float64Array>[]} bodies their cells
+ */
+function leastOf(bodies) {
+  const of = (/** @type {string} */ name, /** @type {(...x: number[]) => number} */ pick) =>
+    bodies[0][name].map((_, n) => pick(...bodies.map((cells) => cells[name][n])));
+  return {
+    least_velocity: of("mean_velocity", Math.min),
+    lowest: Int8Array.from(of("regime", Math.min)),
+    highest: Int8Array.from(of("regime", Math.max)),
+  };
+}
+
+/** In a worker: take what all blocks need, then answer each message with a block of rows. */
+function answerBlocks() {
+  let data = /** @type {any} */ (null), engine = /** @type {any} */ (null);
+  self.onmessage = ({ data: message }) => {
+    if (message.data) {
+      data = message.data;
+      engine = engineOf(exports, data.known);
+      return;
+    }
+    const began = performance.now();
+    const { begin, end, rows } = solveRows(data, engine, message.job, message.begin, message.end);
+    const block = { id: message.id, begin, end, rows, took: performance.now() - began };
+    /** @type {any} */ (self).postMessage(block, Object.values(rows).map((x) => x.buffer));
+  };
+}
+
+if (typeof WorkerGlobalScope !== "undefined" && self instanceof WorkerGlobalScope) answerBlocks();
+if (typeof module !== "undefined") module.exports = { solveRows, withhold };
