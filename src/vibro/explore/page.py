@@ -22,6 +22,7 @@ from vibro.motion.histories import STARTS
 from vibro.plots.style import REGIME_COLOURS, UNIT_SIGNS, visible
 from vibro.quantities import LEAST_SPEED, QUANTITIES
 from vibro.reals import shielded
+from vibro.results.steady import RESULTS
 from vibro.scene import Scene
 from vibro.sweeps.whole import request_of_call
 from vibro.version import __version__
@@ -102,6 +103,11 @@ def page_data(scenes: Sequence[dict[str, Any]]) -> dict[str, Any]:
                 "hatch": HATCHES.get(status, ""),
             }
             for status in Status
+        ],
+        "columns": [
+            {"name": r.name, "column": r.column, "per_si": r.kind.per_si, "texts": r.texts}
+            for r in RESULTS
+            if not r.on_request
         ],
         "looks": looks(),
         "texts": _texts(),

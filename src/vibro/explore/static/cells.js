@@ -1,5 +1,18 @@
 /** The cells of a map as pixels: their colours, and hatches at the resolution of the screen. */
 
+/** @typedef {{right: number, down: number, period: number, from: number, to: number}} Stripe
+ * @typedef {{marks: number, face: number | null, stripes: Stripe[]}} Hatch without a face: the other colour of the cell
+ * @typedef {object} Cells
+ * @property {Uint32Array} palette
+ * @property {Hatch[]} hatches
+ * @property {number} pale bits of marks under which colours are half white
+ * @property {ArrayLike<number>} faces places in the palette
+ * @property {ArrayLike<number>} others those of stripes
+ * @property {ArrayLike<number>} marks bits
+ * @property {number} nx
+ * @property {number} ny
+ * @property {number[][][]} pieces of curves, [ax, ay, bx, by] in cells, by the square that they cross */
+
 /** The colours of a palette. @param {string} palette bytes of red, green and blue, in base64 */
 export function colours(palette) {
   const bytes = Uint8Array.from(atob(palette), (c) => c.charCodeAt(0));
@@ -13,14 +26,15 @@ const isIn = (stripes, x, y) => stripes.every(({ right, down, period, from, to }
   return at >= from && at < to;
 });
 
-/** Pieces of curves by the square of four cells that each lies in. @param {MapAnswer} map */
-export function piecesOf({ header: { x, y }, arrays: { points } }) {
-  const pieces = /** @type {number[][][]} */ (Array(x.count * y.count));
-  const cells = points.map((share, n) => share * ((n % 2 ? y : x).count - 1));
-  for (let at = 0; at + 3 < cells.length; at += 2) {
-    const [ax, ay, bx, by] = cells.subarray(at, at + 4);
-    const square = Math.floor((ay + by) / 2) * x.count + Math.floor((ax + bx) / 2);
-    if (square >= 0) (pieces[square] ??= []).push([ax, ay, bx, by]); // no square, where a curve is interrupted
+/** Pieces of curves by the square of four cells that each lies in.
+ * @param {{nx: number, ny: number, curves: {lines: number[][][]}[]}} map */
+export function piecesOf({ nx, ny, curves }) {
+  const pieces = /** @type {number[][][]} */ (Array(nx * ny));
+  for (const line of curves.flatMap(({ lines }) => lines)) {
+    for (let n = 1; n < line.length; n++) {
+      const [ax, ay, bx, by] = [...line[n - 1], ...line[n]].map((share, k) => share * ((k % 2 ? ny : nx) - 1));
+      (pieces[Math.floor((ay + by) / 2) * nx + Math.floor((ax + bx) / 2)] ??= []).push([ax, ay, bx, by]);
+    }
   }
   return pieces;
 }

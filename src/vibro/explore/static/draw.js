@@ -1,8 +1,10 @@
 /** Elements, numbers, axes and legends, the same for the map and the motion. */
 
+import { generalText } from "./state.js";
+
 export const INK = "#222222";
-export const FONT = getComputedStyle(document.body).fontFamily;
-const pen = /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
+export const fontFamily = () => getComputedStyle(document.body).fontFamily;
+let pen = /** @type {CanvasRenderingContext2D | null} */ (null); // made when it is first needed: node has none
 
 /** @template {Element} E @param {E} element @param {Record<string, string | number>} attributes
  * @param {(Node | string)[]} children */
@@ -35,11 +37,14 @@ export const place = (/** @type {string} */ id) => byId(id, HTMLElement);
 export const shape = (/** @type {string} */ id) => byId(id, SVGElement);
 
 /** A number in few digits, with a proper minus. @param {number} value */
-export const numberText = (value, digits = 4) => String(Number(value.toPrecision(digits))).replace("-", "\u2212");
+export const numberText = (value, digits = 5) => generalText(value, digits).replaceAll("-", "\u2212");
+/** A value of a quantity with its unit. @param {{sign: string}} quantity @param {number} value */
+export const valueText = ({ sign }, value) => numberText(value) + (sign === "\u00b0" || !sign ? "" : " ") + sign;
 
 /** @param {string} text @param {number} [size] [px] */
 export function textWidth(text, size = 12) {
-  pen.font = `${size}px ${FONT}`;
+  pen ??= /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
+  pen.font = `${size}px ${fontFamily()}`;
   return pen.measureText(text).width;
 }
 

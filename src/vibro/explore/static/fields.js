@@ -1,14 +1,14 @@
 /** What a map shows of its cells: numbers of the view, their colours, marks, the curves between regimes, notes. */
 
 import { closed, filled, visibleLines, zeroLines } from "./contours.js";
+import { numberText, valueText } from "./draw.js";
 import { OF_FLIGHT } from "./pool.js";
 
-/** @typedef {import("./pool.js").MapCells} MapCells @typedef {import("./pool.js").MapState} MapState
- * @typedef {import("./pool.js").MapAxis} MapAxis
- * @typedef {[share: number, text: string]} Tick
+/** @typedef {import("./pool.js").MapCells} MapCells @typedef {import("./state.js").Shown} Shown
+ * @typedef {import("./state.js").Axis} Axis
  * @typedef {object} AxisInfo
  * @property {string} name @property {string} column @property {string} label @property {string} title
- * @property {string} unit @property {number} from @property {number} to @property {boolean} log
+ * @property {string} sign @property {number} from @property {number} to @property {boolean} log
  * @property {number} count @property {Tick[]} ticks
  * @typedef {object} CurveInfo
  * @property {string} name @property {string} label @property {string} colour @property {string} halo
@@ -31,11 +31,6 @@ const FEW_CYCLES = 4.0;
 const [ROUGH_ACROSS, ROUGH_AROUND] = [10, 8]; // [cells]
 const SEEN_SHARE = 0.02; // of a map: less of it does not decide on the colours
 const LISTED_HARMONICS = 2;
-
-/** A number in few digits, with a proper minus. @param {number} value */
-export const numberText = (value, digits = 5) => String(Number(value.toPrecision(digits))).replace("-", "\u2212");
-/** A value of a quantity with its unit. @param {{sign: string}} quantity @param {number} value */
-export const valueText = ({ sign }, value) => numberText(value) + (sign === "°" || !sign ? "" : " ") + sign;
 
 // ------------------------------------------------------------------------------
 // Round numbers, and scales of colours.
@@ -106,7 +101,7 @@ export function speedScale(seen, regular, calm, reverses) {
 
 /** Times: logarithmic; near rest they grow without bound. @param {number[]} seen */
 export function timeScale(seen) {
-  const ascending = seen.toSorted((a, b) => a - b);
+  const ascending = [...seen].sort((a, b) => a - b);
   const bottom = ascending[0] ?? 1.0;
   const top = Math.max(1.01 * bottom, Math.min(seen.length ? quantileOf(ascending, 0.98) : 2.0, 1e5 * bottom));
   return scaleAlong("cividis_r", bottom, top, Math.log, top > 5.0 * bottom ? logTicks(bottom, top) : roundNumbers(bottom, top));
@@ -115,20 +110,20 @@ export function timeScale(seen) {
 // ------------------------------------------------------------------------------
 // Axes and words.
 
-/** Where a value lies on an axis, 0 to 1 or beyond. @param {MapAxis} axis @param {number} value */
+/** Where a value lies on an axis, 0 to 1 or beyond. @param {Axis} axis @param {number} value */
 export function shareOf({ from, to, log }, value) {
   return log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
 }
 
-/** @param {any} data @param {MapAxis} axis @param {number} count @returns {AxisInfo} */
+/** @param {any} data @param {Axis} axis @param {number} count @returns {AxisInfo} */
 function axisInfo({ quantities }, axis, count) {
   const { column, label, symbol, sign } = quantities[axis.name];
   const ticks = roundNumbers(axis.from, axis.to, axis.log).map((x) =>
     /** @type {Tick} */ ([Math.min(Math.max(shareOf(axis, x), 0.0), 1.0), numberText(x)]));
-  return { ...axis, column, label, title: `${label} ${symbol}${sign && ` [${sign}]`}`, unit: sign, count, ticks };
+  return { ...axis, column, label, title: `${label} ${symbol}${sign && ` [${sign}]`}`, sign, count, ticks };
 }
 
-/** Fixed quantities without their usual values: α = 20°, μ_s = 0.74. @param {any} data @param {MapState} state
+/** Fixed quantities without their usual values: α = 20°, μ_s = 0.74. @param {any} data @param {Shown} state
  * @param {MapCells["job"]} job */
 function captionOf({ quantities }, { values, bands }, job) {
   const spans = /** @type {Record<string, number[]>} */ ({ ...bands });
@@ -147,7 +142,7 @@ function captionOf({ quantities }, { values, bands }, job) {
 // ------------------------------------------------------------------------------
 // Numbers, marks and curves.
 
-/** What a map shows. @param {any} data of the page @param {MapState} state @param {MapCells} cells */
+/** What a map shows. @param {any} data of the page @param {Shown} state @param {MapCells} cells */
 export function drawnMap(data, state, cells) {
   const { view } = state, { rows, nx, ny, job } = cells;
   const { NO_SLIP, HOPPING } = data.known.Regime;
@@ -181,7 +176,7 @@ export function drawnMap(data, state, cells) {
   };
 }
 
-/** @param {any} data @param {MapState} state @param {MapCells} cells @param {boolean} isSampled */
+/** @param {any} data @param {Shown} state @param {MapCells} cells @param {boolean} isSampled */
 function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
   const { regime, status, mean_velocity: mean, mean_velocity_error: error, period_cycles: period } = rows;
   const { NO_SLIP, FORWARD_SLIP, BACK_SLIP, HOPPING } = known.Regime;
@@ -224,13 +219,13 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
     ratio, rest, largest, moving, backwards, irregular, masked, regime, FORWARD_SLIP,
     speed: (isSampled ? rows.least_velocity : mean).map((speed) => 1000.0 * speed),
     edges: Object.fromEntries(Object.keys(job.edges).map((edge) => [edge, ratios(edge)])),
-    reverses: !isSampled && mean.reduce((count, _, n) => count + Number(backwards(n)), 0) > SEEN_SHARE * size,
+    reverses: !isSampled && masked(backwards).filter((x) => x > 0.0).length > SEEN_SHARE * size,
     missing: (/** @type {string[]} */ names) => names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
   };
 }
 /** @typedef {ReturnType<typeof fieldsOf>} Fields */
 
-/** Numbers of the view in the unit outside; none of regimes. @param {MapState} state @param {MapCells} cells @param {any} speed [mm/s] */
+/** Numbers of the view in the unit outside; none of regimes. @param {Shown} state @param {MapCells} cells @param {any} speed [mm/s] */
 function numbersOf({ view, values }, { rows }, speed) {
   if (view === "regime") return null;
   if (view === "impact") return Float64Array.from(rows.impact_velocity, (x) => 1000.0 * x);
@@ -248,7 +243,7 @@ function scaleOf(view, seen, { rows }, Regime, reverses) {
   return speedScale(those(() => true), regular, calm, reverses && view === "speed");
 }
 
-/** Where each mark applies. @param {any} data @param {MapState} state @param {MapCells} cells @param {Fields} fields @param {boolean} isSampled
+/** Where each mark applies. @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields @param {boolean} isSampled
  * @returns {Record<string, (n: number) => boolean>} */
 function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, fields, isSampled) {
   const { status, coexists } = rows;
@@ -268,7 +263,7 @@ function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, 
   };
 }
 
-/** Positive where bodies reach the wanted speed and do not hop. @param {MapState} state @param {{rows: MapCells["rows"], nx: number}} cells
+/** Positive where bodies reach the wanted speed and do not hop. @param {Shown} state @param {{rows: MapCells["rows"], nx: number}} cells
  * @param {Fields} fields @param {boolean} isSampled */
 function meetsOf({ target }, { rows, nx }, fields, isSampled) {
   const wanted = Number(target);
@@ -305,7 +300,7 @@ function looksOf({ looks, statuses }, { lowest, highest, numbers, scale, covered
   return { faces, others: Uint8Array.from(highest, (/** @type {number} */ code) => (code >= 0 ? code : none)), marks };
 }
 
-/** @param {any} data @param {MapState} state @param {{faces: Uint8Array, others: Uint8Array, marks: Uint16Array}} looks @param {boolean} isSampled
+/** @param {any} data @param {Shown} state @param {{faces: Uint8Array, others: Uint8Array, marks: Uint16Array}} looks @param {boolean} isSampled
  * @returns {{text: string, faces: number[], marks: number}[]} */
 function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }, isSampled) {
   const found = marks.reduce((all, own) => all | own, 0);
@@ -325,11 +320,11 @@ function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }
   ];
 }
 
-/** The curves between regimes and their pieces. @param {any} data @param {MapState} state @param {MapCells} cells @param {Fields} fields
+/** The curves between regimes and their pieces. @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields
  * @param {boolean} isSampled @param {boolean} isOnNumbers @returns {CurveInfo[]} */
 function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNumbers) {
   const isFlight = OF_FLIGHT.includes(state.view);
-  const place = (/** @type {MapAxis} */ axis, /** @type {number[]} */ values) => (/** @type {number} */ at) => {
+  const place = (/** @type {Axis} */ axis, /** @type {number[]} */ values) => (/** @type {number} */ at) => {
     const n = Math.min(Math.floor(at), values.length - 2), t = at - n;
     const [low, high] = [values[n], values[n + 1]];
     return shareOf(axis, LOADING.includes(axis.name) ? low * (high / low) ** t : low + t * (high - low));
@@ -367,7 +362,7 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
   return found;
 }
 
-/** Where the largest number is, or the shortest time. @param {any} data @param {MapState} state @param {MapCells} cells
+/** Where the largest number is, or the shortest time. @param {any} data @param {Shown} state @param {MapCells} cells
  * @param {Float64Array} seen @param {string} unit */
 function bestOf({ quantities }, { view, x, y }, { nx, job, isDone }, seen, unit) {
   const isTime = view === "traverse";
@@ -375,4 +370,22 @@ function bestOf({ quantities }, { view, x, y }, { nx, job, isDone }, seen, unit)
   const where = [[x.name, job.x.values[best % nx]], [y.name, job.y.values[Math.floor(best / nx)]]].map(([name, value]) =>
     `${quantities[name].label} ${valueText(quantities[name], Number(value))}`);
   return `${isTime ? "Shortest" : "Largest"} here${isDone ? "" : " so far"}: ${numberText(seen[best])}${unit && ` ${unit}`}, at ${where.join(" and ")}.`;
+}
+
+/** What is told of one cell: names and texts. @param {any} data @param {DrawnMap} map @param {number} i @param {number} j */
+export function tipRows({ regimes, statuses }, map, i, j) {
+  const { x, y, nx, cells: { rows, job }, lowest, highest, isSampled, numbers, label, legend, marks } = map;
+  const n = j * nx + i;
+  const names = [lowest[n], highest[n]].map((code) => regimes.find((/** @type {any} */ one) => one.code === code)?.label);
+  const number = (/** @type {number | undefined} */ value) => (value === undefined || Number.isNaN(value) ? "" : numberText(value, 4));
+  const told = legend.filter((item) => item.marks & marks[n]).map((item) => item.text);
+  const trouble = statuses.find((/** @type {any} */ one) => one.code === rows.status[n])?.message ?? "";
+  const found = [
+    [x.label, valueText(x, job.x.values[i])], [y.label, valueText(y, job.y.values[j])],
+    ["regime", [...new Set(names)].filter(Boolean).join(" to ")],
+    ["mean speed [mm/s]", isSampled || map.view === "speed" ? "" : number(1000.0 * rows.mean_velocity[n])],
+    [label, number(numbers?.[n])], ["amplitude [mm]", number(rows.amplitude && 1000.0 * rows.amplitude[n])],
+    ...[...new Set([...told, isSampled ? "" : trouble])].map((text) => ["", text]),
+  ];
+  return found.filter(([, text]) => text);
 }

@@ -150,7 +150,7 @@ function start() {
     if (store.state && clientWidth !== wide) drawMotion(data, engine, store.state);
     wide = clientWidth;
   }).observe(place("history"));
-  offerFiles(view, () => store.state);
+  offerFiles(view);
   follow();
 }
 

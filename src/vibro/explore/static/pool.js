@@ -10,18 +10,7 @@ const COARSER = 4; // times as wide are the cells of a coarse map
 export const [MAP_WIDTH, MAP_HEIGHT] = [200, 150]; // [cells]
 export const OF_FLIGHT = ["impact", "flight"]; // views whose numbers depend on the operating point's own friction
 
-/** @typedef {{name: string, from: number, to: number, log: boolean}} MapAxis in the unit outside
- * @typedef {object} MapState what of the page's state a map needs
- * @property {Record<string, number>} values of the operating point, in the units outside
- * @property {string} drive
- * @property {any} scene
- * @property {MapAxis} x
- * @property {MapAxis} y
- * @property {string} view
- * @property {number | null} target [mm/s]
- * @property {boolean} follows whether kinetic friction keeps its ratio to static friction
- * @property {Record<string, [number, number]>} bands
- *
+/** @typedef {import("./state.js").Shown} Shown @typedef {import("./state.js").Axis} Axis
  * @typedef {{postMessage(message: any): void, onmessage: any, onerror: any}} SolverWorker
  * @typedef {import("./worker.js").MapJob} MapJob @typedef {import("./worker.js").CellRows} CellRows */
 
@@ -34,7 +23,7 @@ function decimalOf(value) {
 
 // The values of an axis: each the double nearest to the exact one, so 0.1 to 0.5 in 5 holds 0.3, not
 // 0.30000000000000004. Those of a logarithmic one have 15 digits.
-/** @param {MapAxis} axis @param {number} count */
+/** @param {Axis} axis @param {number} count */
 export function axisValues({ from, to, log }, count) {
   const last = count - 1;
   const inside = (/** @type {(n: number) => number} */ value) =>
@@ -61,16 +50,16 @@ function samplesOf(bands) {
 }
 
 /** Complete a body of the bands: kinetic friction is at most static friction.
- * @param {MapState} state @param {Record<string, number>} own @returns {Record<string, number | undefined>} */
+ * @param {Shown} state @param {Record<string, number>} own @returns {Record<string, number | undefined>} */
 function bodyOf({ values, follows, bands }, own) {
   const most = own.static_friction ?? values.static_friction;
   const isRatio = own.friction_ratio !== undefined || (follows && !bands.kinetic_friction);
-  const ratio = own.friction_ratio ?? values.kinetic_friction / values.static_friction;
+  const ratio = own.friction_ratio ?? values.friction_ratio;
   const kinetic = Math.min(most, isRatio ? ratio * most : own.kinetic_friction ?? values.kinetic_friction);
   return { ...own, static_friction: most, kinetic_friction: kinetic, friction_ratio: undefined };
 }
 
-/** Of all bodies of the bands that which slips first, and that which slips last. @param {MapState} state */
+/** Of all bodies of the bands that which slips first, and that which slips last. @param {Shown} state */
 function extremesOf(state) {
   const all = samplesOf(state.bands).map((own) => bodyOf(state, own));
   const order = (/** @type {any} */ a, /** @type {any} */ b) => a.static_friction - b.static_friction || b.kinetic_friction - a.kinetic_friction;
@@ -78,22 +67,19 @@ function extremesOf(state) {
   return { least, most };
 }
 
-/** What decides the cells of a map. @param {any} data @param {MapState} state @param {number} nx @param {number} ny @returns {MapJob} */
-export function jobOf(data, state, nx, ny) {
-  const { x, y, bands } = state;
-  const scene = typeof state.scene === "object" ? state.scene : data.scenes[state.scene];
-  const given = state.drive === "given" ? scene.given : null;
-  const machine = state.drive === "machine" ? { ...scene.machine.fields, kind: scene.machine.kind } : null;
-  const values = /** @type {Record<string, number | undefined>} */ ({ ...given?.fixed, ...state.values });
+/** What decides the cells of a map. @param {Shown} state @param {number} nx @param {number} ny @returns {MapJob} */
+export function jobOf(state, nx, ny) {
+  const { x, y, bands, given, machine } = state;
+  const values = /** @type {Record<string, number | undefined>} */ ({ ...state.values });
   const drawn = [x.name, y.name];
   const isCoupled = state.follows && drawn.includes("static_friction") && !drawn.includes("kinetic_friction");
-  if (isCoupled && !drawn.includes("friction_ratio")) values.friction_ratio = state.values.kinetic_friction / state.values.static_friction;
   const without = ["trough_length", ...drawn, isCoupled || drawn.includes("friction_ratio") ? "kinetic_friction" : "friction_ratio"];
   for (const name of without) delete values[name];
   const samples = Object.keys(bands).length && !OF_FLIGHT.includes(state.view) ? samplesOf(bands) : [];
   const hasFrictions = samples.length > 0 && Object.keys(bands).some((name) => name !== "restitution");
   return {
-    values, given, machine,
+    values, given,
+    machine: machine && { ...machine.fields, kind: machine.kind },
     x: { name: x.name, values: axisValues(x, nx) },
     y: { name: y.name, values: axisValues(y, ny) },
     bodies: samples.map((own) => (hasFrictions ? bodyOf(state, own) : own)),
@@ -106,7 +92,8 @@ export class MapCells {
   /** @param {MapJob} job */
   constructor(job) {
     this.job = job;
-    [this.nx, this.ny] = [job.x.values.length, job.y.values.length];
+    this.nx = job.x.values.length;
+    this.ny = job.y.values.length;
     this.rows = /** @type {CellRows} */ ({});
     this.solved = new Uint8Array(this.ny);
     this.isPreviewed = false; // whether rows that are not solved show a coarser map
@@ -275,7 +262,7 @@ export class Pool {
   }
 }
 
-/** The row that the operating point lies in, or is nearest to. @param {MapState} state @param {number} ny */
+/** The row that the operating point lies in, or is nearest to. @param {Shown} state @param {number} ny */
 function rowOf({ values, y: { name, from, to, log } }, ny) {
   const value = values[name] ?? from;
   const share = log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
@@ -283,13 +270,13 @@ function rowOf({ values, y: { name, from, to, log } }, ny) {
 }
 
 // Solve a map: at once if that is quick, else a coarse one before it, which fills the rows that are to come.
-/** @param {any} data @param {Pool} pool @param {MapState} state @param {(cells: MapCells) => void} show
+/** @param {Pool} pool @param {Shown} state @param {(cells: MapCells) => void} show
  * @returns {Promise<boolean>} whether it is done; else another one came between */
-export async function solveMap(data, pool, state, show) {
-  const job = jobOf(data, state, MAP_WIDTH, MAP_HEIGHT);
+export async function solveMap(pool, state, show) {
+  const job = jobOf(state, MAP_WIDTH, MAP_HEIGHT);
   let cells = new MapCells(job), shown = -Infinity;
   if (pool.expected(MAP_WIDTH * MAP_HEIGHT * (1 + job.bodies.length)) > PATIENCE) {
-    const coarse = new MapCells(jobOf(data, state, MAP_WIDTH / COARSER, Math.ceil(MAP_HEIGHT / COARSER)));
+    const coarse = new MapCells(jobOf(state, MAP_WIDTH / COARSER, Math.ceil(MAP_HEIGHT / COARSER)));
     if (!await pool.solve(coarse.job, rowOf(state, coarse.ny), (block) => coarse.put(block))) return false;
     cells = coarse.shownIn(job);
     show(cells);

@@ -28,7 +28,7 @@ export const data = JSON.parse(globalThis.document?.getElementById("data")?.text
  * @property {Control | null} control
  * @typedef {{label: string, quantities: string[], x: string, y: string}} DriveKind
  * @typedef {DriveKind & {kind: string, values: Values, motion: any, table: string[]}} GivenDrive
- * @typedef {DriveKind & {packs: Record<string, number>, fields: any, kind: string, share: [number, number] | null}} GivenMachine
+ * @typedef {DriveKind & {packs: Record<string, number>, fields: any, kind: string, share: [number, number] | null, own: Values, table: Texts}} GivenMachine
  * @typedef {object} Scene
  * @property {string} name
  * @property {Texts} state at the start

@@ -62,9 +62,10 @@ function solveCells(data, engine, { given, machine }, values, shape) {
     values = { ...values, amplitude: { values: found, strides: [shape[1], 1] } };
   }
   const drive = driveOf(data, { values, given });
-  const cells = engine.solve(engine.gridOf(drive, shape));
+  const grid = engine.gridOf(drive, shape);
+  const cells = engine.solve(grid);
   if (operating) withhold(cells, operating, engine.known);
-  return { drive, cells, amplitude: operating && operating.amplitude };
+  return { drive, grid, cells, amplitude: operating && operating.amplitude };
 }
 
 /**
@@ -154,5 +155,5 @@ function answerBlocks() {
   };
 }
 
-if (typeof WorkerGlobalScope !== "undefined" && self instanceof WorkerGlobalScope) answerBlocks();
-if (typeof module !== "undefined") module.exports = { solveRows, withhold };
+if (typeof document === "undefined" && typeof importScripts === "function") answerBlocks(); // not in the page or in node
+if (typeof module !== "undefined") module.exports = { solveCells, solveRows };
