@@ -258,7 +258,7 @@ def test_notebooks_show_the_page_in_a_frame_of_its_own(tmp_path: Path) -> None:
 
 def test_a_module_comes_after_those_that_it_imports() -> None:
     script = page_script()
-    first = [script.index(name) for name in ("function html(", "function stateOf(", "\nfunction start(")]
+    first = [script.index(name) for name in ("function stateOf(", "function html(", "\nfunction start(")]
     assert first == sorted(first)
     for path in STATIC.glob("*.js"):
         for line in re.findall(r"^import[^;]*;", path.read_text(encoding="utf-8"), re.MULTILINE):

@@ -17,7 +17,7 @@ function besides(n, nx, size) {
 
 /** Give cells that are not known the value of the nearest one that is; NaN if none is known.
  * @param {ArrayLike<number>} values @param {number} nx @param {(n: number) => boolean} isKnown */
-export function filled(values, nx, isKnown) {
+export function fillUnknown(values, nx, isKnown) {
   const found = Float64Array.from(values, (value, n) => (isKnown(n) ? value : NaN));
   const queue = new Int32Array(found.length);
   const isThere = new Uint8Array(found.length);

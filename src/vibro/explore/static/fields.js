@@ -1,6 +1,6 @@
 /** What a map shows of its cells: numbers of the view, their colours, marks, the curves between regimes, notes. */
 
-import { closed, filled, visibleLines, zeroLines } from "./contours.js";
+import { closed, fillUnknown, visibleLines, zeroLines } from "./contours.js";
 import { numberText, valueText } from "./draw.js";
 import { OF_FLIGHT } from "./pool.js";
 
@@ -24,7 +24,7 @@ const LOADING = ["amplitude", "frequency", "setting", "voltage"];
 const OF_SPEED = ["speed", "traverse"];
 const MARGIN = Math.log(1e30); // beyond which a logarithm of ratios says no more
 const CERTAIN = 3.0; // standard errors below zero, from which a mean is negative
-const ROUNDING = 1e-9; // of the largest speed: less counts as none
+const NO_SPEED = 1e-9; // of the largest speed: less counts as none
 // Where motion repeats after more cycles, or never, numbers jump from cell to cell: there no curve is drawn, nor
 // in gaps of such cells, nor close to them.
 const FEW_CYCLES = 4.0;
@@ -186,19 +186,19 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
   // ln(G / G_critical); where no load is critical, that of cells nearby: a curve must reach the region's edge.
   const ratios = (/** @type {string} */ prefix) => Object.fromEntries(Object.keys(HIDDEN_BY).map((name) => {
     const own = /** @type {Float64Array} */ (rows[`${prefix}_${name}`]);
-    return [name, clipped(filled(own, nx, (n) => !Number.isNaN(own[n])))];
+    return [name, clipped(fillUnknown(own, nx, (n) => !Number.isNaN(own[n])))];
   }));
   /** Beyond one harmonic they follow from the cycles; of back slip only the sign counts. */
   const ratiosOfCycles = () => {
-    const of = (/** @type {string} */ name) => clipped(filled(rows[name], nx, (n) => !Number.isNaN(rows[name][n])).map(Math.log));
-    const back = filled(masked((n) => regime[n] === BACK_SLIP), nx, (n) => regime[n] !== HOPPING);
+    const of = (/** @type {string} */ name) => clipped(fillUnknown(rows[name], nx, (n) => !Number.isNaN(rows[name][n])).map(Math.log));
+    const back = fillUnknown(masked((n) => regime[n] === BACK_SLIP), nx, (n) => regime[n] !== HOPPING);
     return { forward_onset: of("forward_ratio"), back_slip: back, continuous_sliding: masked(() => false), hop: of("throw_number") };
   };
   const ratio = rows.ratio_hop ? ratios("ratio") : ratiosOfCycles();
   const rest = ratio.hop.map((hop, n) => -Math.max(hop, ratio.forward_onset[n], ratio.back_slip[n]));
-  const moving = filled(mean, nx, (n) => Number.isFinite(mean[n]) && regime[n] !== NO_SLIP);
+  const moving = fillUnknown(mean, nx, (n) => Number.isFinite(mean[n]) && regime[n] !== NO_SLIP);
   const largest = moving.reduce((most, speed) => Math.max(most, Math.abs(speed) || 0.0), 0.0) || 1.0;
-  const backwards = (/** @type {number} */ n) => mean[n] < -CERTAIN * error[n] && mean[n] < -ROUNDING * largest;
+  const backwards = (/** @type {number} */ n) => mean[n] < -CERTAIN * error[n] && mean[n] < -NO_SPEED * largest;
   const rough = Uint8Array.from(mean, (speed, n) => Number(Number.isFinite(speed) && !(period[n] <= FEW_CYCLES)));
   const irregular = () => {
     const patches = closed(rough, nx, ROUGH_ACROSS, ROUGH_AROUND);
@@ -269,7 +269,7 @@ function meetsOf({ target }, { rows, nx }, fields, isSampled) {
   const wanted = Number(target);
   const isKnown = (/** @type {number} */ n) => Number.isFinite(fields.speed[n]);
   if (isSampled) {
-    const speed = filled(fields.speed, nx, isKnown);
+    const speed = fillUnknown(fields.speed, nx, isKnown);
     return speed.map((x, n) => Math.min(x / wanted - 1.0, isKnown(n) ? 0.5 : -0.5));
   }
   const missing = fields.missing(["INFEASIBLE", "INDETERMINATE", "RUNAWAY", "UNRESOLVED"]);
@@ -352,7 +352,7 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
     for (const name of ["forward_onset", "back_slip"]) boundary(name, ratio, ["INFEASIBLE"], edge);
   }
   if (!isSampled && !isFlight && rows.mean_velocity.some((speed) => speed < 0.0)) {
-    const reversal = fields.moving.map((speed) => (Math.abs(speed) <= ROUNDING * fields.largest ? 0.0 : -speed / fields.largest));
+    const reversal = fields.moving.map((speed) => (Math.abs(speed) <= NO_SPEED * fields.largest ? 0.0 : -speed / fields.largest));
     draw("zero_speed", reversal, [fields.rest, fields.masked((n) => Number.isNaN(rows.mean_velocity[n])), fields.irregular()]);
   }
   if (state.target !== null) {

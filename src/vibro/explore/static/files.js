@@ -6,7 +6,7 @@ import { typedText } from "./state.js";
 
 const COPIED = 2000; // [ms] that a button says so
 const SAVED = "scene.toml"; // as the page calls it
-const MACHINE_KNOBS = ["setting", "voltage", "filling", "natural"];
+const MACHINE_NAMES = ["setting", "voltage", "filling", "natural"];
 const EXACT = 2 ** 53; // codes of patterns from here on are not
 
 /** @typedef {import("./map.js").MapView} MapView @typedef {import("./pool.js").MapCells} MapCells
@@ -55,7 +55,7 @@ function tableColumns(data, engine, state, cells) {
     return [...drawn.map(given), ["lowest_regime", label("lowest")], ["highest_regime", label("highest")],
       ["sampled_speed_mm_s", (n) => 1000.0 * rows.least_velocity[n]]];
   }
-  const whereSwept = [...MACHINE_KNOBS, "friction_ratio", "normal_acceleration", "restitution"];
+  const whereSwept = [...MACHINE_NAMES, "friction_ratio", "normal_acceleration", "restitution"];
   const inputs = Object.keys(quantities).filter((name) => quantities[name].control && !["gravity", "trough_length"].includes(name)
     && (drawn.includes(name) || (!whereSwept.includes(name) && (name in job.values || ["kinetic_friction", rows.amplitude && "amplitude"].includes(name)))));
   const length = state.values.trough_length;
@@ -67,7 +67,7 @@ function tableColumns(data, engine, state, cells) {
     const found = [[column, name === "pattern_code" ? (/** @type {number} */ n) => patternText(data, engine, cells, n) : text]];
     if (name === "peak_velocity") found.push(["traverse_time_s", traverse]);
     if (name === "flight_fraction") found.unshift(...madeWith, ...(length === undefined ? [] : [[quantities.trough_length.column, () => length]]));
-    if (name === "model_code" && job.machine) found.unshift(...MACHINE_KNOBS.filter((knob) => knob in job.values).map(given));
+    if (name === "model_code" && job.machine) found.unshift(...MACHINE_NAMES.filter((knob) => knob in job.values).map(given));
     return found;
   });
   return [...inputs.map(given), ...results];
@@ -152,8 +152,8 @@ export function tomlOf(data, state) {
   const { friction_ratio: _, ...point } = state.values;
   const column = (/** @type {string} */ name) => quantities[name].column;
   const [lists, others] = given ? harmonicLists(data, point) : [{}, point];
-  const names = Object.keys(quantities).filter((name) => name in others && !MACHINE_KNOBS.includes(name));
-  const moved = MACHINE_KNOBS.filter((name) => machine && name in point && point[name] !== machine.own[name]);
+  const names = Object.keys(quantities).filter((name) => name in others && !MACHINE_NAMES.includes(name));
+  const moved = MACHINE_NAMES.filter((name) => machine && name in point && point[name] !== machine.own[name]);
   // Another spring pack stands with the axes: a machine's own may be the one that it was calibrated with.
   const swept = Object.entries(givenTexts(data, state)).filter(([name, text]) =>
     text.includes(":") || name === "friction_ratio" || (name === "natural" && moved.includes(name)));
