@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 
 _MODULES = ("histories", "numbers", "motion")
 # What draws is not asked for.
-_DRAW = "export const [INK, axis, curve, html, legend, place, plot, set, svg, textWidth, way] = Array(11);"
+_UNASKED = {
+    "draw": "export const [INK, axis, curve, html, input, legend, place, plot, set, shape] = [];"
+    " export const [svg, textWidth, way] = [];",
+    "fields": "export const [numberText, roundNumbers] = [];",
+}
 _ASK = """
 import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
@@ -158,7 +162,7 @@ def in_modules(folder: Path, module: str, function: str, asked: Sequence[Any]) -
     """Call ``function(data, engine, one)`` of a module with each of what is asked."""
     scripts = {name: STATIC / f"{name}.js" for name in _MODULES}
     texts = {name: path.read_text(encoding="utf-8") for name, path in scripts.items() if path.is_file()}
-    for name, text in {**texts, "draw": _DRAW, "ask": _ASK}.items():
+    for name, text in {**texts, **_UNASKED, "ask": _ASK}.items():
         (folder / f"{name}.js").write_text(text, encoding="utf-8")
     (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
     told = {"from": module, "called": function, "sources": str(STATIC), "solver": str(SCRIPT)}

@@ -91,11 +91,17 @@ const LEAST_DIFFERENCE = 2 ** -26; // [A] where slides to and fro nearly cancel,
 const LEAST_CERTAIN = 1.0 / 3.0; // error over the size of a mean whose sign is not in doubt
 const MILLI = 1000.0; // [mm/m]
 
+/** The operating point: its quantities in the units outside, as they are given, and its drive. */
+export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ { values: own, given }) {
+  const { trough_length: length = NaN, friction_ratio: _, ...values } = own;
+  const drive = /** @type {any} */ (driveOf(data, { values, given }));
+  if (given?.table.length) for (const name in given.values) delete values[name]; // the scene's file has a motion
+  return { values, length, drive };
+}
+
 /** The operating point, its steady cycle, and what most facts need of them. */
 function solvedScene(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ state) {
-  const { trough_length: length = NaN, friction_ratio: _, ...values } = state.values;
-  const drive = driveOf(data, { values, given: state.given });
-  if (state.given?.table.length) for (const name in state.given.values) delete values[name]; // its file has a motion
+  const { values, length, drive } = pointOf(data, engine, state);
   const grid = engine.gridOf(drive);
   const cycle = engine.solve(grid);
   const pattern = engine.pattern(grid, cycle);
