@@ -1,6 +1,6 @@
 /** Elements, numbers, axes and legends, the same for the map and the motion. */
 
-import { generalText } from "./state.js";
+import { generalText } from "./typed.js";
 
 export const INK = "#222222";
 export const fontFamily = () => getComputedStyle(document.body).fontFamily;

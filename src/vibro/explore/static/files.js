@@ -2,7 +2,7 @@
 
 import { INK, fontFamily, place, set, svg } from "./draw.js";
 import { MAP_HEIGHT, MAP_WIDTH, jobOf } from "./pool.js";
-import { typedText } from "./state.js";
+import { typedText } from "./typed.js";
 
 const COPIED = 2000; // [ms] that a button says so
 const SAVED = "scene.toml"; // as the page calls it

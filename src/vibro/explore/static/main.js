@@ -1,6 +1,6 @@
 /** Order of updates: a change goes to the state, that to the map, the numbers, the motion and the address. */
 
-import { html, place, set } from "./draw.js";
+import { html, place, set, valueText } from "./draw.js";
 import { commandOf, offerFiles, tomlOf } from "./files.js";
 import { createForm } from "./form.js";
 import { MapView } from "./map.js";
@@ -8,7 +8,6 @@ import { drawMotion } from "./motion.js";
 import { answerOf, showAnswer } from "./numbers.js";
 import { data, drivesOf, quantitiesOf } from "./state.js";
 import { createStore } from "./store.js";
-import { typedText } from "./typed.js";
 
 /** @typedef {import("./state.js").Shown} Shown
  * @typedef {import("./state.js").Texts} Texts
@@ -32,11 +31,10 @@ function apartText({ drive, bands }) {
 function questionText({ scene, drive, values, bands, target }) {
   const drives = drivesOf(data, scene);
   const parts = quantitiesOf(data, drives[drive]).filter((name) => name in values && name !== "friction_ratio").map((name) => {
-    const { label, sign } = data.quantities[name];
     const ends = name in bands ? bands[name] : [values[name]];
-    return `${label} ${ends.map(typedText).join(" to ")}${sign === "°" ? sign : ` ${sign}`}`.trim();
+    return `${data.quantities[name].label} ${ends.map((end) => valueText(data.quantities[name], end)).join(" to ")}`;
   });
-  const wanted = target === null ? [] : [`target speed ${typedText(target)} mm/s`];
+  const wanted = target === null ? [] : [`target speed ${valueText(data.quantities.speed, target)}`];
   return [`${data.scenes[scene].name || "Scene"}, trough moved ${drives[drive].label}: ${parts.join(", ")}`, ...wanted].join("; ");
 }
 
