@@ -24,6 +24,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "commands",
     "equations",
+    "maps",
     "reference",
     "rooms",
 ]
