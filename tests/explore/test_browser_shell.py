@@ -1,0 +1,104 @@
+"""The page as a whole in a browser: from a disk, in a frame, on paper, on a telephone."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from helpers.explored_scenes import FEEDER, GIVEN_DRIVES
+
+import vibro
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from playwright.sync_api import Browser, Page
+
+NUT = """[scene]
+amplitude_mm = 1
+frequency_hz = 15
+drive_angle_deg = 20
+static_friction = 0.74
+kinetic_friction = 0.57
+trough_length_mm = 600
+"""
+
+
+def regime(page: Any) -> str:
+    page.locator("#tables table").first.wait_for(state="attached")
+    return str(page.locator("#regime").text_content())
+
+
+def test_it_computes_from_a_disk_and_breaks_no_policy(open_page: Callable[..., Page]) -> None:
+    page = open_page("", NUT)
+    requests: list[str] = []
+    page.on("request", lambda request: requests.append(request.url))
+    assert regime(page) == "forward-slip"
+    assert page.locator("#speed").text_content() == "16.2635 mm/s"
+    assert "vibro" in page.title()
+    page.locator("#map .curves path, #frame path").first.wait_for(state="attached")
+    assert [url for url in requests if not url.startswith("blob:")] == []
+
+
+@pytest.mark.parametrize("name", ["steps, clamped", "third harmonic", "displacements"])
+def test_drives_without_sliders_are_there(name: str, open_page: Callable[..., Page]) -> None:
+    page = open_page("", GIVEN_DRIVES[name])
+    assert regime(page) in ("no-slip", "forward-slip", "back-slip")
+    assert page.locator("#drive").input_value() == "given"
+
+
+def test_several_scenes_are_tabs(open_page: Callable[..., Page]) -> None:
+    page = open_page("", NUT, FEEDER)
+    assert regime(page) == "forward-slip"
+    tabs = page.locator("#tabs button")
+    assert tabs.all_text_contents() == ["scene1", "scene2"]
+    tabs.nth(1).click()
+    page.locator("#setting_percent").first.wait_for()
+    assert page.locator("#drive").input_value() == "machine"
+
+
+def test_names_of_a_scene_stay_texts(open_page: Callable[..., Page], tmp_path: Path) -> None:
+    packed = FEEDER.replace("6 leaves", "<img src=x onerror=alert(1)>")
+    page = open_page("", packed, NUT)
+    regime(page)
+    assert page.locator("img").count() == 0
+    assert "<img src=x onerror=alert(1)>" in page.locator("#pack option").all_text_contents()
+
+
+def test_it_fits_a_telephone(open_page: Callable[..., Page]) -> None:
+    page = open_page("", NUT, viewport={"width": 390, "height": 844})
+    regime(page)
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_paper_has_question_map_numbers_and_motion_on_two_sheets(
+    dark: bool, open_page: Callable[..., Page]
+) -> None:
+    page = open_page("", NUT, color_scheme="dark" if dark else "light")
+    regime(page)
+    page.locator("#history path").first.wait_for(state="attached")
+    sheets = page.pdf(format="A4")
+    assert len(re.findall(rb"/Type\s*/Page\b", sheets)) <= 2
+    page.emulate_media(media="print")
+    for part in ("#print-question", "#map", "#tables", "#history", "#leaves-out"):
+        assert page.locator(part).is_visible(), part
+    for part in ("#controls", "#save", "#take", "#tabs", "#play"):
+        assert not page.locator(part).is_visible(), part
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+
+
+def test_a_notebook_shows_it_in_a_frame(browser: Browser, tmp_path: Path) -> None:
+    (file := tmp_path / "nut.toml").write_text(NUT, encoding="utf-8")
+    (tmp_path / "notebook.html").write_text(
+        f"<!doctype html><title>n</title>{vibro.page(file)._repr_html_()}", encoding="utf-8"
+    )
+    with browser.new_context() as window:
+        page, errors = window.new_page(), list[str]()
+        page.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
+        page.goto((tmp_path / "notebook.html").as_uri())
+        assert regime(page.frame_locator("iframe")) == "forward-slip"
+        page.wait_for_timeout(500)
+        assert not errors
