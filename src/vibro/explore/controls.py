@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.quantities import LINEAR, MACHINE, QUANTITIES, SCALE, SWEPT
 
@@ -31,6 +31,10 @@ class Drive(NamedTuple):
     x: str
     y: str
     controls: Mapping[str, Control] = MappingProxyType({})
+
+    def data(self) -> dict[str, Any]:
+        """Return what the page's script has to know of it, as JSON values; sliders stand with their scene."""
+        return {"label": self.label, "quantities": self.quantities, "x": self.x, "y": self.y}
 
 
 class Preset(NamedTuple):

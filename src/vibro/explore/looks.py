@@ -139,22 +139,11 @@ def _curve(style: CurveStyle) -> dict[str, Any]:
 
 def _panel(panel: Panel) -> dict[str, Any]:
     """Describe a panel of a history: values in SI units times ``per_si`` are in its unit."""
+    named = ("field", "label", "colour", "width", "in_contact")
     curves = [
-        {
-            "field": curve.field,
-            "label": curve.label,
-            "colour": curve.colour,
-            "width": curve.width,
-            "dash": [] if curve.dashes == "-" else [*curve.dashes[1]],
-            "in_contact": curve.in_contact,
-        }
+        {name: getattr(curve, name) for name in named}
+        | {"dash": [] if curve.dashes == "-" else curve.dashes[1]}
         for curve in panel.curves
     ]
-    title = panel.label.replace("\n", " ")
-    return {
-        "title": title,
-        "unit": panel.unit,
-        "per_si": 1.0 / panel.size,
-        "height": panel.height,
-        "curves": curves,
-    }
+    title, per_si = panel.label.replace("\n", " "), 1.0 / panel.size
+    return {"title": title, "unit": panel.unit, "per_si": per_si, "height": panel.height, "curves": curves}

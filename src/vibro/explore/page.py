@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from os import PathLike
 
-    from vibro.explore.controls import Drive
     from vibro.quantities import Quantity
     from vibro.sweeps.request import Request
 
@@ -86,7 +85,7 @@ def page_data(scenes: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "known": _known(),
         "quantities": {name: _quantity(QUANTITIES[name]) for name in (*CONTROLS, *further)}
         | {LEAST_SPEED.name: _quantity(LEAST_SPEED)},
-        "drives": {name: _drive(drive) for name, drive in DRIVES.items()},
+        "drives": {name: drive.data() for name, drive in DRIVES.items()},
         "presets": {name: preset._asdict() for name, preset in PRESETS.items()},
         "views": VIEWS,
         "bands": BANDS,
@@ -146,28 +145,22 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
     """Describe a quantity: its names, units, ranges and slider."""
     kind, allowed, usual = quantity.kind, quantity.allowed, quantity.usual
     control = CONTROLS.get(quantity.name)
+    own = {
+        name: getattr(quantity, name) for name in ("column", "label", "unit", "default", "meaning", "order")
+    }
     return {
-        "column": quantity.column,
-        "label": quantity.label,
+        **own,
+        **vars(allowed),
         "symbol": symbol_of(quantity),
-        "unit": quantity.unit,
         "sign": UNIT_SIGNS.get(quantity.unit, quantity.unit),
         "per_si": kind.per_si,
         "si": kind.si,
         "sizes": {unit: size.as_integer_ratio() for unit, size in kind.sizes.items()},
-        **allowed.__dict__,
-        "default": quantity.default,
         "start": f"{USUAL.get(quantity.name, 1.0):g}",
-        "meaning": quantity.meaning,
-        "order": quantity.order,
         "options": quantity.options[0] if quantity.options else "",
         "usual": [usual.low, usual.high],
         "control": control and control._asdict(),
     }
-
-
-def _drive(drive: Drive) -> dict[str, Any]:
-    return {"label": drive.label, "quantities": drive.quantities, "x": drive.x, "y": drive.y}
 
 
 def _texts() -> Any:

@@ -216,10 +216,6 @@ def _reaching(start: _Start) -> dict[str, Control]:
     return found
 
 
-def _drive_data(drive: Drive) -> dict[str, Any]:
-    return {"label": drive.label, "quantities": drive.quantities, "x": drive.x, "y": drive.y}
-
-
 def _given(start: _Start, request: Request) -> dict[str, Any]:
     """Describe the drive of a scene that the page's sliders cannot make.
 
@@ -237,7 +233,7 @@ def _given(start: _Start, request: Request) -> dict[str, Any]:
             "unit": moved.unit,
         }
     return {
-        **_drive_data(start.own),
+        **start.own.data(),
         "kind": "harmonics" if pieces is None else "pieces",
         "values": start.values,
         "motion": pieces,
@@ -249,7 +245,7 @@ def _driven(start: _Start, given: GivenMachine) -> dict[str, Any]:
     """Describe a machine: its fields in SI units, its knobs, and its table as the scene file has it."""
     assert start.own is not None
     return {
-        **_drive_data(start.own),
+        **start.own.data(),
         "fields": vars(given.machine) | {"share": given.share},
         "kind": given.kind,
         "has_springs": given.has_springs,
