@@ -257,9 +257,12 @@ def test_notebooks_show_the_page_in_a_frame_of_its_own(tmp_path: Path) -> None:
 
 
 def test_a_module_comes_after_those_that_it_imports() -> None:
-    script = page_script()
-    first = [script.index(name) for name in ("function stateOf(", "function html(", "\nfunction start(")]
-    assert first == sorted(first)
-    for path in STATIC.glob("*.js"):
-        for line in re.findall(r"^import[^;]*;", path.read_text(encoding="utf-8"), re.MULTILINE):
-            assert re.fullmatch(r'import \{[^}]*\} from "\./\w+\.js";', line), path
+    modules: dict[str, str] = {}
+    pages._gather("main", modules)
+    order = [*modules]
+    assert order[-1] == "main"
+    for name, text in modules.items():
+        for line in re.findall(r"^import[^;]*;", text, re.MULTILINE):
+            found = re.fullmatch(r'import \{[^}]*\} from "\./(\w+)\.js";', line)
+            assert found, (name, line)
+            assert order.index(found[1]) < order.index(name)
