@@ -113,7 +113,7 @@ function fieldsetsOf(data, scene) {
     fieldsetOf("Friction", {}, [
       ...frictions.map(row),
       tickOf("follow", "kinetic friction follows static friction"),
-      tickOf("bands", "friction is not known exactly", { "aria-describedby": "no-bands" }),
+      tickOf("bands", "friction or restitution is not known exactly", { "aria-describedby": "no-bands" }),
       html("p", { id: "no-bands", class: "note" }, "only for frictions that are not an axis"),
       ...BANDED.map(band),
     ]),

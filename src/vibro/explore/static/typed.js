@@ -37,8 +37,8 @@ export function typedText(value) {
 
 // Unlike a plain group, one in a look-ahead is not shortened where the rest does not fit: 5e3.5 is no 5 with a unit.
 const NUMBER = /^(?=([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\1\s*([\p{L}\p{Nl}\p{No}].*|[°%]|1?\/.*)?$/u;
-// A decimal comma; before three digits it may part thousands, and between long numbers two of them.
-const COMMA = /^([+-]?\d+),(?!\d{3}(?!\d)|(?<=\d{2},)\d{3})(\d+)(?!\d|.*,)/s;
+// A decimal comma; three digits after one may be thousands, and three or more after several are two numbers.
+const COMMA = /^([+-]?(?:\d(?=,(?!\d{3}(?!\d)))|\d{2,}(?=,(?!\d{3})))),(\d+)(?!\d|.*,)/s;
 const NOT_FINITE = /^[+-]?(nan|inf|infinity)(?![a-z])/i;
 const DECIMALS = 1100; // the middle between two doubles has fewer
 
