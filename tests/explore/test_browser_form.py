@@ -149,6 +149,41 @@ def test_axes_swap_and_each_step_can_be_undone(nut: Page) -> None:
     assert shown(nut, "drive", "x", "y") == ["line", "frequency_hz", "amplitude_mm"]
 
 
+def test_a_drag_is_one_step_to_undo(nut: Page) -> None:
+    drag = """(ends) => {
+        const slider = document.querySelector("input[type=range][name=frequency_hz]");
+        for (let n = ends[0]; n <= ends[1]; n++) {
+            slider.value = n;
+            slider.dispatchEvent(new Event("input", { bubbles: true }));
+        }
+        slider.dispatchEvent(new Event("change", { bubbles: true }));
+    }"""
+    before = nut.evaluate("history.length")
+    nut.evaluate(drag, [20, 40])
+    assert nut.evaluate("history.length") == before + 1
+    assert address(nut)["frequency_hz"] == "40"
+    assert nut.get_attribute("[type=range][name=frequency_hz]", "aria-valuetext") == "40 Hz"
+    put(nut, "drive_angle_deg", "30")
+    assert nut.evaluate("history.length") == before + 2
+    nut.go_back()
+    nut.go_back()
+    assert shown(nut, "frequency_hz") == ["15"]
+
+
+def test_handles_of_a_band_do_not_pass_each_other(nut: Page) -> None:
+    nut.check("#bands")
+    nut.evaluate(
+        """() => {
+        const least = document.querySelector("[type=range][name=static_friction_band]");
+        least.value = "0.9";
+        least.dispatchEvent(new Event("input", { bubbles: true }));
+    }"""
+    )
+    assert address(nut)["static_friction_band"] == "0.9:0.9"
+    put(nut, "static_friction_band-least", "")
+    assert "static_friction_band" not in address(nut)
+
+
 def test_each_tab_has_a_state_of_its_own(open_page: Callable[..., Page]) -> None:
     page = open_page("", PULL, FEEDER)
     assert page.locator("#tabs button").all_inner_texts() == ["scene1", "scene2"]
