@@ -6,20 +6,26 @@ import random
 import re
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 from helpers.cases import each
+from helpers.explored_scenes import FEEDER
+from helpers.machine_files import KINDS
+from helpers.machine_files import SCENE as MACHINE_SCENE
 from helpers.page_modules import cells, in_modules, state_of
 
 from vibro import Status
 from vibro.answers.answer import brief, shown, uncertain
 from vibro.answers.scene import OneScene, scene_answer
 from vibro.designs.sensitivities import changed_cycles
+from vibro.explore.scenes import scene_data
+from vibro.quantities import QUANTITIES
+from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
+from vibro.sweeps.whole import request_of_call
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from vibro.sweeps.grid import Grid
 
 _ERRORS = 4.0  # standard errors that means may be apart
 
@@ -73,6 +79,50 @@ def test_every_figure_is_that_of_vibro_solve(name: str, grid: Grid, answers: dic
     assert found["tables"][0] == known["tables"][0]
 
 
+def test_machines_settle_and_are_told_as_by_vibro_solve(tmp_path: Path) -> None:
+    loads: dict[str, dict[str, Any]] = {"": {}, "filled": {"filling_kg": 3}, "heavy": {"filling_kg": 25}}
+    loads["half"] = {"setting_percent": 50, "filling_kg": 1}
+    grids, states = {}, []
+    for kind, text in {**KINDS, "packs": FEEDER}.items():
+        scene = "" if kind == "packs" else MACHINE_SCENE + "trough_length_mm = 400\n"
+        file = tmp_path / f"{kind}.toml"
+        file.write_text(scene + text, encoding="utf-8")
+        for name, load in loads.items():
+            if kind in ("crank", "unbalance", "exciter", "rod") and name == "half":
+                continue
+            request = request_of_call(file, load)
+            point = request.fixed | {name: request.own[name] for name in request.varying}
+            fixed = {name: point[name] for name in QUANTITIES if name in point}
+            grid = Grid({}, fixed, request.length, arrivals=True, machine=request.machine)
+            if np.isnan(grid.values()["amplitude"]):
+                continue
+            grids[f"{kind} {name}"] = grid
+            states.append(state_of(grid, machine=scene_data(request)["machine"]))
+    assert len(grids) > 15
+    found = in_modules(tmp_path, "numbers", "answerOf", states)
+    wrong = []
+    for (name, grid), answer in zip(grids.items(), found, strict=True):
+        _, known = _known(grid)
+        answer = {key: answer[key] for key in known}
+        if answer != known:
+            wrong.append((name, answer, known))
+    assert not wrong, wrong[:1]
+
+
+def test_a_machine_whose_masses_strike_has_no_numbers(tmp_path: Path) -> None:
+    file = tmp_path / "magnet.toml"
+    file.write_text(MACHINE_SCENE + KINDS["magnet"] + "gap_mm = 0.01\n", encoding="utf-8")
+    request = request_of_call(file, {"filling_kg": 1, "frequency_hz": 50})
+    grid = Grid({}, request.fixed, 400.0, machine=request.machine)
+    state = state_of(grid, machine=scene_data(request)["machine"])
+    (found,) = in_modules(tmp_path, "numbers", "answerOf", [state])
+    texts = {fact["label"]: fact["text"] for fact in found["facts"]}
+    assert found["title"] == "unknown"
+    assert (texts["none"], texts["traverse time"], texts["amplitude"][:7]) == ("unknown",) * 2 + ("unknown",)
+    assert found["tables"] == []
+    assert found["notes"] == [Status.INFEASIBLE.message]
+
+
 def test_scenes_are_of_all_kinds() -> None:
     ones = [_known(grid)[0] for grid in cells().values()]
     assert {one.status for one in ones} >= {Status.OK, Status.AVERAGED, Status.RUNAWAY}
@@ -85,8 +135,8 @@ def test_a_title_has_six_digits(answers: dict[str, Any]) -> None:
 
 
 _WRITTEN = """
-import * as numbers from "./numbers.js";
-export const written = (data, engine, [name, ...values]) => numbers[name](...values);
+import * as figures from "./figures.js";
+export const written = (data, engine, [name, ...values]) => figures[name](...values);
 """
 
 

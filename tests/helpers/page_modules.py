@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-_MODULES = ("histories", "numbers", "motion")
+_MODULES = ("typed", "figures", "histories", "paths", "numbers", "motion")
 # What draws is not asked for.
 _UNASKED = {
-    "draw": "export const [INK, axis, curve, html, input, legend, place, plot, set, shape] = [];"
+    "draw": "export const [INK, axis, curve, html, input, legend, numberText, place, plot, set, shape] = [];"
     " export const [svg, textWidth, way] = [];",
-    "fields": "export const [numberText, roundNumbers] = [];",
+    "fields": "export const [roundNumbers] = [];",
 }
 _ASK = """
 import { createRequire } from "node:module";
@@ -66,8 +66,8 @@ def cell(motion: Motion | None = None, length: float | None = 600.0, /, **change
     return Grid({}, fixed, length, arrivals=length is not None, motion=given)
 
 
-def state_of(grid: Grid, cycles: int = 3) -> dict[str, Any]:
-    """Return the page's state of a single cell."""
+def state_of(grid: Grid, cycles: int = 3, machine: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the page's state of a single cell; with a machine that is given as the page's data have it."""
     values = dict(grid.fixed)
     if grid.length is not None:
         values["trough_length"] = grid.length
@@ -81,8 +81,9 @@ def state_of(grid: Grid, cycles: int = 3) -> dict[str, Any]:
         elif isinstance(motion, HarmonicMotion):
             given["values"] = _harmonics(motion)
         values |= given["values"]
-    drive = "line" if given is None else "given"
-    return {"scene": 0, "drive": drive, "values": values, "given": given, "machine": None, "cycles": cycles}
+    drive = "machine" if machine else "given" if given else "line"
+    state = {"scene": 0, "drive": drive, "values": values, "cycles": cycles}
+    return {**state, "given": given, "machine": machine}
 
 
 def _harmonics(motion: HarmonicMotion) -> dict[str, float]:

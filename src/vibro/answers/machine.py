@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
 from vibro.files.csv_tables import columns_of
 from vibro.quantities import MASS, QUANTITIES, TROUGH_MASS, exact_number
-from vibro.results.operating import MACHINE_RESULTS, OPERATING
+from vibro.results.operating import MACHINE_RESULTS, OPERATING, WARNED_HARMONIC
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,6 +36,15 @@ _SIDE_BY_SIDE: Final = (
     ("full [mm]", "full", "amplitude_mm"),
     ("speed [mm/s]", "full", "mean_velocity_mm_s"),
 )
+# What the answer about one operating point says, with places for its numbers: pages fill them in too.
+_SAYS: Final = {
+    "empty": "empty",
+    "when empty": "{amplitude} mm empty",
+    "supplied": "{name} {percent} %",
+    "springs": "f0 = {natural} Hz",
+    "pack": " ({name})",
+}
+_FACTS: Final = {"amplitude": ("amplitude", "mm"), "machine": ("machine", "")}
 _LISTED: Final = ("strikes", "at_jump", "all_amplitudes_mm")  # in JSON alone
 
 
@@ -51,11 +60,14 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
     """
     one = {name: float(values[name].item()) for name in QUANTITIES if name in values}
     found = {x.name: float(x.kind.from_si(values[OPERATING][x.name].item())) for x in MACHINE_RESULTS}
-    note = f"{shown(found['amplitude_empty'])} mm empty" if one["filling"] else "empty"
-    at = [f"{name} {one[name]:g} %" for name in ("setting", "voltage") if given.takes(name)]
+    empty = _SAYS["when empty"].format(amplitude=shown(found["amplitude_empty"]))
+    note = empty if one["filling"] else _SAYS["empty"]
+    supply = [name for name in ("setting", "voltage") if given.takes(name)]
+    at = [_SAYS["supplied"].format(name=name, percent=f"{one[name]:g}") for name in supply]
+    (label, unit), (machine, _) = _FACTS["amplitude"], _FACTS["machine"]
     facts = [
-        Fact("amplitude", one["amplitude"], "mm", note=note),
-        Fact("machine", ", ".join([_machine(given, one.get("natural")), *at]), is_rare=True),
+        Fact(label, one["amplitude"], unit, note=note),
+        Fact(machine, ", ".join([_machine(given, one.get("natural")), *at]), is_rare=True),
     ]
     for result in MACHINE_RESULTS:
         if not math.isnan(found[result.name]) and result.name != "amplitude_empty":
@@ -64,19 +76,38 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
     return facts
 
 
+def machine_texts() -> dict[str, Any]:
+    """Return the texts of ``machine_facts`` for pages, as JSON has them; results in the unit outside."""
+    results = {
+        result.name: (label_of(result.column, result.kind.unit), result.kind.unit, result.kind.per_si)
+        for result in MACHINE_RESULTS
+        if result.name != "amplitude_empty"
+    }
+    return {"says": _SAYS, "facts": _FACTS, "results": results, "warned harmonic": WARNED_HARMONIC}
+
+
 def _machine(given: GivenMachine, natural: float | None) -> str:
+    springs = ""
+    if natural is not None:
+        pack = next((name for name, f0 in given.packs.items() if f0 == natural), None)
+        springs = _SAYS["springs"].format(natural=f"{natural:.5g}")
+        springs += "" if pack is None else _SAYS["pack"].format(name=pack)
+    return ", ".join(filter(None, (springs if part is None else part for part in machine_parts(given))))
+
+
+def machine_parts(given: GivenMachine) -> list[str | None]:
+    """Return what a machine is in words; None where its springs belong, which may be exchanged."""
     masses = [str(given.table[key]) for key in _MASSES if key in given.table]
     weights = [m if m == "floor" else f"{float(exact_number(m, TROUGH_MASS)):g} kg" for m in masses]
-    parts = [given.kind, " against ".join(weights)]
-    if given.has_springs and natural is not None:
-        pack = next((f" ({name})" for name, f0 in given.packs.items() if f0 == natural), "")
-        parts.append(f"f0 = {natural:.5g} Hz{pack}")
+    parts: list[str | None] = [given.kind, *filter(None, [" against ".join(weights)])]
+    if given.has_springs:
+        parts.append(None)
     elif given.kind == "unbalance":
         mounts = given.machine.natural_frequency
         parts.append(f"mounts of {mounts:.5g} Hz" if mounts else "infinitely soft mounts")
     if given.kind != "crank":
         parts.append(f"damping ratio {given.machine.damping_ratio:.4g}")
-    return ", ".join(filter(None, parts))
+    return parts
 
 
 def _resonance(empty: Row, full: Row | None) -> str:

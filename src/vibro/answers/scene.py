@@ -117,10 +117,10 @@ _TITLES: Final = {
 
 def page_texts() -> dict[str, Any]:
     """Return the texts of ``scene_answer`` for pages that make the answer themselves, as JSON has them."""
-    numbers = {
-        "stroke": (label_of(WITH_STROKE.name, WITH_STROKE.unit), WITH_STROKE.unit),
-        "acceleration": (label_of(WITH_ACCELERATION.name, WITH_ACCELERATION.unit), WITH_ACCELERATION.unit),
-    }
+    from vibro.answers.machine import machine_texts  # late, as below
+
+    columns = {"stroke": WITH_STROKE, "acceleration": WITH_ACCELERATION, "bent": WITH_BENT_SPEED}
+    numbers = {key: (label_of(column.name, column.unit), column.unit) for key, column in columns.items()}
     return {
         "says": {**_SAYS, "unknown": UNKNOWN, "no bounce": NO_BOUNCE},
         "facts": {**_FACTS, **numbers},
@@ -132,6 +132,7 @@ def page_texts() -> dict[str, Any]:
         "hop": HOP,
         "listed": [name for name in QUANTITIES if is_listed(name)],
         "most phases": _MOST_PHASES,
+        "machine": machine_texts(),
     }
 
 

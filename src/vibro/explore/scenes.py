@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from vibro.answers.machine import machine_parts
 from vibro.axes import axis_of
 from vibro.drives import HarmonicMotion, PiecewiseMotion
 from vibro.explore.controls import (
@@ -248,6 +249,7 @@ def _driven(start: _Start, given: GivenMachine) -> dict[str, Any]:
         **start.own.data(),
         "fields": vars(given.machine) | {"share": given.share},
         "kind": given.kind,
+        "parts": machine_parts(given),
         "has_springs": given.has_springs,
         "knobs": [name for name in MACHINE if given.takes(name)],
         "own": given.own,

@@ -14,74 +14,12 @@
  * @property {string[]} notes
  */
 import { html } from "./draw.js";
+import { briefText, filledText, shownText, uncertainText } from "./figures.js";
 import { TURN, followed, phasesOf } from "./histories.js";
+import { loadOf, strokeOf } from "./paths.js";
+import { generalText } from "./typed.js";
 
-/* global driveOf */
-
-// ------------------------------------------------------------------------------
-// Numbers as Python writes them. Of two decimals that are equally near Python takes the even one, JavaScript the
-// larger one: enough exact digits tell where that is so.
-
-const EXACT_DIGITS = 100;
-const LEAST_ERRORS = [1e-9, 1e-12]; // of a value, and of its unit: nobody measures with less error
-
-/**
- * @param {string} rounded number
- * @param {string} exact its digits
- * @param {number} cut the first of these that is cut off
- */
-function evened(rounded, exact, cut) {
-  const wentUp = /^50*$/.test(exact.slice(cut)) && /[13579]$/.test(rounded);
-  return wentUp ? rounded.slice(0, -1) + (Number(rounded.slice(-1)) - 1) : rounded;
-}
-
-/** As Python's `z.2f`. @param {number} value @param {number} decimals */
-export function fixedText(value, decimals) {
-  const exact = value.toFixed(EXACT_DIGITS);
-  const text = evened(value.toFixed(decimals), exact, exact.indexOf(".") + 1 + decimals);
-  return /[1-9]/.test(text) ? text : text.replace("-", "");
-}
-
-/** As Python's `z.4g`. @param {number} value @param {number} digits */
-export function roundedText(value, digits) {
-  if (!Number.isFinite(value)) return String(value).toLowerCase().replace("infinity", "inf");
-  const [exact] = value.toExponential(EXACT_DIGITS).split("e");
-  const [mantissa, power] = value.toExponential(digits - 1).split("e");
-  const even = evened(mantissa, exact, exact.length - EXACT_DIGITS + digits - 1);
-  const exponent = Number(power);
-  const trimmed = (/** @type {string} */ text) => text.replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
-  if (exponent >= -4 && exponent < digits) {
-    return trimmed((Number(`${even}e${power}`) + 0.0).toFixed(digits - 1 - exponent));
-  }
-  return `${trimmed(even)}e${power[0]}${power.slice(1).padStart(2, "0")}`;
-}
-
-/** The power of ten of a number's first digit. @param {number} value */
-const powerOf = (value) => Number(value.toExponential().split("e")[1]);
-
-/** A number for people, nothing for null. @param {number | string | null} value @param {number} [digits] */
-export function shownText(value, digits = 4) {
-  if (typeof value !== "number") return value ?? "";
-  return Number.isNaN(value) ? "-" : roundedText(value, digits);
-}
-
-/** With a standard error, to two digits of that. @param {number} value @param {number} error @param {number} [digits] */
-export function uncertainText(value, error, digits = 4) {
-  const isSeen = Math.max(LEAST_ERRORS[0] * Math.abs(value), LEAST_ERRORS[1]) < error && error < Infinity;
-  if (!isSeen) return shownText(value, digits);
-  const decimals = Math.max(0, 1 - powerOf(error));
-  return `${fixedText(value, decimals)} \u00b1 ${fixedText(error, decimals)}`;
-}
-
-/** Three digits, zeros at the end among them. @param {number} value */
-export function briefText(value) {
-  const size = Math.abs(value);
-  if (!(size >= 1e-4 && size < 1e6)) return shownText(value, 3);
-  return fixedText(value, Math.max(0, 2 - powerOf(size)));
-}
-
-/** Put texts into their places: `{speed} mm/s`. @param {string} text @param {Record<string, string | number>} parts */
-const filled = (text, parts) => text.replace(/\{(\w+)\}/g, (_, name) => String(parts[name]));
+/* global driveOf, operatingOf */
 
 // ------------------------------------------------------------------------------
 // One solved scene.
@@ -91,19 +29,41 @@ const LEAST_DIFFERENCE = 2 ** -26; // [A] where slides to and fro nearly cancel,
 const LEAST_CERTAIN = 1.0 / 3.0; // error over the size of a mean whose sign is not in doubt
 const MILLI = 1000.0; // [mm/m]
 
-/** The operating point: its quantities in the units outside, as they are given, and its drive. */
-export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ { values: own, given }) {
+/** The operating point: its quantities in the units outside, as they are given, and its drive. A machine finds its
+ * amplitude; one that has none gets an arbitrary one, whose results are withheld. */
+export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ { values: own, given, machine }) {
   const { trough_length: length = NaN, friction_ratio: _, ...values } = own;
-  const drive = /** @type {any} */ (driveOf(data, { values, given }));
+  const operated = machine ? operatingOf(data, engine, { values, machine: machine.fields }) : null;
+  if (operated) values.amplitude = MILLI * operated.amplitude[0];
+  const isLost = Number.isNaN(values.amplitude);
+  const drive = /** @type {any} */ (driveOf(data, { values: isLost ? { ...values, amplitude: 1.0 } : values, given }));
   if (given?.table.length) for (const name in given.values) delete values[name]; // the scene's file has a motion
-  return { values, length, drive };
+  return { values, length, drive, machine, operated, isLost };
+}
+
+/** Let a cycle be no surer than the operating point of its machine, as vibro.sweeps.machines.withheld does. */
+function withheld(/** @type {any} */ { known }, /** @type {Record<string, Float64Array>} */ cycle, /** @type {any} */ { operated, isLost }) {
+  const { OK, BOUNDARY, AVERAGED, INFEASIBLE } = known.Status;
+  const [own, found] = [operated ? operated.status[0] : OK, cycle.status[0]];
+  const isAnswered = (/** @type {number} */ status) => known.answered.includes(status);
+  if (isLost && found !== INFEASIBLE) {
+    for (const row of Object.values(cycle)) row.fill(NaN);
+    cycle.regime[0] = known.Regime.UNDEFINED;
+    cycle.pattern_code[0] = 0;
+    cycle.status[0] = isAnswered(own) ? INFEASIBLE : own; // with an operating point, its masses strike
+  } else if (own === AVERAGED && isAnswered(found) && found !== AVERAGED) {
+    cycle.mean_velocity_error[0] = NaN;
+    cycle.status[0] = AVERAGED;
+  } else if (own === BOUNDARY && found === OK) cycle.status[0] = BOUNDARY;
 }
 
 /** The operating point, its steady cycle, and what most facts need of them. */
 function solvedScene(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ state) {
-  const { values, length, drive } = pointOf(data, engine, state);
+  const point = pointOf(data, engine, state);
+  const { values, drive } = point;
   const grid = engine.gridOf(drive);
   const cycle = engine.solve(grid);
+  withheld(engine, cycle, point);
   const pattern = engine.pattern(grid, cycle);
   const isSmall = Math.abs(cycle.displacement_per_cycle[0]) <= LEAST_DIFFERENCE * engine.scaleOf(drive);
   const isStill = isSmall && pattern.includes("F") && pattern.includes("B");
@@ -111,7 +71,7 @@ function solvedScene(/** @type {any} */ data, /** @type {any} */ engine, /** @ty
   const error = MILLI * cycle.mean_velocity_error[0];
   const relativeError = speed ? Math.abs(error / speed) : 0.0;
   return {
-    data, engine, values, length, drive, grid, cycle, pattern, speed, error, relativeError,
+    ...point, data, engine, grid, cycle, pattern, speed, error, relativeError,
     texts: data.texts,
     says: data.texts.says,
     regime: data.regimes.find((/** @type {any} */ x) => x.code === cycle.regime[0]),
@@ -146,8 +106,8 @@ export function answerOf(data, engine, state) {
     regime: regime.label,
     colour: regime.colour,
     speedText,
-    facts: [motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...rareFacts(one)],
-    tables: [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
+    facts: [motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one), ...rareFacts(one)],
+    tables: one.isLost ? [] : [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
     notes: notesOf(one),
   };
 }
@@ -179,7 +139,7 @@ function motionFact(/** @type {Solved} */ one) {
   if (Number.isNaN(speed)) return factOf(one, [label, ""], one.status.name === "RUNAWAY" ? says["runs away"] : null);
   const [mean, rate, advance] = [[1.0, 4], [0.06, 3], [1.0 / values.frequency, 4]].map(([by, digits]) =>
     uncertainText(by * speed, by * error, digits));
-  return factOf(one, [label, ""], filled(says.speed, { speed: mean, rate, advance }));
+  return factOf(one, [label, ""], filledText(says.speed, { speed: mean, rate, advance }));
 }
 
 /** The time over the trough at the mean speed, and exactly from rest. */
@@ -188,10 +148,10 @@ function traverseFacts(/** @type {Solved} */ one) {
   if (Number.isNaN(length)) return [];
   const [label] = texts.facts.traverse;
   const time = speed <= 0.0 ? Infinity : length / speed;
-  const exact = engine.arrival(grid, length / MILLI, cycle);
-  const fromRest = Number.isFinite(exact) ? filled(says["from rest"], { time: shownText(exact, 6) }) : "";
+  const exact = one.isLost ? NaN : engine.arrival(grid, length / MILLI, cycle);
+  const fromRest = Number.isFinite(exact) ? filledText(says["from rest"], { time: shownText(exact, 6) }) : "";
   if (Number.isFinite(time) && isCertain) {
-    const over = filled(says.over, { length: roundedText(length, 10) });
+    const over = filledText(says.over, { length: generalText(length, 10) });
     return [factOf(one, [label, over], time, fromRest || says["from rest unknown"], time * one.relativeError)];
   }
   const never = time === Infinity && isCertain ? says.never : null;
@@ -204,11 +164,48 @@ function speedFacts(/** @type {Solved} */ one) {
   if (cycle.flight_fraction[0] > 0.0) {
     const period = cycle.period_cycles[0];
     let again = Number.isNaN(period) ? says.irregular : says["every cycle"];
-    if (period > 1.0) again = filled(says["every few cycles"], { period });
-    const lands = filled(says.lands, { impact: shownText(MILLI * cycle.impact_velocity[0]), again });
+    if (period > 1.0) again = filledText(says["every few cycles"], { period });
+    const lands = filledText(says.lands, { impact: shownText(MILLI * cycle.impact_velocity[0]), again });
     found.push(factOf(one, facts.flight, 100.0 * cycle.flight_fraction[0], lands));
   }
   return [...found, factOf(one, facts.throw, briefText(cycle.throw_number[0]), says.hops)];
+}
+
+/** What the machine does, and how fast parts are where its filling bends the trough's sine. */
+function machineFacts(/** @type {Solved} */ one) {
+  const { texts: { machine: { says, facts, results, "warned harmonic": warned }, facts: usual }, values, machine, operated } = one;
+  if (!machine) return [];
+  const empty = filledText(says["when empty"], { amplitude: shownText(MILLI * operated.empty[0]) });
+  const natural = values.natural ?? machine.fields.natural_frequency;
+  const pack = Object.keys(machine.packs).find((name) => machine.packs[name] === natural);
+  const springs = filledText(says.springs, { natural: generalText(natural, 5) }) + (pack ? filledText(says.pack, { name: pack }) : "");
+  const supply = ["setting", "voltage"].filter((name) => machine.knobs.includes(name));
+  const parts = [
+    ...machine.parts.map((/** @type {string | null} */ part) => part ?? springs),
+    ...supply.map((name) => filledText(says.supplied, { name, percent: generalText(values[name], 6) })),
+  ];
+  const found = {
+    frequency_ratio: operated.frequencyRatio, added_mass_share: operated.addedMass,
+    added_damping_share: operated.addedDamping, relative_amplitude: operated.relative, second_harmonic: operated.second,
+  };
+  const named = Object.entries(results).filter(([name]) => !Number.isNaN(found[name][0]));
+  return [
+    factOf(one, facts.amplitude, values.amplitude, values.filling ? empty : says.empty),
+    factOf(one, facts.machine, parts.join(", ")),
+    ...named.map(([name, [label, unit, size]]) => factOf(one, [label, unit], size * found[name][0])),
+    ...(operated.second[0] > warned ? [factOf(one, usual.bent, one.isLost ? NaN : MILLI * bentSpeed(one))] : []),
+  ];
+}
+
+/** Speed where the trough moves with the second harmonic of its filling too [m/s]. */
+function bentSpeed(/** @type {Solved} */ { engine, drive, operated }) {
+  const [size, angle] = drive.path;
+  const [real, imaginary] = [operated.secondReal[0] || 0.0, operated.secondImaginary[0] || 0.0];
+  const [share, phase] = [Math.hypot(real, imaginary), Math.atan2(imaginary, real)];
+  const [along, normal] = [size * Math.cos(angle), size * Math.sin(angle)];
+  const harmonics = [[along, along * share], [0.0, phase], [normal, normal * share], [0.0, phase]];
+  const bent = { ...drive, kind: "harmonics", path: [1.0, NaN], harmonics };
+  return engine.solve(engine.gridOf(bent)).mean_velocity[0];
 }
 
 function rareFacts(/** @type {Solved} */ one) {
@@ -218,117 +215,21 @@ function rareFacts(/** @type {Solved} */ one) {
     factOf(one, facts.scene, sceneText(one)),
     factOf(one, facts.pattern, one.pattern || null),
     factOf(one, facts.stroke, stroke),
-    factOf(one, facts.acceleration, loadOf(engine, drive)),
+    factOf(one, facts.acceleration, one.isLost ? NaN : loadOf(engine, drive)),
   ];
 }
 
 /** The quantities of the scene without their usual values, after the kind of its motion. */
-function sceneText({ data: { quantities }, says, texts, values, drive }) {
+function sceneText({ data: { quantities }, says, texts, values, drive, machine }) {
   const isSaid = (/** @type {string} */ name) => name in values
+    && !(name === "amplitude" && machine) // which follows from it
     && (values[name] !== quantities[name].default || name === "motion_scale");
   const given = texts.listed.filter(isSaid).map((/** @type {string} */ name) =>
-    `${quantities[name].label} ${roundedText(values[name], 15)} ${quantities[name].unit}`.trimEnd()).join(", ");
-  if (drive.kind === "pieces") return filled(says.pieces, { count: drive.motion.breaks.length - 1, given });
+    `${quantities[name].label} ${generalText(values[name], 15)} ${quantities[name].unit}`.trimEnd()).join(", ");
+  if (drive.kind === "pieces") return filledText(says.pieces, { count: drive.motion.breaks.length - 1, given });
   if (drive.kind !== "harmonics") return given;
   const count = drive.harmonics[0].length;
-  return filled(count > 1 ? says.harmonics : says.harmonic, { count, given });
-}
-
-// ------------------------------------------------------------------------------
-// The drive's path: its stroke and its largest acceleration, sampled, and searched more finely about the best place.
-
-const POINTS = 64; // of a path per harmonic
-const LEAST_POINTS = 512;
-const [FINER, SEARCHES] = [8, 10]; // places to each side, of each search; it is half as far as the one before
-
-/** @typedef {[number, number]} Point */
-const around = (/** @type {number} */ middle, /** @type {number} */ far) =>
-  Array.from({ length: 2 * FINER + 1 }, (_, n) => middle + far * (n / FINER - 1.0));
-
-/** Points of a path, and the distance between two phases. @param {Drive} drive */
-function sampledPath(/** @type {any} */ engine, drive) {
-  const number = Math.max(LEAST_POINTS, POINTS * (drive.harmonics?.[0].length ?? 0));
-  const phases = Array.from({ length: number }, (_, n) => (TURN * n) / number);
-  const grid = engine.gridOf(drive);
-  const path = (/** @type {number[]} */ at) => /** @type {Point[]} */ (engine.path(grid, at));
-  return { path, phases, points: path(phases), step: TURN / number };
-}
-
-/** Search the largest value of a function about a place. @returns {number} */
-function largestAbout(/** @type {(places: number[]) => number[]} */ of, /** @type {number} */ middle, /** @type {number} */ far) {
-  let best = -Infinity;
-  for (let n = 0; n < SEARCHES; n++, far /= 2.0) {
-    const places = around(middle, far);
-    const values = of(places);
-    best = Math.max(...values);
-    middle = places[values.indexOf(best)];
-  }
-  return best;
-}
-
-/** The two points, one of each list, that are farthest apart. @param {Point[]} first @param {Point[]} second */
-function widestPair(first, second) {
-  const found = { square: -1.0, i: 0, j: 0 };
-  for (let i = 0; i < first.length; i++) {
-    const [x, y] = first[i];
-    for (let j = 0; j < second.length; j++) {
-      const [dx, dy] = [x - second[j][0], y - second[j][1]];
-      const square = dx * dx + dy * dy;
-      if (square > found.square) Object.assign(found, { square, i, j });
-    }
-  }
-  return found;
-}
-
-/** Larger axis of an ellipse, halved: it is the sum of two opposite rotations. @param {number[]} path */
-function reachOf([along, normal, phase]) {
-  const [sine, cosine] = [normal * Math.sin(phase), normal * Math.cos(phase)];
-  return 0.5 * (Math.hypot(along + sine, cosine) + Math.hypot(along - sine, cosine));
-}
-
-/** From one end of the trough's path to the other, the farther way [m]. @param {Drive} drive of plain numbers */
-function strokeOf(/** @type {any} */ engine, drive) {
-  const own = /** @type {number[]} */ (drive.path);
-  if (drive.kind === "line") return 2.0 * own[0];
-  if (drive.kind === "ellipse") return 2.0 * reachOf(own);
-  const { path, phases, points, step } = sampledPath(engine, drive);
-  let { square, i, j } = widestPair(points, points);
-  let [p, q] = [phases[i], phases[j]];
-  for (let n = 0, far = step; n < SEARCHES; n++, far /= 2.0) {
-    const [first, second] = [around(p, far), around(q, far)];
-    ({ square, i, j } = widestPair(path(first), path(second)));
-    [p, q] = [first[i], second[j]];
-  }
-  return Math.sqrt(square);
-}
-
-/** Largest acceleration of the trough over gravity. @param {Drive} drive of plain numbers */
-function loadOf(/** @type {any} */ engine, drive) {
-  const { kind, path: own, frequency, gravity, harmonics = [], motion } = /** @type {any} */ (drive);
-  const rate = TURN * frequency;
-  if (kind === "line") return (own[0] * rate ** 2) / gravity;
-  if (kind === "ellipse") return (reachOf(own) * rate ** 2) / gravity;
-  if (kind === "pieces") return (own[0] * largestOfPieces(motion)) / gravity;
-  const louder = harmonics.map((/** @type {number[]} */ column, /** @type {number} */ of) =>
-    column.map((x, n) => (of % 2 ? x : x * (n + 1) ** 2)));
-  const { path, phases, points, step } = sampledPath(engine, { ...drive, harmonics: louder });
-  const sizes = points.map(([x, y]) => Math.hypot(x, y));
-  const place = phases[sizes.indexOf(Math.max(...sizes))];
-  return (largestAbout((at) => path(at).map(([x, y]) => Math.hypot(x, y)), place, step) * rate ** 2) / gravity;
-}
-
-/** Largest acceleration of cubics on pieces, at a scale of 1 [m/s^2]. */
-function largestOfPieces(/** @type {{breaks: number[], pieces: number[]}} */ { breaks, pieces }) {
-  const count = breaks.length - 1;
-  const cubic = (/** @type {number} */ at, /** @type {number} */ u) =>
-    pieces[at] + u * (pieces[at + 1] + u * (pieces[at + 2] + u * pieces[at + 3]));
-  const sizes = (/** @type {number} */ n) => (/** @type {number[]} */ places) => places
-    .map((u) => Math.min(Math.max(u, 0.0), 1.0))
-    .map((u) => Math.hypot(cubic(4 * n, u), cubic(4 * (count + n), u)));
-  const best = Array.from({ length: count }, (_, n) => Math.max(...sizes(n)(around(0.5, 0.5))));
-  const most = Math.max(...best);
-  const near = best.flatMap((size, n) => (size > 0.9 * most ? [n] : []));
-  return Math.max(most, ...near.map((n) => largestAbout(sizes(n), 0.5, 0.5)));
+  return filledText(count > 1 ? says.harmonics : says.harmonic, { count, given });
 }
 
 // ------------------------------------------------------------------------------
@@ -365,7 +266,8 @@ function lastingMotions(/** @type {Solved} */ { engine, grid, drive, texts: { mo
 }
 
 function beginningsTable(/** @type {Solved} */ one) {
-  const { texts: { heads, titles, hop: hopping }, values, size, drive } = one;
+  const { texts: { heads, titles, hop: hopping }, values, size, drive, machine } = one;
+  const countsFrequency = drive.kind !== "pieces" && !machine; // whether it changes accelerations, and they alone
   const lasting = lastingMotions(one);
   const hop = lasting[lasting.length - 1].low;
   const found = lasting
@@ -375,7 +277,7 @@ function beginningsTable(/** @type {Solved} */ one) {
     { head: heads.motion, of: ({ name }) => name },
     { head: heads.begin, of: ({ low }) => low },
     ...(Number.isNaN(size.value) ? [] : [{ head: [size.label, size.unit], of: ({ low }) => size.value * low }]),
-    ...(drive.kind === "pieces" ? [] : [{ head: heads.frequency, of: ({ low }) => values.frequency * Math.sqrt(low) }]),
+    ...(countsFrequency ? [{ head: heads.frequency, of: ({ low }) => values.frequency * Math.sqrt(low) }] : []),
     ...(drive.kind === "line" || drive.kind === "ellipse" ? [] : [{ head: heads.end, of: ({ high }) => high }]),
   ];
   const rows = found.map((/** @type {any} */ motion) => columns.map(({ of }) => of(motion)));
@@ -409,8 +311,9 @@ function changedDrive(/** @type {any} */ drive, /** @type {string} */ name, /** 
 }
 
 function sensitivitiesTable(/** @type {Solved} */ one) {
-  const { data: { quantities, regimes, statuses }, engine, says, texts: { heads, titles }, drive, cycle, size } = one;
-  const names = [...KNOBS[drive.kind], ...PARTS];
+  const { data: { quantities, regimes, statuses }, engine, says, texts: { heads, titles }, drive, cycle, size, machine } = one;
+  if (machine && one.values.filling > 0.0) return []; // with a filling friction and angles change the amplitude too
+  const names = [...KNOBS[drive.kind], ...PARTS].filter((name) => !(machine && name === "frequency")); // as it does
   const sizes = drive.kind === "ellipse" ? names.slice(0, 2) : names.slice(0, 1);
   const changes = names.map((name) => {
     const isTurned = name === "normal_phase" || name === "trough_angle";
@@ -429,7 +332,7 @@ function sensitivitiesTable(/** @type {Solved} */ one) {
     const [regime, status] = [found.regime[0], found.status[0]];
     const codeIs = (/** @type {number} */ code) => (/** @type {any} */ x) => x.code === code;
     return [
-      filled(says["a little more"], { what: label, step }),
+      filledText(says["a little more"], { what: label, step }),
       then,
       Number.isNaN(change) ? null : Math.abs(change) < ROUNDING ? 0.0 : change,
       engine.known.answered.includes(status)
@@ -519,7 +422,7 @@ function notesOf(/** @type {Solved} */ one) {
     const stable = Array.from({ length: found.number }, (_, n) => n).filter((n) => found.multiplier[n] < 1.0);
     const speeds = stable.map((n) => unit * found.displacement[n]).sort((a, b) => a - b);
     const ends = new Set([speeds[0], speeds[speeds.length - 1]].map((speed) => shownText(speed)));
-    if (speeds.length) notes.push(filled(says["may be captured"], { speeds: [...ends].join(says.to) }));
+    if (speeds.length) notes.push(filledText(says["may be captured"], { speeds: [...ends].join(says.to) }));
   } else if (cycle.coexists[0] > 0) {
     const isSteep = Math.abs(Math.tan(troughAngle)) > kineticFriction;
     notes.push(says[isSteep ? "may run away" : "may settle elsewhere"]);

@@ -21,12 +21,24 @@ export function cutText(text) {
   return (long || text).replace(/\p{C}|\p{Zl}|\p{Zp}/gu, "\u{fffd}");
 }
 
+/** Of two texts that are equally near to a number Python's formats take the even one, those of JavaScript the larger
+ * one: correct it. @param {string} rounded @param {string} exact all digits of the number @param {number} cut the
+ * first that is cut off */
+export function evenText(rounded, exact, cut) {
+  const wentUp = /^50*$/.test(exact.slice(cut)) && /[13579]$/.test(rounded);
+  return wentUp ? rounded.slice(0, -1) + (Number(rounded.slice(-1)) - 1) : rounded;
+}
+
 /** A number as formats with a letter g write it: 0.0001, 1e-05, 1e+15. @param {number} value @param {number} digits */
 export function generalText(value, digits) {
   if (!Number.isFinite(value)) return String(value);
-  const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+  let [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+  if (Number(value.toPrecision(digits + 1)) === value) {
+    const [exact] = value.toExponential(100).split("e");
+    mantissa = evenText(mantissa, exact, exact.length - 100 + digits - 1);
+  }
   const power = Number(exponent);
-  if (power >= -4 && power < digits) return String(Number(value.toPrecision(digits)));
+  if (power >= -4 && power < digits) return String(Number(`${mantissa}e${exponent}`));
   return `${Number(mantissa)}e${exponent[0]}${exponent.slice(1).padStart(2, "0")}`;
 }
 

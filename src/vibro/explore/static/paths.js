@@ -1,0 +1,101 @@
+/**
+ * The trough's path: its stroke and its largest acceleration. Where there is no closed form it is sampled, and searched
+ * more finely about the best place.
+ *
+ * @typedef {import("./engine.js").Drive} Drive
+ * @typedef {[number, number]} Point along the trough and normal to it
+ */
+import { TURN } from "./histories.js";
+
+const POINTS = 64; // of a path per harmonic
+const LEAST_POINTS = 512;
+const [FINER, SEARCHES] = [8, 10]; // places to each side, of each search; it is half as far as the one before
+
+const around = (/** @type {number} */ middle, /** @type {number} */ far) =>
+  Array.from({ length: 2 * FINER + 1 }, (_, n) => middle + far * (n / FINER - 1.0));
+
+/** Points of a path, and the distance between two phases. @param {Drive} drive */
+function sampledPath(/** @type {any} */ engine, drive) {
+  const number = Math.max(LEAST_POINTS, POINTS * (drive.harmonics?.[0].length ?? 0));
+  const phases = Array.from({ length: number }, (_, n) => (TURN * n) / number);
+  const grid = engine.gridOf(drive);
+  const path = (/** @type {number[]} */ at) => /** @type {Point[]} */ (engine.path(grid, at));
+  return { path, phases, points: path(phases), step: TURN / number };
+}
+
+/** Search the largest value of a function about a place. @returns {number} */
+function largestAbout(/** @type {(places: number[]) => number[]} */ of, /** @type {number} */ middle, /** @type {number} */ far) {
+  let best = -Infinity;
+  for (let n = 0; n < SEARCHES; n++, far /= 2.0) {
+    const places = around(middle, far);
+    const values = of(places);
+    best = Math.max(...values);
+    middle = places[values.indexOf(best)];
+  }
+  return best;
+}
+
+/** The two points, one of each list, that are farthest apart. @param {Point[]} first @param {Point[]} second */
+function widestPair(first, second) {
+  const found = { square: -1.0, i: 0, j: 0 };
+  for (let i = 0; i < first.length; i++) {
+    const [x, y] = first[i];
+    for (let j = 0; j < second.length; j++) {
+      const [dx, dy] = [x - second[j][0], y - second[j][1]];
+      const square = dx * dx + dy * dy;
+      if (square > found.square) Object.assign(found, { square, i, j });
+    }
+  }
+  return found;
+}
+
+/** Larger axis of an ellipse, halved: it is the sum of two opposite rotations. @param {number[]} path */
+function reachOf([along, normal, phase]) {
+  const [sine, cosine] = [normal * Math.sin(phase), normal * Math.cos(phase)];
+  return 0.5 * (Math.hypot(along + sine, cosine) + Math.hypot(along - sine, cosine));
+}
+
+/** From one end of the trough's path to the other, the farther way [m]. @param {Drive} drive of plain numbers */
+export function strokeOf(/** @type {any} */ engine, drive) {
+  const own = /** @type {number[]} */ (drive.path);
+  if (drive.kind === "line") return 2.0 * own[0];
+  if (drive.kind === "ellipse") return 2.0 * reachOf(own);
+  const { path, phases, points, step } = sampledPath(engine, drive);
+  let { square, i, j } = widestPair(points, points);
+  let [p, q] = [phases[i], phases[j]];
+  for (let n = 0, far = step; n < SEARCHES; n++, far /= 2.0) {
+    const [first, second] = [around(p, far), around(q, far)];
+    ({ square, i, j } = widestPair(path(first), path(second)));
+    [p, q] = [first[i], second[j]];
+  }
+  return Math.sqrt(square);
+}
+
+/** Largest acceleration of the trough over gravity. @param {Drive} drive of plain numbers */
+export function loadOf(/** @type {any} */ engine, drive) {
+  const { kind, path: own, frequency, gravity, harmonics = [], motion } = /** @type {any} */ (drive);
+  const rate = TURN * frequency;
+  if (kind === "line") return (own[0] * rate ** 2) / gravity;
+  if (kind === "ellipse") return (reachOf(own) * rate ** 2) / gravity;
+  if (kind === "pieces") return (own[0] * largestOfPieces(motion)) / gravity;
+  const louder = harmonics.map((/** @type {number[]} */ column, /** @type {number} */ of) =>
+    column.map((x, n) => (of % 2 ? x : x * (n + 1) ** 2)));
+  const { path, phases, points, step } = sampledPath(engine, { ...drive, harmonics: louder });
+  const sizes = points.map(([x, y]) => Math.hypot(x, y));
+  const place = phases[sizes.indexOf(Math.max(...sizes))];
+  return (largestAbout((at) => path(at).map(([x, y]) => Math.hypot(x, y)), place, step) * rate ** 2) / gravity;
+}
+
+/** Largest acceleration of cubics on pieces, at a scale of 1 [m/s^2]. */
+function largestOfPieces(/** @type {{breaks: number[], pieces: number[]}} */ { breaks, pieces }) {
+  const count = breaks.length - 1;
+  const cubic = (/** @type {number} */ at, /** @type {number} */ u) =>
+    pieces[at] + u * (pieces[at + 1] + u * (pieces[at + 2] + u * pieces[at + 3]));
+  const sizes = (/** @type {number} */ n) => (/** @type {number[]} */ places) => places
+    .map((u) => Math.min(Math.max(u, 0.0), 1.0))
+    .map((u) => Math.hypot(cubic(4 * n, u), cubic(4 * (count + n), u)));
+  const best = Array.from({ length: count }, (_, n) => Math.max(...sizes(n)(around(0.5, 0.5))));
+  const most = Math.max(...best);
+  const near = best.flatMap((size, n) => (size > 0.9 * most ? [n] : []));
+  return Math.max(most, ...near.map((n) => largestAbout(sizes(n), 0.5, 0.5)));
+}
