@@ -249,8 +249,8 @@ function engineOf(doors, known) {
    * Unit of length of one scene in the solver [m].
    * @param {Drive} drive of plain numbers
    */
-  function scaleOf({ kind, path, frequency, harmonics = [], motion }) {
-    const [first, second] = /** @type {number[]} */ (path);
+  function scaleOf(drive) {
+    const { kind, path: [first, second], frequency, harmonics = [], motion } = /** @type {any} */ (drive);
     if (kind === "line") return first;
     if (kind === "ellipse") return Math.max(first, second) || 1.0;
     if (kind === "harmonics") return Math.max(...harmonics[0], ...harmonics[2]) * first || 1.0;

@@ -37,5 +37,6 @@ export function briefText(value) {
   return fixedText(value, Math.max(0, 2 - powerOf(size)));
 }
 
-/** A text with its parts in their places: `{speed} mm/s`. @param {string} text @param {Record<string, string | number>} parts */
+/** A text with its parts in their places: `{speed} mm/s`.
+ * @param {string} text @param {Record<string, string | number>} parts */
 export const filledText = (text, parts) => text.replace(/\{(\w+)\}/g, (_, name) => String(parts[name]));

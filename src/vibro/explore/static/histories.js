@@ -17,6 +17,7 @@
 export const TURN = 2.0 * Math.PI;
 const OFF_JUMP = 1e-9; // [rad] from a jump to the moment whose forces are those on one side of it
 const BESIDE = 1e-9; // of the number of steps, or of a drive cycle
+const LONGEST_RUN = 1000.0; // [drive cycles] from rest in which phases with flights must begin to repeat
 const OPEN_ENDS = 1e-9; // of the largest acceleration: a smaller gap between two pieces is rounding
 
 /**
@@ -27,9 +28,9 @@ const OPEN_ENDS = 1e-9; // of the largest acceleration: a smaller gap between tw
  */
 export function followed(engine, drive, cycles, startPhase = 0.0) {
   const grid = engine.gridOf(drive);
-  const end = cycles / drive.frequency;
-  const motion = engine.history(grid, end * drive.frequency, startPhase);
-  const [frequency, scale] = [drive.frequency, engine.scaleOf(drive)];
+  const [frequency, scale] = [/** @type {number} */ (drive.frequency), engine.scaleOf(drive)];
+  const end = cycles / frequency;
+  const motion = engine.history(grid, end * frequency, startPhase);
   return motion && { engine, grid, motion, frequency, scale, end, startPhase };
 }
 
@@ -160,4 +161,41 @@ export function traced(history, samples) {
     ...(time < end ? [{ time, isAfter: true }] : []),
   ]);
   return sampled(history, rows.map(({ time }) => time), (n) => rows[n].isAfter);
+}
+
+/**
+ * The steady cycle as a history, and the time since the trough's middle at which it begins; null if there is none.
+ * @param {{engine: any, grid: any, drive: any, cycle: Record<string, Float64Array>, pattern: string}} solved
+ * @returns {{history: History, lag: number} | null}
+ */
+export function steadyHistory({ engine, grid, drive, cycle, pattern }) {
+  const { frequency, kind, path } = drive;
+  const isOneHarmonic = kind === "line" || kind === "ellipse";
+  const hops = cycle.regime[0] === engine.known.Regime.HOPPING;
+  if (pattern === "_" || (isOneHarmonic && !hops)) { // its first slide begins at rest, at a known phase
+    const phase = pattern === "_" ? 0.0 : engine.slides(grid, cycle.pattern_code[0]).begin[0];
+    const history = followed(engine, drive, 1.0, phase);
+    return history && { history, lag: phase / (TURN * frequency) };
+  }
+  const motion = engine.history(grid, LONGEST_RUN);
+  const number = motion ? motion.number - motion.first : 0;
+  if (!number) return null;
+  const turn = isOneHarmonic ? 0 : engine.leastTurn([...motion.legs.mode.slice(motion.first)]);
+  const order = Array.from({ length: number }, (_, n) => (n + turn) % number);
+  const legs = Object.fromEntries(Object.keys(motion.legs).map((name) =>
+    [name, Float64Array.from(order, (n) => motion.legs[name][motion.first + n])]));
+  order.forEach((from, n) => { // what was before the first leg comes a cycle later
+    if (from >= turn) return;
+    legs.cycle[n] += motion.period;
+    legs.position[n] += motion.advance;
+  });
+  for (const name of ["cycle", "position"]) legs[name] = legs[name].map((x) => x - legs[name][0]);
+  const lead = kind === "ellipse" ? path[2] : 0.0; // phases count from the middle of the motion along the trough
+  const phase = (((legs.phase[0] - lead) % TURN) + TURN) % TURN;
+  const steady = { legs, number, first: 0, period: motion.period, advance: motion.advance };
+  const history = {
+    engine, grid, motion: steady, frequency, scale: engine.scaleOf(drive), end: motion.period / frequency,
+    startPhase: phase,
+  };
+  return { history, lag: phase / (TURN * frequency) };
 }

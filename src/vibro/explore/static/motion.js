@@ -40,16 +40,16 @@ export function motionOf(data, engine, state) {
   return { history, rows, phases, panels };
 }
 
-/** Curves of a panel in its unit, and the ends of its axis. @returns {Panel} */
-function panelOf(/** @type {string} */ name, /** @type {any} */ { title, unit, per_si: unitSize, height, curves }, /** @type {any} */ rows) {
+/** Curves of a panel in its unit, and the ends of its axis.
+ * @param {string} name @param {any} look @param {import("./histories.js").Sample} rows @returns {Panel} */
+function panelOf(name, { title, unit, per_si: unitSize, height, curves }, rows) {
   const most = name === "forces" ? mostForce(rows) : Infinity;
   const lines = curves.flatMap((/** @type {any} */ { field, in_contact: isInContact, label, ...look }) => {
-    const values = rows[field].map((/** @type {number} */ x, /** @type {number} */ n) =>
-      (isInContact && !(rows.normal[n] > 0.0) ? NaN : x * unitSize));
-    const isCut = values.some((/** @type {number} */ x) => Math.abs(x) > most);
+    const values = rows[field].map((x, n) => (isInContact && !(rows.normal[n] > 0.0) ? NaN : x * unitSize));
+    const isCut = values.some((x) => Math.abs(x) > most);
     const line = { ...look, values, label: curves.length > 1 ? label + (isCut ? " (cut off)" : "") : "" };
     if (field !== "static_limit") return [line];
-    return [line, { ...line, values: values.map((/** @type {number} */ x) => -x), label: "" }]; // it holds either way
+    return [line, { ...line, values: values.map((x) => -x), label: "" }]; // it holds either way
   });
   let [low, high] = [0.0, 0.0];
   for (const { values } of lines) {
@@ -76,8 +76,8 @@ const [LEFT, RIGHT] = [58, 16]; // [px] beside the panels
 const evenTicks = (low, high, most = 8) => roundNumbers(low, high, false, most).map((x) =>
   /** @type {[number, string]} */ ([(x - low) / (high - low), numberText(x)]));
 
-/** What fills the box of a panel. */
-function drawPanel(/** @type {Panel} */ { low, high, curves }, /** @type {Box} */ box, /** @type {Motion} */ { history: { end }, rows: { time }, phases }) {
+/** What fills the box of a panel. @param {Panel} panel @param {Box} box @param {Motion} motion */
+function drawPanel({ low, high, curves }, box, { history: { end }, rows: { time }, phases }) {
   const share = (/** @type {number} */ value) => (value - low) / (high - low);
   const shades = phases.map(({ colour, start, end: until }) => svg("rect", {
     x: (1000 * start) / end, width: (1000 * (until - start)) / end, height: 1000, fill: colour, "fill-opacity": 0.35,
@@ -88,7 +88,8 @@ function drawPanel(/** @type {Panel} */ { low, high, curves }, /** @type {Box} *
   return [plot(box, {}, paper, ...shades, zero, ...lines), axis(box, "left", evenTicks(low, high, 4))];
 }
 
-/** All panels over one axis of time, and a line at the moment of the animation. @param {Motion} motion @param {string} title */
+/** All panels over one axis of time, and a line at the moment of the animation.
+ * @param {Motion} motion @param {string} title */
 function drawPanels(motion, title) {
   const { history: { end }, phases, panels } = motion;
   const wide = Math.max(place("history").clientWidth, LEFT + RIGHT); // 0 before the page is laid out
@@ -125,7 +126,8 @@ const STRIPE = 36; // [px] between marks on the trough
 const ARROW = 90; // [px] of the largest force
 const LASTS = 2.0; // [s] that a drive cycle takes on the screen
 
-/** Draws moments of a motion in the picture. @param {Motion} motion @param {any} looks @param {number} slope of the trough [deg] */
+/** Set the stage for a motion; what is returned shows its moments.
+ * @param {Motion} motion @param {any} looks @param {number} slope of the trough [deg] */
 function createStage({ history, rows, panels }, looks, slope) {
   const range = (/** @type {Float64Array} */ x, /** @type {Float64Array} */ y) => x.reduce((ends, _, n) =>
     [Math.min(ends[0], x[n] + y[n]), Math.max(ends[1], x[n] + y[n])], [Infinity, -Infinity]);

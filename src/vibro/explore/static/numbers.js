@@ -15,7 +15,7 @@
  */
 import { html } from "./draw.js";
 import { briefText, filledText, shownText, uncertainText } from "./figures.js";
-import { TURN, followed, phasesOf } from "./histories.js";
+import { TURN, phasesOf, steadyHistory } from "./histories.js";
 import { loadOf, strokeOf } from "./paths.js";
 import { generalText } from "./typed.js";
 
@@ -31,9 +31,10 @@ const MILLI = 1000.0; // [mm/m]
 
 /** The operating point: its quantities in the units outside, as they are given, and its drive. A machine finds its
  * amplitude; one that has none gets an arbitrary one, whose results are withheld. */
-export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ { values: own, given, machine }) {
-  const { trough_length: length = NaN, friction_ratio: _, ...values } = own;
-  const operated = machine ? operatingOf(data, engine, { values, machine: machine.fields }) : null;
+export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ state) {
+  const { given, machine, values: { trough_length: length = NaN, friction_ratio: _, ...values } } = state;
+  /** @type {any} */
+  const operated = machine && operatingOf(data, engine, { values, given: null, machine: machine.fields });
   if (operated) values.amplitude = MILLI * operated.amplitude[0];
   const isLost = Number.isNaN(values.amplitude);
   const drive = /** @type {any} */ (driveOf(data, { values: isLost ? { ...values, amplitude: 1.0 } : values, given }));
@@ -41,8 +42,11 @@ export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** 
   return { values, length, drive, machine, operated, isLost };
 }
 
-/** Let a cycle be no surer than the operating point of its machine, as vibro.sweeps.machines.withheld does. */
-function withheld(/** @type {any} */ { known }, /** @type {Record<string, Float64Array>} */ cycle, /** @type {any} */ { operated, isLost }) {
+/**
+ * Let a cycle be no surer than the operating point of its machine, as vibro.sweeps.machines.withheld does.
+ * @param {Record<string, Float64Array>} cycle @param {{operated: any, isLost: boolean}} point @param {any} known
+ */
+function withhold(cycle, { operated, isLost }, known) {
   const { OK, BOUNDARY, AVERAGED, INFEASIBLE } = known.Status;
   const [own, found] = [operated ? operated.status[0] : OK, cycle.status[0]];
   const isAnswered = (/** @type {number} */ status) => known.answered.includes(status);
@@ -63,7 +67,7 @@ function solvedScene(/** @type {any} */ data, /** @type {any} */ engine, /** @ty
   const { values, drive } = point;
   const grid = engine.gridOf(drive);
   const cycle = engine.solve(grid);
-  withheld(engine, cycle, point);
+  withhold(cycle, point, engine.known);
   const pattern = engine.pattern(grid, cycle);
   const isSmall = Math.abs(cycle.displacement_per_cycle[0]) <= LEAST_DIFFERENCE * engine.scaleOf(drive);
   const isStill = isSmall && pattern.includes("F") && pattern.includes("B");
@@ -173,27 +177,30 @@ function speedFacts(/** @type {Solved} */ one) {
 
 /** What the machine does, and how fast parts are where its filling bends the trough's sine. */
 function machineFacts(/** @type {Solved} */ one) {
-  const { texts: { machine: { says, facts, results, "warned harmonic": warned }, facts: usual }, values, machine, operated } = one;
+  const { values, machine, operated, texts } = one;
+  const { says, facts, results, "warned harmonic": warned } = texts.machine;
   if (!machine) return [];
   const empty = filledText(says["when empty"], { amplitude: shownText(MILLI * operated.empty[0]) });
   const natural = values.natural ?? machine.fields.natural_frequency;
   const pack = Object.keys(machine.packs).find((name) => machine.packs[name] === natural);
-  const springs = filledText(says.springs, { natural: generalText(natural, 5) }) + (pack ? filledText(says.pack, { name: pack }) : "");
+  const named = pack ? filledText(says.pack, { name: pack }) : "";
+  const springs = filledText(says.springs, { natural: generalText(natural, 5) }) + named;
   const supply = ["setting", "voltage"].filter((name) => machine.knobs.includes(name));
   const parts = [
     ...machine.parts.map((/** @type {string | null} */ part) => part ?? springs),
     ...supply.map((name) => filledText(says.supplied, { name, percent: generalText(values[name], 6) })),
   ];
+  /** @type {Record<string, Float64Array>} */
   const found = {
     frequency_ratio: operated.frequencyRatio, added_mass_share: operated.addedMass,
     added_damping_share: operated.addedDamping, relative_amplitude: operated.relative, second_harmonic: operated.second,
   };
-  const named = Object.entries(results).filter(([name]) => !Number.isNaN(found[name][0]));
+  const known = Object.keys(results).filter((name) => !Number.isNaN(found[name][0]));
   return [
     factOf(one, facts.amplitude, values.amplitude, values.filling ? empty : says.empty),
     factOf(one, facts.machine, parts.join(", ")),
-    ...named.map(([name, [label, unit, size]]) => factOf(one, [label, unit], size * found[name][0])),
-    ...(operated.second[0] > warned ? [factOf(one, usual.bent, one.isLost ? NaN : MILLI * bentSpeed(one))] : []),
+    ...known.map((name) => factOf(one, results[name].slice(0, 2), results[name][2] * found[name][0])),
+    ...(operated.second[0] > warned ? [factOf(one, texts.facts.bent, one.isLost ? NaN : MILLI * bentSpeed(one))] : []),
   ];
 }
 
@@ -220,7 +227,7 @@ function rareFacts(/** @type {Solved} */ one) {
 }
 
 /** The quantities of the scene without their usual values, after the kind of its motion. */
-function sceneText({ data: { quantities }, says, texts, values, drive, machine }) {
+function sceneText(/** @type {Solved} */ { data: { quantities }, says, texts, values, drive, machine }) {
   const isSaid = (/** @type {string} */ name) => name in values
     && !(name === "amplitude" && machine) // which follows from it
     && (values[name] !== quantities[name].default || name === "motion_scale");
@@ -239,7 +246,11 @@ function sceneText({ data: { quantities }, says, texts, values, drive, machine }
 const areSame = (/** @type {number} */ a, /** @type {number} */ b) =>
   a === b || (Math.abs(a - b) < Infinity && Math.abs(a - b) <= SAME * Math.max(Math.abs(a), Math.abs(b)));
 
-/** Loads between which motions last, by their names, each over the scene's load. */
+/**
+ * Loads between which motions last, by their names, each over the scene's load.
+ * @typedef {{name: string, low: number, high: number}} Lasting
+ * @returns {Lasting[]}
+ */
 function lastingMotions(/** @type {Solved} */ { engine, grid, drive, texts: { motions, loads, hop: hopping } }) {
   if (drive.kind === "harmonics" || drive.kind === "pieces") {
     const { classes, hop, forward, back } = engine.spans(grid);
@@ -252,15 +263,15 @@ function lastingMotions(/** @type {Solved} */ { engine, grid, drive, texts: { mo
     });
     return [...found, { name: hopping, low: hop, high: Infinity }];
   }
-  const found = Object.fromEntries(Object.entries(engine.limits(grid)).map(([name, [load]]) =>
-    [name, load / loadOf(engine, drive)]));
-  const { hop: high, forward_onset: forward, back_onset: back } = found;
+  const [now, limits] = [loadOf(engine, drive), engine.limits(grid)];
+  const [high, forward, back, slip, slide] =
+    ["hop", "forward_onset", "back_onset", "back_slip", "continuous_sliding"].map((name) => limits[name][0] / now);
   return [
     // where back slip comes first its slides may outlast the forward window
     { name: back < forward ? loads[0] : motions[0], low: forward, high },
-    { name: motions[1], low: found.back_slip, high },
-    { name: motions[2], low: found.continuous_sliding, high },
-    ...(areSame(back, found.back_slip) ? [] : [{ name: loads[1], low: back, high }]),
+    { name: motions[1], low: slip, high },
+    { name: motions[2], low: slide, high },
+    ...(areSame(back, slip) ? [] : [{ name: loads[1], low: back, high }]),
     { name: hopping, low: high, high: Infinity },
   ];
 }
@@ -273,14 +284,15 @@ function beginningsTable(/** @type {Solved} */ one) {
   const found = lasting
     .filter(({ name, low }) => low > 0.0 && low < Infinity && (name === hopping || low < hop))
     .sort((a, b) => a.low - b.low);
+  /** @type {{head: [string, string], of: (motion: Lasting) => number | string}[]} */
   const columns = [
     { head: heads.motion, of: ({ name }) => name },
     { head: heads.begin, of: ({ low }) => low },
-    ...(Number.isNaN(size.value) ? [] : [{ head: [size.label, size.unit], of: ({ low }) => size.value * low }]),
-    ...(countsFrequency ? [{ head: heads.frequency, of: ({ low }) => values.frequency * Math.sqrt(low) }] : []),
-    ...(drive.kind === "line" || drive.kind === "ellipse" ? [] : [{ head: heads.end, of: ({ high }) => high }]),
   ];
-  const rows = found.map((/** @type {any} */ motion) => columns.map(({ of }) => of(motion)));
+  if (!Number.isNaN(size.value)) columns.push({ head: [size.label, size.unit], of: ({ low }) => size.value * low });
+  if (countsFrequency) columns.push({ head: heads.frequency, of: ({ low }) => values.frequency * Math.sqrt(low) });
+  if (!["line", "ellipse"].includes(drive.kind)) columns.push({ head: heads.end, of: ({ high }) => high });
+  const rows = found.map((motion) => columns.map(({ of }) => of(motion)));
   return tableOf(titles.beginnings, columns.map(({ head }) => head), rows);
 }
 
@@ -289,6 +301,7 @@ function beginningsTable(/** @type {Solved} */ one) {
 
 const [MORE, SOME_MORE, TURNED] = [0.01, 0.1, Math.PI / 180.0]; // [1], of the whole drive, [rad]
 const ROUNDING = 1e-9; // [%] change of a speed that is rounding alone
+/** @type {Record<string, string[]>} */
 const KNOBS = {
   line: ["amplitude", "frequency", "drive_angle"],
   ellipse: ["along_amplitude", "normal_amplitude", "normal_phase", "frequency"],
@@ -296,9 +309,11 @@ const KNOBS = {
   pieces: ["motion_scale", "frequency"],
 };
 const PARTS = ["static_friction", "kinetic_friction", "trough_angle"];
+/** Places of quantities in the path of a drive, and the names of its others. @type {Record<string, number>} */
 const OF_PATH = {
   amplitude: 0, along_amplitude: 0, motion_scale: 0, drive_angle: 1, normal_amplitude: 1, normal_phase: 2,
 };
+/** @type {Record<string, string>} */
 const OF_BODY = {
   frequency: "frequency", static_friction: "staticFriction", kinetic_friction: "kineticFriction",
   trough_angle: "troughAngle",
@@ -307,12 +322,15 @@ const OF_BODY = {
 /** The drive with more of one quantity. @returns {Drive} */
 function changedDrive(/** @type {any} */ drive, /** @type {string} */ name, /** @type {(x: number) => number} */ more) {
   if (name in OF_BODY) return { ...drive, [OF_BODY[name]]: more(drive[OF_BODY[name]]) };
-  return { ...drive, path: drive.path.map((/** @type {number} */ x, /** @type {number} */ n) => (n === OF_PATH[name] ? more(x) : x)) };
+  const path = [...drive.path];
+  path[OF_PATH[name]] = more(path[OF_PATH[name]]);
+  return { ...drive, path };
 }
 
 function sensitivitiesTable(/** @type {Solved} */ one) {
-  const { data: { quantities, regimes, statuses }, engine, says, texts: { heads, titles }, drive, cycle, size, machine } = one;
-  if (machine && one.values.filling > 0.0) return []; // with a filling friction and angles change the amplitude too
+  const { data, engine, says, texts: { heads, titles }, drive, cycle, size, values, machine } = one;
+  const { quantities, regimes, statuses } = data;
+  if (machine && values.filling > 0.0) return []; // with a filling friction and angles change the amplitude too
   const names = [...KNOBS[drive.kind], ...PARTS].filter((name) => !(machine && name === "frequency")); // as it does
   const sizes = drive.kind === "ellipse" ? names.slice(0, 2) : names.slice(0, 1);
   const changes = names.map((name) => {
@@ -346,45 +364,11 @@ function sensitivitiesTable(/** @type {Solved} */ one) {
 // ------------------------------------------------------------------------------
 // The phases of one steady cycle, counted from the drive's middle on.
 
-const LONGEST_RUN = 1000.0; // [drive cycles] from rest in which phases with flights must begin to repeat
 const SHORT = 1e-2; // [rad] shorter flights are listed as one phase
 const SHORTEST = 1e-12; // [drive cycles] shorter phases at the ends of a cycle are rounding
 
-/** The steady cycle as a history, and the time since the trough's middle at which it begins; or null. */
-function steadyHistory(/** @type {Solved} */ { engine, grid, drive, cycle, pattern }) {
-  const { frequency, kind, path } = /** @type {any} */ (drive);
-  const isOneHarmonic = kind === "line" || kind === "ellipse";
-  const hops = cycle.regime[0] === engine.known.Regime.HOPPING;
-  if (pattern === "_" || (isOneHarmonic && !hops)) { // its first slide begins at rest, at a known phase
-    const phase = pattern === "_" ? 0.0 : engine.slides(grid, cycle.pattern_code[0]).begin[0];
-    const history = followed(engine, drive, 1.0, phase);
-    return history && { history, lag: phase / (TURN * frequency) };
-  }
-  const motion = engine.history(grid, LONGEST_RUN);
-  const number = motion ? motion.number - motion.first : 0;
-  if (!number) return null;
-  const turn = isOneHarmonic ? 0 : engine.leastTurn([...motion.legs.mode.slice(motion.first)]);
-  const order = Array.from({ length: number }, (_, n) => (n + turn) % number);
-  const legs = Object.fromEntries(Object.entries(motion.legs).map(([name, x]) =>
-    [name, Float64Array.from(order, (n) => x[motion.first + n])]));
-  order.forEach((from, n) => { // what was before the first leg comes a cycle later
-    if (from >= turn) return;
-    legs.cycle[n] += motion.period;
-    legs.position[n] += motion.advance;
-  });
-  for (const name of ["cycle", "position"]) legs[name] = legs[name].map((x) => x - legs[name][0]);
-  const lead = kind === "ellipse" ? path[2] : 0.0; // phases count from the middle of the motion along the trough
-  const phase = (((legs.phase[0] - lead) % TURN) + TURN) % TURN;
-  const steady = { legs, number, first: 0, period: motion.period, advance: motion.advance };
-  const history = {
-    engine, grid, motion: steady, frequency, scale: engine.scaleOf(drive), end: motion.period / frequency,
-    startPhase: phase,
-  };
-  return { history, lag: phase / (TURN * frequency) };
-}
-
 function phasesTable(/** @type {Solved} */ one) {
-  const { engine, texts: { heads, titles, phases: names, "most phases": most }, drive, cycle, pattern } = one;
+  const { engine, texts: { heads, titles, phases: names, "most phases": most }, cycle, pattern } = one;
   const hops = cycle.regime[0] === engine.known.Regime.HOPPING;
   if (hops ? !(cycle.flight_fraction[0] > 0.0) : !pattern) return [];
   const steady = steadyHistory(one);

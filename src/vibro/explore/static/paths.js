@@ -23,8 +23,9 @@ function sampledPath(/** @type {any} */ engine, drive) {
   return { path, phases, points: path(phases), step: TURN / number };
 }
 
-/** Search the largest value of a function about a place. @returns {number} */
-function largestAbout(/** @type {(places: number[]) => number[]} */ of, /** @type {number} */ middle, /** @type {number} */ far) {
+/** Search the largest value of a function about a place.
+ * @param {(places: number[]) => number[]} of @param {number} middle @param {number} far */
+function largestAbout(of, middle, far) {
   let best = -Infinity;
   for (let n = 0; n < SEARCHES; n++, far /= 2.0) {
     const places = around(middle, far);
