@@ -77,6 +77,7 @@ _MARKED: Final = {
         "cli/test_capabilities.py", "cli/test_measure_trough.py",
         "cli/test_report.py", "explore/test_browser", "designs/test_design.py",
         "designs/test_machine_drives.py", "designs/test_motions.py", "designs/test_windows.py",
+        "explore/test_page_map.py",
         "messages/", "records/test_comparison.py", "records/test_fitting.py",
         "records/test_trough_harmonics.py",
         "answers/test_printed.py", "test_frozen.py", "test_gallery.py", "test_pages.py", "test_site.py",
@@ -85,8 +86,8 @@ _MARKED: Final = {
     "process": (
         "cli/test_app.py", "cli/test_completion.py", "cli/test_interrupts.py",
         "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "core/test_javascript.py",
-        "explore/test_page_begins.py", "explore/test_page_file.py", "explore/test_page_motion.py",
-        "explore/test_page_numbers.py", "explore/test_page_state.py",
+        "explore/test_page_begins.py", "explore/test_page_file.py", "explore/test_page_map.py",
+        "explore/test_page_motion.py", "explore/test_page_numbers.py", "explore/test_page_state.py",
         "plots/test_style.py", "tables/test_faults.py", "tables/test_readers.py", "tables/test_shards.py",
         "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
         "test_site.py", "test_threads.py", "test_translate.py",

@@ -150,6 +150,7 @@ function harmonicLists({ quantities }, values) {
 export function tomlOf(data, state) {
   const { quantities } = data, { given, machine } = state;
   const { friction_ratio: _, ...point } = state.values;
+  if (given?.table.length) for (const name of Object.keys(given.values)) delete point[name]; // [motion] gives them
   const column = (/** @type {string} */ name) => quantities[name].column;
   const [lists, others] = given ? harmonicLists(data, point) : [{}, point];
   const names = Object.keys(quantities).filter((name) => name in others && !MACHINE_NAMES.includes(name));

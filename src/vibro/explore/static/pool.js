@@ -28,7 +28,10 @@ export function axisValues({ from, to, log }, count) {
   const last = count - 1;
   const inside = (/** @type {(n: number) => number} */ value) =>
     Array.from({ length: count }, (_, n) => (n === 0 ? from : n === last ? to : value(n)));
-  if (log) return inside((n) => Number((from * (to / from) ** (n / last)).toPrecision(15)));
+  if (log) {
+    const [low, high] = [Math.log10(from), Math.log10(to)];
+    return inside((n) => Number((10.0 ** (low + n * ((high - low) / last))).toPrecision(15)));
+  }
   const ends = [decimalOf(from), decimalOf(to)];
   const power = Math.max(0, ...ends.map(([, p]) => p));
   const [a, b] = ends.map(([whole, p]) => whole * 10n ** BigInt(power - p));
