@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import io
+import os
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 from helpers.explored_scenes import FEEDER, GIVEN_DRIVES
+from PIL import Image
 
 import vibro
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from playwright.sync_api import Browser, Page
 
+PICTURE = Path(__file__).parents[2] / "docs" / "images" / "explore.png"
+FOUND = """axe.run({resultTypes: ["violations"]}).then(
+    (found) => found.violations.map((one) => [one.id, one.nodes.map((node) => node.target)]))"""
 NUT = """[scene]
 amplitude_mm = 1
 frequency_hz = 15
@@ -73,11 +80,39 @@ def test_it_fits_a_telephone(open_page: Callable[..., Page]) -> None:
     assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
 
 
+def test_it_looks_as_the_readme_shows_it(open_page: Callable[..., Page]) -> None:
+    """With VIBRO_DRAW=1 the picture is made anew."""
+    page = open_page("#view=speed", NUT, viewport={"width": 1360, "height": 860})
+    regime(page)
+    page.locator("#map .curves path, #frame path").first.wait_for(state="attached")
+    while "exact" in str(page.locator("#stage").text_content()):  # something is left to be computed
+        page.wait_for_timeout(50)
+    page.mouse.move(1, 1)
+    drawn = page.screenshot()
+    if os.environ.get("VIBRO_DRAW"):
+        PICTURE.write_bytes(drawn)
+    fresh, shown = (np.asarray(Image.open(x).convert("L"), float) for x in (io.BytesIO(drawn), PICTURE))
+    assert fresh.shape == shown.shape
+    assert np.abs(fresh - shown).mean() < 2.0  # of 255: fonts differ from machine to machine
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("width", [1200, 390])
+def test_axe_finds_nothing(width: int, dark: bool, open_page: Callable[..., Page], axe: str) -> None:
+    scheme = "dark" if dark else "light"
+    page = open_page("", NUT, FEEDER, viewport={"width": width, "height": 844}, color_scheme=scheme)
+    regime(page)
+    page.locator("#bands").check()
+    page.evaluate(axe)
+    assert page.evaluate(FOUND) == []
+
+
+@pytest.mark.parametrize("text", [NUT, FEEDER], ids=["nut", "feeder"])
 @pytest.mark.parametrize("dark", [False, True])
 def test_paper_has_question_map_numbers_and_motion_on_two_sheets(
-    dark: bool, open_page: Callable[..., Page]
+    text: str, dark: bool, open_page: Callable[..., Page]
 ) -> None:
-    page = open_page("", NUT, color_scheme="dark" if dark else "light")
+    page = open_page("", text, color_scheme="dark" if dark else "light")
     regime(page)
     page.locator("#history path").first.wait_for(state="attached")
     sheets = page.pdf(format="A4")
