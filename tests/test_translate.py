@@ -340,7 +340,7 @@ def test_in_javascript_it_does_what_it_does_in_python(tmp_path: Path) -> None:
             if 2**62 in map(abs, filter(lambda v: isinstance(v, int), values)):
                 continue
             ours, theirs = ([v.copy() if isinstance(v, np.ndarray) else v for v in values] for _ in range(2))
-            buffers = [memoryview(v) if isinstance(v, np.ndarray) else v for v in ours]
+            buffers = [v.data if isinstance(v, np.ndarray) else v for v in ours]
             expected, found = getattr(built.python, name)(*buffers), getattr(doors, name)(*theirs)
             assert (math.isnan(found) and math.isnan(expected)) or float(found).hex() == float(
                 expected

@@ -8,7 +8,7 @@
  * @property {null | {kind: string, motion?: any}} given of a drive that sliders cannot make
  */
 
-/** @typedef {Record<string, {per_si: number, si: number, default: number | null}>} Quantities */
+/** @typedef {Record<string, {per_si: number, si: number, default: number | null, low: number, high: number}>} Quantities */
 
 /**
  * Change every number of a field, or of two that vary differently.
