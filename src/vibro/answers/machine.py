@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
 from vibro.files.csv_tables import columns_of
+from vibro.machines.operating import DOUBTS
 from vibro.quantities import MASS, QUANTITIES, TROUGH_MASS, exact_number
 from vibro.results.operating import MACHINE_RESULTS, OPERATING, WARNED_HARMONIC
 
@@ -83,7 +84,8 @@ def machine_texts() -> dict[str, Any]:
         for result in MACHINE_RESULTS
         if result.name != "amplitude_empty"
     }
-    return {"says": _SAYS, "facts": _FACTS, "results": results, "warned harmonic": WARNED_HARMONIC}
+    own = {"says": _SAYS, "facts": _FACTS, "results": results}
+    return {**own, "doubts": DOUBTS, "warned harmonic": WARNED_HARMONIC}
 
 
 def _machine(given: GivenMachine, natural: float | None) -> str:

@@ -32,6 +32,18 @@ _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  #
 _NEIGHBOUR: Final = 1.0 + 1e-6  # [1] of a frequency at which no trough is as wide as an amplitude
 _RANGE: Final = 64  # [cells] so that an interrupt is noticed within a fraction of a second
 _MOST_POINTS: Final = 64  # that are listed
+#: What is in doubt about operating points, with places for numbers.
+DOUBTS: Final = {
+    "near resonance": "the drive is within 2 zeta = {percent} % of resonance: the amplitude depends much on"
+    " damping, which is known least",
+    "several": "{number} operating points exist: this is the one with the least amplitude, which the machine"
+    " reaches when it starts",
+    "jumps": "the filling's force jumps at this amplitude: there is no steady operating point",
+    "irregular": "the filling's motion is irregular: its force and the amplitude are known within bounds",
+    "bent": "the filling adds a second harmonic of {percent} % of the amplitude: speeds of a sinusoidal"
+    " motion may be 8 % too high to 24 % too low",
+    "strikes": "the relative amplitude exceeds the gap: the machine strikes",
+}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -146,32 +158,16 @@ class OperatingPoints:
         """Return what is in doubt: the cells that it concerns, and a sentence."""
         zeta = self.machine.damping_ratio
         second = np.nan_to_num(self.second_harmonic)
-        averaged = np.asarray(self.status) == int(Status.AVERAGED)
+        near = DOUBTS["near resonance"].format(percent=f"{100.0 * 2.0 * zeta:.3g}")
+        several = DOUBTS["several"].format(number=np.max(self.number, initial=0))
+        bent = DOUBTS["bent"].format(percent=f"{100.0 * np.max(second, initial=0.0):.2g}")
         return [
-            (
-                self.near_resonance & (zeta > 0.0),
-                f"the drive is within 2 zeta = {100.0 * 2.0 * zeta:.3g} % of resonance: the amplitude depends"
-                " much on damping, which is known least",
-            ),
-            (
-                np.asarray(self.number) > 1,
-                f"{np.max(self.number, initial=0)} operating points exist: this is the one with the least"
-                " amplitude, which the machine reaches when it starts",
-            ),
-            (
-                self.at_jump,
-                "the filling's force jumps at this amplitude: there is no steady operating point",
-            ),
-            (
-                averaged,
-                "the filling's motion is irregular: its force and the amplitude are known within bounds",
-            ),
-            (
-                second > WARNED_HARMONIC,
-                f"the filling adds a second harmonic of {100.0 * np.max(second, initial=0.0):.2g} % of the"
-                " amplitude: speeds of a sinusoidal motion may be 8 % too high to 24 % too low",
-            ),
-            (self.strikes, "the relative amplitude exceeds the gap: the machine strikes"),
+            (self.near_resonance & (zeta > 0.0), near),
+            (np.asarray(self.number) > 1, several),
+            (self.at_jump, DOUBTS["jumps"]),
+            (np.asarray(self.status) == int(Status.AVERAGED), DOUBTS["irregular"]),
+            (second > WARNED_HARMONIC, bent),
+            (self.strikes, DOUBTS["strikes"]),
         ]
 
     def remarks(self) -> list[str]:

@@ -9,6 +9,7 @@
  * @property {string} regime
  * @property {string} colour of the regime
  * @property {string} speedText
+ * @property {string[]} warnings of a machine
  * @property {Fact[]} facts
  * @property {AnswerTable[]} tables
  * @property {string[]} notes
@@ -110,6 +111,7 @@ export function answerOf(data, engine, state) {
     regime: regime.label,
     colour: regime.colour,
     speedText,
+    warnings: warningsOf(one),
     facts: [motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one), ...rareFacts(one)],
     tables: one.isLost ? [] : [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
     notes: notesOf(one),
@@ -415,8 +417,26 @@ function notesOf(/** @type {Solved} */ one) {
   return notes;
 }
 
-/** Show an answer: its facts, its tables, its notes. @param {Answer} answer @param {Element} place */
-export function showAnswer({ facts, tables, notes }, place) {
+/** What is in doubt about the operating point of a machine, as vibro.OperatingPoints.remarks has it. @returns {string[]} */
+function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) {
+  if (!machine) return [];
+  const { doubts, "warned harmonic": warned } = texts.machine;
+  const { BOUNDARY, AVERAGED } = engine.known.Status;
+  const { status: [status], number: [number], second: [second], strikes: [strikes] } = operated;
+  const near = 2.0 * machine.fields.damping_ratio;
+  const isNear = near > 0.0 && [operated.frequencyRatio, operated.filledRatio].some(([ratio]) => Math.abs(ratio - 1.0) <= near);
+  return [
+    ...(isNear ? [filledText(doubts["near resonance"], { percent: generalText(100.0 * near, 3) })] : []),
+    ...(number > 1 ? [filledText(doubts.several, { number })] : []),
+    ...(status === BOUNDARY && machine.kind !== "crank" ? [doubts.jumps] : []),
+    ...(status === AVERAGED ? [doubts.irregular] : []),
+    ...(second > warned ? [filledText(doubts.bent, { percent: generalText(100.0 * second, 2) })] : []),
+    ...(strikes ? [doubts.strikes] : []),
+  ];
+}
+
+/** Show an answer: its warnings, facts, tables and notes. @param {Answer} answer @param {Element} place */
+export function showAnswer({ warnings, facts, tables, notes }, place) {
   const lines = (/** @type {string[][]} */ rows) => rows.map(([name, ...cells]) =>
     html("tr", {}, html("th", { scope: "row" }, name), ...cells.map((text) => html("td", {}, text))));
   const list = html("table", { class: "facts" },
@@ -426,5 +446,6 @@ export function showAnswer({ facts, tables, notes }, place) {
     html("caption", {}, title),
     html("thead", {}, html("tr", {}, ...columns.map((text) => html("th", { scope: "col" }, text)))),
     html("tbody", {}, ...lines(rows))));
-  place.replaceChildren(list, ...numeric, ...notes.map((note) => html("p", {}, note)));
+  const warned = warnings.map((text) => html("p", { class: "warning" }, `Warning: ${text}.`));
+  place.replaceChildren(...warned, list, ...numeric, ...notes.map((note) => html("p", {}, note)));
 }
