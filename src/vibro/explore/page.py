@@ -12,6 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from vibro.answers.scene import page_texts
 from vibro.core import codes, numbers
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError, InputError, shown
@@ -28,7 +29,7 @@ from vibro.sweeps.whole import request_of_call
 from vibro.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
     from os import PathLike
 
     from vibro.quantities import Quantity
@@ -109,7 +110,7 @@ def page_data(scenes: Sequence[dict[str, Any]]) -> dict[str, Any]:
             if not r.on_request
         ],
         "looks": looks(),
-        "texts": _texts(),
+        "texts": page_texts(),
         "scenes": scenes,
     }
 
@@ -163,13 +164,6 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
     }
 
 
-def _texts() -> Any:
-    """Return the words of answers."""
-    from vibro.answers import scene
-
-    return getattr(scene, "page_texts", dict)()
-
-
 # ------------------------------------------------------------------------------
 # The file: modules of the script joined, texts that cannot become markup, a policy.
 
@@ -177,7 +171,7 @@ def _texts() -> Any:
 def solver_script() -> str:
     """Return the solver, and what turns scenes into its numbers; each worker runs it too."""
     solver = _INDENT.sub("", _COMMENT.sub("", _solver_text()))
-    parts = [_COMMENT.sub("", text) for name in SOLVER for text in _assets(f"{name}.js")]
+    parts = [_COMMENT.sub("", _asset(f"{name}.js")) for name in SOLVER]
     # Within a block the names of the solver are its own.
     return _safe("\n".join(['"use strict";', "const exports = {};", "{", solver, "}", *parts]))
 
@@ -191,7 +185,7 @@ def page_script() -> str:
 
 def _gather(name: str, modules: dict[str, str]) -> None:
     """Add a module to others by their names, after those that it imports and that are not there yet."""
-    text = "".join(_assets(f"{name}.js"))
+    text = _asset(f"{name}.js")
     for other in _IMPORT.findall(text):
         if other not in modules:
             _gather(other, modules)
@@ -205,10 +199,6 @@ def _solver_text() -> str:
             "the solver in JavaScript is missing", hint="install vibro again: installing makes it"
         )
     return script.read_text(encoding="utf-8")
-
-
-def _assets(name: str) -> Iterable[str]:
-    return [_asset(name)] if (files("vibro.explore") / "static" / name).is_file() else []
 
 
 def _asset(name: str) -> str:
