@@ -47,7 +47,7 @@ def explore_command(options: Options) -> int:
         print(text, end="")
     elif not outputs.texts:
         path = _temporary(f"{name}.html", text)
-        print(path)
+        print(path, flush=True)  # some browsers are waited for until they end
         if not _opened(path):
             options.console.echo("no browser could be opened: open this file in one")
     return ExitCode.DONE
