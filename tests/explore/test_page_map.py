@@ -287,11 +287,11 @@ def test_infeasible_cells_end_at_their_exact_boundary() -> None:
 _SCALES = """
 export const run = ({ speedScale, timeScale, roundNumbers }, { speeds, times, ranges }) => ({
   speeds: speeds.map(({ seen, regular, calm, reverses }) => {
-    const scale = speedScale(seen, regular, calm, reverses);
+    const scale = speedScale(...[seen, regular, calm].map((x) => Float64Array.from(x)), reverses);
     return { ...scale, shares: seen.map(scale.share) };
   }),
   times: times.map((seen) => {
-    const scale = timeScale(seen);
+    const scale = timeScale(Float64Array.from(seen));
     return { ...scale, shares: seen.map(scale.share) };
   }),
   ranges: ranges.map(([low, high, log]) => roundNumbers(low, high, log)),

@@ -11,7 +11,7 @@
  * @property {ArrayLike<number>} marks bits
  * @property {number} nx
  * @property {number} ny
- * @property {number[][][]} pieces of curves, [ax, ay, bx, by] in cells, by the square that they cross */
+ * @property {(number[][] | null)[]} pieces of curves, [ax, ay, bx, by] in cells, by the square that they cross */
 
 /** The colours of a palette. @param {string} palette bytes of red, green and blue, in base64 */
 export function colours(palette) {
@@ -29,7 +29,7 @@ const isIn = (stripes, x, y) => stripes.every(({ right, down, period, from, to }
 /** Pieces of curves by the square of four cells that each lies in.
  * @param {{nx: number, ny: number, curves: {lines: number[][][]}[]}} map */
 export function piecesOf({ nx, ny, curves }) {
-  const pieces = /** @type {number[][][]} */ (Array(nx * ny));
+  const pieces = /** @type {(number[][] | null)[]} */ (Array(nx * ny).fill(null));
   for (const line of curves.flatMap(({ lines }) => lines)) {
     for (let n = 1; n < line.length; n++) {
       const [ax, ay, bx, by] = [...line[n - 1], ...line[n]].map((share, k) => share * ((k % 2 ? ny : nx) - 1));
@@ -55,30 +55,39 @@ function ownCell(pieces, place) {
   return [[i, j], [k, j], [i, l], [k, l]].find(isOwn) ?? [i, j];
 }
 
+/** The colour of a cell at a place, with its hatches. @param {Cells} cells @param {number} cell @param {number} x [px] @param {number} y */
+function colourAt({ palette, hatches, pale, faces, others, marks }, cell, x, y) {
+  const over = marks[cell];
+  let face = faces[cell];
+  for (const hatch of hatches) {
+    if (over & hatch.marks && isIn(hatch.stripes, x, y)) face = hatch.face ?? others[cell];
+  }
+  return over & pale ? 0xff000000 + ((palette[face] >> 1) & 0x7f7f7f) + 0x7f7f7f : palette[face]; // half white
+}
+
 // Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
 /** @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
-export function paint(canvas, zoom, { palette, hatches, pale, faces, others, marks, nx, ny, pieces }) {
+export function paint(canvas, zoom, cells) {
+  const { hatches, faces, marks, nx, ny, pieces } = cells;
   const { width, height } = canvas;
   const image = new ImageData(width, height);
   const pixels = new Uint32Array(image.data.buffer);
+  const hatched = hatches.reduce((all, hatch) => all | hatch.marks, 0);
+  const bare = { ...cells, hatches: [] };
+  const plain = Uint32Array.from(faces, (_, cell) => colourAt(bare, cell, 0, 0));
+  const across = Float64Array.from({ length: width }, (_, px) => ((px + 0.5) / width) * (nx - 1));
+  const [columns, lefts] = [Int32Array.from(across, Math.round), Int32Array.from(across, Math.floor)];
   for (let py = 0, at = 0; py < height; py++) {
     const y = (1 - (py + 0.5) / height) * (ny - 1);
     const [row, near] = [nx * Math.floor(y), nx * Math.round(y)];
     for (let px = 0; px < width; px++, at++) {
-      const x = ((px + 0.5) / width) * (nx - 1);
-      const crossing = pieces[row + Math.floor(x)];
-      let cell = near + Math.round(x);
+      const crossing = pieces[row + lefts[px]];
+      let cell = near + columns[px];
       if (crossing) {
-        const [i, j] = ownCell(crossing, [x, y]);
+        const [i, j] = ownCell(crossing, [across[px], y]);
         cell = nx * j + i;
       }
-      const over = marks[cell];
-      let face = faces[cell];
-      if (over) for (const hatch of hatches) {
-        if (over & hatch.marks && isIn(hatch.stripes, px / zoom, py / zoom)) face = hatch.face ?? others[cell];
-      }
-      const colour = palette[face];
-      pixels[at] = over & pale ? 0xff000000 + ((colour >> 1) & 0x7f7f7f) + 0x7f7f7f : colour; // half white
+      pixels[at] = marks[cell] & hatched ? colourAt(cells, cell, px / zoom, py / zoom) : plain[cell];
     }
   }
   canvas.getContext("2d")?.putImageData(image, 0, 0);

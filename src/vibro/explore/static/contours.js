@@ -9,28 +9,24 @@ export function sampleOf(field, nx, x, y) {
   return t === 0.0 ? along(n) : (1.0 - t) * along(n) + t * along(n + nx);
 }
 
-/** Cells next to one, along its row and its column. @param {number} n @param {number} nx @param {number} size */
-function besides(n, nx, size) {
-  const i = n % nx;
-  return [i > 0 ? n - 1 : -1, i < nx - 1 ? n + 1 : -1, n - nx, n + nx].filter((other) => other >= 0 && other < size);
-}
-
-/** Give cells that are not known the value of the nearest one that is; NaN if none is known.
- * @param {ArrayLike<number>} values @param {number} nx @param {(n: number) => boolean} isKnown */
+/** Give cells that are not known the value of the nearest one that is, along rows and columns; NaN if none is.
+ * @template {Float64Array | Int8Array} T @param {T} values @param {number} nx @param {(n: number) => boolean} isKnown @returns {T} */
 export function fillUnknown(values, nx, isKnown) {
-  const found = Float64Array.from(values, (value, n) => (isKnown(n) ? value : NaN));
-  const queue = new Int32Array(found.length);
-  const isThere = new Uint8Array(found.length);
+  const queue = new Int32Array(values.length), isThere = new Uint8Array(values.length);
   let last = 0;
-  for (let n = 0; n < found.length; n++) if (isKnown(n)) isThere[queue[last++] = n] = 1;
-  for (let at = 0; last < found.length && at < last; at++) {
-    for (const other of besides(queue[at], nx, found.length)) {
-      if (isThere[other]) continue;
-      found[other] = found[queue[at]];
+  for (let n = 0; n < values.length; n++) if (isKnown(n)) isThere[queue[last++] = n] = 1;
+  if (last === values.length) return values;
+  const found = values.slice();
+  if (!last) found.fill(NaN);
+  for (let at = 0; last && last < values.length; at++) {
+    const n = queue[at], i = n % nx;
+    for (const other of [i > 0 ? n - 1 : -1, i < nx - 1 ? n + 1 : -1, n - nx, n + nx]) {
+      if (other < 0 || other >= values.length || isThere[other]) continue;
+      found[other] = found[n];
       isThere[queue[last++] = other] = 1;
     }
   }
-  return found;
+  return /** @type {T} */ (found);
 }
 
 /** Cells with one of a mask at most so many rows and columns away. @param {Uint8Array} mask @param {number} nx @param {number} reach */
@@ -65,15 +61,14 @@ export function zeroLines(field, nx) {
   };
   for (let n = 0; n < field.length - nx; n++) {
     if (n % nx === nx - 1) continue;
-    const corners = [n, n + 1, n + nx + 1, n + nx];
-    const [a, b, c, d] = corners.map((k) => field[k] > 0.0);
+    const a = field[n] > 0.0, b = field[n + 1] > 0.0, c = field[n + nx + 1] > 0.0, d = field[n + nx] > 0.0;
     if (a === b && b === c && c === d) continue;
     // sides by their first cell: even ones along a row, odd ones along a column
     const [below, right, above, left] = [2 * n, 2 * n + 3, 2 * (n + nx), 2 * n + 1];
     const cut = [a !== b && below, b !== c && right, c !== d && above, d !== a && left].filter((side) => side !== false);
     if (cut.length === 2) join(cut[0], cut[1]);
     else {
-      const isMiddle = corners.reduce((sum, k) => sum + field[k], 0.0) > 0.0;
+      const isMiddle = field[n] + field[n + 1] + field[n + nx + 1] + field[n + nx] > 0.0;
       for (const [side, other] of isMiddle === a ? [[below, right], [above, left]] : [[left, below], [right, above]]) join(side, other);
     }
   }

@@ -58,7 +58,7 @@ function logTicks(low, high) {
   return decades(low, high, Math.log10(high / low) <= 3.0).filter((x) => x > low && x < high);
 }
 
-/** @param {number[]} ascending @param {number} share */
+/** @param {Float64Array} ascending @param {number} share */
 function quantileOf(ascending, share) {
   const at = share * (ascending.length - 1), n = Math.min(Math.floor(at), ascending.length - 2);
   return n < 0 ? ascending[0] : ascending[n] + (at - n) * (ascending[n + 1] - ascending[n]);
@@ -75,13 +75,13 @@ function scaleAlong(palette, low, high, along, numbers) {
 
 // Speeds, or shares: from zero up, about zero where motion reverses, from the least number where all are alike,
 // and logarithmic where few large ones would leave most others in one colour (vibro.plots.scales).
-/** @param {number[]} seen @param {number[]} regular of motion that repeats with the drive @param {number[]} calm in contact
+/** @param {Float64Array} seen @param {Float64Array} regular of motion that repeats with the drive @param {Float64Array} calm in contact
  * @param {boolean} reverses */
 export function speedScale(seen, regular, calm, reverses) {
   const even = (/** @type {string} */ palette, /** @type {number} */ low, /** @type {number} */ high) =>
     scaleAlong(palette, low, high, (x) => x, roundNumbers(low, high, false, 6));
-  const sizes = seen.map(Math.abs).sort((a, b) => a - b);
-  const largest = (/** @type {number[]} */ numbers) => numbers.reduce((most, x) => Math.max(most, Math.abs(x)), 0.0);
+  const sizes = Float64Array.from(seen, Math.abs).sort();
+  const largest = (/** @type {Float64Array} */ numbers) => numbers.reduce((most, x) => Math.max(most, Math.abs(x)), 0.0);
   const [least, middle, most] = [sizes[0] ?? 0.0, sizes.length ? quantileOf(sizes, 0.5) : 0.0, sizes[sizes.length - 1] ?? 0.0];
   if (!most) return even("cividis", 0.0, 1.0);
   const low = seen.reduce((a, b) => Math.min(a, b)), high = seen.reduce((a, b) => Math.max(a, b));
@@ -94,14 +94,14 @@ export function speedScale(seen, regular, calm, reverses) {
     const ticks = logTicks(width, most);
     return scaleAlong("RdBu", -most, most, (x) => Math.asinh(x / width), [...ticks.map((x) => -x), 0.0, ...ticks]);
   }
-  const above = seen.filter((x) => x > 0.0).sort((a, b) => a - b);
+  const above = seen.filter((x) => x > 0.0).sort();
   const foot = Math.min(Math.max(quantileOf(above, 0.02), 1e-5 * high), 0.5 * high);
   return scaleAlong("cividis", foot, high, (x) => Math.log(Math.max(x, foot)), logTicks(foot, high));
 }
 
-/** Times: logarithmic; near rest they grow without bound. @param {number[]} seen */
+/** Times: logarithmic; near rest they grow without bound. @param {Float64Array} seen */
 export function timeScale(seen) {
-  const ascending = [...seen].sort((a, b) => a - b);
+  const ascending = seen.slice().sort();
   const bottom = ascending[0] ?? 1.0;
   const top = Math.max(1.01 * bottom, Math.min(seen.length ? quantileOf(ascending, 0.98) : 2.0, 1e5 * bottom));
   return scaleAlong("cividis_r", bottom, top, Math.log, top > 5.0 * bottom ? logTicks(bottom, top) : roundNumbers(bottom, top));
@@ -125,12 +125,16 @@ function axisInfo({ quantities }, axis, count) {
 
 /** Fixed quantities without their usual values: α = 20°, μ_s = 0.74. @param {any} data @param {Shown} state
  * @param {MapCells["job"]} job */
-function captionOf({ quantities }, { values, bands }, job) {
+function captionOf({ quantities }, { values, bands, follows }, job) {
   const spans = /** @type {Record<string, number[]>} */ ({ ...bands });
   for (const [name, value] of Object.entries({ ...job.values, trough_length: values.trough_length })) {
     if (typeof value === "number") spans[name] ??= [value, value];
   }
-  if (bands.friction_ratio) delete spans.kinetic_friction;
+  const isRatio = bands.friction_ratio || (bands.static_friction && follows && !bands.kinetic_friction);
+  if (isRatio) {
+    spans.friction_ratio ??= [values.friction_ratio, values.friction_ratio];
+    delete spans.kinetic_friction;
+  }
   const told = Object.entries(quantities).filter(([name, { default: usual, order }]) =>
     spans[name] && (order ?? 0) <= LISTED_HARMONICS && (spans[name][0] !== spans[name][1] || spans[name][0] !== usual));
   return told.map(([name, quantity]) => {
@@ -178,10 +182,11 @@ export function drawnMap(data, state, cells) {
 
 /** @param {any} data @param {Shown} state @param {MapCells} cells @param {boolean} isSampled */
 function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
-  const { regime, status, mean_velocity: mean, mean_velocity_error: error, period_cycles: period } = rows;
-  const { NO_SLIP, FORWARD_SLIP, BACK_SLIP, HOPPING } = known.Regime;
+  const { regime, status, mean_velocity_error: error, period_cycles: period } = rows;
+  const mean = /** @type {Float64Array} */ (rows.mean_velocity);
+  const { NO_SLIP, BACK_SLIP, HOPPING } = known.Regime;
   const size = nx * ny;
-  const masked = (/** @type {(n: number) => boolean} */ is) => Float64Array.from({ length: size }, (_, n) => (is(n) ? 0.5 : -0.5));
+  const masked = (/** @type {(n: number) => boolean} */ is) => new Float64Array(size).map((_, n) => (is(n) ? 0.5 : -0.5));
   const clipped = (/** @type {Float64Array} */ x) => x.map((value) => Math.min(Math.max(value, -MARGIN), MARGIN));
   // ln(G / G_critical); where no load is critical, that of cells nearby: a curve must reach the region's edge.
   const ratios = (/** @type {string} */ prefix) => Object.fromEntries(Object.keys(HIDDEN_BY).map((name) => {
@@ -190,17 +195,19 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
   }));
   /** Beyond one harmonic they follow from the cycles; of back slip only the sign counts. */
   const ratiosOfCycles = () => {
-    const of = (/** @type {string} */ name) => clipped(fillUnknown(rows[name], nx, (n) => !Number.isNaN(rows[name][n])).map(Math.log));
+    const of = (/** @type {string} */ name) => clipped(fillUnknown(/** @type {Float64Array} */ (rows[name]), nx, (n) => !Number.isNaN(rows[name][n])).map(Math.log));
     const back = fillUnknown(masked((n) => regime[n] === BACK_SLIP), nx, (n) => regime[n] !== HOPPING);
     return { forward_onset: of("forward_ratio"), back_slip: back, continuous_sliding: masked(() => false), hop: of("throw_number") };
   };
   const ratio = rows.ratio_hop ? ratios("ratio") : ratiosOfCycles();
-  const rest = ratio.hop.map((hop, n) => -Math.max(hop, ratio.forward_onset[n], ratio.back_slip[n]));
-  const moving = fillUnknown(mean, nx, (n) => Number.isFinite(mean[n]) && regime[n] !== NO_SLIP);
-  const largest = moving.reduce((most, speed) => Math.max(most, Math.abs(speed) || 0.0), 0.0) || 1.0;
+  /** Positive where nothing moves. */
+  const rest = () => ratio.hop.map((hop, n) => -Math.max(hop, ratio.forward_onset[n], ratio.back_slip[n]));
+  /** Mean speed; at rest that of a cell nearby that moves: curves of numbers reach the exact edge of rest. */
+  const moving = () => fillUnknown(mean, nx, (n) => Number.isFinite(mean[n]) && regime[n] !== NO_SLIP);
+  const largest = mean.reduce((most, speed) => Math.max(most, Math.abs(speed) || 0.0), 0.0) || 1.0;
   const backwards = (/** @type {number} */ n) => mean[n] < -CERTAIN * error[n] && mean[n] < -NO_SPEED * largest;
-  const rough = Uint8Array.from(mean, (speed, n) => Number(Number.isFinite(speed) && !(period[n] <= FEW_CYCLES)));
   const irregular = () => {
+    const rough = Uint8Array.from(mean, (speed, n) => Number(Number.isFinite(speed) && !(period[n] <= FEW_CYCLES)));
     const patches = closed(rough, nx, ROUGH_ACROSS, ROUGH_AROUND);
     return masked((n) => patches[n] > 0);
   };
@@ -216,8 +223,8 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
     : Float64Array.from(status, (own, n) => (own === code && !(excess(n) > 0.0) ? 0.5 : excess(n))));
   const statuses = new Set(status);
   return {
-    ratio, rest, largest, moving, backwards, irregular, masked, regime, FORWARD_SLIP,
-    speed: (isSampled ? rows.least_velocity : mean).map((speed) => 1000.0 * speed),
+    ratio, rest, largest, moving, backwards, irregular, masked, statuses,
+    speed: /** @type {Float64Array} */ (isSampled ? rows.least_velocity : mean).map((speed) => 1000.0 * speed), // [mm/s]
     edges: Object.fromEntries(Object.keys(job.edges).map((edge) => [edge, ratios(edge)])),
     reverses: !isSampled && masked(backwards).filter((x) => x > 0.0).length > SEEN_SHARE * size,
     missing: (/** @type {string[]} */ names) => names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
@@ -237,7 +244,7 @@ function numbersOf({ view, values }, { rows }, speed) {
 
 /** @param {string} view @param {Float64Array} seen @param {MapCells} cells @param {any} Regime @param {boolean} reverses */
 function scaleOf(view, seen, { rows }, Regime, reverses) {
-  const those = (/** @type {(n: number) => boolean} */ is) => Array.from(seen).filter((number, n) => Number.isFinite(number) && is(n));
+  const those = (/** @type {(n: number) => boolean} */ is) => seen.filter((number, n) => Number.isFinite(number) && is(n));
   if (view === "traverse") return timeScale(those(() => true));
   const regular = those((n) => rows.period_cycles[n] === 1.0), calm = those((n) => rows.regime[n] !== Regime.HOPPING);
   return speedScale(those(() => true), regular, calm, reverses && view === "speed");
@@ -248,17 +255,19 @@ function scaleOf(view, seen, { rows }, Regime, reverses) {
 function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, fields, isSampled) {
   const { status, coexists } = rows;
   const isNew = (/** @type {number} */ n) => solved[Math.floor(n / nx)] > 0;
-  const hatches = statuses.filter((/** @type {any} */ one) => one.hatch).map((/** @type {any} */ one) =>
-    [one.hatch, (/** @type {number} */ n) => status[n] === one.code]);
+  const hatches = statuses.filter((/** @type {any} */ one) => one.hatch && fields.statuses.has(one.code)).map(
+    (/** @type {any} */ one) => [one.hatch, (/** @type {number} */ n) => status[n] === one.code]);
   const meets = state.target === null ? null : meetsOf(state, { rows, nx }, fields, isSampled);
   return {
     ...Object.fromEntries(hatches),
-    preview: (n) => isPreviewed && !isNew(n),
-    ...(meets && { misses: (n) => !(meets[n] > 0.0) }),
+    ...(isPreviewed && { preview: (/** @type {number} */ n) => !isNew(n) }),
+    ...(meets && { misses: (/** @type {number} */ n) => !(meets[n] > 0.0) }),
     ...(isSampled ? { sampled: () => true } : {
       backwards: fields.backwards,
-      averaged: (n) => status[n] === known.Status.AVERAGED,
-      coexists: (n) => coexists[n] > 0,
+      ...(fields.statuses.has(known.Status.AVERAGED) && {
+        averaged: (/** @type {number} */ n) => status[n] === known.Status.AVERAGED,
+      }),
+      coexists: (/** @type {number} */ n) => coexists[n] > 0,
     }),
   };
 }
@@ -273,8 +282,8 @@ function meetsOf({ target }, { rows, nx }, fields, isSampled) {
     return speed.map((x, n) => Math.min(x / wanted - 1.0, isKnown(n) ? 0.5 : -0.5));
   }
   const missing = fields.missing(["INFEASIBLE", "INDETERMINATE", "RUNAWAY", "UNRESOLVED"]);
-  return fields.moving.map((speed, n) => Math.min(
-    (1000.0 * speed) / wanted - 1.0, -fields.ratio.hop[n], -fields.rest[n], ...missing.map((field) => -field[n])));
+  const fails = [fields.ratio.hop, fields.rest(), ...missing];
+  return fields.moving().map((speed, n) => Math.min((1000.0 * speed) / wanted - 1.0, ...fails.map((field) => -field[n])));
 }
 
 /** Colours of cells and marks over them. @param {any} data
@@ -284,18 +293,18 @@ function looksOf({ looks, statuses }, { lowest, highest, numbers, scale, covered
   const [first, count] = looks.scale;
   const bits = looks.marks, none = looks.faces.no_answer;
   const faces = new Uint8Array(lowest.length), marks = new Uint16Array(lowest.length);
-  const empties = new Set(statuses.map((/** @type {any} */ one) => one.hatch)); // why there is no answer, where there is none
-  const told = Object.entries(marked).filter(([name]) => bits[name]);
   for (let n = 0; n < faces.length; n++) {
     if (!numbers || !scale) faces[n] = lowest[n] >= 0 ? lowest[n] : none;
     else if (covered(n)) faces[n] = 0;
     else faces[n] = Number.isNaN(numbers[n]) ? none : first + Math.round((count - 1) * scale.share(numbers[n]));
-    const isNumber = faces[n] >= first;
-    for (const [name, is] of told) {
-      if (empties.has(name) ? faces[n] !== none : name === "averaged" && !isNumber) continue;
+  }
+  const reasons = statuses.map((/** @type {any} */ one) => one.hatch); // told where there is no answer
+  for (const [name, is] of Object.entries({ ...marked, either: (/** @type {number} */ n) => !numbers && lowest[n] < highest[n] })) {
+    const [isReason, isOfNumbers] = [reasons.includes(name), name === "averaged"];
+    for (let n = 0; n < faces.length; n++) {
+      if (!(isReason ? faces[n] === none : !isOfNumbers || faces[n] >= first)) continue;
       if (is(n)) marks[n] |= bits[name];
     }
-    if (!numbers && lowest[n] < highest[n]) marks[n] |= bits.either;
   }
   return { faces, others: Uint8Array.from(highest, (/** @type {number} */ code) => (code >= 0 ? code : none)), marks };
 }
@@ -305,7 +314,7 @@ function looksOf({ looks, statuses }, { lowest, highest, numbers, scale, covered
 function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }, isSampled) {
   const found = marks.reduce((all, own) => all | own, 0);
   const seen = new Set(faces);
-  others.forEach((face, n) => marks[n] & looks.marks.either && seen.add(face));
+  if (found & looks.marks.either) for (const face of others) seen.add(face);
   const words = /** @type {Record<string, string>} */ ({});
   if (target !== null) {
     const speed = `${numberText(target)} mm/s`;
@@ -352,8 +361,8 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
     for (const name of ["forward_onset", "back_slip"]) boundary(name, ratio, ["INFEASIBLE"], edge);
   }
   if (!isSampled && !isFlight && rows.mean_velocity.some((speed) => speed < 0.0)) {
-    const reversal = fields.moving.map((speed) => (Math.abs(speed) <= NO_SPEED * fields.largest ? 0.0 : -speed / fields.largest));
-    draw("zero_speed", reversal, [fields.rest, fields.masked((n) => Number.isNaN(rows.mean_velocity[n])), fields.irregular()]);
+    const reversal = fields.moving().map((/** @type {number} */ speed) => (Math.abs(speed) <= NO_SPEED * fields.largest ? 0.0 : -speed / fields.largest));
+    draw("zero_speed", reversal, [fields.rest(), fields.masked((n) => Number.isNaN(rows.mean_velocity[n])), fields.irregular()]);
   }
   if (state.target !== null) {
     const label = `${numberText(state.target)} mm/s, ${isSampled ? "of all samples" : "without hopping"}`;

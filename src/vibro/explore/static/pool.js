@@ -4,7 +4,8 @@ import { sampleOf } from "./contours.js";
 
 const BLOCK_TIME = 30; // [ms] that a block may take: so long a change waits for workers that are busy
 const PATIENCE = 60; // [ms] that a map may take without a coarse one before it
-const MOST_WORKERS = 8;
+// One core is left to the page; of two none, for the page waits while they solve.
+const [FEWEST_WORKERS, MOST_WORKERS] = [2, 8];
 const REDRAWN = 250; // [ms] after which a map that takes long is drawn with what is there
 const COARSER = 4; // times as wide are the cells of a coarse map
 export const [MAP_WIDTH, MAP_HEIGHT] = [200, 150]; // [cells]
@@ -157,7 +158,7 @@ class PageWorker {
 export function solverWorkers(data) {
   try {
     const script = new Blob([document.getElementById("solver")?.textContent ?? ""], { type: "text/javascript" });
-    const count = Math.min(Math.max((navigator.hardwareConcurrency || 2) - 1, 1), MOST_WORKERS);
+    const count = Math.min(Math.max((navigator.hardwareConcurrency || 2) - 1, FEWEST_WORKERS), MOST_WORKERS);
     const address = URL.createObjectURL(script);
     return Array.from({ length: count }, () => {
       const worker = new Worker(address);

@@ -98,31 +98,31 @@ function withhold(cells, operating, known) {
  */
 function logRatiosOf(engine, drive, [many, few], prefix) {
   if (drive.kind !== "line" && drive.kind !== "ellipse") return {};
-  const at = (/** @type {any} */ x, /** @type {number} */ i, /** @type {number} */ j) =>
-    typeof x === "number" ? x : x.values[i * x.strides[0] + j * x.strides[1]];
+  const at = (/** @type {any} */ x) => (typeof x === "number" ? () => x
+    : (/** @type {number} */ i, /** @type {number} */ j) => x.values[i * x.strides[0] + j * x.strides[1]]);
   // Critical loads depend on proportions, angles and frictions alone: they are found once where axes change none.
-  const path = drive.kind === "line" ? [1.0, drive.path[1]] : drive.path;
+  const isLine = drive.kind === "line";
+  const path = isLine ? [1.0, drive.path[1]] : drive.path;
   const bare = { ...drive, path, frequency: 1.0, gravity: 1.0, restitution: 0.0 };
   const fields = [...path, drive.staticFriction, drive.kineticFriction, drive.troughAngle];
   const [rows, columns] = [many, few].map((n, axis) => (fields.some((x) => x.strides?.[axis]) ? n : 1));
-  const critical = engine.limits(engine.gridOf(bare, [rows, columns]));
-  const found = /** @type {CellRows} */ ({});
-  for (const name of LOG_RATIOS) {
-    critical[name] = critical[name].map(Math.log);
-    found[`${prefix}_${name}`] = new Float64Array(many * few);
-  }
-  for (let n = 0; n < many * few; n++) {
-    const [i, j] = [Math.floor(n / few), n % few];
-    const [first, second, third] = drive.path.map((/** @type {any} */ x) => at(x, i, j));
-    // an ellipse is two opposite rotations: its larger semi-axis is the sum of their radii
-    const [sine, cosine] = third === undefined ? [0.0, 0.0] : [second * Math.sin(third), second * Math.cos(third)];
-    const reach = third === undefined ? first : 0.5 * (Math.hypot(first + sine, cosine) + Math.hypot(first - sine, cosine));
-    const turn = 2.0 * Math.PI * at(drive.frequency, i, j);
-    const load = Math.log((reach * turn * turn) / at(drive.gravity, i, j));
+  const limits = engine.limits(engine.gridOf(bare, [rows, columns]));
+  const critical = LOG_RATIOS.map((name) => limits[name].map(Math.log));
+  const found = LOG_RATIOS.map(() => new Float64Array(many * few));
+  const [first, second, third] = [...drive.path, 0.0].map(at);
+  const [frequency, gravity] = [at(drive.frequency), at(drive.gravity)];
+  for (let i = 0, n = 0; i < many; i++) for (let j = 0; j < few; j++, n++) {
+    let reach = first(i, j);
+    if (!isLine) { // an ellipse is two opposite rotations: its larger semi-axis is the sum of their radii
+      const sine = second(i, j) * Math.sin(third(i, j)), cosine = second(i, j) * Math.cos(third(i, j));
+      reach = 0.5 * (Math.hypot(reach + sine, cosine) + Math.hypot(reach - sine, cosine));
+    }
+    const turn = 2.0 * Math.PI * frequency(i, j);
+    const load = Math.log((reach * turn * turn) / gravity(i, j));
     const k = (rows > 1 ? i : 0) * columns + (columns > 1 ? j : 0);
-    for (const name of LOG_RATIOS) found[`${prefix}_${name}`][n] = load - critical[name][k];
+    for (let m = 0; m < found.length; m++) found[m][n] = load - critical[m][k];
   }
-  return found;
+  return Object.fromEntries(LOG_RATIOS.map((name, m) => [`${prefix}_${name}`, found[m]]));
 }
 
 /**
