@@ -70,13 +70,14 @@ MOVE: Final = """
 """
 #: When the page's map was first drawn, since it was asked for [ms].
 START: Final = """
-new PerformanceObserver(() => 0);
-const seen = new MutationObserver(() => {
-  if (!document.querySelector("#frame > text")) return;
-  seen.disconnect();
-  requestAnimationFrame(() => setTimeout(() => { window.began = performance.now(); }));
+window.began = new Promise((resolve) => {
+  const seen = new MutationObserver(() => {
+    if (!document.querySelector("#frame > text")) return;
+    seen.disconnect();
+    requestAnimationFrame(() => setTimeout(() => resolve(performance.now())));
+  });
+  seen.observe(document, { childList: true, subtree: true });
 });
-seen.observe(document, { childList: true, subtree: true });
 """
 
 
@@ -117,7 +118,6 @@ def main() -> None:
             for _ in range(5):
                 page.goto("about:blank")
                 page.goto(path.as_uri())
-                page.wait_for_function("window.began")
                 starts.append(page.evaluate("window.began"))
             size = path.stat().st_size / 1000.0
             print(f"{name}: {size:.0f} kB, first picture {statistics.median(starts):.0f} ms after opening")
@@ -129,7 +129,7 @@ def main() -> None:
                     continue
                 page.goto("about:blank")
                 page.goto(f"{path.as_uri()}#{fragment}")
-                page.wait_for_function("window.began")
+                page.evaluate("window.began")
                 page.wait_for_timeout(1000)
                 moved(page, *slider, 3)
                 times = moved(page, *slider, given.changes)
