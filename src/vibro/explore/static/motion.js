@@ -169,22 +169,29 @@ function createStage({ history, rows, panels }, looks, slope) {
   };
 }
 
-/** What plays: the share of the motion that is shown, and whether it goes on. */
-const film = { share: 0.0, isPlaying: false, last: 0.0, show: (/** @type {number} */ _) => {}, lasts: 1.0 };
+const A_BIT = 0.05; // of a drive cycle, by which people move on who want no motion
 
-function playOn(/** @type {number} */ now) {
-  if (!film.isPlaying) return;
-  film.share = (film.share + Math.min(now - film.last, 100.0) / (1e3 * film.lasts)) % 1.0;
-  film.last = now;
+/** What plays: the share of the motion that is shown, how long all of it takes [s], and how many cycles it has. */
+const film = { share: 0.0, lasts: 1.0, cycles: 1, show: (/** @type {number} */ _) => {}, last: 0.0, frame: 0 };
+const isCalm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+function moveOn(/** @type {number} */ share) {
+  film.share = (film.share + share) % 1.0;
   film.show(film.share);
-  requestAnimationFrame(playOn);
 }
 
+function playOn(/** @type {number} */ now) {
+  moveOn(Math.min(Math.max(now - film.last, 0.0), 100.0) / (1e3 * film.lasts));
+  film.last = now;
+  film.frame = requestAnimationFrame(playOn);
+}
+
+/** Go on, or stand still. */
 function play(/** @type {boolean} */ isPlaying) {
-  film.isPlaying = isPlaying;
+  cancelAnimationFrame(film.frame);
   film.last = performance.now();
-  place("play").textContent = isPlaying ? "Pause" : "Play";
-  if (isPlaying) requestAnimationFrame(playOn);
+  film.frame = isPlaying ? requestAnimationFrame(playOn) : 0;
+  place("play").textContent = isPlaying ? "Pause" : isCalm() ? "Step" : "Play";
 }
 
 /** Let the slider and the button move the animation. It stands still until somebody starts it. */
@@ -194,7 +201,8 @@ function startFilm() {
     play(false);
     film.show((film.share = Number(slider.value)));
   };
-  place("play").onclick = () => play(!film.isPlaying);
+  place("play").onclick = () => (isCalm() ? moveOn(A_BIT / film.cycles) : play(!film.frame));
+  if (!film.frame) play(false);
 }
 
 /**
@@ -212,11 +220,12 @@ export function drawMotion(data, engine, state) {
   const { history: { end }, phases } = motion;
   const { picture, move } = drawPanels(motion, `first ${state.cycles} drive cycles from rest`);
   const stage = createStage(motion, data.looks, state.values.trough_angle ?? 0.0);
-  film.lasts = LASTS * state.cycles;
+  Object.assign(film, { lasts: LASTS * state.cycles, cycles: state.cycles });
+  set(place("play"), { title: `${numberText((LASTS * state.cycles) / end, 2)} times slower` });
   film.show = (share) => {
     const at = share * end;
     const phase = phases.find(({ end: until }) => at < until) ?? phases[phases.length - 1];
-    const text = `${numberText(Number((1e3 * at).toPrecision(3)))} ms, ${phase.name}`;
+    const text = `${numberText(1e3 * at, 3)} ms, ${phase.name}`;
     stage(at, phase.colour);
     move(share);
     place("when").textContent = text;
