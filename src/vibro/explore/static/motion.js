@@ -144,14 +144,19 @@ function createStage({ history, rows, panels }, looks, slope) {
   const trough = svg("g", {},
     svg("path", { d: `M${-WIDE} 0H${2 * WIDE}`, stroke: "currentColor", "stroke-width": 3 }),
     svg("path", { d: marks, stroke: "currentColor" }));
-  const body = svg("rect", { x: -PART[0] / 2, y: -PART[1], width: PART[0], height: PART[1], rx: 4, stroke: "currentColor" });
-  const arrows = looks.panels.forces.curves.filter((/** @type {any} */ { field }) => field !== "static_limit")
-    .map((/** @type {any} */ { field, colour }, /** @type {number} */ n) =>
-      ({ field, y: (-PART[1] * (n + 1)) / 3, arrow: svg("path", { stroke: colour, fill: colour, "stroke-width": 2.5 }) }));
-  const part = svg("g", {}, body, ...arrows.map((/** @type {any} */ { arrow }) => arrow));
+  const [long, tall] = PART;
+  const body = svg("rect", { x: -long / 2, y: -tall, width: long, height: tall, rx: 4, stroke: "currentColor" });
+  /** @type {any[]} */
+  const shown = looks.panels.forces.curves.filter((/** @type {any} */ { field }) => field !== "static_limit");
+  const arrows = shown.map(({ field, colour }, n) => {
+    const arrow = svg("path", { stroke: colour, fill: colour, "stroke-width": 2.5 });
+    return { field, up: (-tall * (n + 1)) / (shown.length + 1), arrow };
+  });
+  const part = svg("g", {}, body, ...arrows.map(({ arrow }) => arrow));
   const rest = svg("path", { d: `M${-WIDE} ${ground}H${2 * WIDE}`, stroke: "currentColor", "stroke-dasharray": "2 6" });
   const tilted = svg("g", { transform: `rotate(${-slope} ${WIDE / 2} ${FLOOR})` }, rest, trough, part);
-  set(shape("animation"), { viewBox: `0 0 ${WIDE} ${HIGH}` }).replaceChildren(tilted);
+  const rise = (WIDE / 2 - PART[0]) * Math.abs(Math.sin((slope * Math.PI) / 180.0));
+  set(shape("animation"), { viewBox: `0 ${-rise} ${WIDE} ${HIGH + 2 * rise}` }).replaceChildren(tilted);
 
   /** Show a moment [s]. @param {number} at @param {string} colour of its phase */
   return (at, colour) => {
@@ -161,10 +166,10 @@ function createStage({ history, rows, panels }, looks, slope) {
     set(trough, { transform: `translate(${middle + x} ${ground - y})` });
     set(part, { transform: `translate(${far} ${ground - y - scale * now.gap[0]})` });
     set(body, { fill: colour });
-    for (const { field, y: up, arrow } of arrows) {
-      const long = ARROW * Math.max(-1.0, Math.min(now[field][0] / most, 1.0));
-      const head = Math.sign(long) * Math.min(7, Math.abs(long));
-      set(arrow, { d: Math.abs(long) < 1 ? "" : `M0 ${up}h${long}l${-head} -4v8l${head} -4` });
+    for (const { field, up, arrow } of arrows) {
+      const reach = ARROW * Math.max(-1.0, Math.min(now[field][0] / most, 1.0));
+      const head = Math.sign(reach) * Math.min(7, Math.abs(reach));
+      set(arrow, { d: Math.abs(reach) < 1 ? "" : `M0 ${up}h${reach}l${-head} -4v8l${head} -4` });
     }
   };
 }
