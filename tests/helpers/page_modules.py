@@ -107,6 +107,11 @@ def cells() -> dict[str, Grid]:
         "normal_phase_2": 10.0,
     }
     harmonics, high = {**ellipse, **second}, {"normal_amplitude": 1.45}
+    chains = {
+        "along_amplitude": 6.41, "normal_amplitude": 3.31, "normal_phase": -78.7, "along_amplitude_2": 1.4,
+        "along_phase_2": 108.0, "normal_amplitude_2": 0.225, "normal_phase_2": -121.0, "frequency": 12.0,
+        "static_friction": 0.47, "kinetic_friction": 0.31,
+    }  # fmt: skip
     pull = {"along_amplitude": 20.0, "along_amplitude_2": 5.0, "along_phase_2": -110.0, "frequency": 2.5}
     slow = {"frequency": 2.5, "static_friction": 0.3, "kinetic_friction": 0.25}
     saw = Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])
@@ -147,6 +152,7 @@ def cells() -> dict[str, Grid]:
         "harmonics uphill": cell(trough_angle=3.0, **harmonics),
         "harmonics hopping": cell(**{**harmonics, **high}),
         "harmonics bouncing": cell(restitution=0.3, **{**harmonics, **high}),
+        "harmonics with chains of bounces": cell(restitution=0.3, **chains),
         "clamped": cell(normal_acceleration=3.0, along_phase=0.0, **{**pull, **slow}),
         "steps": cell(saw, motion_scale=1.0),
         "steps slow": cell(saw, motion_scale=0.5, **slow),

@@ -248,7 +248,7 @@ def spell(
         path = v * hops.length[row] + hops.shift[row]
         v = landed(hops, row, v)
         pattern, number = out.pattern, out.number
-        if not _is_chained(track, abs(pattern) % 5, hops.length[row]):
+        if not _is_chained(track, hops, first, row):
             if number < room:
                 letters[number] = Mode.FLIGHT
             pattern, number = _append(pattern, Mode.FLIGHT), number + 1
@@ -310,16 +310,18 @@ def _contact(
     return out._replace(settled=False)
 
 
-def _is_chained(track: Track, before: int, length: float) -> bool:
-    """Return whether a flight is one with the leg before it, as a chain of short ones is one flight.
+def _is_chained(track: Track, hops: Hops, first: int, row: int) -> bool:
+    """Return whether a flight is one with that before it, as a chain of short ones is one flight.
 
     A trough that moves along a sine has no such chains.
     """
-    return track.loads.waves.kind != SINE and length < BOUNCE and before == Mode.FLIGHT
+    if track.loads.waves.kind == SINE or row == first:
+        return False
+    return hops.length[row] < BOUNCE and not hops.rest[row - 1] > 0.0
 
 
 def _append(pattern: int, digit: int) -> int:
-    """Append a leg to a pattern; one that is full turns into a mark, whose last digit is still the leg's."""
+    """Append a leg to a pattern; one that is full turns into a mark."""
     if 0 <= pattern < _FULL:
         return 5 * pattern + digit
     return -(5 * (1 + _RADIX * (abs(pattern) % _MARKS) % _MARKS) + digit)
