@@ -209,7 +209,7 @@ def test_bands_show_the_least_of_their_samples() -> None:
     one = drawn({**bands, "view": "speed", "restitution_band": "0:0.1", "x_range": "5:25"}, 20, 15)
     bodies = one["job"]["bodies"]
     assert len(bodies) == 15
-    least, lowest, highest = (array(one["rows"][n]) for n in ("least_velocity", "lowest", "highest"))
+    least, lowest, highest = (array(one["rows"][n]) for n in ("sampled_velocity", "lowest", "highest"))
     grid = grid_of(one)
     speeds = []
     for body in bodies:
@@ -499,6 +499,15 @@ def test_scene_files_make_the_same_map(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(told["toml"], encoding="utf-8")
     command = "vibro map scene.toml --x static_friction --y trough_angle -o out/map"
     assert_same_table(rows_of(told["csv"]), run_map(command, tmp_path))
+
+
+def test_tables_of_machines_are_those_of_vibro(tmp_path: Path) -> None:
+    text = FEEDER.replace("filling_kg = 2", "filling_kg = 0").replace('"90:110"', "100")
+    (file := tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    texts = {"x": "frequency_hz", "y": "setting_percent", "filling_kg": "0"}
+    (told,) = filed({"texts": texts, "isTable": True}, scenes=(request_of_call(file, {}),))
+    file.write_text(told["toml"], encoding="utf-8")
+    assert_same_table(rows_of(told["csv"]), run_map(told["command"], tmp_path))
 
 
 def test_texts_give_every_quantity() -> None:

@@ -33,7 +33,7 @@ const { run } = await import("./run.js");
 const written = (_, x) => (ArrayBuffer.isView(x) ? Array.from(x) : x === Infinity ? 1e999 : x);
 writeFileSync(answer, JSON.stringify(await run(page, asked), written) ?? "null");
 """
-_MODULES = ("typed", "state", "draw", "contours", "pool", "fields", "files")
+_MODULES = ("typed", "state", "draw", "contours", "scales", "jobs", "pool", "fields", "tables", "files")
 
 
 def in_modules(script: str, asked: Any = None, scenes: Sequence[Request | None] = (None,)) -> Any:

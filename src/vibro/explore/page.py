@@ -23,6 +23,7 @@ from vibro.motion.histories import STARTS
 from vibro.plots.style import REGIME_COLOURS, UNIT_SIGNS, visible
 from vibro.quantities import LEAST_SPEED, QUANTITIES
 from vibro.reals import shielded
+from vibro.results.operating import MACHINE_RESULTS
 from vibro.results.steady import RESULTS
 from vibro.scene import Scene
 from vibro.sweeps.whole import request_of_call
@@ -104,11 +105,14 @@ def page_data(scenes: Sequence[dict[str, Any]]) -> dict[str, Any]:
             }
             for status in Status
         ],
-        "columns": [
-            {"name": r.name, "column": r.column, "per_si": r.kind.per_si, "texts": r.texts}
-            for r in RESULTS
-            if not r.on_request
-        ],
+        "columns": {
+            kind: [
+                {"name": r.name, "column": r.column, "per_si": r.kind.per_si, "texts": r.texts}
+                for r in results
+                if not r.on_request
+            ]
+            for kind, results in (("cycle", RESULTS), ("machine", MACHINE_RESULTS))
+        },
         "looks": looks(),
         "texts": page_texts(),
         "scenes": scenes,

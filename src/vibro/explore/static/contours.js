@@ -57,7 +57,7 @@ export function closed(mask, nx, more, less) {
 export function zeroLines(field, nx) {
   const next = /** @type {Map<number, number[]>} */ (new Map()); // sides between cells, and those that lines go on to
   const join = (/** @type {number} */ side, /** @type {number} */ other) => {
-    for (const [from, to] of [[side, other], [other, side]]) next.has(from) ? next.get(from)?.push(to) : next.set(from, [to]);
+    for (const [from, to] of [[side, other], [other, side]]) next.set(from, [...(next.get(from) ?? []), to]);
   };
   for (let n = 0; n < field.length - nx; n++) {
     if (n % nx === nx - 1) continue;
@@ -66,10 +66,14 @@ export function zeroLines(field, nx) {
     // sides by their first cell: even ones along a row, odd ones along a column
     const [below, right, above, left] = [2 * n, 2 * n + 3, 2 * (n + nx), 2 * n + 1];
     const cut = [a !== b && below, b !== c && right, c !== d && above, d !== a && left].filter((side) => side !== false);
+    const isMiddle = field[n] + field[n + 1] + field[n + nx + 1] + field[n + nx] > 0.0;
     if (cut.length === 2) join(cut[0], cut[1]);
-    else {
-      const isMiddle = field[n] + field[n + 1] + field[n + nx + 1] + field[n + nx] > 0.0;
-      for (const [side, other] of isMiddle === a ? [[below, right], [above, left]] : [[left, below], [right, above]]) join(side, other);
+    else if (isMiddle === a) {
+      join(below, right);
+      join(above, left);
+    } else {
+      join(left, below);
+      join(right, above);
     }
   }
   const place = (/** @type {number} */ side) => {

@@ -2,9 +2,10 @@
 
 import { closed, fillUnknown, visibleLines, zeroLines } from "./contours.js";
 import { numberText, valueText } from "./draw.js";
-import { OF_FLIGHT } from "./pool.js";
+import { OF_FLIGHT } from "./jobs.js";
+import { roundNumbers, speedScale, timeScale } from "./scales.js";
 
-/** @typedef {import("./pool.js").MapCells} MapCells @typedef {import("./state.js").Shown} Shown
+/** @typedef {import("./jobs.js").MapCells} MapCells @typedef {import("./state.js").Shown} Shown
  * @typedef {import("./state.js").Axis} Axis
  * @typedef {object} AxisInfo
  * @property {string} name @property {string} column @property {string} label @property {string} title
@@ -13,14 +14,16 @@ import { OF_FLIGHT } from "./pool.js";
  * @typedef {object} CurveInfo
  * @property {string} name @property {string} label @property {string} colour @property {string} halo
  * @property {number} width @property {number[]} dash @property {number[][][]} lines in shares of the axes
- * @typedef {{palette: string, ticks: Tick[] | null, low: number, high: number, share: (number: number) => number}} Scale
+ * @typedef {import("./scales.js").Scale} Scale
  * @typedef {ReturnType<typeof drawnMap>} DrawnMap */
 
+/** @type {Record<string, string[]>} */
 const HIDDEN_BY = { // where one of these has begun too, a curve is no boundary
   forward_onset: ["back_slip", "hop"], back_slip: ["hop"], continuous_sliding: ["hop"], hop: [],
 };
 // The load grows with these alone: over their logarithms ln(G / G_critical) is straight.
 const LOADING = ["amplitude", "frequency", "setting", "voltage"];
+const EDGES = /** @type {Record<string, number>} */ ({ least: 0.7, most: 1.3 }); // widths of curves of bands
 const OF_SPEED = ["speed", "traverse"];
 const MARGIN = Math.log(1e30); // beyond which a logarithm of ratios says no more
 const CERTAIN = 3.0; // standard errors below zero, from which a mean is negative
@@ -31,81 +34,9 @@ const FEW_CYCLES = 4.0;
 const [ROUGH_ACROSS, ROUGH_AROUND] = [10, 8]; // [cells]
 const SEEN_SHARE = 0.02; // of a map: less of it does not decide on the colours
 const LISTED_HARMONICS = 2;
-
-// ------------------------------------------------------------------------------
-// Round numbers, and scales of colours.
-
-/** Round numbers within a range, with at most so many steps. @param {number} low @param {number} high */
-export function roundNumbers(low, high, isLog = false, most = 8) {
-  const slack = 1e-9 * (high - low);
-  const within = (/** @type {number} */ x) => x >= low - slack && x <= high + slack;
-  if (isLog && high > 5.0 * low) return decades(low, high, high < 200.0 * low).filter(within);
-  const unit = 10.0 ** Math.floor(Math.log10((high - low) / most));
-  const step = [1.0, 2.0, 2.5, 5.0, 10.0].map((size) => size * unit).find((size) => size * most >= high - low - slack) ?? 10.0 * unit;
-  const first = Math.ceil((low - slack) / step);
-  const count = Math.floor((high + slack) / step) - first + 1;
-  return Array.from({ length: Math.max(count, 0) }, (_, n) => Number(((first + n) * step).toPrecision(12)));
-}
-
-/** The numbers 1, 2, 5, 10 ... about a range above 0, or powers of ten alone. @param {number} low @param {number} high @param {boolean} isDense */
-function decades(low, high, isDense) {
-  const powers = Array.from({ length: Math.ceil(Math.log10(high / low)) + 2 }, (_, n) => n + Math.floor(Math.log10(low)));
-  return powers.flatMap((power) => (isDense ? [1, 2, 5] : [1]).map((size) => Number(`${size}e${power}`)));
-}
-
-/** @param {number} low @param {number} high */
-function logTicks(low, high) {
-  return decades(low, high, Math.log10(high / low) <= 3.0).filter((x) => x > low && x < high);
-}
-
-/** @param {Float64Array} ascending @param {number} share */
-function quantileOf(ascending, share) {
-  const at = share * (ascending.length - 1), n = Math.min(Math.floor(at), ascending.length - 2);
-  return n < 0 ? ascending[0] : ascending[n] + (at - n) * (ascending[n + 1] - ascending[n]);
-}
-
-/** A scale of colours, and its ticks. @param {string} palette @param {number} low @param {number} high
- * @param {(x: number) => number} along what is even on it @param {number[]} numbers for ticks @returns {Scale} */
-function scaleAlong(palette, low, high, along, numbers) {
-  const [first, last] = [along(low), along(high)];
-  const share = (/** @type {number} */ x) => Math.min(Math.max((along(x) - first) / (last - first), 0.0), 1.0);
-  const ticks = numbers.filter((x) => x >= low && x <= high).map((x) => /** @type {Tick} */ ([share(x), numberText(x)]));
-  return { palette, low, high, share, ticks };
-}
-
-// Speeds, or shares: from zero up, about zero where motion reverses, from the least number where all are alike,
-// and logarithmic where few large ones would leave most others in one colour (vibro.plots.scales).
-/** @param {Float64Array} seen @param {Float64Array} regular of motion that repeats with the drive @param {Float64Array} calm in contact
- * @param {boolean} reverses */
-export function speedScale(seen, regular, calm, reverses) {
-  const even = (/** @type {string} */ palette, /** @type {number} */ low, /** @type {number} */ high) =>
-    scaleAlong(palette, low, high, (x) => x, roundNumbers(low, high, false, 6));
-  const sizes = Float64Array.from(seen, Math.abs).sort();
-  const largest = (/** @type {Float64Array} */ numbers) => numbers.reduce((most, x) => Math.max(most, Math.abs(x)), 0.0);
-  const [least, middle, most] = [sizes[0] ?? 0.0, sizes.length ? quantileOf(sizes, 0.5) : 0.0, sizes[sizes.length - 1] ?? 0.0];
-  if (!most) return even("cividis", 0.0, 1.0);
-  const low = seen.reduce((a, b) => Math.min(a, b)), high = seen.reduce((a, b) => Math.max(a, b));
-  if (low * high > 0.0 && least > 0.5 * most) return even("cividis", low, high > low ? high : 1.01 * low);
-  const usual = largest(calm);
-  const isUneven = [3.0 * usual, 2.0 * largest(regular), 10.0 * middle].some((size) => size > 0.0 && size < most);
-  if (!isUneven) return reverses ? even("RdBu", -most, most) : even("cividis", 0.0, Math.max(high, 0.01 * most));
-  if (reverses) {
-    const width = 0.25 * (usual || middle);
-    const ticks = logTicks(width, most);
-    return scaleAlong("RdBu", -most, most, (x) => Math.asinh(x / width), [...ticks.map((x) => -x), 0.0, ...ticks]);
-  }
-  const above = seen.filter((x) => x > 0.0).sort();
-  const foot = Math.min(Math.max(quantileOf(above, 0.02), 1e-5 * high), 0.5 * high);
-  return scaleAlong("cividis", foot, high, (x) => Math.log(Math.max(x, foot)), logTicks(foot, high));
-}
-
-/** Times: logarithmic; near rest they grow without bound. @param {Float64Array} seen */
-export function timeScale(seen) {
-  const ascending = seen.slice().sort();
-  const bottom = ascending[0] ?? 1.0;
-  const top = Math.max(1.01 * bottom, Math.min(seen.length ? quantileOf(ascending, 0.98) : 2.0, 1e5 * bottom));
-  return scaleAlong("cividis_r", bottom, top, Math.log, top > 5.0 * bottom ? logTicks(bottom, top) : roundNumbers(bottom, top));
-}
+const SAMPLED = "Sampled: bodies at the corners, at the middles of the sides and in the centre of the bands. "
+  + "vibro guarantee proves bounds for all bodies.";
+const NOT_SAMPLED = "Flights are those of the operating point's own friction and restitution.";
 
 // ------------------------------------------------------------------------------
 // Axes and words.
@@ -159,7 +90,8 @@ export function drawnMap(data, state, cells) {
     ? rows.regime[n] >= 0 && rows.regime[n] !== HOPPING : highest[n] === NO_SLIP);
   const seen = numbers && numbers.map((number, n) => (covered(n) ? NaN : number));
   const scale = seen && scaleOf(view, seen, cells, data.known.Regime, fields.reverses);
-  const looks = looksOf(data, { lowest, highest, numbers, scale, covered, marked: marksOf(data, state, cells, fields, isSampled) });
+  const marked = marksOf(data, state, cells, fields, isSampled);
+  const looks = looksOf(data, { lowest, highest, numbers, scale, covered, marked });
   const label = data.views[view] + (isSampled && OF_SPEED.includes(view) ? ", sampled" : "");
   const unit = { speed: "mm/s", traverse: "s", impact: "mm/s" }[view] ?? "";
   const hasNumbers = seen?.some(Number.isFinite);
@@ -173,9 +105,7 @@ export function drawnMap(data, state, cells) {
     curves: curvesOf(data, state, cells, fields, isSampled, numbers !== null),
     notes: [
       ...(hasNumbers ? [bestOf(data, state, cells, /** @type {Float64Array} */ (seen), unit)] : []),
-      ...(isSampled ? ["Sampled: bodies at the corners, at the middles of the sides and in the centre of the bands. "
-        + "vibro guarantee proves bounds for all bodies."] : []),
-      ...(Object.keys(state.bands).length && !isSampled ? ["Flights are those of the operating point's own friction and restitution."] : []),
+      ...(isSampled ? [SAMPLED] : Object.keys(state.bands).length ? [NOT_SAMPLED] : []),
     ],
   };
 }
@@ -195,9 +125,13 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
   }));
   /** Beyond one harmonic they follow from the cycles; of back slip only the sign counts. */
   const ratiosOfCycles = () => {
-    const of = (/** @type {string} */ name) => clipped(fillUnknown(/** @type {Float64Array} */ (rows[name]), nx, (n) => !Number.isNaN(rows[name][n])).map(Math.log));
+    const of = (/** @type {string} */ name) => {
+      const own = /** @type {Float64Array} */ (rows[name]);
+      return clipped(fillUnknown(own, nx, (n) => !Number.isNaN(own[n])).map(Math.log));
+    };
     const back = fillUnknown(masked((n) => regime[n] === BACK_SLIP), nx, (n) => regime[n] !== HOPPING);
-    return { forward_onset: of("forward_ratio"), back_slip: back, continuous_sliding: masked(() => false), hop: of("throw_number") };
+    const never = masked(() => false);
+    return { forward_onset: of("forward_ratio"), back_slip: back, continuous_sliding: never, hop: of("throw_number") };
   };
   const ratio = rows.ratio_hop ? ratios("ratio") : ratiosOfCycles();
   /** Positive where nothing moves. */
@@ -224,10 +158,11 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
   const statuses = new Set(status);
   return {
     ratio, rest, largest, moving, backwards, irregular, masked, statuses,
-    speed: /** @type {Float64Array} */ (isSampled ? rows.least_velocity : mean).map((speed) => 1000.0 * speed), // [mm/s]
+    speed: /** @type {Float64Array} */ (isSampled ? rows.sampled_velocity : mean).map((speed) => 1000.0 * speed), // [mm/s]
     edges: Object.fromEntries(Object.keys(job.edges).map((edge) => [edge, ratios(edge)])),
     reverses: !isSampled && masked(backwards).filter((x) => x > 0.0).length > SEEN_SHARE * size,
-    missing: (/** @type {string[]} */ names) => names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
+    missing: (/** @type {string[]} */ names) =>
+      names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
   };
 }
 /** @typedef {ReturnType<typeof fieldsOf>} Fields */
@@ -250,14 +185,15 @@ function scaleOf(view, seen, { rows }, Regime, reverses) {
   return speedScale(those(() => true), regular, calm, reverses && view === "speed");
 }
 
-/** Where each mark applies. @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields @param {boolean} isSampled
+/** Where each mark applies.
+ * @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields @param {boolean} isSampled
  * @returns {Record<string, (n: number) => boolean>} */
 function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, fields, isSampled) {
   const { status, coexists } = rows;
   const isNew = (/** @type {number} */ n) => solved[Math.floor(n / nx)] > 0;
   const hatches = statuses.filter((/** @type {any} */ one) => one.hatch && fields.statuses.has(one.code)).map(
     (/** @type {any} */ one) => [one.hatch, (/** @type {number} */ n) => status[n] === one.code]);
-  const meets = state.target === null ? null : meetsOf(state, { rows, nx }, fields, isSampled);
+  const meets = state.target === null ? null : meetsOf(state, nx, fields, isSampled);
   return {
     ...Object.fromEntries(hatches),
     ...(isPreviewed && { preview: (/** @type {number} */ n) => !isNew(n) }),
@@ -272,9 +208,9 @@ function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, 
   };
 }
 
-/** Positive where bodies reach the wanted speed and do not hop. @param {Shown} state @param {{rows: MapCells["rows"], nx: number}} cells
- * @param {Fields} fields @param {boolean} isSampled */
-function meetsOf({ target }, { rows, nx }, fields, isSampled) {
+/** Positive where bodies reach the wanted speed and do not hop.
+ * @param {Shown} state @param {number} nx @param {Fields} fields @param {boolean} isSampled */
+function meetsOf({ target }, nx, fields, isSampled) {
   const wanted = Number(target);
   const isKnown = (/** @type {number} */ n) => Number.isFinite(fields.speed[n]);
   if (isSampled) {
@@ -299,7 +235,8 @@ function looksOf({ looks, statuses }, { lowest, highest, numbers, scale, covered
     else faces[n] = Number.isNaN(numbers[n]) ? none : first + Math.round((count - 1) * scale.share(numbers[n]));
   }
   const reasons = statuses.map((/** @type {any} */ one) => one.hatch); // told where there is no answer
-  for (const [name, is] of Object.entries({ ...marked, either: (/** @type {number} */ n) => !numbers && lowest[n] < highest[n] })) {
+  const either = (/** @type {number} */ n) => !numbers && lowest[n] < highest[n];
+  for (const [name, is] of Object.entries({ ...marked, either })) {
     const [isReason, isOfNumbers] = [reasons.includes(name), name === "averaged"];
     for (let n = 0; n < faces.length; n++) {
       if (!(isReason ? faces[n] === none : !isOfNumbers || faces[n] >= first)) continue;
@@ -309,8 +246,9 @@ function looksOf({ looks, statuses }, { lowest, highest, numbers, scale, covered
   return { faces, others: Uint8Array.from(highest, (/** @type {number} */ code) => (code >= 0 ? code : none)), marks };
 }
 
-/** @param {any} data @param {Shown} state @param {{faces: Uint8Array, others: Uint8Array, marks: Uint16Array}} looks @param {boolean} isSampled
- * @returns {{text: string, faces: number[], marks: number}[]} */
+/** What the legend tells of regimes and marks.
+ * @param {any} data @param {Shown} state @param {{faces: Uint8Array, others: Uint8Array, marks: Uint16Array}} looks
+ * @param {boolean} isSampled @returns {{text: string, faces: number[], marks: number}[]} */
 function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }, isSampled) {
   const found = marks.reduce((all, own) => all | own, 0);
   const seen = new Set(faces);
@@ -321,15 +259,16 @@ function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }
     words.misses = isSampled ? `not all samples reach ${speed}` : `slower than ${speed}, or hops`;
   }
   const rest = OF_FLIGHT.includes(view) ? "no flight" : "";
+  const faced = regimes.filter((/** @type {any} */ { code }) => code >= 0 && seen.has(code));
+  const marked = Object.entries(looks.legend).filter(([name]) => found & looks.marks[name]);
   return [
-    ...regimes.filter((/** @type {any} */ one) => one.code >= 0 && seen.has(one.code)).map((/** @type {any} */ { code, label }) =>
-      ({ text: (code === 0 && rest) || label, faces: [code], marks: 0 })),
-    ...Object.entries(looks.legend).filter(([name]) => found & looks.marks[name]).map(([name, one]) =>
-      ({ text: words[name] ?? one.text, faces: one.faces, marks: looks.marks[name] })),
+    ...faced.map((/** @type {any} */ { code, label }) => ({ text: (code === 0 && rest) || label, faces: [code], marks: 0 })),
+    ...marked.map(([name, one]) => ({ text: words[name] ?? one.text, faces: one.faces, marks: looks.marks[name] })),
   ];
 }
 
-/** The curves between regimes and their pieces. @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields
+/** The curves between regimes and their pieces.
+ * @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields
  * @param {boolean} isSampled @param {boolean} isOnNumbers @returns {CurveInfo[]} */
 function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNumbers) {
   const isFlight = OF_FLIGHT.includes(state.view);
@@ -340,7 +279,8 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
   };
   const [x, y] = [place(state.x, job.x.values), place(state.y, job.y.values)];
   const found = /** @type {CurveInfo[]} */ ([]);
-  const draw = (/** @type {string} */ name, /** @type {Float64Array} */ field, /** @type {Float64Array[]} */ hiding, more = {}) => {
+  /** @param {string} name @param {Float64Array} field @param {Float64Array[]} hiding @param {Partial<CurveInfo>} [more] */
+  const draw = (name, field, hiding, more = {}) => {
     const look = looks.curves[name === "target" ? "wanted" : name.replace(/_(least|most)$/, "")];
     const lines = visibleLines(zeroLines(field, nx), hiding, nx).map((line) => line.map(([i, j]) => [x(i), y(j)]));
     const halo = look.halo === "#FFFFFF" && !isOnNumbers ? "" : look.halo;
@@ -348,25 +288,29 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
   };
   /** @param {string} name @param {any} ratio @param {string[]} statuses @param {string} [edge] */
   const boundary = (name, ratio, statuses, edge = "") => {
-    const hiding = [.../** @type {any} */ (HIDDEN_BY)[name].map((/** @type {string} */ other) => ratio[other]), ...fields.missing(statuses)];
-    const look = looks.curves[name], width = { least: 0.7, most: 1.3 }[edge] ?? 1.0;
-    if (!edge) draw(name, ratio[name], hiding);
-    else draw(`${name}_${edge}`, ratio[name], hiding, { label: `${look.label}, ${edge} friction`, width: width * look.width });
+    const hiding = [...HIDDEN_BY[name].map((other) => ratio[other]), ...fields.missing(statuses)];
+    if (!edge) return draw(name, ratio[name], hiding);
+    const { label, width } = looks.curves[name];
+    draw(`${name}_${edge}`, ratio[name], hiding, { label: `${label}, ${edge} friction`, width: EDGES[edge] * width });
   };
   const without = ["INFEASIBLE", "INDETERMINATE"];
-  for (const name of Object.keys(HIDDEN_BY)) {
-    if (name === "hop" || !(isSampled || isFlight)) boundary(name, fields.ratio, name === "hop" ? without : [...without, "RUNAWAY"]);
-  }
+  const inContact = isSampled || isFlight ? [] : ["forward_onset", "back_slip", "continuous_sliding"];
+  for (const name of inContact) boundary(name, fields.ratio, [...without, "RUNAWAY"]);
+  boundary("hop", fields.ratio, without);
   for (const [edge, ratio] of isFlight ? [] : Object.entries(fields.edges)) {
     for (const name of ["forward_onset", "back_slip"]) boundary(name, ratio, ["INFEASIBLE"], edge);
   }
   if (!isSampled && !isFlight && rows.mean_velocity.some((speed) => speed < 0.0)) {
-    const reversal = fields.moving().map((/** @type {number} */ speed) => (Math.abs(speed) <= NO_SPEED * fields.largest ? 0.0 : -speed / fields.largest));
-    draw("zero_speed", reversal, [fields.rest(), fields.masked((n) => Number.isNaN(rows.mean_velocity[n])), fields.irregular()]);
+    const reversal = fields.moving().map((/** @type {number} */ speed) => {
+      const size = -speed / fields.largest;
+      return Math.abs(size) <= NO_SPEED ? 0.0 : size;
+    });
+    const unknown = fields.masked((n) => Number.isNaN(rows.mean_velocity[n]));
+    draw("zero_speed", reversal, [fields.rest(), unknown, fields.irregular()]);
   }
   if (state.target !== null) {
     const label = `${numberText(state.target)} mm/s, ${isSampled ? "of all samples" : "without hopping"}`;
-    draw("target", meetsOf(state, { rows, nx }, fields, isSampled), [], { label });
+    draw("target", meetsOf(state, nx, fields, isSampled), [], { label });
   }
   return found;
 }
@@ -375,10 +319,15 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
  * @param {Float64Array} seen @param {string} unit */
 function bestOf({ quantities }, { view, x, y }, { nx, job, isDone }, seen, unit) {
   const isTime = view === "traverse";
-  const best = seen.reduce((at, number, n) => (at < 0 || Number.isNaN(seen[at]) || (isTime ? number < seen[at] : number > seen[at]) ? n : at), -1);
-  const where = [[x.name, job.x.values[best % nx]], [y.name, job.y.values[Math.floor(best / nx)]]].map(([name, value]) =>
-    `${quantities[name].label} ${valueText(quantities[name], Number(value))}`);
-  return `${isTime ? "Shortest" : "Largest"} here${isDone ? "" : " so far"}: ${numberText(seen[best])}${unit && ` ${unit}`}, at ${where.join(" and ")}.`;
+  let best = seen.findIndex((number) => !Number.isNaN(number));
+  seen.forEach((number, n) => {
+    if (isTime ? number < seen[best] : number > seen[best]) best = n;
+  });
+  const told = (/** @type {string} */ name, /** @type {number} */ value) =>
+    `${quantities[name].label} ${valueText(quantities[name], value)}`;
+  const where = `${told(x.name, job.x.values[best % nx])} and ${told(y.name, job.y.values[Math.floor(best / nx)])}`;
+  const what = `${isTime ? "Shortest" : "Largest"} here${isDone ? "" : " so far"}`;
+  return `${what}: ${numberText(seen[best])}${unit && ` ${unit}`}, at ${where}.`;
 }
 
 /** What is told of one cell: names and texts. @param {any} data @param {DrawnMap} map @param {number} i @param {number} j */

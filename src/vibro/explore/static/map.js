@@ -3,7 +3,8 @@
 import { colours, paint, picture, piecesOf } from "./cells.js";
 import { axis, curve, html, legend, place, plot, set, shape, svg, valueText, way } from "./draw.js";
 import { drawnMap, shareOf, tipRows } from "./fields.js";
-import { MAP_HEIGHT, MAP_WIDTH, Pool, jobOf, solveMap, solverWorkers } from "./pool.js";
+import { MAP_HEIGHT, MAP_WIDTH, jobOf } from "./jobs.js";
+import { Pool, solveMap, solverWorkers } from "./pool.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift
 /** @type {Record<string, number[]>} */
@@ -48,7 +49,7 @@ export class MapView {
     this.pool = new Pool(data, solverWorkers(data));
     this.state = /** @type {Shown | null} */ (null);
     this.solving = Promise.resolve(false); // whether all cells are there, once that is known
-    this.cells = /** @type {import("./pool.js").MapCells | null} */ (null);
+    this.cells = /** @type {import("./jobs.js").MapCells | null} */ (null);
     this.drawn = /** @type {DrawnMap | null} */ (null);
     this.faces = /** @type {Cells | null} */ (null);
     this.keys = { asked: "", solved: "", drawn: "" }; // what decides the cells asked for, those there, and the picture

@@ -20,6 +20,10 @@
  */
 
 const CELL_CODES = ["regime", "status", "coexists", "model_code"]; // results that are small whole numbers
+const OF_MACHINES = { // results of operating points, and what operatingOf calls them
+  frequency_ratio: "frequencyRatio", amplitude_empty: "empty", added_mass_share: "addedMass",
+  added_damping_share: "addedDamping", relative_amplitude: "relative", second_harmonic: "second",
+};
 const LOG_RATIOS = ["hop", "forward_onset", "back_slip", "continuous_sliding"];
 
 /**
@@ -37,14 +41,18 @@ function solveRows(data, engine, job, begin, end) {
     [job.y.name]: { values: job.y.values.slice(begin, end), strides: [1, 0] },
     [job.x.name]: { values: job.x.values, strides: [0, 1] },
   };
-  const solved = (/** @type {Record<string, any>} */ own) => solveCells(data, engine, job, { ...job.values, ...axes, ...own }, shape);
-  const { drive, cells, amplitude } = solved({});
+  const solved = (/** @type {Record<string, any>} */ own) =>
+    solveCells(data, engine, job, { ...job.values, ...axes, ...own }, shape);
+  const { drive, cells, operating } = solved({});
   const rows = /** @type {CellRows} */ ({});
   for (const [name, x] of Object.entries(cells)) rows[name] = CELL_CODES.includes(name) ? Int8Array.from(x) : x;
-  if (amplitude) rows.amplitude = amplitude;
+  if (operating) {
+    rows.amplitude = operating.amplitude;
+    for (const [name, own] of Object.entries(OF_MACHINES)) rows[name] = operating[own];
+  }
   Object.assign(rows, logRatiosOf(engine, drive, shape, "ratio"));
   for (const [edge, own] of Object.entries(job.edges)) {
-    const values = { ...job.values, ...axes, ...own, ...(amplitude && { amplitude: 1.0 }) };
+    const values = { ...job.values, ...axes, ...own, ...(operating && { amplitude: 1.0 }) };
     Object.assign(rows, logRatiosOf(engine, driveOf(data, { values, given: job.given }), shape, edge));
   }
   if (job.bodies.length) Object.assign(rows, leastOf(job.bodies.map((own) => solved(own).cells)));
@@ -65,7 +73,7 @@ function solveCells(data, engine, { given, machine }, values, shape) {
   const grid = engine.gridOf(drive, shape);
   const cells = engine.solve(grid);
   if (operating) withhold(cells, operating, engine.known);
-  return { drive, grid, cells, amplitude: operating && operating.amplitude };
+  return { drive, grid, cells, operating };
 }
 
 /**
@@ -133,7 +141,7 @@ function leastOf(bodies) {
   const of = (/** @type {string} */ name, /** @type {(...x: number[]) => number} */ pick) =>
     bodies[0][name].map((_, n) => pick(...bodies.map((cells) => cells[name][n])));
   return {
-    least_velocity: of("mean_velocity", Math.min),
+    sampled_velocity: of("mean_velocity", Math.min),
     lowest: Int8Array.from(of("regime", Math.min)),
     highest: Int8Array.from(of("regime", Math.max)),
   };
