@@ -26,7 +26,7 @@ _MODULES = ("typed", "figures", "histories", "paths", "numbers", "motion")
 _UNASKED = {
     "draw": "export const [INK, axis, curve, html, input, legend, numberText, place, plot, set, shape] = [];"
     " export const [svg, textWidth, way] = [];",
-    "fields": "export const [roundNumbers] = [];",
+    "scales": "export const [roundNumbers] = [];",
 }
 _ASK = """
 import { createRequire } from "node:module";

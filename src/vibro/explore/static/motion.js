@@ -1,7 +1,7 @@
 /** The motion of the operating point from rest: panels of curves over time, and the part on its trough. */
 
 import { INK, axis, curve, html, input, legend, numberText, place, plot, set, shape, svg, textWidth, way } from "./draw.js";
-import { roundNumbers } from "./fields.js";
+import { roundNumbers } from "./scales.js";
 import { followed, phasesOf, sampled, traced } from "./histories.js";
 import { pointOf } from "./numbers.js";
 
