@@ -227,6 +227,10 @@ def test_bands_show_the_least_of_their_samples() -> None:
     assert "Sampled" in one["map"]["notes"][-1]
     narrow = drawn({"static_friction_band": "0.7:0.7"}, 6, 5)
     assert len(narrow["job"]["bodies"]) == 1
+    assert "lies outside of its bands" in narrow["map"]["notes"][0]
+    flights = drawn({"static_friction_band": "0.7:0.8", "view": "flight"}, 6, 5)
+    assert not flights["job"]["bodies"]
+    assert flights["map"]["notes"][-1].startswith("Flights are those of the operating point")
 
 
 @pytest.mark.parametrize("view", ["regime", "speed", "traverse", "impact", "flight"])

@@ -55,7 +55,8 @@ function ownCell(pieces, place) {
   return [[i, j], [k, j], [i, l], [k, l]].find(isOwn) ?? [i, j];
 }
 
-/** The colour of a cell at a place, with its hatches. @param {Cells} cells @param {number} cell @param {number} x [px] @param {number} y */
+/** The colour of a cell at a place, with its hatches.
+ * @param {Cells} cells @param {number} cell @param {number} x [px] @param {number} y [px] */
 function colourAt({ palette, hatches, pale, faces, others, marks }, cell, x, y) {
   const over = marks[cell];
   let face = faces[cell];

@@ -10,7 +10,8 @@ export function sampleOf(field, nx, x, y) {
 }
 
 /** Give cells that are not known the value of the nearest one that is, along rows and columns; NaN if none is.
- * @template {Float64Array | Int8Array} T @param {T} values @param {number} nx @param {(n: number) => boolean} isKnown @returns {T} */
+ * @template {Float64Array | Int8Array} T
+ * @param {T} values @param {number} nx @param {(n: number) => boolean} isKnown @returns {T} */
 export function fillUnknown(values, nx, isKnown) {
   const queue = new Int32Array(values.length), isThere = new Uint8Array(values.length);
   let last = 0;
@@ -29,7 +30,8 @@ export function fillUnknown(values, nx, isKnown) {
   return /** @type {T} */ (found);
 }
 
-/** Cells with one of a mask at most so many rows and columns away. @param {Uint8Array} mask @param {number} nx @param {number} reach */
+/** Cells with one of a mask at most so many rows and columns away.
+ * @param {Uint8Array} mask @param {number} nx @param {number} reach */
 function widened(mask, nx, reach) {
   let found = mask;
   for (const step of [1, nx]) {
@@ -45,7 +47,8 @@ function widened(mask, nx, reach) {
   return found;
 }
 
-/** Widen a mask to close its gaps, then narrow it again. @param {Uint8Array} mask @param {number} nx @param {number} more @param {number} less */
+/** Widen a mask to close its gaps, then narrow it again.
+ * @param {Uint8Array} mask @param {number} nx @param {number} more @param {number} less */
 export function closed(mask, nx, more, less) {
   const without = (/** @type {Uint8Array} */ cells) => cells.map((cell) => 1 - cell);
   return without(widened(without(widened(mask, nx, more)), nx, less));
@@ -98,7 +101,8 @@ export function zeroLines(field, nx) {
   return lines;
 }
 
-/** The parts of a line where a field is not positive, up to its zeros. @param {number[][]} line @param {Float64Array} field @param {number} nx */
+/** The parts of a line where a field is not positive, up to its zeros.
+ * @param {number[][]} line @param {Float64Array} field @param {number} nx */
 function clipLine(line, field, nx) {
   const parts = /** @type {number[][][]} */ ([]);
   let part = /** @type {number[][]} */ ([]), before = NaN;
@@ -119,7 +123,8 @@ function clipLine(line, field, nx) {
   return [...parts, part].filter((own) => own.length > 1);
 }
 
-/** @param {number[][][]} lines @param {Float64Array[]} hiding fields that are positive where lines are hidden @param {number} nx */
+/** The parts of lines that are seen.
+ * @param {number[][][]} lines @param {Float64Array[]} hiding fields that are positive where they are not @param {number} nx */
 export function visibleLines(lines, hiding, nx) {
   return hiding.reduce((all, field) => all.flatMap((line) => clipLine(line, field, nx)), lines);
 }

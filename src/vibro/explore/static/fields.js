@@ -36,6 +36,7 @@ const SEEN_SHARE = 0.02; // of a map: less of it does not decide on the colours
 const LISTED_HARMONICS = 2;
 const SAMPLED = "Sampled: bodies at the corners, at the middles of the sides and in the centre of the bands. "
   + "vibro guarantee proves bounds for all bodies.";
+const OUTSIDE = "The operating point's own friction or restitution lies outside of its bands.";
 const NOT_SAMPLED = "Flights are those of the operating point's own friction and restitution.";
 
 // ------------------------------------------------------------------------------
@@ -105,6 +106,7 @@ export function drawnMap(data, state, cells) {
     curves: curvesOf(data, state, cells, fields, isSampled, numbers !== null),
     notes: [
       ...(hasNumbers ? [bestOf(data, state, cells, /** @type {Float64Array} */ (seen), unit)] : []),
+      ...(isOutside(state) ? [OUTSIDE] : []),
       ...(isSampled ? [SAMPLED] : Object.keys(state.bands).length ? [NOT_SAMPLED] : []),
     ],
   };
@@ -167,7 +169,8 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
 }
 /** @typedef {ReturnType<typeof fieldsOf>} Fields */
 
-/** Numbers of the view in the unit outside; none of regimes. @param {Shown} state @param {MapCells} cells @param {any} speed [mm/s] */
+/** Numbers of the view in the unit outside; none of regimes.
+ * @param {Shown} state @param {MapCells} cells @param {Float64Array} speed [mm/s] */
 function numbersOf({ view, values }, { rows }, speed) {
   if (view === "regime") return null;
   if (view === "impact") return Float64Array.from(rows.impact_velocity, (x) => 1000.0 * x);
@@ -315,6 +318,11 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
   return found;
 }
 
+/** Whether the operating point is none of the bodies of the bands. @param {Shown} state */
+function isOutside({ values, bands }) {
+  return Object.entries(bands).some(([name, [low, high]]) => !(values[name] >= low && values[name] <= high));
+}
+
 /** Where the largest number is, or the shortest time. @param {any} data @param {Shown} state @param {MapCells} cells
  * @param {Float64Array} seen @param {string} unit */
 function bestOf({ quantities }, { view, x, y }, { nx, job, isDone }, seen, unit) {
@@ -330,19 +338,20 @@ function bestOf({ quantities }, { view, x, y }, { nx, job, isDone }, seen, unit)
   return `${what}: ${numberText(seen[best])}${unit && ` ${unit}`}, at ${where}.`;
 }
 
-/** What is told of one cell: names and texts. @param {any} data @param {DrawnMap} map @param {number} i @param {number} j */
+/** What is told of one cell: names and texts.
+ * @param {any} data @param {DrawnMap} map @param {number} i @param {number} j */
 export function tipRows({ regimes, statuses }, map, i, j) {
   const { x, y, nx, cells: { rows, job }, lowest, highest, isSampled, numbers, label, legend, marks } = map;
   const n = j * nx + i;
   const names = [lowest[n], highest[n]].map((code) => regimes.find((/** @type {any} */ one) => one.code === code)?.label);
-  const number = (/** @type {number | undefined} */ value) => (value === undefined || Number.isNaN(value) ? "" : numberText(value, 4));
+  const number = (/** @type {number} */ value) => (Number.isNaN(value) ? "" : numberText(value, 4));
   const told = legend.filter((item) => item.marks & marks[n]).map((item) => item.text);
   const trouble = statuses.find((/** @type {any} */ one) => one.code === rows.status[n])?.message ?? "";
   const found = [
     [x.label, valueText(x, job.x.values[i])], [y.label, valueText(y, job.y.values[j])],
     ["regime", [...new Set(names)].filter(Boolean).join(" to ")],
     ["mean speed [mm/s]", isSampled || map.view === "speed" ? "" : number(1000.0 * rows.mean_velocity[n])],
-    [label, number(numbers?.[n])], ["amplitude [mm]", number(rows.amplitude && 1000.0 * rows.amplitude[n])],
+    [label, number(numbers?.[n] ?? NaN)], ["amplitude [mm]", number(1000.0 * (rows.amplitude?.[n] ?? NaN))],
     ...[...new Set([...told, isSampled ? "" : trouble])].map((text) => ["", text]),
   ];
   return found.filter(([, text]) => text);

@@ -48,13 +48,23 @@ export function solverWorkers(data) {
   }
 }
 
-/** @typedef {{id: number, job: MapJob, start: number, low: number, high: number, left: number, take: (block: any) => void, end: (isDone: boolean) => void}} Task */
+/** @typedef {object} Task a map that is being solved
+ * @property {number} id
+ * @property {MapJob} job
+ * @property {number} start the row at which it begins
+ * @property {number} low rows from here ...
+ * @property {number} high ... up to here are asked for
+ * @property {number} left rows that are not there yet
+ * @property {(block: any) => void} take
+ * @property {(isDone: boolean) => void} end */
+
+/** Workers, each with at most one block of one map. */
 export class Pool {
   /** @param {any} data @param {SolverWorker[]} workers */
   constructor(data, workers) {
     this.data = data;
     this.pace = 0.01; // [ms] a cell, on one worker
-    this.last = 0;
+    this.last = 0; // number of the last map
     this.task = /** @type {Task | null} */ (null);
     this.idle = /** @type {SolverWorker[]} */ ([]);
     this.busy = /** @type {Map<SolverWorker, any>} */ (new Map());
@@ -119,7 +129,7 @@ export class Pool {
     const { task } = this;
     const rows = block.end - block.begin;
     if (task && task.id === block.id) {
-      this.pace = block.took / (rows * task.job.x.values.length);
+      this.pace += 0.5 * (block.took / (rows * task.job.x.values.length) - this.pace);
       task.left -= rows;
       task.take(block);
       if (!task.left) {

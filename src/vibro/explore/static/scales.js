@@ -23,7 +23,8 @@ export function roundNumbers(low, high, isLog = false, most = 8) {
   return Array.from({ length: Math.max(count, 0) }, (_, n) => Number(((first + n) * step).toPrecision(12)));
 }
 
-/** The numbers 1, 2, 5, 10 ... about a range above 0, or powers of ten alone. @param {number} low @param {number} high @param {boolean} isDense */
+/** The numbers 1, 2, 5, 10 ... about a range above 0, or powers of ten alone.
+ * @param {number} low @param {number} high @param {boolean} isDense */
 function decades(low, high, isDense) {
   const powers = Array.from({ length: Math.ceil(Math.log10(high / low)) + 2 }, (_, n) => n + Math.floor(Math.log10(low)));
   return powers.flatMap((power) => (isDense ? [1, 2, 5] : [1]).map((size) => Number(`${size}e${power}`)));
@@ -45,7 +46,8 @@ function quantileOf(ascending, share) {
 function scaleAlong(palette, low, high, along, numbers) {
   const [first, last] = [along(low), along(high)];
   const share = (/** @type {number} */ x) => Math.min(Math.max((along(x) - first) / (last - first), 0.0), 1.0);
-  const ticks = numbers.filter((x) => x >= low && x <= high).map((x) => /** @type {ScaleTick} */ ([share(x), numberText(x)]));
+  const seen = numbers.filter((x) => x >= low && x <= high);
+  const ticks = seen.map((x) => /** @type {ScaleTick} */ ([share(x), numberText(x)]));
   return { palette, low, high, share, ticks };
 }
 

@@ -43,7 +43,8 @@ function quantityColumns({ data: { quantities }, cells }, names) {
   return names.map((name) => [quantities[name].column, (n) => quantityAt(cells, name, n)]);
 }
 
-/** The column of a result. @param {Tabled} tabled @param {{name: string, column: string, per_si: number, texts: string[] | null}} result
+/** The column of a result.
+ * @param {Tabled} tabled @param {{name: string, column: string, per_si: number, texts: string[] | null}} result
  * @returns {TableColumn} */
 function resultColumn(tabled, { name, column, per_si: perSi, texts }) {
   const own = tabled.cells.rows[name];
@@ -73,9 +74,10 @@ function tableColumns(tabled) {
     .filter((name) => drawn.includes(name) || (isGiven(name) && !WHERE_SWEPT.includes(name)));
   const length = state.values.trough_length;
   const hops = !("normal_acceleration" in job.values) && !drawn.includes("restitution");
+  const traverse = (/** @type {number} */ speed) => (speed > 0.0 ? length / 1000.0 / speed : NaN);
   /** Columns that stand before those of results. @type {Record<string, TableColumn[]>} */
   const before = {
-    throw_number: [["traverse_time_s", (n) => (rows.mean_velocity[n] > 0.0 ? length / 1000.0 / rows.mean_velocity[n] : NaN)]],
+    throw_number: [["traverse_time_s", (n) => traverse(rows.mean_velocity[n])]],
     flight_fraction: quantityColumns(tabled, hops ? ["restitution"] : []),
     model_code: [],
   };
