@@ -404,6 +404,23 @@ def test_a_change_cancels_what_is_under_way() -> None:
     assert distance[0] <= 1  # next to the operating point
 
 
+_FAILURE = """
+export async function run({ data, stateOf, jobOf, Pool }) {
+  console.error = () => {};
+  const broken = { postMessage: () => setTimeout(() => broken.onerror()) };
+  const pool = new Pool(data, [broken]), { state } = stateOf(data, 0, {}), job = jobOf(state, 20, 30);
+  const ended = [await pool.solve({ ...job, edges: null }, 7, () => {})];
+  let rows = 0;
+  ended.push(await pool.solve(job, 7, ({ begin, end }) => (rows += end - begin)));
+  return { ended, rows };
+}
+"""
+
+
+def test_a_map_that_fails_does_not_stop_the_next() -> None:
+    assert in_modules(_FAILURE) == {"ended": [False, True], "rows": 30}
+
+
 _PASSES = """
 export async function run({ data, stateOf, Pool, solveMap, drawnMap }, texts) {
   const pool = new Pool(data, []), { state } = stateOf(data, 0, texts), shown = [];

@@ -2,7 +2,7 @@
 
 import { closed, fillUnknown, visibleLines, zeroLines } from "./contours.js";
 import { numberText, valueText } from "./draw.js";
-import { OF_FLIGHT } from "./jobs.js";
+import { OF_FLIGHT, shareOf } from "./jobs.js";
 import { roundNumbers, speedScale, timeScale } from "./scales.js";
 
 /** @typedef {import("./jobs.js").MapCells} MapCells @typedef {import("./state.js").Shown} Shown
@@ -41,11 +41,6 @@ const NOT_SAMPLED = "Flights are those of the operating point's own friction and
 
 // ------------------------------------------------------------------------------
 // Axes and words.
-
-/** Where a value lies on an axis, 0 to 1 or beyond. @param {Axis} axis @param {number} value */
-export function shareOf({ from, to, log }, value) {
-  return log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
-}
 
 /** @param {any} data @param {Axis} axis @param {number} count @returns {AxisInfo} */
 function axisInfo({ quantities }, axis, count) {

@@ -33,6 +33,11 @@ export function axisValues({ from, to, log }, count) {
   return inside((n) => Number(`${((a * BigInt(last - n) + b * BigInt(n)) * 10n ** 40n) / parts}e-40`));
 }
 
+/** Where a value lies on an axis, 0 to 1 or beyond. @param {Axis} axis @param {number} value */
+export function shareOf({ from, to, log }, value) {
+  return log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
+}
+
 /** The corners of a box of bands, its centre, and the centres of its faces.
  * @param {Record<string, [number, number]>} bands */
 function samplesOf(bands) {

@@ -2,8 +2,8 @@
 
 import { colours, paint, picture, piecesOf } from "./cells.js";
 import { axis, curve, html, legend, place, plot, set, shape, svg, valueText, way } from "./draw.js";
-import { drawnMap, shareOf, tipRows } from "./fields.js";
-import { MAP_HEIGHT, MAP_WIDTH, jobOf } from "./jobs.js";
+import { drawnMap, tipRows } from "./fields.js";
+import { MAP_HEIGHT, MAP_WIDTH, jobOf, shareOf } from "./jobs.js";
 import { Pool, solveMap, solverWorkers } from "./pool.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift

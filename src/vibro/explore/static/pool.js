@@ -1,6 +1,6 @@
 /** The solver's workers, and maps that they solve in blocks of rows. */
 
-import { MAP_HEIGHT, MAP_WIDTH, MapCells, jobOf } from "./jobs.js";
+import { MAP_HEIGHT, MAP_WIDTH, MapCells, jobOf, shareOf } from "./jobs.js";
 
 const BLOCK_TIME = 30; // [ms] that a block may take: so long a change waits for workers that are busy
 const PATIENCE = 60; // [ms] that a map may take without a coarse one before it
@@ -19,15 +19,20 @@ class PageWorker {
     this.data = data;
     this.engine = engineOf(exports, data.known);
     this.onmessage = /** @type {any} */ (null);
-    this.onerror = null;
+    this.onerror = /** @type {(() => void) | null} */ (null);
   }
 
   /** @param {any} message */
   postMessage({ id, job, begin, end }) {
     setTimeout(() => {
       const began = performance.now();
-      const { rows } = solveRows(this.data, this.engine, job, begin, end);
-      this.onmessage({ data: { id, begin, end, rows, took: performance.now() - began } });
+      try {
+        const { rows } = solveRows(this.data, this.engine, job, begin, end);
+        this.onmessage({ data: { id, begin, end, rows, took: performance.now() - began } });
+      } catch (error) {
+        console.error(error);
+        this.onerror?.();
+      }
     });
   }
 }
@@ -147,7 +152,8 @@ export class Pool {
     this.idle = this.idle.filter((other) => other !== worker);
     const page = new PageWorker(this.data);
     this.hire(page);
-    if (message?.id !== this.task?.id) return this.feed();
+    if (worker instanceof PageWorker) return this.cancel(); // it is the scene that cannot be solved
+    if (!message || message.id !== this.task?.id) return this.feed();
     this.idle.pop();
     this.busy.set(page, message);
     page.postMessage(message);
@@ -155,10 +161,9 @@ export class Pool {
 }
 
 /** The row that the operating point lies in, or is nearest to. @param {Shown} state @param {number} ny */
-function rowOf({ values, y: { name, from, to, log } }, ny) {
-  const value = values[name] ?? from;
-  const share = log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
-  return Math.round((ny - 1) * Math.min(Math.max(share || 0.0, 0.0), 1.0));
+function rowOf({ values, y }, ny) {
+  const share = shareOf(y, values[y.name]) || 0.0; // none where an axis has no such value
+  return Math.round((ny - 1) * Math.min(Math.max(share, 0.0), 1.0));
 }
 
 // Solve a map: at once if that is quick, else a coarse one before it, which fills the rows that are to come.

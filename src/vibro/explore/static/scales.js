@@ -58,11 +58,12 @@ function scaleAlong(palette, low, high, along, numbers) {
 export function speedScale(seen, regular, calm, reverses) {
   const even = (/** @type {string} */ palette, /** @type {number} */ low, /** @type {number} */ high) =>
     scaleAlong(palette, low, high, (x) => x, roundNumbers(low, high, false, 6));
-  const sizes = Float64Array.from(seen, Math.abs).sort();
+  const ascending = seen.slice().sort();
+  const [low, high] = [ascending[0], ascending[ascending.length - 1]];
+  const sizes = low < 0.0 ? ascending.map(Math.abs).sort() : ascending;
   const largest = (/** @type {Float64Array} */ numbers) => numbers.reduce((most, x) => Math.max(most, Math.abs(x)), 0.0);
   const [least, middle, most] = sizes.length ? [0.0, 0.5, 1.0].map((share) => quantileOf(sizes, share)) : [0.0, 0.0, 0.0];
   if (!most) return even("cividis", 0.0, 1.0);
-  const low = seen.reduce((a, b) => Math.min(a, b)), high = seen.reduce((a, b) => Math.max(a, b));
   if (low * high > 0.0 && least > 0.5 * most) return even("cividis", low, high > low ? high : 1.01 * low);
   const usual = largest(calm);
   const isUneven = [3.0 * usual, 2.0 * largest(regular), 10.0 * middle].some((size) => size > 0.0 && size < most);
@@ -72,8 +73,7 @@ export function speedScale(seen, regular, calm, reverses) {
     const ticks = logTicks(width, most);
     return scaleAlong("RdBu", -most, most, (x) => Math.asinh(x / width), [...ticks.map((x) => -x), 0.0, ...ticks]);
   }
-  const above = seen.filter((x) => x > 0.0).sort();
-  const foot = Math.min(Math.max(quantileOf(above, 0.02), 1e-5 * high), 0.5 * high);
+  const foot = Math.min(Math.max(quantileOf(ascending.filter((x) => x > 0.0), 0.02), 1e-5 * high), 0.5 * high);
   return scaleAlong("cividis", foot, high, (x) => Math.log(Math.max(x, foot)), logTicks(foot, high));
 }
 
