@@ -425,8 +425,8 @@ _PASSES = """
 export async function run({ data, stateOf, Pool, solveMap, drawnMap }, texts) {
   const pool = new Pool(data, []), { state } = stateOf(data, 0, texts), shown = [];
   const isDone = await solveMap(pool, state, (cells) => {
-    const { nx, ny, progress, curves } = drawnMap(data, state, cells);
-    shown.push({ nx, ny, progress, curves: curves.length });
+    const { nx, ny, progress, curves, faces } = drawnMap(data, state, cells);
+    shown.push({ nx, ny, progress, curves: curves.length, faces });
   });
   pool.pace = 1e-6; // as fast as that a coarse map is not worth while
   const again = [];
@@ -442,6 +442,8 @@ def test_a_map_that_takes_long_is_coarse_at_first() -> None:
     assert {(one["nx"], one["ny"], one["curves"]) for one in told["shown"]} == {(200, 150, 4)}
     assert told["shown"][0]["progress"] == "0 % exact, the rest a preview"
     assert told["shown"][-1]["progress"] == ""
+    first, last = (np.array(told["shown"][n]["faces"]) for n in (0, -1))
+    assert np.mean(first == last) > 0.999  # regimes follow from the load
     assert told["again"] == [200]
 
 

@@ -80,10 +80,11 @@ export function drawnMap(data, state, cells) {
   const isSampled = job.bodies.length > 0;
   const fields = fieldsOf(data, state, cells, isSampled);
   const [x, y] = [axisInfo(data, state.x, nx), axisInfo(data, state.y, ny)];
-  const [lowest, highest] = isSampled ? [rows.lowest, rows.highest] : [rows.regime, rows.regime];
+  const regime = regimesOf(data, cells);
+  const [lowest, highest] = isSampled ? [rows.lowest, rows.highest] : [regime, regime];
   const numbers = numbersOf(state, cells, fields.speed);
   const covered = (/** @type {number} */ n) => (OF_FLIGHT.includes(view)
-    ? rows.regime[n] >= 0 && rows.regime[n] !== HOPPING : highest[n] === NO_SLIP);
+    ? regime[n] >= 0 && regime[n] !== HOPPING : highest[n] === NO_SLIP);
   const seen = numbers && numbers.map((number, n) => (covered(n) ? NaN : number));
   const scale = seen && scaleOf(view, seen, cells, data.known.Regime, fields.reverses);
   const marked = marksOf(data, state, cells, fields, isSampled);
@@ -105,6 +106,20 @@ export function drawnMap(data, state, cells) {
       ...(isSampled ? [SAMPLED] : Object.keys(state.bands).length ? [NOT_SAMPLED] : []),
     ],
   };
+}
+
+/** Regimes of cells; of those that show a coarser map by their load, where critical loads are known.
+ * @param {any} data @param {MapCells} cells */
+function regimesOf({ known }, { rows, nx, solved, isPreviewed }) {
+  const { regime, ratio_hop: hop, ratio_back_slip: back, ratio_forward_onset: forward } = rows;
+  if (!isPreviewed || !hop) return regime;
+  const { NO_SLIP, FORWARD_SLIP, BACK_SLIP, HOPPING } = known.Regime;
+  return regime.map((code, n) => {
+    if (code < 0 || solved[Math.floor(n / nx)]) return code;
+    if (hop[n] > 0.0) return HOPPING;
+    if (back[n] > 0.0) return BACK_SLIP;
+    return forward[n] > 0.0 ? FORWARD_SLIP : NO_SLIP;
+  });
 }
 
 /** @param {any} data @param {Shown} state @param {MapCells} cells @param {boolean} isSampled */
