@@ -6,8 +6,6 @@ import hashlib
 import json
 import math
 import re
-import shutil
-import subprocess
 from base64 import b64decode, b64encode
 from html.parser import HTMLParser
 from pathlib import Path
@@ -173,24 +171,6 @@ def test_modules_are_joined_into_one() -> None:
         for line in re.findall(r"^(?:import|export)\b.*", path.read_text(encoding="utf-8"), re.MULTILINE):
             assert " as " not in line
             assert not line.startswith("export default")
-
-
-@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-def test_the_solver_is_a_script_that_runs_by_itself() -> None:
-    known = json.dumps(data_in(page_text())["known"])
-    scene = (
-        "{kind: 'line', path: [1e-3, 0.35], frequency: 15, staticFriction: 0.74, kineticFriction: 0.57,"
-        " troughAngle: 0, gravity: 9.81, restitution: 0}"
-    )
-    asked = f"const e = engineOf(exports, {known}); console.log(e.solve(e.gridOf({scene})).mean_velocity[0]);"
-    # as a browser does: names of the top level are global
-    runs = "require('vm').runInNewContext(require('fs').readFileSync(0, 'utf8'), {console})"
-    run = subprocess.run(
-        ["node", "-e", runs], input=f"{solver_script()}\n{asked}", capture_output=True, text=True, check=True
-    )
-    body = {"drive_angle": 0.35, "static_friction": 0.74, "kinetic_friction": 0.57}
-    expected = float(vibro.solve(vibro.Scene(amplitude=1e-3, frequency=15, **body)).mean_velocity)
-    assert float(run.stdout) == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_solver_that_is_missing_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -12,7 +12,8 @@ from helpers.cases import each
 from helpers.explored_scenes import FEEDER
 from helpers.machine_files import KINDS
 from helpers.machine_files import SCENE as MACHINE_SCENE
-from helpers.page_modules import cells, in_modules, state_of
+from helpers.page_states import cells, state_of
+from helpers.whole_page import in_modules
 
 from vibro import Status
 from vibro.answers.answer import brief, shown, uncertain
@@ -29,14 +30,16 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _ERRORS = 4.0  # standard errors that means may be apart
+_RUN = """
+export const run = ({ data, engine, answerOf }, states) => states.map((one) => answerOf(data, engine, one));
+"""
 
 
 @pytest.fixture(scope="module")
-def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+def answers() -> dict[str, Any]:
     """Return what the page answers about each scene."""
     asked = cells()
-    folder = tmp_path_factory.mktemp("page")
-    found = in_modules(folder, "numbers", "answerOf", [state_of(grid) for grid in asked.values()])
+    found = in_modules(_RUN, [state_of(grid) for grid in asked.values()])
     return dict(zip(asked, found, strict=True))
 
 
@@ -100,7 +103,7 @@ def test_machines_settle_and_are_told_as_by_vibro_solve(tmp_path: Path) -> None:
             grids[f"{kind} {name}"] = grid
             states.append(state_of(grid, machine=scene_data(request)["machine"]))
     assert len(grids) > 15
-    found = in_modules(tmp_path, "numbers", "answerOf", states)
+    found = in_modules(_RUN, states)
     wrong = []
     assert any(answer["warnings"] for answer in found)
     for (name, grid), answer in zip(grids.items(), found, strict=True):
@@ -119,7 +122,7 @@ def test_a_machine_whose_masses_strike_has_no_numbers(tmp_path: Path) -> None:
     request = request_of_call(file, {"filling_kg": 1, "frequency_hz": 50})
     grid = Grid({}, request.fixed, 400.0, machine=request.machine)
     state = state_of(grid, machine=scene_data(request)["machine"])
-    (found,) = in_modules(tmp_path, "numbers", "answerOf", [state])
+    (found,) = in_modules(_RUN, [state])
     texts = {fact["label"]: fact["text"] for fact in found["facts"]}
     assert found["title"] == "unknown"
     assert (texts["none"], texts["traverse time"], texts["amplitude"][:7]) == ("unknown",) * 2 + ("unknown",)
@@ -138,26 +141,22 @@ def test_a_title_has_six_digits(answers: dict[str, Any]) -> None:
     assert answers["runaway"]["title"] == "forward-slip, unknown"
 
 
-_WRITTEN = """
-import * as figures from "./figures.js";
-export const written = (data, engine, [name, ...values]) => figures[name](...values);
-"""
+_WRITTEN = "export const run = (page, asked) => asked.map(([name, ...values]) => page[name](...values));"
 
 
-def test_numbers_are_written_as_in_python(tmp_path: Path) -> None:
+def test_numbers_are_written_as_in_python() -> None:
     draw = random.Random(7)
     values = [0.0, 0.5, 2.5, 1.0625, 0.0009765625, 99995.0, 9.9995, 1e-4, 1e5, 123456.5, 1e22, 1.5e-7]
     values += [draw.choice((-1, 1)) * draw.uniform(1, 10) * 10 ** draw.randint(-9, 9) for _ in range(300)]
     values += [draw.randint(1, 9999) / 2 ** draw.randint(1, 12) for _ in range(300)]  # with ties
     errors = [10 ** draw.uniform(-5, 2) for _ in values]
-    (tmp_path / "written.js").write_text(_WRITTEN, encoding="utf-8")
     asked = [["shownText", value, digits] for value in values for digits in (3, 4, 6, 10, 15)]
     asked += [["uncertainText", value, error] for value, error in zip(values, errors, strict=True)]
     asked += [["briefText", value] for value in values]
     known = [shown(value, digits) for value in values for digits in (3, 4, 6, 10, 15)]
     known += [uncertain(value, error) for value, error in zip(values, errors, strict=True)]
     known += [brief(value) for value in values]
-    found = in_modules(tmp_path, "written", "written", asked)
+    found = in_modules(_WRITTEN, asked)
     wrong = [
         (ask, ours, theirs) for ask, ours, theirs in zip(asked, found, known, strict=True) if ours != theirs
     ]

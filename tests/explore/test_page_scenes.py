@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.frozen_questions import Draws, batches
-from helpers.page_scripts import in_scripts
+from helpers.whole_page import in_modules
 
 import vibro
 from vibro.quantities import QUANTITIES, kinetic_friction, scene_fields
 
 RUN = """
-function run(asked) {
+export function run({ data, engine }, asked) {
   return asked.map((scene) => {
-    const cycle = engine.solve(engine.gridOf(scenes.driveOf(data, scene)));
+    const cycle = engine.solve(engine.gridOf(driveOf(data, scene)));
     return [cycle.regime[0], cycle.status[0], cycle.mean_velocity[0], cycle.peak_velocity[0]];
   });
 }
@@ -69,7 +69,7 @@ def assert_same(found: list[Any], scene: vibro.Scene) -> None:
 
 def test_drives_of_all_kinds_are_those_of_python() -> None:
     scenes = drawn(1, 300)
-    found = in_scripts(RUN, [{"values": values, "given": None} for values in scenes])
+    found = in_modules(RUN, [{"values": values, "given": None} for values in scenes])
     for values, one in zip(scenes, found, strict=True):
         assert_same(one, vibro.Scene(**scene_fields(values)))
 
@@ -91,23 +91,23 @@ def test_motions_of_pieces_keep_their_scale(name: str) -> None:
             values["kinetic_friction"] = min(values["kinetic_friction"], values["static_friction"])
             asked.append({"values": values, "given": {"kind": "pieces", "motion": given}})
             expected.append(vibro.Scene.allowing_infeasible(**scene_fields(values | {"motion": motion})))
-        for scene, one in zip(expected, in_scripts(RUN, asked), strict=True):
+        for scene, one in zip(expected, in_modules(RUN, asked), strict=True):
             assert_same(one, scene)
 
 
 def test_friction_by_its_ratio_is_spelled_as_in_python() -> None:
     draw = Draws("ratios of pages")
     pairs = np.stack([draw(0.0, 1.0, 2000).round(3), draw(0.01, 2.0, 2000).round(2)], axis=1)
-    run = "const run = (asked) => asked.map(([ratio, most]) => scenes.spelledFriction(ratio, most));"
-    assert in_scripts(run, pairs.tolist()) == kinetic_friction(pairs[:, 0], pairs[:, 1]).tolist()
+    run = "export const run = (_, asked) => asked.map((pair) => spelledFriction(...pair));"
+    assert in_modules(run, pairs.tolist()) == kinetic_friction(pairs[:, 0], pairs[:, 1]).tolist()
 
 
 MAP = """
-function run({ values, given }) {
+export function run({ data, engine }, { values, given }) {
   const rows = { values: values.friction_ratio, strides: [1, 0] };
   const columns = { values: values.static_friction, strides: [0, 1] };
   const axes = { friction_ratio: rows, static_friction: columns };
-  const drive = scenes.driveOf(data, { values: { ...values, ...axes }, given });
+  const drive = driveOf(data, { values: { ...values, ...axes }, given });
   const cycle = engine.solve(engine.gridOf(drive, [rows.values.length, columns.values.length]));
   return [cycle.regime, cycle.mean_velocity];
 }
@@ -117,7 +117,7 @@ function run({ values, given }) {
 def test_maps_over_both_frictions_have_the_cells_of_a_sweep() -> None:
     fixed = {"amplitude": 1.0, "frequency": 15.0, "drive_angle": 20.0, "trough_angle": -1.0}
     axes = {"friction_ratio": [0.3, 0.5, 0.8, 1.0], "static_friction": [0.2, 0.4, 0.9]}
-    regime, speed = in_scripts(MAP, {"values": fixed | axes, "given": None})
+    regime, speed = in_modules(MAP, {"values": fixed | axes, "given": None})
     given: dict[str, Any] = {QUANTITIES[name].column: value for name, value in (fixed | axes).items()}
     table = vibro.sweep(**given).to_frame().sort_values(["friction_ratio", "static_friction"])
     assert [vibro.Regime(int(code)).label for code in regime] == table["regime"].tolist()
@@ -127,7 +127,7 @@ def test_maps_over_both_frictions_have_the_cells_of_a_sweep() -> None:
 
 
 MACHINES = """
-const run = (asked) => asked.map((scene) => scenes.operatingOf(data, engine, scene));
+export const run = ({ data, engine }, asked) => asked.map((one) => operatingOf(data, engine, one));
 """
 NAMES = {
     "amplitude": "amplitude", "empty": "amplitude_empty", "low": "amplitude_low", "high": "amplitude_high",
@@ -150,7 +150,7 @@ def test_machines_settle_where_python_says() -> None:
             values = {key: float(QUANTITIES[key].from_si(x)) for key, x in one.items()}
             asked.append({"values": values, "machine": fields})
             expected.append((machine, {key: float(QUANTITIES[key].to_si(x)) for key, x in values.items()}))
-    found = in_scripts(MACHINES, asked)
+    found = in_modules(MACHINES, asked)
     wrong = []
     for one, (machine, given) in zip(found, expected, strict=True):
         point = vibro.operate(machine, **given, allow_strikes=True)

@@ -2,46 +2,32 @@
 
 from __future__ import annotations
 
-import json
 import random
-import subprocess
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from helpers.cases import each
-from helpers.node_doors import node
+from helpers.whole_page import in_modules
 
 from vibro.errors import InputError
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
-from vibro.explore.page import page_data
-from vibro.explore.scenes import scene_data
 from vibro.quantities import LEAST_SPEED, QUANTITIES, Quantity, checked_number, exact_number
 from vibro.sweeps.whole import request_of_call
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from vibro.sweeps.request import Request
 
 _ASK = """
-import { readFileSync } from "node:fs";
-import * as state from "./state.js";
-import * as store from "./store.js";
-import * as typed from "./typed.js";
-const { data, asked } = JSON.parse(readFileSync(0, "utf-8"));
-const called = { ...state, ...store, ...typed };
-const answers = asked.map(([name, ...values]) => {
+export const run = ({ data, ...page }, asked) => asked.map(([name, first, ...others]) => {
+  const value = name === "numberIn" ? data.quantities[first] : first === "DATA" ? data : first;
   try {
-    const [first, ...others] = values;
-    if (name === "numberIn") return called[name](data.quantities[first], ...others);
-    return called[name](...(first === "DATA" ? [data, ...others] : values)) ?? null;
+    return page[name](value, ...others);
   } catch (error) {
     return { thrown: `${error.name}: ${error.message}`, hint: error.hint };
   }
 });
-console.log(JSON.stringify(answers));
 """
 
 
@@ -72,29 +58,11 @@ filling_kg = 2
 @pytest.fixture(scope="module")
 def ask(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[Any]]:
     """Return what calls functions of the page in node, each given as its name and its arguments."""
-    program = node()
-    folder: Path = tmp_path_factory.mktemp("page")
-    for name in ("state.js", "store.js", "typed.js"):
-        script = (files("vibro.explore") / "static" / name).read_text(encoding="utf-8")
-        (folder / name).write_text(script, encoding="utf-8")
-    (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
-    (folder / "ask.js").write_text(_ASK, encoding="utf-8")
     requests: list[Request | None] = [None]
-    for name, text in (("clamped", _CLAMPED), ("feeder", _FEEDER)):
-        (file := folder / f"{name}.toml").write_text(text, encoding="utf-8")
+    for number, text in enumerate((_CLAMPED, _FEEDER)):
+        (file := tmp_path_factory.mktemp("page") / f"{number}.toml").write_text(text, encoding="utf-8")
         requests.append(request_of_call(file, {}))
-    data = json.dumps(page_data([scene_data(request) for request in requests]))
-    known = data.replace("Infinity", "1e999").replace("NaN", "null")  # as JSON has them
-
-    def asked(*calls: list[Any]) -> list[Any]:
-        told = f'{{"data": {known}, "asked": {json.dumps(calls)}}}'
-        command = [program, str(folder / "ask.js")]
-        done = subprocess.run(
-            command, input=told, capture_output=True, text=True, encoding="utf-8", check=True
-        )
-        return list(json.loads(done.stdout))
-
-    return asked
+    return lambda *calls: list(in_modules(_ASK, calls, requests))
 
 
 def states(ask: Callable[..., list[Any]], *queries: dict[str, str], scene: int = 0) -> list[Any]:

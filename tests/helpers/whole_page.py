@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,6 +13,7 @@ from helpers.node_doors import node
 
 from vibro.explore import page
 from vibro.explore.scenes import scene_data
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,40 +21,43 @@ if TYPE_CHECKING:
     from vibro.sweeps.request import Request
 
 STATIC = Path(page.__file__).with_name("static")
-#: What each run has: ``data``, and functions of the modules by name.
+_EVERYTHING = {"given": {"values": dict.fromkeys(QUANTITIES)}}  # a page has those of its scenes alone
+# JSON has no infinities and no NaN, but Python's reader takes them.
 _HOST = """
-import { readFileSync, writeFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { runInThisContext } from "node:vm";
-const [, , solver, given, answer] = process.argv;
-runInThisContext(readFileSync(solver, "utf-8"));
-const { data, asked } = JSON.parse(readFileSync(given, "utf-8"));
+const { data, solver, modules, asked } = JSON.parse(readFileSync(0, "utf-8"));
+runInThisContext(solver);
 const page = {};
-for (const name of NAMES) Object.assign(page, await import(`./${name}.js`));
-page.data = data; // that of state.js is of a document
+for (const name of modules) Object.assign(page, await import(`./${name}.js`));
+Object.assign(page, { data, engine: engineOf(exports, data.known) }); // that of state.js is of a document
 const { run } = await import("./run.js");
-const written = (_, x) => (ArrayBuffer.isView(x) ? Array.from(x) : x === Infinity ? 1e999 : x);
-writeFileSync(answer, JSON.stringify(await run(page, asked), written) ?? "null");
+const written = (_, x) => {
+  if (ArrayBuffer.isView(x)) return Array.from(x);
+  return typeof x === "number" && !Number.isFinite(x) ? `@${x}` : x;
+};
+const answer = JSON.stringify(await run(page, asked), written) ?? "null";
+process.stdout.write(answer.replace(/"@(NaN|-?Infinity)"/g, "$1"));
 """
-_MODULES = ("typed", "state", "draw", "contours", "scales", "jobs", "pool", "fields", "tables", "files")
 
 
 def in_modules(script: str, asked: Any = None, scenes: Sequence[Request | None] = (None,)) -> Any:
-    """Run a module's ``run(page, asked)``; numbers that are not finite come back as None."""
-    data = page._json({"data": page.page_data([scene_data(scene) for scene in scenes]), "asked": asked})
+    """Run a module's ``run(page, asked)``; ``page`` has ``data``, ``engine`` and what modules export."""
+    own = [scene_data(scene) for scene in scenes]
+    given = {
+        "data": page.page_data([*own, _EVERYTHING]) | {"scenes": own},
+        "solver": page.solver_script(),
+        # main.js starts the page
+        "modules": [path.stem for path in STATIC.glob("*.js") if path.stem not in ("main", *page.SOLVER)],
+        "asked": asked,
+    }
     with TemporaryDirectory() as made:
         folder = Path(made)
-        for path in STATIC.glob("*.js"):
-            (folder / path.name).write_text(path.read_text(encoding="utf-8"), encoding="utf-8")
-        texts = {
-            "package.json": '{"type": "module"}',
-            "host.js": _HOST.replace("NAMES", json.dumps(_MODULES)),
-            "run.js": script,
-            "solver.txt": page.solver_script(),
-            "given.json": data,
-        }
-        for name, text in texts.items():
+        shutil.copytree(STATIC, folder, dirs_exist_ok=True)
+        for name, text in {"package.json": '{"type": "module"}', "host.js": _HOST, "run.js": script}.items():
             (folder / name).write_text(text, encoding="utf-8")
-        places = [str(folder / name) for name in ("host.js", "solver.txt", "given.json", "answer.json")]
-        done = subprocess.run([node(), *places], capture_output=True, text=True, encoding="utf-8")
-        assert done.returncode == 0, done.stderr
-        return json.loads((folder / "answer.json").read_text(encoding="utf-8"))
+        done = subprocess.run(
+            [node(), str(folder / "host.js")], input=page._json(given), capture_output=True, encoding="utf-8"
+        )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)

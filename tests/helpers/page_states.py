@@ -1,50 +1,17 @@
-"""Modules of the page in node, asked about scenes of all drives: answers and motions as it shows them."""
+"""Single scenes of all drives, and what the page's state is of each."""
 
 from __future__ import annotations
 
-import json
-import subprocess
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from helpers.node_doors import SCRIPT, node
-from helpers.page_scripts import STATIC, spelt
 
 from vibro import Motion
 from vibro.drives import HarmonicMotion, PiecewiseMotion
-from vibro.explore.page import page_data
 from vibro.files.motions import GivenMotion
 from vibro.quantities import LINEAR, QUANTITIES
 from vibro.sweeps.grid import Grid
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-_MODULES = ("typed", "figures", "histories", "paths", "numbers", "motion")
-# What draws is not asked for.
-_UNASKED = {
-    "draw": "export const [INK, axis, curve, html, input, legend, numberText, place, plot, set, shape] = [];"
-    " export const [svg, textWidth, way] = [];",
-    "scales": "export const [roundNumbers] = [];",
-}
-_ASK = """
-import { createRequire } from "node:module";
-import { readFileSync } from "node:fs";
-const require = createRequire(import.meta.url);
-const odd = { nan: NaN, inf: Infinity, "-inf": -Infinity };
-const read = (_, x) => (typeof x === "string" && x in odd ? odd[x] : x);
-const written = (_, x) => {
-  if (ArrayBuffer.isView(x)) return Array.from(x);
-  if (typeof x !== "number" || Number.isFinite(x)) return x;
-  return Number.isNaN(x) ? "nan" : x > 0 ? "inf" : "-inf";
-};
-const { from, called, sources, solver, data, asked } = JSON.parse(readFileSync(0, "utf8"), read);
-Object.assign(globalThis, require(`${sources}/scenes.js`));
-const engine = require(`${sources}/engine.js`).engineOf(require(solver), data.known);
-const ask = (await import(`./${from}.js`))[called];
-process.stdout.write(JSON.stringify(asked.map((one) => ask(data, engine, one)), written));
-"""
 _NUT = {
     "amplitude": 1.0,
     "frequency": 15.0,
@@ -163,22 +130,3 @@ def cells() -> dict[str, Grid]:
         "samples hopping": cell(shaken, motion_scale=2.4, restitution=0.3),
         "displacements": cell(moved, motion_scale=1.0),
     }
-
-
-def in_modules(folder: Path, module: str, function: str, asked: Sequence[Any]) -> list[Any]:
-    """Call ``function(data, engine, one)`` of a module with each of what is asked."""
-    scripts = {name: STATIC / f"{name}.js" for name in _MODULES}
-    texts = {name: path.read_text(encoding="utf-8") for name, path in scripts.items() if path.is_file()}
-    for name, text in {**texts, **_UNASKED, "ask": _ASK}.items():
-        (folder / f"{name}.js").write_text(text, encoding="utf-8")
-    (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
-    told = {"from": module, "called": function, "sources": str(STATIC), "solver": str(SCRIPT)}
-    everything = {"given": {"values": dict.fromkeys(QUANTITIES)}, "name": ""}
-    done = subprocess.run(
-        [node(), str(folder / "ask.js")],
-        input=json.dumps(spelt({**told, "data": page_data([everything]), "asked": asked})),
-        capture_output=True,
-        encoding="utf-8",
-    )
-    assert done.returncode == 0, done.stderr
-    return list(json.loads(done.stdout))
