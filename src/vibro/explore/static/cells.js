@@ -20,11 +20,29 @@ export function colours(palette) {
   return Uint32Array.from({ length: bytes.length / 3 }, (_, n) => colour(3 * n));
 }
 
-/** Whether a place lies in all stripes of a hatch. @param {Stripe[]} stripes @param {number} x @param {number} y */
-const isIn = (stripes, x, y) => stripes.every(({ right, down, period, from, to }) => {
-  const at = (((right * x + down * y) % period) + period) % period;
-  return at >= from && at < to;
-});
+const masks = /** @type {Map<string, Uint8Array>} */ (new Map()); // by stripes and the size of the canvas
+const MOST_MASKS = 64;
+
+// Which pixels of a canvas lie in all stripes: found once, as a hand that moves a slider draws many maps of one size.
+/** @param {Stripe[]} stripes @param {number} width @param {number} height @param {number} zoom */
+function maskOf(stripes, width, height, zoom) {
+  const key = JSON.stringify([stripes, width, height, zoom]);
+  const known = masks.get(key);
+  if (known) return known;
+  if (masks.size === MOST_MASKS) masks.clear();
+  const mask = new Uint8Array(width * height).fill(1);
+  for (const { right, down, period, from, to } of stripes) {
+    for (let py = 0, at = 0; py < height; py++) {
+      for (let px = 0; px < width; px++, at++) {
+        const place = ((right * px + down * py) / zoom) % period;
+        const inside = place < 0 ? place + period : place;
+        if (inside < from || inside >= to) mask[at] = 0;
+      }
+    }
+  }
+  masks.set(key, mask);
+  return mask;
+}
 
 /** Pieces of curves by the square of four cells that each lies in.
  * @param {{nx: number, ny: number, curves: {lines: number[][][]}[]}} map */
@@ -55,27 +73,23 @@ function ownCell(pieces, place) {
   return [[i, j], [k, j], [i, l], [k, l]].find(isOwn) ?? [i, j];
 }
 
-/** The colour of a cell at a place, with its hatches.
- * @param {Cells} cells @param {number} cell @param {number} x [px] @param {number} y [px] */
-function colourAt({ palette, hatches, pale, faces, others, marks }, cell, x, y) {
-  const over = marks[cell];
-  let face = faces[cell];
-  for (const hatch of hatches) {
-    if (over & hatch.marks && isIn(hatch.stripes, x, y)) face = hatch.face ?? others[cell];
-  }
+/** The colour of a cell with some face under its marks. @param {Cells} cells @param {number} face @param {number} over */
+function colourOf({ palette, pale }, face, over) {
   return over & pale ? 0xff000000 + ((palette[face] >> 1) & 0x7f7f7f) + 0x7f7f7f : palette[face]; // half white
 }
 
 // Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
 /** @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
 export function paint(canvas, zoom, cells) {
-  const { hatches, faces, marks, nx, ny, pieces } = cells;
+  const { faces, others, marks, nx, ny, pieces } = cells;
   const { width, height } = canvas;
   const image = new ImageData(width, height);
   const pixels = new Uint32Array(image.data.buffer);
-  const hatched = hatches.reduce((all, hatch) => all | hatch.marks, 0);
-  const bare = { ...cells, hatches: [] };
-  const plain = Uint32Array.from(faces, (_, cell) => colourAt(bare, cell, 0, 0));
+  let present = 0;
+  for (let cell = 0; cell < marks.length; cell++) present |= marks[cell];
+  const hatches = cells.hatches.filter((hatch) => hatch.marks & present)
+    .map((hatch) => ({ ...hatch, mask: maskOf(hatch.stripes, width, height, zoom) }));
+  const plain = Uint32Array.from(faces, (face, cell) => colourOf(cells, face, marks[cell]));
   const across = Float64Array.from({ length: width }, (_, px) => ((px + 0.5) / width) * (nx - 1));
   const [columns, lefts] = [Int32Array.from(across, Math.round), Int32Array.from(across, Math.floor)];
   for (let py = 0, at = 0; py < height; py++) {
@@ -88,7 +102,10 @@ export function paint(canvas, zoom, cells) {
         const [i, j] = ownCell(crossing, [across[px], y]);
         cell = nx * j + i;
       }
-      pixels[at] = marks[cell] & hatched ? colourAt(cells, cell, px / zoom, py / zoom) : plain[cell];
+      pixels[at] = plain[cell];
+      for (const hatch of hatches) {
+        if (marks[cell] & hatch.marks && hatch.mask[at]) pixels[at] = colourOf(cells, hatch.face ?? others[cell], marks[cell]);
+      }
     }
   }
   canvas.getContext("2d")?.putImageData(image, 0, 0);

@@ -108,7 +108,7 @@ export class MapView {
   }
 
   draw() {
-    if (!this.drawn || !this.faces) return;
+    if (!this.drawn || !this.faces || !this.stage.clientWidth) return; // drawn once the page is laid out
     const { box, faces, drawn: { title, caption, label, progress, x, y, scale } } = this;
     const wide = this.stage.clientWidth;
     const room = window.innerHeight * (wide < 600 ? 0.4 : 0.64);
