@@ -112,7 +112,7 @@ def looks() -> dict[str, Any]:
     return {
         "palettes": {"plain": _bytes(plain)} | {name: _bytes(_scale_colours(name)) for name in _SCALES},
         "scale": [_SCALE, _COLOURS],
-        "faces": {"no_answer": _NO_ANSWER, "grey": _GREY, "faint": _FAINT, "ink": _INK, "white": _WHITE},
+        "faces": {"no_answer": _NO_ANSWER},
         "marks": MARKS,
         "stripes": STRIPES,
         "legend": {name: {"text": text, "faces": faces} for name, (text, faces) in _NAMES.items()},

@@ -16,10 +16,9 @@ from vibro.answers.scene import page_texts
 from vibro.core import codes, numbers
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError, InputError, shown
-from vibro.explore.controls import BANDS, CONTROLS, DRIVES, PRESETS, VIEWS
+from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
 from vibro.explore.looks import HATCHES, looks
 from vibro.explore.scenes import USUAL, request_of_scene, scene_data
-from vibro.motion.histories import STARTS
 from vibro.plots.style import REGIME_COLOURS, UNIT_SIGNS, visible
 from vibro.quantities import LEAST_SPEED, QUANTITIES
 from vibro.reals import shielded
@@ -90,7 +89,6 @@ def page_data(scenes: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "drives": {name: drive.data() for name, drive in DRIVES.items()},
         "presets": {name: preset._asdict() for name, preset in PRESETS.items()},
         "views": VIEWS,
-        "bands": BANDS,
         "regimes": [
             {"code": int(regime), "label": regime.label, "colour": REGIME_COLOURS.get(regime, "")}
             for regime in Regime
@@ -127,12 +125,10 @@ def _known() -> dict[str, Any]:
         **{name: value for name, value in sizes.items() if isinstance(value, int | float)},
         **named["Status"],
         **named,
-        "STARTS": STARTS,
         "IRREGULAR": codes.IRREGULAR,
         "SPELT_PATTERNS": codes.SPELT_PATTERNS,
         "LETTERS": codes.LETTERS,
         "PATTERNS": codes.PATTERNS,
-        "MODELS": codes.MODELS,
         "answered": [int(status) for status in Status if status.answered],
     }
 
@@ -148,7 +144,7 @@ def symbol_of(quantity: Quantity) -> str:
 
 def _quantity(quantity: Quantity) -> dict[str, Any]:
     """Describe a quantity: its names, units, ranges and slider."""
-    kind, allowed, usual = quantity.kind, quantity.allowed, quantity.usual
+    kind, allowed = quantity.kind, quantity.allowed
     control = CONTROLS.get(quantity.name)
     own = {
         name: getattr(quantity, name) for name in ("column", "label", "unit", "default", "meaning", "order")
@@ -163,7 +159,6 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
         "sizes": {unit: size.as_integer_ratio() for unit, size in kind.sizes.items()},
         "start": f"{USUAL.get(quantity.name, 1.0):g}",
         "options": quantity.options[0] if quantity.options else "",
-        "usual": [usual.low, usual.high],
         "control": control and control._asdict(),
     }
 

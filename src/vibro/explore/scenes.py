@@ -248,13 +248,10 @@ def _driven(start: _Start, given: GivenMachine) -> dict[str, Any]:
     return {
         **start.own.data(),
         "fields": vars(given.machine) | {"share": given.share},
-        "kind": given.kind,
         "parts": machine_parts(given),
-        "has_springs": given.has_springs,
         "knobs": [name for name in MACHINE if given.takes(name)],
         "own": given.own,
         "packs": {visible(name): natural for name, natural in given.packs.items()},
-        "share": given.share,
         "table": {key: _toml(value) for key, value in given.table.items()},
     }
 

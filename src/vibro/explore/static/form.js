@@ -1,8 +1,9 @@
 /** The settings, built from the page's data; every box has a key of the state as its name. */
 
 import { html, input, place, set } from "./draw.js";
-import { controlOf, drivesOf, quantitiesOf } from "./state.js";
+import { BANDED, controlOf, drivesOf, quantitiesOf } from "./state.js";
 import { bandsIf } from "./store.js";
+import { KNOBS_OF_MACHINES } from "./tables.js";
 import { typedText } from "./typed.js";
 
 /** @typedef {HTMLInputElement | HTMLSelectElement} Setting
@@ -11,8 +12,6 @@ import { typedText } from "./typed.js";
  * @typedef {import("./state.js").Texts} Texts
  * @typedef {Record<string, string | number>} Attributes */
 
-const MACHINE_KNOBS = ["setting", "voltage", "filling", "natural"];
-const BANDED = ["static_friction", "kinetic_friction", "friction_ratio", "restitution"]; // what may have a band
 const NO_BANDS = Object.fromEntries(BANDED.map((name) => [`${name}_band`, ""]));
 const NO_AXES = { x: "", y: "", x_range: "", y_range: "" };
 
@@ -93,7 +92,7 @@ function fieldsetsOf(data, scene) {
     Object.entries(kinds).map(([name, { label }]) => /** @type {[string, string]} */ ([name, label]));
   const packs = Object.keys(scenes[scene].machine?.packs ?? {}).map((name) => /** @type {[string, string]} */ ([name, name]));
   const pack = packs.length ? [pairOf("pack", "Spring pack", selectOf("pack", [...packs, ["", "another one"]]))] : [];
-  const knobs = all.filter((name) => MACHINE_KNOBS.includes(name));
+  const knobs = all.filter((name) => KNOBS_OF_MACHINES.includes(name));
   const frictions = all.filter((name) => ["static_friction", "kinetic_friction"].includes(name));
   const moves = new Set(["frequency", ...Object.values(drives).flatMap((drive) => drive.quantities)]);
   const rest = all.filter((name) => ![...knobs, ...frictions, "friction_ratio"].includes(name));

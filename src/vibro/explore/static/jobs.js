@@ -84,7 +84,7 @@ export function jobOf(state, nx, ny) {
   return {
     values,
     given,
-    machine: machine && { ...machine.fields, kind: machine.kind },
+    machine: machine && machine.fields,
     x: { name: x.name, values: axisValues(x, nx) },
     y: { name: y.name, values: axisValues(y, ny) },
     bodies,

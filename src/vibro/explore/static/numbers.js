@@ -428,7 +428,7 @@ function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) 
   return [
     ...(isNear ? [filledText(doubts["near resonance"], { percent: generalText(100.0 * near, 3) })] : []),
     ...(number > 1 ? [filledText(doubts.several, { number })] : []),
-    ...(status === BOUNDARY && machine.kind !== "crank" ? [doubts.jumps] : []),
+    ...(status === BOUNDARY && machine.fields.kind !== "crank" ? [doubts.jumps] : []),
     ...(status === AVERAGED ? [doubts.irregular] : []),
     ...(second > warned ? [filledText(doubts.bent, { percent: generalText(100.0 * second, 2) })] : []),
     ...(strikes ? [doubts.strikes] : []),

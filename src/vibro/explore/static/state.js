@@ -28,7 +28,7 @@ export const data = JSON.parse(globalThis.document?.getElementById("data")?.text
  * @property {Control | null} control
  * @typedef {{label: string, quantities: string[], x: string, y: string}} DriveKind
  * @typedef {DriveKind & {kind: string, values: Values, motion: any, table: string[]}} GivenDrive
- * @typedef {DriveKind & {packs: Record<string, number>, fields: any, kind: string, share: [number, number] | null, own: Values, table: Texts}} GivenMachine
+ * @typedef {DriveKind & {packs: Record<string, number>, fields: any, own: Values, table: Texts}} GivenMachine
  * @typedef {object} Scene
  * @property {string} name
  * @property {Texts} state at the start
@@ -60,14 +60,10 @@ export const data = JSON.parse(globalThis.document?.getElementById("data")?.text
  * @property {boolean} follows whether kinetic friction keeps its ratio to static friction
  * @property {Record<string, [number, number]>} bands of what is not known exactly */
 
-/** Choices, which every scene has beside its quantities. @type {Texts} */
-const CHOICES = {
-  drive: "line", motion: "", view: "regime", x: "", y: "", x_range: "", y_range: "", follow: "1", target: "", cycles: "3",
-  static_friction_band: "", kinetic_friction_band: "", friction_ratio_band: "", restitution_band: "",
-};
 const BODY = ["frequency", "static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "restitution",
   "trough_length", "gravity"]; // quantities of all drives
 const FRICTIONS = ["static_friction", "kinetic_friction", "friction_ratio"];
+export const BANDED = [...FRICTIONS, "restitution"]; // what may have a band
 const CYCLES = Array.from({ length: 20 }, (_, n) => String(n + 1)); // of a history: more could not be distinguished
 const AROUND = 3; // factor between an operating point and the ends of an axis around it
 const CLOSE = 1e-12; // least share of its values that an axis spans
@@ -98,8 +94,9 @@ export function controlOf(data, scene, name) {
 export function initialTexts(data, scene) {
   const names = new Set(Object.values(drivesOf(data, scene)).flatMap((drive) => quantitiesOf(data, drive)));
   names.delete("friction_ratio"); // it follows from both frictions
-  const usual = [...names].map((name) => [data.quantities[name].column, data.quantities[name].start]);
-  return { ...CHOICES, ...Object.fromEntries(usual), ...data.scenes[scene].state };
+  const texts = { ...data.scenes[scene].state };
+  for (const name of names) texts[data.quantities[name].column] ??= data.quantities[name].start;
+  return texts;
 }
 
 /** Keys that a drive leaves idle: quantities of the others. @param {PageData} data @param {number} scene @param {string} drive */
@@ -244,7 +241,7 @@ class Reading {
   /** What is not known exactly: pairs of ends by name. @param {(string | undefined)[]} drawn @param {Values} values */
   bands(drawn, values) {
     const bands = /** @type {Record<string, [number, number]>} */ ({});
-    for (const name of [...FRICTIONS, "restitution"]) {
+    for (const name of BANDED) {
       const text = this.texts[`${name}_band`];
       const ends = text && this.take(`${name}_band`, () => this.band(name, text, drawn));
       if (ends) bands[name] = ends;
