@@ -1,6 +1,7 @@
 // What the modules of the page hand to each other, and what its classic script has for all of them.
 
 declare const exports: Record<string, any>; // the solver's doors
+declare const TURN: number;
 declare const engineOf: typeof import("../../src/vibro/explore/static/engine.js").engineOf;
 declare const driveOf: typeof import("../../src/vibro/explore/static/scenes.js").driveOf;
 declare const spelledFriction: typeof import("../../src/vibro/explore/static/scenes.js").spelledFriction;

@@ -22,13 +22,14 @@
  * @typedef {Record<string, Float64Array>} Rows
  */
 
+const TURN = 2.0 * Math.PI;
+
 /**
  * @param {Record<string, any>} doors of the solver
  * @param {Record<string, any>} known its constants and codes
  */
 function engineOf(doors, known) {
   const KINDS = { line: known.LINE, ellipse: known.ELLIPSE, harmonics: known.HARMONICS, pieces: known.PIECES };
-  const TURN = 2.0 * Math.PI;
   const MOST_LEGS = 2 ** 20;
   const MOST_ATTRACTORS = 256;
 
@@ -290,8 +291,8 @@ function engineOf(doors, known) {
   }
 
   return {
-    gridOf, solve, leastTurn, pattern, history, moments, path, arrival, slides, attractors, limits, spans, operate, weigh, scaleOf, known,
-    TURN,
+    gridOf, solve, leastTurn, pattern, history, moments, path, arrival, slides, attractors, limits, spans, operate,
+    weigh, scaleOf, known,
   };
 }
 

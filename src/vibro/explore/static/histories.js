@@ -14,7 +14,6 @@
  * @property {number} startPhase of the trough [rad]
  */
 
-export const TURN = 2.0 * Math.PI;
 const OFF_JUMP = 1e-9; // [rad] from a jump to the moment whose forces are those on one side of it
 const BESIDE = 1e-9; // of the number of steps, or of a drive cycle
 const LONGEST_RUN = 1000.0; // [drive cycles] from rest in which phases with flights must begin to repeat

@@ -16,7 +16,7 @@
  */
 import { html } from "./draw.js";
 import { briefText, filledText, shownText, uncertainText } from "./figures.js";
-import { TURN, phasesOf, steadyHistory } from "./histories.js";
+import { phasesOf, steadyHistory } from "./histories.js";
 import { loadOf, strokeOf } from "./paths.js";
 import { generalText } from "./typed.js";
 

@@ -5,7 +5,6 @@
  * @typedef {import("./engine.js").Drive} Drive
  * @typedef {[number, number]} Point along the trough and normal to it
  */
-import { TURN } from "./histories.js";
 
 const POINTS = 64; // of a path per harmonic
 const LEAST_POINTS = 512;

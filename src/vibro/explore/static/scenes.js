@@ -19,23 +19,29 @@
  */
 function changedField(change, first, second = 0.0) {
   if (typeof first === "number" && typeof second === "number") return change(first, second);
-  if (typeof second === "number") {
-    const { values, strides } = /** @type {any} */ (first);
-    return { values: Float64Array.from(values, (x) => change(x, second)), strides };
-  }
   if (typeof first === "number") return changedField((y, x) => change(x, y), second, first);
-  if (first.strides.every((step, axis) => step === second.strides[axis])) {
-    return { values: Float64Array.from(first.values, (x, n) => change(x, second.values[n])), strides: first.strides };
+  const { values, strides } = first;
+  if (typeof second === "number") return { values: Float64Array.from(values, (x) => change(x, second)), strides };
+  if (strides.every((step, axis) => step === second.strides[axis])) {
+    return { values: Float64Array.from(values, (x, n) => change(x, second.values[n])), strides };
   }
   // along different axes of a map
-  const [rows, columns] = first.strides[0] ? [first, second] : [second, first];
-  const [many, few] = [rows.values.length, columns.values.length];
-  const at = (/** @type {any} */ x, /** @type {number} */ i, /** @type {number} */ j) => x.values[i * x.strides[0] + j * x.strides[1]];
-  const values = Float64Array.from({ length: many * few }, (_, n) => {
-    const [i, j] = [Math.floor(n / few), n % few];
-    return change(at(first, i, j), at(second, i, j));
-  });
-  return { values, strides: [few, 1] };
+  const [rows, columns] = strides[0] ? [first, second] : [second, first];
+  const shape = [rows.values.length, columns.values.length];
+  const others = cellsOf(second, shape);
+  return { values: cellsOf(first, shape).map((x, n) => change(x, others[n])), strides: [shape[1], 1] };
+}
+
+/**
+ * One value for each cell of a grid.
+ * @param {any} field
+ * @param {number[]} shape
+ */
+function cellsOf(field, [rows, columns = 1]) {
+  if (typeof field === "number") return new Float64Array(rows * columns).fill(field);
+  const [down, across = 0] = field.strides;
+  return Float64Array.from({ length: rows * columns }, (_, n) =>
+    field.values[Math.floor(n / columns) * down + (n % columns) * across]);
 }
 
 /**
@@ -113,7 +119,6 @@ const over = (/** @type {Complex} */ a, /** @type {Complex} */ [c, d]) => {
 };
 const real = (/** @type {number} */ x) => /** @type {Complex} */ ([x, 0.0]);
 
-
 /**
  * Motion of the masses over the force, Eqs. (81) to (85), as vibro.machines.machine.transfer solves it.
  * @param {Record<string, any>} machine fields of vibro.Machine
@@ -123,7 +128,6 @@ const real = (/** @type {number} */ x) => /** @type {Complex} */ ([x, 0.0]);
  */
 function transferOf(machine, frequency, natural, added) {
   if (machine.kind === "crank") return { trough: real(1.0), relative: real(1.0), compliance: real(0.0) };
-  const TURN = 2.0 * Math.PI;
   const m1 = machine.trough_mass, r = 1.0 / machine.counter_mass;
   const mu = m1 / (1.0 + m1 * r);
   const w = TURN * frequency, ww = w * w, w0 = TURN * natural;
@@ -141,19 +145,6 @@ function transferOf(machine, frequency, natural, added) {
   const trough = isExciter ? times(kappa, real(-r / ww)) : real(free);
   const relative = isExciter ? times(mass, real(-r)) : plus(real(free), times(mass, real(r)));
   return { trough: over(trough, impedance), relative: over(relative, impedance), compliance: over(coupling, empty) };
-}
-
-/**
- * One value for each cell of a grid.
- * @param {any} field
- * @param {number[]} shape
- */
-function cellsOf(field, shape) {
-  const [rows, columns = 1] = shape;
-  if (typeof field === "number") return new Float64Array(rows * columns).fill(field);
-  const [down, across = 0] = field.strides;
-  return Float64Array.from({ length: rows * columns }, (_, n) =>
-    field.values[Math.floor(n / columns) * down + (n % columns) * across]);
 }
 
 /**
@@ -206,7 +197,7 @@ function operatingOf(data, engine, { values, machine }, shape = [1]) {
   // an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (89)
   const reach = of((n) => {
     const pressed = 2.0 * (Math.sin(path[n]) + fields.staticFriction[n] * Math.cos(path[n])) * Math.cos(fields.troughAngle[n]);
-    return mass[n] * Math.hypot(...still[n].compliance) * pressed * (fields.gravity[n] / (2.0 * Math.PI * f[n]) ** 2);
+    return mass[n] * Math.hypot(...still[n].compliance) * pressed * (fields.gravity[n] / (TURN * f[n]) ** 2);
   });
   const loose = share ? [] : full.filter((n) => !stiff[n]);
   if (loose.length) {
