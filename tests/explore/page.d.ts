@@ -7,6 +7,7 @@ declare const driveOf: typeof import("../../src/vibro/explore/static/scenes.js")
 declare const spelledFriction: typeof import("../../src/vibro/explore/static/scenes.js").spelledFriction;
 declare const solveRows: typeof import("../../src/vibro/explore/static/worker.js").solveRows;
 declare const solveCells: typeof import("../../src/vibro/explore/static/worker.js").solveCells;
+declare function withhold(cells: Record<string, Float64Array>, operating: Record<string, Float64Array>, known: any): void;
 declare const importScripts: unknown; // of workers alone
 declare const operatingOf: typeof import("../../src/vibro/explore/static/scenes.js").operatingOf;
 

@@ -20,7 +20,7 @@ import { phasesOf, steadyHistory } from "./histories.js";
 import { loadOf, strokeOf } from "./paths.js";
 import { generalText } from "./typed.js";
 
-/* global driveOf, operatingOf */
+/* global driveOf, operatingOf, withhold */
 
 // ------------------------------------------------------------------------------
 // One solved scene.
@@ -43,32 +43,13 @@ export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** 
   return { values, length, drive, machine, operated, isLost };
 }
 
-/**
- * Let a cycle be no surer than the operating point of its machine, as vibro.sweeps.machines.withheld does.
- * @param {Record<string, Float64Array>} cycle @param {{operated: any, isLost: boolean}} point @param {any} known
- */
-function withhold(cycle, { operated, isLost }, known) {
-  const { OK, BOUNDARY, AVERAGED, INFEASIBLE } = known.Status;
-  const [own, found] = [operated ? operated.status[0] : OK, cycle.status[0]];
-  const isAnswered = (/** @type {number} */ status) => known.answered.includes(status);
-  if (isLost && found !== INFEASIBLE) {
-    for (const row of Object.values(cycle)) row.fill(NaN);
-    cycle.regime[0] = known.Regime.UNDEFINED;
-    cycle.pattern_code[0] = 0;
-    cycle.status[0] = isAnswered(own) ? INFEASIBLE : own; // with an operating point, its masses strike
-  } else if (own === AVERAGED && isAnswered(found) && found !== AVERAGED) {
-    cycle.mean_velocity_error[0] = NaN;
-    cycle.status[0] = AVERAGED;
-  } else if (own === BOUNDARY && found === OK) cycle.status[0] = BOUNDARY;
-}
-
 /** The operating point, its steady cycle, and what most facts need of them. */
 function solvedScene(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ state) {
   const point = pointOf(data, engine, state);
   const { values, drive } = point;
   const grid = engine.gridOf(drive);
   const cycle = engine.solve(grid);
-  withhold(cycle, point, engine.known);
+  if (point.operated) withhold(cycle, point.operated, engine.known);
   const pattern = engine.pattern(grid, cycle);
   const isSmall = Math.abs(cycle.displacement_per_cycle[0]) <= LEAST_DIFFERENCE * engine.scaleOf(drive);
   const isStill = isSmall && pattern.includes("F") && pattern.includes("B");
