@@ -39,6 +39,18 @@ def _one_core() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _in_node(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Let node solve, if that is asked for."""
+    if not request.config.getoption("--in-node"):
+        yield
+        return
+    from helpers.node_doors import in_node
+
+    with in_node():
+        yield
+
+
 @pytest.fixture
 def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let vibro use two threads, whatever the machine has."""
@@ -99,10 +111,11 @@ _MARKED: Final = {
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Let the files of tests/messages be written anew."""
+    """Let the files of tests/messages be written anew, and tests run with the solver of pages."""
     parser.addoption(
         "--update-messages", action="store_true", help="write into tests/messages what is said now"
     )
+    parser.addoption("--in-node", action="store_true", help="take the solver's script for the compiled one")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
