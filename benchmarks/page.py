@@ -134,7 +134,7 @@ def main() -> None:
                 moved(page, *slider, 3)
                 times = moved(page, *slider, given.changes)
                 firsts, wholes = (sorted(x) for x in zip(*times, strict=True))
-                most = statistics.quantiles(wholes, n=10)[-1]
+                most = statistics.quantiles(wholes, n=10)[-1] if len(wholes) > 1 else wholes[0]
                 numbers = (statistics.median(firsts), statistics.median(wholes), most, wholes[-1])
                 print(f"{case:42} {' '.join(f'{x:7.0f}' for x in numbers)}")
             context.close()

@@ -57,8 +57,9 @@ def drawn(scenes: int) -> Iterator[Batch]:
     """Draw scenes."""
     draw = Draws("page")
     for kind, share, size, throw, e in SHARES:
-        for _ in range(max(1, round(share * scenes / size))):
-            yield kind(draw, size, throw, e)
+        wanted = math.ceil(share * scenes)
+        for begin in range(0, wanted, size):
+            yield kind(draw, min(size, wanted - begin), throw, e)
 
 
 def followed(histories: int) -> Iterator[Batch]:
