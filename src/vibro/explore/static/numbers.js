@@ -163,7 +163,7 @@ function machineFacts(/** @type {Solved} */ one) {
   const { values, machine, operated, texts } = one;
   const { says, facts, results, "warned harmonic": warned } = texts.machine;
   if (!machine) return [];
-  const empty = filledText(says["when empty"], { amplitude: shownText(MILLI * operated.empty[0]) });
+  const empty = filledText(says["when empty"], { amplitude: shownText(MILLI * operated.amplitude_empty[0]) });
   const natural = values.natural ?? machine.fields.natural_frequency;
   const pack = Object.keys(machine.packs).find((name) => machine.packs[name] === natural);
   const named = pack ? filledText(says.pack, { name: pack }) : "";
@@ -173,24 +173,19 @@ function machineFacts(/** @type {Solved} */ one) {
     ...machine.parts.map((/** @type {string | null} */ part) => part ?? springs),
     ...supply.map((name) => filledText(says.supplied, { name, percent: generalText(values[name], 6) })),
   ];
-  /** @type {Record<string, Float64Array>} */
-  const found = {
-    frequency_ratio: operated.frequencyRatio, added_mass_share: operated.addedMass,
-    added_damping_share: operated.addedDamping, relative_amplitude: operated.relative, second_harmonic: operated.second,
-  };
-  const known = Object.keys(results).filter((name) => !Number.isNaN(found[name][0]));
+  const known = Object.keys(results).filter((name) => !Number.isNaN(operated[name][0]));
   return [
     factOf(one, facts.amplitude, values.amplitude, values.filling ? empty : says.empty),
     factOf(one, facts.machine, parts.join(", ")),
-    ...known.map((name) => factOf(one, results[name].slice(0, 2), results[name][2] * found[name][0])),
-    ...(operated.second[0] > warned ? [factOf(one, texts.facts.bent, one.isLost ? NaN : MILLI * bentSpeed(one))] : []),
+    ...known.map((name) => factOf(one, results[name].slice(0, 2), results[name][2] * operated[name][0])),
+    ...(operated.second_harmonic[0] > warned ? [factOf(one, texts.facts.bent, one.isLost ? NaN : MILLI * bentSpeed(one))] : []),
   ];
 }
 
 /** Speed where the trough moves with the second harmonic of its filling too [m/s]. */
 function bentSpeed(/** @type {Solved} */ { engine, drive, operated }) {
   const [size, angle] = drive.path;
-  const [real, imaginary] = [operated.secondReal[0] || 0.0, operated.secondImaginary[0] || 0.0];
+  const [real, imaginary] = [operated.second_real[0] || 0.0, operated.second_imaginary[0] || 0.0];
   const [share, phase] = [Math.hypot(real, imaginary), Math.atan2(imaginary, real)];
   const [along, normal] = [size * Math.cos(angle), size * Math.sin(angle)];
   const harmonics = [[along, along * share], [0.0, phase], [normal, normal * share], [0.0, phase]];
@@ -403,9 +398,9 @@ function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) 
   if (!machine) return [];
   const { doubts, "warned harmonic": warned } = texts.machine;
   const { BOUNDARY, AVERAGED } = engine.known.Status;
-  const { status: [status], number: [number], second: [second], strikes: [strikes] } = operated;
+  const { status: [status], number: [number], second_harmonic: [second], strikes: [strikes] } = operated;
   const near = 2.0 * machine.fields.damping_ratio;
-  const isNear = near > 0.0 && [operated.frequencyRatio, operated.filledRatio].some(([ratio]) => Math.abs(ratio - 1.0) <= near);
+  const isNear = near > 0.0 && [operated.frequency_ratio, operated.filled_frequency_ratio].some(([ratio]) => Math.abs(ratio - 1.0) <= near);
   return [
     ...(isNear ? [filledText(doubts["near resonance"], { percent: generalText(100.0 * near, 3) })] : []),
     ...(number > 1 ? [filledText(doubts.several, { number })] : []),

@@ -153,7 +153,7 @@ function transferOf(machine, frequency, natural, added) {
  * @param {any} engine
  * @param {Given & {machine: Record<string, any>}} scene without an amplitude
  * @param {number[]} [shape] of the grid
- * @returns {Record<string, Float64Array>} in SI units; lost: cells without an operating point
+ * @returns {Record<string, Float64Array>} by the names of vibro.OperatingPoints, in SI units; no amplitude is NaN
  */
 function operatingOf(data, engine, { values, machine }, shape = [1]) {
   const { quantities } = data;
@@ -264,14 +264,21 @@ function operatingOf(data, engine, { values, machine }, shape = [1]) {
   const isUnknown = (/** @type {number} */ n) => unsure[n] || Number.isNaN(found.amplitude[n]);
   return {
     amplitude: of((n) => (isNone(n) ? NaN : found.amplitude[n])),
-    low: of((n) => (isNone(n) ? NaN : found.low[n])), high: of((n) => (isNone(n) ? NaN : found.high[n])),
+    amplitude_low: of((n) => (isNone(n) ? NaN : found.low[n])),
+    amplitude_high: of((n) => (isNone(n) ? NaN : found.high[n])),
+    amplitude_empty: of((n) => (bounded[n] || empty[n] < 1.0 ? empty[n] : Infinity)),
     number: of((n) => (strikes[n] ? 0 : found.number[n])),
-    empty: of((n) => (bounded[n] || empty[n] < 1.0 ? empty[n] : Infinity)),
-    status: found.status, addedMass: found.share, addedDamping: found.damping, relative, strikes,
+    status: found.status,
     phase: of((n) => (isUnknown(n) ? NaN : Math.atan2(filled[n].trough[1] + 0.0, filled[n].trough[0] + 0.0))),
-    frequencyRatio: of((n) => f[n] / natural[n]),
-    filledRatio: of((n) => (isUnknown(n) ? NaN : f[n] / (mass[n] > 0.0 ? filledNatural(n) : natural[n]))),
-    second: of((n) => Math.hypot(...phasors[n])), secondReal: of((n) => phasors[n][0]), secondImaginary: of((n) => phasors[n][1]),
+    frequency_ratio: of((n) => f[n] / natural[n]),
+    filled_frequency_ratio: of((n) => (isUnknown(n) ? NaN : f[n] / (mass[n] > 0.0 ? filledNatural(n) : natural[n]))),
+    added_mass_share: found.share,
+    added_damping_share: found.damping,
+    relative_amplitude: relative,
+    strikes,
+    second_harmonic: of((n) => Math.hypot(...phasors[n])),
+    second_real: of((n) => phasors[n][0]),
+    second_imaginary: of((n) => phasors[n][1]),
   };
 }
 

@@ -20,10 +20,10 @@
  */
 
 const CELL_CODES = ["regime", "status", "coexists", "model_code"]; // results that are small whole numbers
-const OF_MACHINES = { // results of operating points, and what operatingOf calls them
-  frequency_ratio: "frequencyRatio", amplitude_empty: "empty", added_mass_share: "addedMass",
-  added_damping_share: "addedDamping", relative_amplitude: "relative", second_harmonic: "second",
-};
+const OF_MACHINES = [ // results of operating points
+  "amplitude", "frequency_ratio", "amplitude_empty", "added_mass_share", "added_damping_share", "relative_amplitude",
+  "second_harmonic",
+];
 const LOG_RATIOS = ["hop", "forward_onset", "back_slip", "continuous_sliding"];
 
 /**
@@ -46,10 +46,7 @@ function solveRows(data, engine, job, begin, end) {
   const { drive, cells, operating } = solved({});
   const rows = /** @type {CellRows} */ ({});
   for (const [name, x] of Object.entries(cells)) rows[name] = CELL_CODES.includes(name) ? Int8Array.from(x) : x;
-  if (operating) {
-    rows.amplitude = operating.amplitude;
-    for (const [name, own] of Object.entries(OF_MACHINES)) rows[name] = operating[own];
-  }
+  if (operating) for (const name of OF_MACHINES) rows[name] = operating[name];
   Object.assign(rows, logRatiosOf(engine, drive, shape, "ratio"));
   for (const [edge, own] of Object.entries(job.edges)) {
     const values = { ...job.values, ...axes, ...own, ...(operating && { amplitude: 1.0 }) };
