@@ -26,6 +26,16 @@ export function html(tag, attributes = {}, ...children) {
   return set(document.createElement(tag), attributes, ...children);
 }
 
+/** A table, of whose rows the first texts are names. @param {string} caption @param {string[]} heads perhaps none
+ * @param {string[][]} rows @param {Record<string, string>} [attributes] */
+export function tableOf(caption, heads, rows, attributes) {
+  const head = heads.map((text) => html("th", { scope: "col" }, text));
+  const lines = rows.map(([name, ...cells]) =>
+    html("tr", {}, html("th", { scope: "row" }, name), ...cells.map((text) => html("td", {}, text))));
+  return html("table", attributes, html("caption", {}, caption),
+    ...(head.length ? [html("thead", {}, html("tr", {}, ...head))] : []), html("tbody", {}, ...lines));
+}
+
 /** @template {Element} T @param {string} id @param {new () => T} type */
 function byId(id, type) {
   const element = document.getElementById(id);

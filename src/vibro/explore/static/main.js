@@ -1,6 +1,6 @@
 /** Order of updates: a change goes to the state, that to the map, the numbers, the motion and the address. */
 
-import { html, place, set, valueText } from "./draw.js";
+import { html, place, set, tableOf, valueText } from "./draw.js";
 import { commandOf, offerFiles, tomlOf } from "./files.js";
 import { createForm } from "./form.js";
 import { MapView } from "./map.js";
@@ -104,11 +104,9 @@ function start() {
     tabs.forEach((tab, scene) => set(tab, { "aria-current": String(scene === store.scene) }));
     const rows = data.scenes.map((_, scene) => {
       const { regime, speedText } = answerFor(scene) ?? { regime: "unknown", speedText: "unknown" };
-      return html("tr", {}, html("th", { scope: "row" }, nameOf(scene)), html("td", {}, regime), html("td", {}, speedText));
+      return [nameOf(scene), regime, speedText];
     });
-    const heads = ["scene", "regime", "mean speed"].map((text) => html("th", { scope: "col" }, text));
-    place("compare").replaceChildren(html("table", {}, html("caption", {}, "Scenes compared"),
-      html("thead", {}, html("tr", {}, ...heads)), html("tbody", {}, ...rows)));
+    place("compare").replaceChildren(tableOf("Scenes compared", ["scene", "regime", "mean speed"], rows));
   }
 
   const nameOf = (/** @type {number} */ scene) => data.scenes[scene].name || `scene ${scene + 1}`;

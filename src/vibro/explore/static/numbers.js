@@ -14,7 +14,7 @@
  * @property {AnswerTable[]} tables
  * @property {string[]} notes
  */
-import { html } from "./draw.js";
+import { html, tableOf } from "./draw.js";
 import { briefText, filledText, shownText, uncertainText } from "./figures.js";
 import { phasesOf, steadyHistory } from "./histories.js";
 import { loadOf, strokeOf } from "./paths.js";
@@ -109,7 +109,7 @@ function factOf(/** @type {Solved} */ { says }, /** @type {[string, string]} */ 
 }
 
 /** Rows as texts below their heads, without columns that are empty; no table without rows. @returns {AnswerTable[]} */
-function tableOf(/** @type {string} */ title, /** @type {[string, string][]} */ heads,
+function filledTable(/** @type {string} */ title, /** @type {[string, string][]} */ heads,
   /** @type {(number | string | null)[][]} */ rows) {
   const cells = rows.map((row) => row.map((cell) => shownText(cell)));
   const isFilled = (/** @type {unknown} */ _, /** @type {number} */ i) => cells.some((row) => row[i]);
@@ -271,7 +271,7 @@ function beginningsTable(/** @type {Solved} */ one) {
   if (countsFrequency) columns.push({ head: heads.frequency, of: ({ low }) => values.frequency * Math.sqrt(low) });
   if (!["line", "ellipse"].includes(drive.kind)) columns.push({ head: heads.end, of: ({ high }) => high });
   const rows = found.map((motion) => columns.map(({ of }) => of(motion)));
-  return tableOf(titles.beginnings, columns.map(({ head }) => head), rows);
+  return filledTable(titles.beginnings, columns.map(({ head }) => head), rows);
 }
 
 // ------------------------------------------------------------------------------
@@ -336,7 +336,7 @@ function sensitivitiesTable(/** @type {Solved} */ one) {
         : statuses.find(codeIs(status)).name.toLowerCase().replaceAll("_", "-"),
     ];
   });
-  return tableOf(titles.sensitivities, ["input", "speed", "change", "then"].map((name) => heads[name]), rows);
+  return filledTable(titles.sensitivities, ["input", "speed", "change", "then"].map((name) => heads[name]), rows);
 }
 
 // ------------------------------------------------------------------------------
@@ -367,7 +367,7 @@ function phasesTable(/** @type {Solved} */ one) {
   }
   const rows = listed.slice(0, most).map(({ kind, start, end, moved }) =>
     [names[kind], MILLI * (start + lag), MILLI * (end + lag), MILLI * moved]);
-  return tableOf(titles.phases, ["phase", "from", "until", "displacement"].map((name) => heads[name]), rows);
+  return filledTable(titles.phases, ["phase", "from", "until", "displacement"].map((name) => heads[name]), rows);
 }
 
 // ------------------------------------------------------------------------------
@@ -413,15 +413,8 @@ function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) 
 
 /** Show an answer: its warnings, facts, tables and notes. @param {Answer} answer @param {Element} place */
 export function showAnswer({ warnings, facts, tables, notes }, place) {
-  const lines = (/** @type {string[][]} */ rows) => rows.map(([name, ...cells]) =>
-    html("tr", {}, html("th", { scope: "row" }, name), ...cells.map((text) => html("td", {}, text))));
-  const list = html("table", { class: "facts" },
-    html("caption", {}, "What the body does"),
-    html("tbody", {}, ...lines(facts.map(({ label, text }) => [label, text]))));
-  const numeric = tables.map(({ title, columns, rows }) => html("table", { class: "numeric" },
-    html("caption", {}, title),
-    html("thead", {}, html("tr", {}, ...columns.map((text) => html("th", { scope: "col" }, text)))),
-    html("tbody", {}, ...lines(rows))));
+  const list = tableOf("What the body does", [], facts.map(({ label, text }) => [label, text]), { class: "facts" });
+  const numeric = tables.map(({ title, columns, rows }) => tableOf(title, columns, rows, { class: "numeric" }));
   const warned = warnings.map((text) => html("p", { class: "warning" }, `Warning: ${text}.`));
   place.replaceChildren(...warned, list, ...numeric, ...notes.map((note) => html("p", {}, note)));
 }
