@@ -8,6 +8,7 @@ import numpy as np
 
 from vibro import Motion
 from vibro.drives import HarmonicMotion, PiecewiseMotion
+from vibro.explore.scenes import harmonic_values
 from vibro.files.motions import GivenMotion
 from vibro.quantities import LINEAR, QUANTITIES
 from vibro.sweeps.grid import Grid
@@ -46,21 +47,11 @@ def state_of(grid: Grid, cycles: int = 3, machine: dict[str, Any] | None = None)
             pieces = {"breaks": motion.breaks.tolist(), "pieces": motion.pieces.ravel().tolist()}
             given |= {"kind": "pieces", "motion": {**pieces, "unit": motion.unit}}
         elif isinstance(motion, HarmonicMotion):
-            given["values"] = _harmonics(motion)
+            given["values"] = harmonic_values(motion)
         values |= given["values"]
     drive = "machine" if machine else "given" if given else "line"
     state = {"scene": 0, "drive": drive, "values": values, "cycles": cycles}
     return {**state, "given": given, "machine": machine}
-
-
-def _harmonics(motion: HarmonicMotion) -> dict[str, float]:
-    return {
-        name: float(QUANTITIES[name].from_si(value))
-        for way, pairs in (("along", motion.along), ("normal", motion.normal))
-        for n, pair in enumerate(pairs, 1)
-        for of, value in zip((f"{way}_amplitude", f"{way}_phase"), pair, strict=True)
-        for name in [of if n == 1 else f"{of}_{n}"]
-    }
 
 
 def cells() -> dict[str, Grid]:

@@ -131,7 +131,7 @@ def request_of_scene(scene: Scene) -> Request:
         if name in QUANTITIES and value is not None
     }
     if isinstance(motion, HarmonicMotion):
-        values |= _harmonics(motion)
+        values |= harmonic_values(motion)
     specs = {name: axis_of(values[name], QUANTITIES[name]) for name in QUANTITIES if name in values}
     given = GivenMotion(_table_of(motion), motion) if isinstance(motion, PiecewiseMotion) else None
     return Request(None, specs, {}, given)
@@ -172,11 +172,11 @@ def _start_of(request: Request) -> _Start:
     own_drive = given_drive(names, varying=request.varying)
     fixed = {name: point.pop(name) for name in names if name not in own_drive.quantities}
     if request.motion and isinstance(request.motion.motion, HarmonicMotion):
-        fixed |= _harmonics(request.motion.motion)
+        fixed |= harmonic_values(request.motion.motion)
     return _Start(point, GIVEN, own_drive, fixed)
 
 
-def _harmonics(motion: HarmonicMotion) -> dict[str, float]:
+def harmonic_values(motion: HarmonicMotion) -> dict[str, float]:
     """Return the quantities of harmonics that samples were fitted by, in the units outside."""
     return {
         name: float(QUANTITIES[name].from_si(value))
