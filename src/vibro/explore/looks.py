@@ -104,8 +104,8 @@ def looks() -> dict[str, Any]:
     dict
         ``palettes``: ``plain``, the colours of regimes by code and those after them, and those of each scale,
         red, green and blue a byte each, in base64; ``scale``, the first place of a scale's colours and how
-        many there are; ``faces`` by name; ``marks``, ``stripes`` and ``legend``, each mark's ``text`` and
-        ``faces``; ``curves`` and ``panels`` by name, with lengths in px; ``phases``.
+        many there are; ``faces``, the place of cells without an answer; ``marks``, ``stripes``, ``legend``,
+        each mark's ``text`` and ``faces``; ``curves`` and ``panels`` by name, with lengths in px; ``phases``.
     """
     plain = np.array([[int(c[n : n + 2], 16) for n in (1, 3, 5)] for c in _PLAIN], np.uint8)
     curves = {**CURVES, "zero_speed": ZERO_SPEED, "wanted": WANTED}

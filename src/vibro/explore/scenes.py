@@ -258,11 +258,11 @@ def _driven(start: _Start, given: GivenMachine) -> dict[str, Any]:
 
 def _fingerprint(fixed: Mapping[str, float], motion: GivenMotion | None, machine: GivenMachine | None) -> str:
     """Return a short text that differs where another drive is given."""
-    told = repr((fixed, motion and motion.table))
+    text = repr((fixed, motion and motion.table))
     if machine is not None:  # but for its knobs
         knobs = {QUANTITIES[name].column for name in MACHINE if name != "natural"}
-        told += repr({key: value for key, value in machine.table.items() if key not in knobs})
-    return hashlib.sha256(told.encode(errors="backslashreplace")).hexdigest()[:_FINGERPRINT]
+        text += repr({key: value for key, value in machine.table.items() if key not in knobs})
+    return hashlib.sha256(text.encode(errors="backslashreplace")).hexdigest()[:_FINGERPRINT]
 
 
 def _toml(value: object) -> str:

@@ -104,7 +104,7 @@ function engineOf(doors, known) {
   }
 
   /**
-   * By how many places a list is turned to be the least of all its turns.
+   * Rotation of a cyclic list, in places, that comes first in the order of its numbers.
    * @param {number[]} list
    */
   function leastTurn(list) {
@@ -280,7 +280,7 @@ function engineOf(doors, known) {
   }
 
   /**
-   * Weigh what lies in a trough whose cycles are solved: shares of its mass, as vibro.filling tells.
+   * Weigh what lies in a trough whose cycles are solved: shares of its mass, as vibro.filling has them.
    * @param {ReturnType<typeof gridOf>} grid
    * @param {Rows} cycle
    */

@@ -229,9 +229,9 @@ export function createForm(data, store, change) {
   /** A problem as a button that leads to its box. @param {Problem} problem */
   function leading({ field, text }) {
     const box = boxes.find(({ name }) => name === field);
-    const said = `not updated: ${text}`;
-    if (!box || box.closest("[hidden]")) return said;
-    const button = html("button", { type: "button" }, said);
+    const label = `not updated: ${text}`;
+    if (!box || box.closest("[hidden]")) return label;
+    const button = html("button", { type: "button" }, label);
     button.addEventListener("click", () => box.focus());
     return button;
   }

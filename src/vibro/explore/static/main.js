@@ -93,7 +93,7 @@ function start() {
     say(commandOf(data, state), "command");
     say(tomlOf(data, state), "toml");
     say(apartText(state), "apart");
-    say(questionText(state), "print-question"); // on paper alone, where no slider tells it
+    say(questionText(state), "print-question"); // on paper alone, where there are no sliders
   }
 
   /** Tabs of several scenes, and a table that compares them. */
@@ -129,8 +129,8 @@ function start() {
   /** Take over the state of the address. */
   function follow() {
     const wrong = store.read(location.hash);
-    const said = wrong.map(({ text }) => text).join("; ");
-    badLink = wrong.length ? `This link could not be read: ${said}. The initial state is shown.` : "";
+    const reasons = wrong.map(({ text }) => text).join("; ");
+    badLink = wrong.length ? `This link could not be read: ${reasons}. The initial state is shown.` : "";
     form.build();
     update();
   }

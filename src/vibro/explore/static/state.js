@@ -167,8 +167,8 @@ class Reading {
     const { scene, data: { scenes }, texts: { drive, motion } } = this;
     const own = ["given", "machine"].includes(drive) ? scenes[scene].state.motion : "";
     const what = drive === "machine" ? "machine" : "motion";
-    const said = `the link is of another ${what} than that of the scene`;
-    if (own && motion && motion !== own) this.wrong("drive", said, "open it in the page that it was made with");
+    const why = `the link is of another ${what} than that of the scene`;
+    if (own && motion && motion !== own) this.wrong("drive", why, "open it in the page that it was made with");
     return own;
   }
 
@@ -184,13 +184,13 @@ class Reading {
     }
     const { static_friction: most, kinetic_friction: kinetic } = values;
     if (kinetic > most) {
-      const said = `${withUnit(quantities.kinetic_friction, kinetic)}: must be at most ${withUnit(quantities.static_friction, most)}`;
-      this.wrong("kinetic_friction", said, "friction at rest is the larger one: give both, or exchange them");
+      const why = `${withUnit(quantities.kinetic_friction, kinetic)}: must be at most ${withUnit(quantities.static_friction, most)}`;
+      this.wrong("kinetic_friction", why, "friction at rest is the larger one: give both, or exchange them");
     }
     const lifting = names.find((name) => name.startsWith("normal_amplitude") && values[name] > 0);
     if (lifting && "normal_acceleration" in values) {
-      const said = `${withUnit(quantities[lifting], values[lifting])} beside ${quantities.normal_acceleration.label}`;
-      this.wrong(quantities[lifting].column, `${said}: the trough of a clamped part moves along itself alone`, "write 0");
+      const why = `${withUnit(quantities[lifting], values[lifting])} beside ${quantities.normal_acceleration.label}`;
+      this.wrong(quantities[lifting].column, `${why}: the trough of a clamped part moves along itself alone`, "write 0");
     }
     return { ...values, friction_ratio: most ? kinetic / most : 1 };
   }
@@ -251,8 +251,8 @@ class Reading {
     const isFree = !ratio && (kinetic || (bands.static_friction && this.texts.follow === "0"));
     const least = kinetic ? kinetic[0] : values.kinetic_friction;
     if (isFree && least > most) {
-      const said = `kinetic friction = ${typedText(least)} and more: must reach down to static friction = ${typedText(most)}`;
-      this.wrong(kinetic ? "kinetic_friction_band" : "static_friction_band", said);
+      const why = `kinetic friction = ${typedText(least)} and more: must reach down to static friction = ${typedText(most)}`;
+      this.wrong(kinetic ? "kinetic_friction_band" : "static_friction_band", why);
     }
     return bands;
   }

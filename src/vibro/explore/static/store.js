@@ -17,8 +17,8 @@ export function addressOf(data, scene, texts) {
   const initial = initialTexts(data, scene);
   const idle = idleKeys(data, scene, texts.drive);
   const kept = Object.entries(texts).filter(([key, text]) => (text || initial[key]) && !idle.includes(key));
-  const told = scene ? [["scene", String(scene + 1)], ...kept] : kept;
-  return `#${new URLSearchParams(told).toString().replaceAll("%3A", ":")}`;
+  const entries = scene ? [["scene", String(scene + 1)], ...kept] : kept;
+  return `#${new URLSearchParams(entries).toString().replaceAll("%3A", ":")}`;
 }
 
 /** The scene and the state of an address. @param {PageData} data @param {string} fragment */
