@@ -117,14 +117,26 @@ function engineOf(doors, known) {
   }
 
   /**
+   * Spell the pattern of a code; null if it has more letters than the digits of a double can hold.
+   * @param {number} code
+   */
+  function spelt(code) {
+    if (code === known.IRREGULAR) return "H...";
+    if (code >= 0 && code < known.SPELT_PATTERNS) return known.PATTERNS[code];
+    let digits = code - known.SPELT_PATTERNS, letters = "";
+    if (digits < 0 || digits > Number.MAX_SAFE_INTEGER) return null;
+    for (; digits > 0; digits = Math.floor(digits / 5)) letters = known.LETTERS[digits % 5] + letters;
+    return letters;
+  }
+
+  /**
    * Spell the pattern of one scene's cycle; empty if it has none.
    * @param {ReturnType<typeof gridOf>} grid
    * @param {Rows} cycle
    */
   function pattern(grid, cycle) {
-    const code = cycle.pattern_code[0];
-    if (code === known.IRREGULAR) return "H...";
-    if (code >= 0 && code < known.PATTERNS.length) return known.PATTERNS[code];
+    const text = spelt(cycle.pattern_code[0]);
+    if (text !== null) return text;
     let number = 64, legs = new Float64Array(0);
     while (number > legs.length) {
       legs = new Float64Array(number);
@@ -291,8 +303,8 @@ function engineOf(doors, known) {
   }
 
   return {
-    gridOf, solve, leastTurn, pattern, history, moments, path, arrival, slides, attractors, limits, spans, operate,
-    weigh, scaleOf, known,
+    gridOf, solve, leastTurn, spelt, pattern, history, moments, path, arrival, slides, attractors, limits, spans,
+    operate, weigh, scaleOf, known,
   };
 }
 

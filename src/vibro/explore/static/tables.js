@@ -3,7 +3,6 @@
 export const KNOBS_OF_MACHINES = ["setting", "voltage", "filling", "natural"];
 const WITHOUT_COLUMN = ["gravity", "trough_length"]; // among the inputs
 const WHERE_SWEPT = [...KNOBS_OF_MACHINES, "friction_ratio", "normal_acceleration", "restitution"]; // have one
-const EXACT = 2 ** 53; // codes of patterns from here on are not
 
 /** @typedef {import("./jobs.js").MapCells} MapCells @typedef {import("./state.js").Shown} Shown
  * @typedef {(n: number) => number | string} CellOf what a cell has in a column, by its place
@@ -12,18 +11,11 @@ const EXACT = 2 ** 53; // codes of patterns from here on are not
 
 /** Legs of a cell's cycle as text. @param {Tabled} tabled @param {number} n */
 function patternText({ data, engine, cells: { rows, nx, job } }, n) {
-  const { PATTERNS, SPELT_PATTERNS, LETTERS, IRREGULAR } = data.known;
-  const code = rows.pattern_code[n];
-  if (code === IRREGULAR) return "H...";
-  if (code >= 0 && code < SPELT_PATTERNS) return PATTERNS[code];
-  let digits = code - SPELT_PATTERNS, letters = "";
-  if (digits < 0 || digits >= EXACT) {
-    const own = { [job.y.name]: job.y.values[Math.floor(n / nx)], [job.x.name]: job.x.values[n % nx] };
-    const one = solveCells(data, engine, job, { ...job.values, ...own }, [1]);
-    return engine.pattern(one.grid, one.cells);
-  }
-  for (; digits > 0; digits = Math.floor(digits / 5)) letters = LETTERS[digits % 5] + letters;
-  return letters;
+  const text = engine.spelt(rows.pattern_code[n]);
+  if (text !== null) return text;
+  const own = { [job.y.name]: job.y.values[Math.floor(n / nx)], [job.x.name]: job.x.values[n % nx] };
+  const one = solveCells(data, engine, job, { ...job.values, ...own }, [1]);
+  return engine.pattern(one.grid, one.cells);
 }
 
 /** A quantity of a cell's scene, in the unit outside. @param {MapCells} cells @param {string} name @param {number} n
