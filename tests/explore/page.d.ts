@@ -4,6 +4,8 @@ declare const exports: Record<string, any>; // the solver's doors
 declare const TURN: number;
 declare const engineOf: typeof import("../../src/vibro/explore/static/engine.js").engineOf;
 declare const driveOf: typeof import("../../src/vibro/explore/static/scenes.js").driveOf;
+declare const cellsOf: typeof import("../../src/vibro/explore/static/scenes.js").cellsOf;
+declare const reachOf: typeof import("../../src/vibro/explore/static/scenes.js").reachOf;
 declare const spelledFriction: typeof import("../../src/vibro/explore/static/scenes.js").spelledFriction;
 declare const solveRows: typeof import("../../src/vibro/explore/static/worker.js").solveRows;
 declare const solveCells: typeof import("../../src/vibro/explore/static/worker.js").solveCells;

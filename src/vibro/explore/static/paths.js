@@ -49,12 +49,6 @@ function widestPair(first, second) {
   return found;
 }
 
-/** Larger axis of an ellipse, halved: it is the sum of two opposite rotations. @param {number[]} path */
-function reachOf([along, normal, phase]) {
-  const [sine, cosine] = [normal * Math.sin(phase), normal * Math.cos(phase)];
-  return 0.5 * (Math.hypot(along + sine, cosine) + Math.hypot(along - sine, cosine));
-}
-
 /** From one end of the trough's path to the other, the farther way [m]. @param {Drive} drive of plain numbers */
 export function strokeOf(/** @type {any} */ engine, drive) {
   const own = /** @type {number[]} */ (drive.path);

@@ -105,6 +105,15 @@ function driveOf({ quantities }, { values, given }) {
   return { kind: "ellipse", path: [scaled("along_amplitude"), scaled("normal_amplitude"), si("normal_phase")], ...body };
 }
 
+/**
+ * Larger semi-axis of an ellipse: it is two opposite rotations, the sum of whose radii this is.
+ * @param {number[]} path amplitudes along and normal, and a phase
+ */
+function reachOf([along, normal, phase]) {
+  const sine = normal * Math.sin(phase), cosine = normal * Math.cos(phase);
+  return 0.5 * (Math.hypot(along + sine, cosine) + Math.hypot(along - sine, cosine));
+}
+
 // ------------------------------------------------------------------------------
 // Machines: what they do empty, Eqs. (80) to (85), and where they settle with their filling.
 
@@ -282,4 +291,4 @@ function operatingOf(data, engine, { values, machine }, shape = [1]) {
   };
 }
 
-if (typeof module !== "undefined") module.exports = { driveOf, operatingOf, toSi, changedField, spelledFriction };
+if (typeof module !== "undefined") module.exports = { cellsOf, driveOf, operatingOf, reachOf, toSi, changedField, spelledFriction };

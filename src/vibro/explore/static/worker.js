@@ -103,8 +103,6 @@ function withhold(cells, operating, known) {
  */
 function logRatiosOf(engine, drive, [many, few], prefix) {
   if (drive.kind !== "line" && drive.kind !== "ellipse") return {};
-  const at = (/** @type {any} */ x) => (typeof x === "number" ? () => x
-    : (/** @type {number} */ i, /** @type {number} */ j) => x.values[i * x.strides[0] + j * x.strides[1]]);
   // Critical loads depend on proportions, angles and frictions alone: they are found once where axes change none.
   const isLine = drive.kind === "line";
   const path = isLine ? [1.0, drive.path[1]] : drive.path;
@@ -114,17 +112,13 @@ function logRatiosOf(engine, drive, [many, few], prefix) {
   const limits = engine.limits(engine.gridOf(bare, [rows, columns]));
   const critical = LOG_RATIOS.map((name) => limits[name].map(Math.log));
   const found = LOG_RATIOS.map(() => new Float64Array(many * few));
-  const [first, second, third] = [...drive.path, 0.0].map(at);
-  const [frequency, gravity] = [at(drive.frequency), at(drive.gravity)];
-  for (let i = 0, n = 0; i < many; i++) for (let j = 0; j < few; j++, n++) {
-    let reach = first(i, j);
-    if (!isLine) { // an ellipse is two opposite rotations: its larger semi-axis is the sum of their radii
-      const sine = second(i, j) * Math.sin(third(i, j)), cosine = second(i, j) * Math.cos(third(i, j));
-      reach = 0.5 * (Math.hypot(reach + sine, cosine) + Math.hypot(reach - sine, cosine));
-    }
-    const turn = 2.0 * Math.PI * frequency(i, j);
-    const load = Math.log((reach * turn * turn) / gravity(i, j));
-    const k = (rows > 1 ? i : 0) * columns + (columns > 1 ? j : 0);
+  const all = [...drive.path, drive.frequency, drive.gravity].map((x) => cellsOf(x, [many, few]));
+  const [first, second, third] = all, [frequency, gravity] = all.slice(-2);
+  for (let n = 0; n < many * few; n++) {
+    const reach = isLine ? first[n] : reachOf([first[n], second[n], third[n]]);
+    const turn = TURN * frequency[n];
+    const load = Math.log((reach * turn * turn) / gravity[n]);
+    const k = (rows > 1 ? Math.floor(n / few) : 0) * columns + (columns > 1 ? n % few : 0);
     for (let m = 0; m < found.length; m++) found[m][n] = load - critical[m][k];
   }
   return Object.fromEntries(LOG_RATIOS.map((name, m) => [`${prefix}_${name}`, found[m]]));
