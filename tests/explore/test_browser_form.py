@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qs
 
 import pytest
+from helpers.explored_scenes import FEEDER, GIVEN_DRIVES
 
 from vibro.explore.controls import BANDS, CONTROLS, DRIVES, PRESETS, VIEWS
 from vibro.explore.page import page_text
@@ -16,28 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from playwright.sync_api import Browser, Frame, Page
-
-PULL = """[scene]
-static_friction = 0.4
-kinetic_friction = 0.3
-frequency_hz = 8
-along_amplitudes_mm = [1, 0.3, 0.1]
-along_phases_deg = [15, -90, 20]
-"""
-FEEDER = """[scene]
-frequency_hz = 50
-drive_angle_deg = 20
-static_friction = 0.35
-kinetic_friction = 0.28
-[machine]
-kind = "magnet"
-trough_mass_kg = 6
-counter_mass_kg = 12
-natural_hz = 55.6
-damping_ratio = 0.015
-calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }
-pack = [{ name = "6 leaves", natural_hz = 55.6 }, { name = "4 & a half", natural_hz = 47.6 }]
-"""
 
 
 def put(page: Page | Frame, box: str, text: str) -> None:
@@ -185,7 +164,7 @@ def test_handles_of_a_band_do_not_pass_each_other(nut: Page) -> None:
 
 
 def test_each_tab_has_a_state_of_its_own(open_page: Callable[..., Page]) -> None:
-    page = open_page("", PULL, FEEDER)
+    page = open_page("", GIVEN_DRIVES["third harmonic"], FEEDER)
     assert page.locator("#tabs button").all_inner_texts() == ["scene1", "scene2"]
     rows = page.locator("#compare tbody tr")
     assert rows.count() == 2
