@@ -4,6 +4,7 @@ import { closed, fillUnknown, visibleLines, zeroLines } from "./contours.js";
 import { numberText, valueText } from "./draw.js";
 import { OF_FLIGHT, shareOf } from "./jobs.js";
 import { roundNumbers, speedScale, timeScale } from "./scales.js";
+import { quantityAt } from "./tables.js";
 
 /** @typedef {import("./jobs.js").MapCells} MapCells @typedef {import("./state.js").Shown} Shown
  * @typedef {import("./state.js").Axis} Axis
@@ -123,7 +124,8 @@ function regimesOf({ known }, { rows, nx, solved, isPreviewed }) {
 }
 
 /** @param {any} data @param {Shown} state @param {MapCells} cells @param {boolean} isSampled */
-function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
+function fieldsOf({ known }, state, cells, isSampled) {
+  const { rows, nx, ny, job } = cells;
   const { regime, status, mean_velocity_error: error, period_cycles: period } = rows;
   const mean = /** @type {Float64Array} */ (rows.mean_velocity);
   const { NO_SLIP, BACK_SLIP, HOPPING } = known.Regime;
@@ -157,13 +159,8 @@ function fieldsOf({ known }, state, { rows, nx, ny, job }, isSampled) {
     const patches = closed(rough, nx, ROUGH_ACROSS, ROUGH_AROUND);
     return masked((n) => patches[n] > 0);
   };
-  /** A quantity of a cell. @param {string} name @param {number} n */
-  const valueOf = (name, n) => Number(name === job.x.name ? job.x.values[n % nx]
-    : name === job.y.name ? job.y.values[Math.floor(n / nx)] : job.values[name] ?? NaN);
-  const excess = (/** @type {number} */ n) => {
-    const most = valueOf("static_friction", n), own = valueOf("kinetic_friction", n);
-    return (Number.isNaN(own) ? valueOf("friction_ratio", n) * most : own) - most;
-  };
+  const excess = (/** @type {number} */ n) =>
+    quantityAt(cells, "kinetic_friction", n) - quantityAt(cells, "static_friction", n);
   /** Positive where cells have a status without an answer: up to the exact boundary where that has a formula. */
   const unanswered = (/** @type {number} */ code) => (code !== known.Status.INFEASIBLE ? masked((n) => status[n] === code)
     : Float64Array.from(status, (own, n) => (own === code && !(excess(n) > 0.0) ? 0.5 : excess(n))));

@@ -1,7 +1,7 @@
 /** What can be taken along: pictures of the map, its cells, a scene file, a command line. */
 
 import { INK, fontFamily, place, set, svg } from "./draw.js";
-import { MAP_HEIGHT, MAP_WIDTH, jobOf } from "./jobs.js";
+import { MAP_HEIGHT, MAP_WIDTH, OF_FLIGHT, jobOf } from "./jobs.js";
 import { KNOBS_OF_MACHINES, csvOf } from "./tables.js";
 import { typedText } from "./typed.js";
 
@@ -46,7 +46,7 @@ export function commandOf(data, state) {
   const name = data.scenes[state.scene].name || "map";
   return [
     "vibro", "map", ...(isGiven ? [SAVED] : options), "--x", state.x.name, "--y", state.y.name,
-    ...(["impact", "flight"].includes(state.view) ? ["--show", state.view] : []),
+    ...(OF_FLIGHT.includes(state.view) ? ["--show", state.view] : []),
     ...(state.target === null ? [] : ["--speed", typedText(state.target)]), "-o", `out/${name}`,
   ].map(shellWord).join(" ");
 }

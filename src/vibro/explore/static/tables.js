@@ -20,7 +20,7 @@ function patternText({ data, engine, cells: { rows, nx, job } }, n) {
 
 /** A quantity of a cell's scene, in the unit outside. @param {MapCells} cells @param {string} name @param {number} n
  * @returns {number} */
-function quantityAt(cells, name, n) {
+export function quantityAt(cells, name, n) {
   const { rows, nx, job } = cells;
   if (name === job.x.name) return job.x.values[n % nx];
   if (name === job.y.name) return job.y.values[Math.floor(n / nx)];
