@@ -45,6 +45,7 @@ function start() {
   const form = createForm(data, store, change);
   const answers = /** @type {(Answer | null)[]} */ (data.scenes.map(() => null));
   let badLink = ""; // message on an address without a valid state
+  let failed = /** @type {{field: string, text: string}[]} */ ([]); // parts of the page that cannot show this state
   let wide = 0; // [px] of the motion as it was drawn
 
   /** @param {Texts} patch @param {string} control @param {boolean} isFinished */
@@ -62,13 +63,15 @@ function start() {
       act();
     } catch (error) {
       console.error(error);
-      form.refuse([{ field: "", text: `${what}: ${error instanceof Error ? error.message : error}` }], "");
+      failed.push({ field: "", text: `${what}: ${error instanceof Error ? error.message : error}` });
+      form.refuse(failed, "");
     }
   }
 
   /** Show the state. While what somebody typed is refused, all but the form shows the last valid one. */
   function update() {
     const { problems, scene, state } = store;
+    failed = [];
     form.render();
     form.refuse(badLink ? [] : problems, badLink);
     if (!state || problems.length) return;
@@ -143,7 +146,8 @@ function start() {
   window.addEventListener("popstate", follow);
   new ResizeObserver(() => {
     const { clientWidth } = place("history");
-    if (store.state && clientWidth !== wide) drawMotion(data, engine, store.state);
+    const { state } = store;
+    if (state && clientWidth !== wide) attempt("motion", () => drawMotion(data, engine, state));
     wide = clientWidth;
   }).observe(place("history"));
   offerFiles(view);

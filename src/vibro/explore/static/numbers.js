@@ -71,7 +71,7 @@ function solvedScene(/** @type {any} */ data, /** @type {any} */ engine, /** @ty
 
 /** What the drive is scaled by, as it was given; NaN if by several. */
 function sizeOf(/** @type {any} */ { quantities, texts: { says } }, /** @type {Record<string, number>} */ values) {
-  const sizes = Object.keys(values).filter((name) => name === "stroke" || name.includes("amplitude"));
+  const sizes = Object.keys(values).filter((name) => name.includes("amplitude"));
   if (sizes.length > 1) return { label: sizes.length === 2 ? says.both : says.all, unit: "", value: NaN };
   const name = sizes[0] ?? "motion_scale";
   return { label: quantities[name].label, unit: quantities[name].unit, value: values[name] ?? NaN };
