@@ -2,6 +2,7 @@
 
 import { closed, fillUnknown, visibleLines, zeroLines } from "./contours.js";
 import { numberText, valueText } from "./draw.js";
+import { uncertainText } from "./figures.js";
 import { OF_FLIGHT, shareOf } from "./jobs.js";
 import { roundNumbers, speedScale, timeScale } from "./scales.js";
 import { quantityAt } from "./tables.js";
@@ -225,7 +226,8 @@ function meetsOf({ target }, nx, fields, isSampled) {
   const isKnown = (/** @type {number} */ n) => Number.isFinite(fields.speed[n]);
   if (isSampled) {
     const speed = fillUnknown(fields.speed, nx, isKnown);
-    return speed.map((x, n) => Math.min(x / wanted - 1.0, isKnown(n) ? 0.5 : -0.5));
+    const { hop } = fields.ratio; // which no friction changes
+    return speed.map((x, n) => Math.min(x / wanted - 1.0, isKnown(n) ? 0.5 : -0.5, -hop[n]));
   }
   const missing = fields.missing(["INFEASIBLE", "INDETERMINATE", "RUNAWAY", "UNRESOLVED"]);
   const fails = [fields.ratio.hop, fields.rest(), ...missing];
@@ -266,7 +268,7 @@ function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }
   const words = /** @type {Record<string, string>} */ ({});
   if (target !== null) {
     const speed = `${numberText(target)} mm/s`;
-    words.misses = isSampled ? `not all samples reach ${speed}` : `slower than ${speed}, or hops`;
+    words.misses = `${isSampled ? "not all samples reach" : "slower than"} ${speed}, or hops`;
   }
   const rest = OF_FLIGHT.includes(view) ? "no flight" : "";
   const faced = regimes.filter((/** @type {any} */ { code }) => code >= 0 && seen.has(code));
@@ -319,7 +321,7 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
     draw("zero_speed", reversal, [fields.rest(), unknown, fields.irregular()]);
   }
   if (state.target !== null) {
-    const label = `${numberText(state.target)} mm/s, ${isSampled ? "of all samples" : "without hopping"}`;
+    const label = `${numberText(state.target)} mm/s, ${isSampled ? "of all samples, " : ""}without hopping`;
     draw("target", meetsOf(state, nx, fields, isSampled), [], { label });
   }
   return found;
@@ -332,7 +334,7 @@ function isOutside({ values, bands }) {
 
 /** Where the largest number is, or the shortest time. @param {any} data @param {Shown} state @param {MapCells} cells
  * @param {Float64Array} seen @param {string} unit */
-function bestOf({ quantities }, { view, x, y }, { nx, job, isDone }, seen, unit) {
+function bestOf({ quantities }, { view, x, y }, { nx, job, isDone, rows }, seen, unit) {
   const isTime = view === "traverse";
   let best = seen.findIndex((number) => !Number.isNaN(number));
   seen.forEach((number, n) => {
@@ -342,7 +344,9 @@ function bestOf({ quantities }, { view, x, y }, { nx, job, isDone }, seen, unit)
     `${quantities[name].label} ${valueText(quantities[name], value)}`;
   const where = `${told(x.name, job.x.values[best % nx])} and ${told(y.name, job.y.values[Math.floor(best / nx)])}`;
   const what = `${isTime ? "Shortest" : "Largest"} here${isDone ? "" : " so far"}`;
-  return `${what}: ${numberText(seen[best])}${unit && ` ${unit}`}, at ${where}.`;
+  const isMean = view === "speed" && 1000.0 * rows.mean_velocity[best] === seen[best]; // no least one of several bodies
+  const number = isMean ? uncertainText(seen[best], 1000.0 * rows.mean_velocity_error[best]) : numberText(seen[best]);
+  return `${what}: ${number}${unit && ` ${unit}`}, at ${where}.`;
 }
 
 /** What is told of one cell: names and texts.
@@ -352,13 +356,16 @@ export function tipRows({ regimes, statuses }, map, i, j) {
   const n = j * nx + i;
   const names = [lowest[n], highest[n]].map((code) => regimes.find((/** @type {any} */ one) => one.code === code)?.label);
   const number = (/** @type {number} */ value) => (Number.isNaN(value) ? "" : numberText(value, 4));
+  const [speed, error] = [1000.0 * rows.mean_velocity[n], 1000.0 * rows.mean_velocity_error[n]];
+  const mean = Number.isNaN(speed) || isSampled ? "" : uncertainText(speed, error).replace(/^-/, "\u2212");
+  const isSpeed = map.view === "speed" && !isSampled;
   const told = legend.filter((item) => item.marks & marks[n]).map((item) => item.text);
   const trouble = statuses.find((/** @type {any} */ one) => one.code === rows.status[n])?.message ?? "";
   const found = [
     [x.label, valueText(x, job.x.values[i])], [y.label, valueText(y, job.y.values[j])],
     ["regime", [...new Set(names)].filter(Boolean).join(" to ")],
-    ["mean speed [mm/s]", isSampled || map.view === "speed" ? "" : number(1000.0 * rows.mean_velocity[n])],
-    [label, number(numbers?.[n] ?? NaN)], ["amplitude [mm]", number(1000.0 * (rows.amplitude?.[n] ?? NaN))],
+    ["mean speed [mm/s]", isSpeed ? "" : mean],
+    [label, isSpeed ? mean : number(numbers?.[n] ?? NaN)], ["amplitude [mm]", number(1000.0 * (rows.amplitude?.[n] ?? NaN))],
     ...[...new Set([...told, isSampled ? "" : trouble])].map((text) => ["", text]),
   ];
   return found.filter(([, text]) => text);

@@ -22,9 +22,12 @@ function say(/** @type {string} */ text, where = "says") {
 }
 
 /** How texts to take along differ from what is shown, or what they need. @param {Shown} state */
-function apartText({ drive, bands }) {
+function apartText({ drive, bands, values, machine }) {
   const file = drive in READ ? [`The command reads the ${READ[drive]} from the scene file, saved as scene.toml.`] : [];
-  return [...file, ...(Object.keys(bands).length ? [APART] : [])].join(" ");
+  // the file keeps the machine's own springs, with which it may have been calibrated
+  const isOther = machine && values.natural !== undefined && values.natural !== machine.fields.natural_frequency;
+  const springs = isOther ? [`For these numbers with other springs: vibro solve scene.toml natural=${values.natural}.`] : [];
+  return [...file, ...springs, ...(Object.keys(bands).length ? [APART] : [])].join(" ");
 }
 
 /** What is asked, for paper: the scene and its quantities. @param {Shown} state */
@@ -112,7 +115,12 @@ function start() {
     place("compare").replaceChildren(tableOf("Scenes compared", ["scene", "regime", "mean speed"], rows));
   }
 
-  const nameOf = (/** @type {number} */ scene) => data.scenes[scene].name || `scene ${scene + 1}`;
+  /** The name of a scene, with its number where another has the same. @param {number} scene */
+  function nameOf(scene) {
+    const { name } = data.scenes[scene];
+    const others = data.scenes.filter((other) => other.name === name);
+    return name && others.length === 1 ? name : `${name || "scene"} ${scene + 1}`;
+  }
 
   /** The answer of a scene, also of one that was not shown yet. @param {number} scene */
   function answerFor(scene) {

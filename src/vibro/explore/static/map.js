@@ -69,10 +69,14 @@ export class MapView {
 
   /** Show the map of a state: solve it, unless its cells are there, and draw what has changed. @param {Shown} state */
   show(state) {
+    const before = this.state;
     this.state = state;
     const asked = JSON.stringify(jobOf(state, MAP_WIDTH, MAP_HEIGHT));
     if (asked !== this.keys.asked) {
       this.keys.asked = asked;
+      this.stage.classList.add("waiting");
+      const axesOf = (/** @type {Shown | null} */ of) => JSON.stringify(of && [of.scene, of.drive, of.x, of.y]);
+      if (axesOf(before) !== axesOf(state)) this.clear();
       this.solving = solveMap(this.pool, state, (cells) => {
         [this.cells, this.keys.solved, this.keys.drawn] = [cells, asked, ""];
         this.picture();
@@ -80,6 +84,16 @@ export class MapView {
     }
     this.picture();
     this.put();
+  }
+
+  /** Take away a map of other axes, on which a hand would move this scene's point. */
+  clear() {
+    this.drawn = this.faces = null;
+    this.canvas.getContext("2d")?.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    shape("frame").replaceChildren(svg("text", { x: this.box.left, y: 18, fill: "currentColor" }, "solving the map …"));
+    place("notes").replaceChildren();
+    set(this.point, { transform: "translate(-99 -99)" });
+    this.hover();
   }
 
   /** Give up what is being solved. */
@@ -96,6 +110,7 @@ export class MapView {
     const drawn = JSON.stringify([view, target, length, bands]);
     if (drawn === keys.drawn) return;
     keys.drawn = drawn;
+    this.stage.classList.remove("waiting");
     const { looks } = data, map = drawnMap(data, state, cells);
     const palette = [looks.palettes.plain, ...(map.scale ? [looks.palettes[map.scale.palette]] : [])].map(colours);
     this.drawn = map;
