@@ -72,7 +72,7 @@ MOVE: Final = """
 START: Final = """
 window.began = new Promise((resolve) => {
   const seen = new MutationObserver(() => {
-    if (!document.querySelector("#frame > text")) return;
+    if (!document.querySelector("#frame > g")) return;
     seen.disconnect();
     requestAnimationFrame(() => setTimeout(() => resolve(performance.now())));
   });
