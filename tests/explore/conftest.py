@@ -22,7 +22,7 @@ __all__ = ["axe", "browser"]
 @pytest.fixture
 def open_page(browser: Browser, tmp_path: Path) -> Iterator[Callable[..., Page]]:
     """Return what opens the page of scene files, given as texts, at a fragment; no script may fail."""
-    windows, errors = [], []
+    windows, errors = [], list[str]()
 
     def opened(fragment: str = "", *scenes: str, **options: Any) -> Page:
         requests = []
@@ -34,7 +34,7 @@ def open_page(browser: Browser, tmp_path: Path) -> Iterator[Callable[..., Page]]
         window.set_default_timeout(PATIENCE)
         windows.append(window)
         page = window.new_page()
-        page.on("pageerror", lambda error: errors.append(error))
+        page.on("pageerror", lambda error: errors.append(error.stack or error.message))
         page.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
         page.goto(file.as_uri() + fragment)
         return page
@@ -42,4 +42,4 @@ def open_page(browser: Browser, tmp_path: Path) -> Iterator[Callable[..., Page]]
     yield opened
     for window in windows:
         window.close()
-    assert not errors
+    assert not errors, "\n".join(errors)

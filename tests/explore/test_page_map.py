@@ -202,6 +202,8 @@ def test_curves_of_bands_are_of_their_extreme_bodies() -> None:
             frictions = {"static_friction": mu_s, "kinetic_friction": mu_s * 0.57 / 0.74}
             body = scene_at(one, curves[f"{name}_{which}"], **frictions)
             assert np.abs(body.load / getattr(vibro.critical_loads(body), name) - 1.0).max() < 1e-9
+    second = drawn({**BAND, "drive": "harmonics"}, 6, 5)  # no formula has its critical loads
+    assert {*points_of(second)} <= {"hop"}
 
 
 def test_bands_show_the_least_of_their_samples() -> None:

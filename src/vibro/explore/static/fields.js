@@ -169,7 +169,7 @@ function fieldsOf({ known }, state, cells, isSampled) {
   return {
     ratio, rest, largest, moving, backwards, irregular, masked, statuses,
     speed: /** @type {Float64Array} */ (isSampled ? rows.sampled_velocity : mean).map((speed) => 1000.0 * speed), // [mm/s]
-    edges: Object.fromEntries(Object.keys(job.edges).map((edge) => [edge, ratios(edge)])),
+    edges: Object.fromEntries(Object.keys(rows.ratio_hop ? job.edges : {}).map((edge) => [edge, ratios(edge)])),
     reverses: !isSampled && masked(backwards).filter((x) => x > 0.0).length > SEEN_SHARE * size,
     missing: (/** @type {string[]} */ names) =>
       names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
