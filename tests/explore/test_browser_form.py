@@ -187,9 +187,9 @@ def test_each_tab_has_a_state_of_its_own(open_page: Callable[..., Page]) -> None
 
 
 def test_a_link_that_cannot_be_read_shows_the_start(open_page: Callable[..., Page]) -> None:
-    page = open_page("#top")
-    said = "This link could not be read: unknown key 'top' (leave it out). The initial state is shown."
-    assert page.inner_text("#refused") == said
+    page = open_page("#top&view=speed&view=flight")
+    said = "'top' has no value (write top=...); 'view' is given twice (leave one out)"
+    assert page.inner_text("#refused") == f"This link could not be read: {said}. The initial state is shown."
     assert shown(page, "frequency_hz") == ["15"]
     put(page, "frequency_hz", "20")
     assert page.inner_text("#refused") == ""

@@ -222,7 +222,8 @@ def test_an_address_brings_back_its_state(ask: Callable[..., list[Any]]) -> None
 
 _FOREIGN = [
     "#top", "#%zz", "#=&&=", "#__proto__=1", "#constructor=1", "#x=%ff%fe", "#scene=9", "#scene=-1",
-    "#scene=__proto__", "#scene=0.5", "#drive=line&drive=x", "#" + 100_000 * "a", "#\u0000=1",
+    "#scene=__proto__", "#scene=0.5", "#drive=line&drive=line", "#x", "#" + 100_000 * "a",
+    "#\u0000=1",
 ]  # fmt: skip
 
 
@@ -266,6 +267,8 @@ def test_axes_go_with_their_drive_and_ranges_with_their_axes(ask: Callable[..., 
     assert angle["texts"]["x_range"] == CONTROLS["drive_angle"].axis
     assert narrow["x"] == {"name": "drive_angle", "from": 3.0, "to": 4.0, "log": False}
     assert around["texts"]["y_range"] == "0.8:7.2"
+    (least,) = states(ask, {"frequency_hz": "1e-12"})
+    assert least["state"]["texts"]["x_range"] == "1e-12:3e-12"
 
 
 def test_presets_are_states(ask: Callable[..., list[Any]]) -> None:

@@ -228,14 +228,15 @@ class Reading {
     return { name, from, to, log };
   }
 
-  /** The range of a newly chosen axis; where it misses the operating point, one around that.
-   * @param {string} name @param {number} value */
+  /** The range of a newly chosen axis; where it misses the operating point, one around that, as far as the quantity
+   * may be so small. @param {string} name @param {number} value */
   usualRange(name, value) {
     const text = controlOf(this.data, this.scene, name).axis;
     const [low, high] = text.split(":").map(Number);
     const isOutside = (value > 0 && value < low) || value > high;
     if (!isOutside || !allows(this.data.quantities[name], value * AROUND)) return text;
-    return [value / AROUND, value * AROUND].map((end) => generalText(end, 3)).join(":");
+    const least = Math.max(value / AROUND, this.data.quantities[name].low);
+    return [least, value * AROUND].map((end) => generalText(end, 3)).join(":");
   }
 
   /** What is not known exactly: pairs of ends by name. @param {(string | undefined)[]} drawn @param {Values} values */

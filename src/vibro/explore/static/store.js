@@ -23,10 +23,19 @@ export function addressOf(data, scene, texts) {
 
 /** The scene and the state of an address. @param {PageData} data @param {string} fragment */
 export function readAddress(data, fragment) {
-  const { scene: number = "1", ...texts } = Object.fromEntries(new URLSearchParams(fragment.slice(1)));
-  if (Object.hasOwn(data.scenes, String(Number(number) - 1))) return { scene: Number(number) - 1, texts, problems: [] };
-  const text = `scene = '${cutText(number)}': must be a whole number from 1 to ${data.scenes.length}`;
-  return { scene: 0, texts, problems: [{ field: "", text }] };
+  const problems = /** @type {Problem[]} */ ([]);
+  const wrong = (/** @type {string} */ text) => void problems.push({ field: "", text });
+  const given = /** @type {Map<string, string>} */ (new Map());
+  for (const part of fragment.slice(1).split("&")) for (const [key, text] of new URLSearchParams(part)) {
+    if (given.has(key)) wrong(`'${cutText(key)}' is given twice (leave one out)`);
+    if (part.includes("=")) given.set(key, text);
+    else wrong(`'${cutText(key)}' has no value (write ${cutText(key)}=...)`);
+  }
+  const { scene: number = "1", ...texts } = Object.fromEntries(given);
+  const scene = Number(number) - 1;
+  if (Object.hasOwn(data.scenes, String(scene))) return { scene, texts, problems };
+  wrong(`scene = '${cutText(number)}': must be a whole number from 1 to ${data.scenes.length}`);
+  return { scene: 0, texts, problems };
 }
 
 /** Bands of a state that had none, a tenth to either side; and those that it has, where kinetic friction comes to
