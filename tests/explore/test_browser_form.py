@@ -149,6 +149,28 @@ def test_a_drag_is_one_step_to_undo(nut: Page) -> None:
     assert shown(nut, "frequency_hz") == ["15"]
 
 
+def test_bands_come_back_when_kinetic_friction_follows_again(nut: Page) -> None:
+    nut.check("#bands")
+    put(nut, "static_friction_band-least", "0.3")
+    put(nut, "static_friction_band-most", "0.4")
+    nut.uncheck("#follow")
+    assert nut.inner_text("#refused") == ""
+    assert address(nut)["kinetic_friction_band"] == "0.2311:0.3081"
+    put(nut, "kinetic_friction_band-least", "0.25")
+    nut.check("#follow")
+    assert {*address(nut)} & {f"{name}_band" for name in BANDS} == {"static_friction_band"}
+    nut.uncheck("#follow")
+    assert address(nut)["kinetic_friction_band"] == "0.25:0.3081"
+    nut.check("#follow")
+    put(nut, "static_friction_band-least", "0.1")  # what was typed for other bands may no longer be
+    put(nut, "static_friction_band-most", "0.2")
+    nut.uncheck("#follow")
+    assert nut.inner_text("#refused") == ""
+    nut.uncheck("#bands")
+    nut.check("#bands")
+    assert address(nut)["kinetic_friction_band"] == "0.513:0.627"
+
+
 def test_handles_of_a_band_do_not_pass_each_other(nut: Page) -> None:
     nut.check("#bands")
     nut.evaluate(

@@ -286,3 +286,11 @@ def test_bands_follow_the_friction_ratio_or_not(ask: Callable[..., list[Any]]) -
     (banded,) = states(ask, {**free, "follow": "0"})
     (ratio,) = ask(["bandsIf", banded["state"], True])
     assert ratio == {**follows, "friction_ratio_band": "0.6932:0.8473"}
+    low, slack = states(
+        ask,
+        {"static_friction_band": "0.3:0.4", "friction_ratio_band": "0.5:0.6"},
+        {"restitution_band": "0:0.1"},
+    )
+    (most, none) = ask(["bandsIf", low["state"], False], ["bandsIf", slack["state"], False])
+    assert most == {"static_friction_band": "0.3:0.4", "kinetic_friction_band": "0.15:0.24"}
+    assert none == {"restitution_band": "0:0.1"}

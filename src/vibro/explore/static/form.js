@@ -2,7 +2,6 @@
 
 import { html, input, place, set } from "./draw.js";
 import { BANDED, controlOf, drivesOf, quantitiesOf } from "./state.js";
-import { bandsIf } from "./store.js";
 import { KNOBS_OF_MACHINES } from "./tables.js";
 import { typedText } from "./typed.js";
 
@@ -160,8 +159,7 @@ function patchOf(data, store, box) {
     }
     case "follow": case "bands": {
       const follows = input("follow").checked;
-      const bands = input("bands").checked && store.state ? bandsIf(store.state, follows) : {};
-      return { ...NO_BANDS, follow: follows ? "1" : "0", ...bands };
+      return { ...NO_BANDS, follow: follows ? "1" : "0", ...(input("bands").checked && store.bandsIf(follows)) };
     }
   }
   if (box.dataset.part) return { [name]: withPart(/** @type {HTMLInputElement} */ (box), text, store.texts[name]) };

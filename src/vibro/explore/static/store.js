@@ -1,6 +1,6 @@
 /** What changes the state: controls, tabs, and the fragment of the page's address that holds it. */
 
-import { filledTexts, idleKeys, initialTexts, stateOf } from "./state.js";
+import { BANDED, filledTexts, idleKeys, initialTexts, stateOf } from "./state.js";
 import { cutText, generalText, numberIn, typedText } from "./typed.js";
 
 /** @typedef {import("./state.js").PageData} PageData
@@ -39,15 +39,17 @@ export function readAddress(data, fragment) {
 }
 
 /** Bands of a state that had none, a tenth to either side; and those that it has, where kinetic friction comes to
- * follow static friction, or no longer does. @param {Shown} state @param {boolean} follows @returns {Texts} */
-export function bandsIf({ values, bands }, follows) {
-  const { static_friction: most, kinetic_friction: kinetic } = values;
-  const scaled = (/** @type {number[]} */ ends, /** @type {number} */ by) => ends.map((end) => end * by);
+ * follow static friction, or no longer does: then it may be all that it was.
+ * @param {Shown} state @param {boolean} follows @returns {Texts} */
+export function bandsIf({ values: { static_friction: value, friction_ratio: share }, bands }, follows) {
+  const isNew = !Object.keys(bands).length;
   const { kinetic_friction: own, friction_ratio: ratio, ...others } = bands;
-  const wanted = /** @type {Record<string, number[]>} */ ({ static_friction: scaled([0.9, 1.1], most), ...others });
-  const shares = ratio ?? (own && most ? scaled(own, 1 / most).map((end) => Math.min(end, 1)) : null);
+  const wanted = /** @type {Record<string, number[]>} */ (isNew ? { static_friction: [0.9 * value, 1.1 * value] } : others);
+  const { static_friction: ends = ratio && [value, value] } = wanted;
+  const shares = ratio ?? (own && value ? own.map((end) => Math.min(end / value, 1)) : null);
+  const kinetic = own ?? ends?.map((end, n) => end * (ratio?.[n] ?? share));
   if (follows && shares) wanted.friction_ratio = shares;
-  if (!follows) wanted.kinetic_friction = own ?? scaled(ratio ?? [0.9, 1.1], ratio ? most : kinetic);
+  if (!follows && kinetic) wanted.kinetic_friction = kinetic;
   return Object.fromEntries(Object.entries(wanted).map(([name, ends]) => [`${name}_band`, ends.map((end) => generalText(end, FEW)).join(":")]));
 }
 
@@ -60,6 +62,7 @@ export function createStore(/** @type {PageData} */ data) {
       state, // the last one that was valid
       problems, // of the texts
       ratio: NaN, // of kinetic to static friction, as it was last set by hand
+      bands: /** @type {Record<string, Texts>} */ ({}), // that kinetic friction had when it did not follow, or did
     };
   });
   let scene = 0;
@@ -119,6 +122,16 @@ export function createStore(/** @type {PageData} */ data) {
       return wrong;
     },
 
+    /** Bands where kinetic friction comes to follow static friction, or no longer does: those that it had then, if
+     * they can still be. @param {boolean} follows @returns {Texts} */
+    bandsIf(follows) {
+      const { texts, state, bands } = tabs[scene];
+      const follow = follows ? "1" : "0";
+      const found = state ? bandsIf(state, follows) : {};
+      const again = { ...found, ...bands[follow] };
+      return stateOf(data, scene, { ...texts, follow, ...again }).state ? again : found;
+    },
+
     /** Show another scene. @param {number} number */
     open(number) {
       [scene, changer] = [number, ""];
@@ -130,6 +143,9 @@ export function createStore(/** @type {PageData} */ data) {
     change({ friction_ratio: wanted, ...patch }, control, isFinished) {
       const tab = tabs[scene];
       const texts = { ...tab.texts, ...patch };
+      const { follow, kinetic_friction_band, friction_ratio_band } = tab.texts;
+      if (!BANDED.some((name) => texts[`${name}_band`])) tab.bands = {};
+      else if (texts.follow !== follow) tab.bands[follow] = { kinetic_friction_band, friction_ratio_band };
       const most = numberOf(texts, "static_friction");
       const atMost = (/** @type {number} */ kinetic) => typedText(Math.min(Number(kinetic.toPrecision(FEW)), most));
       if (wanted !== undefined) texts.kinetic_friction = atMost(Number(wanted) * most);
