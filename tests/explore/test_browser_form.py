@@ -240,4 +240,11 @@ def test_paper_says_what_is_asked(nut: Page) -> None:
     assert "trough moved along a line: amplitude 1 mm, frequency 15 Hz, drive angle 20°" in said
     assert "trough angle \N{MINUS SIGN}5°" in said
     nut.emulate_media(media="screen")
+    nut.check("#bands")
+    said = nut.text_content("#print-question") or ""
+    assert "static friction 0.666 to 0.814, friction ratio 0.77027, trough" in said
+    own = "numbers and motion are those of the operating point, not of the bands"
+    assert said.endswith(f"; {own}: static friction 0.74, kinetic friction 0.57")
+    nut.emulate_media(media="print")
+    nut.emulate_media(media="screen")
     assert nut.is_visible("#controls")

@@ -107,16 +107,25 @@ def test_axe_finds_nothing(width: int, dark: bool, open_page: Callable[..., Page
     assert page.evaluate(FOUND) == []
 
 
-@pytest.mark.parametrize("text", [NUT, FEEDER], ids=["nut", "feeder"])
-@pytest.mark.parametrize("dark", [False, True])
+_HOPS = "#amplitude_mm=4&frequency_hz=20&static_friction_band=0.6:0.8&view=speed&target=20"
+
+
+@pytest.mark.parametrize("width", [1200, 390])
+@pytest.mark.parametrize(
+    ("scheme", "asked"),
+    [("light", (_HOPS, NUT)), ("dark", ("", FEEDER)), ("light", (_HOPS, NUT, FEEDER))],
+    ids=["nut", "feeder", "both"],
+)
 def test_paper_has_question_map_numbers_and_motion_on_two_sheets(
-    text: str, dark: bool, open_page: Callable[..., Page]
+    scheme: str, asked: tuple[str, ...], width: int, open_page: Callable[..., Page]
 ) -> None:
-    page = open_page("", text, color_scheme="dark" if dark else "light")
+    page = open_page(*asked, viewport={"width": width, "height": 844}, color_scheme=scheme)
     regime(page)
     page.locator("#history path").first.wait_for(state="attached")
+    page.locator("#map .curves path").first.wait_for(state="attached")
     sheets = page.pdf(format="A4")
     assert len(re.findall(rb"/Type\s*/Page\b", sheets)) <= 2
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= width  # on the screen again
     page.emulate_media(media="print")
     for part in ("#print-question", "#map", "#tables", "#history", "#leaves-out"):
         assert page.locator(part).is_visible(), part

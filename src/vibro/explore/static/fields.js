@@ -5,6 +5,7 @@ import { numberText, valueText } from "./draw.js";
 import { uncertainText } from "./figures.js";
 import { OF_FLIGHT, shareOf } from "./jobs.js";
 import { roundNumbers, speedScale, timeScale } from "./scales.js";
+import { spansOf } from "./state.js";
 import { quantityAt } from "./tables.js";
 
 /** @typedef {import("./jobs.js").MapCells} MapCells @typedef {import("./state.js").Shown} Shown
@@ -54,16 +55,8 @@ function axisInfo({ quantities }, axis, count) {
 
 /** Fixed quantities without their usual values: α = 20°, μ_s = 0.74. @param {any} data @param {Shown} state
  * @param {MapCells["job"]} job */
-function captionOf({ quantities }, { values, bands, follows }, job) {
-  const spans = /** @type {Record<string, number[]>} */ ({ ...bands });
-  for (const [name, value] of Object.entries({ ...job.values, trough_length: values.trough_length })) {
-    if (typeof value === "number") spans[name] ??= [value, value];
-  }
-  const isRatio = bands.friction_ratio || (bands.static_friction && follows && !bands.kinetic_friction);
-  if (isRatio) {
-    spans.friction_ratio ??= [values.friction_ratio, values.friction_ratio];
-    delete spans.kinetic_friction;
-  }
+function captionOf({ quantities }, state, job) {
+  const spans = spansOf({ ...job.values, trough_length: state.values.trough_length }, state);
   const told = Object.entries(quantities).filter(([name, { default: usual, order }]) =>
     spans[name] && (order ?? 0) <= LISTED_HARMONICS && (spans[name][0] !== spans[name][1] || spans[name][0] !== usual));
   return told.map(([name, quantity]) => {

@@ -1,6 +1,7 @@
 /** What decides the cells of a map, and these cells as far as they are solved. */
 
 import { sampleOf } from "./contours.js";
+import { hasRatio } from "./state.js";
 
 export const [MAP_WIDTH, MAP_HEIGHT] = [200, 150]; // [cells]
 export const OF_FLIGHT = ["impact", "flight"]; // views whose numbers are those of the operating point's own friction
@@ -53,11 +54,9 @@ function samplesOf(bands) {
 
 /** Complete a body of the bands: kinetic friction is at most static friction.
  * @param {Shown} state @param {Record<string, number>} own @returns {Record<string, number | undefined>} */
-function bodyOf({ values, follows, bands }, own) {
-  const most = own.static_friction ?? values.static_friction;
-  const isRatio = own.friction_ratio !== undefined || (follows && !bands.kinetic_friction);
-  const ratio = own.friction_ratio ?? values.friction_ratio;
-  const kinetic = Math.min(most, isRatio ? ratio * most : own.kinetic_friction ?? values.kinetic_friction);
+function bodyOf(state, own) {
+  const { static_friction: most, friction_ratio: ratio, kinetic_friction: free } = { ...state.values, ...own };
+  const kinetic = Math.min(most, hasRatio(state) ? ratio * most : free);
   return { ...own, static_friction: most, kinetic_friction: kinetic, friction_ratio: undefined };
 }
 

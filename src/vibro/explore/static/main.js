@@ -6,7 +6,7 @@ import { createForm } from "./form.js";
 import { MapView } from "./map.js";
 import { drawMotion } from "./motion.js";
 import { answerOf, showAnswer } from "./numbers.js";
-import { data, drivesOf, quantitiesOf } from "./state.js";
+import { data, drivesOf, quantitiesOf, spansOf } from "./state.js";
 import { createStore } from "./store.js";
 
 /** @typedef {import("./state.js").Shown} Shown
@@ -14,6 +14,7 @@ import { createStore } from "./store.js";
  * @typedef {import("./numbers.js").Answer} Answer */
 
 const APART = "For the operating point's own values: these commands and scene files have no bands.";
+const NOT_OF_BANDS = "numbers and motion are those of the operating point, not of the bands";
 /** What the command of a drive reads from the scene file. @type {Record<string, string>} */
 const READ = { given: "motion", machine: "machine" };
 
@@ -30,15 +31,22 @@ function apartText({ drive, bands, values, machine }) {
   return [...file, ...springs, ...(Object.keys(bands).length ? [APART] : [])].join(" ");
 }
 
-/** What is asked, for paper: the scene and its quantities. @param {Shown} state */
-function questionText({ scene, drive, values, bands, target }) {
-  const drives = drivesOf(data, scene);
-  const parts = quantitiesOf(data, drives[drive]).filter((name) => name in values && name !== "friction_ratio").map((name) => {
-    const ends = name in bands ? bands[name] : [values[name]];
-    return `${data.quantities[name].label} ${ends.map((end) => valueText(data.quantities[name], end)).join(" to ")}`;
-  });
-  const wanted = target === null ? [] : [`target speed ${valueText(data.quantities.speed, target)}`];
-  return [`${data.scenes[scene].name || "Scene"}, trough moved ${drives[drive].label}: ${parts.join(", ")}`, ...wanted].join("; ");
+/** What is asked, for paper: the scene and its quantities; and of which of its bodies the numbers are.
+ * @param {Shown} state */
+function questionText(state) {
+  const { scene, drive, values: { friction_ratio: _, ...values }, bands, target } = state;
+  const kind = drivesOf(data, scene)[drive];
+  const told = (/** @type {Record<string, number[]>} */ spans) =>
+    quantitiesOf(data, kind).filter((name) => name in spans).map((name) => {
+      const ends = new Set(spans[name].map((end) => valueText(data.quantities[name], end)));
+      return `${data.quantities[name].label} ${[...ends].join(" to ")}`;
+    }).join(", ");
+  const spans = spansOf(values, state);
+  const asked = [`${data.scenes[scene].name || "Scene"}, trough moved ${kind.label}: ${told(spans)}`];
+  if (target !== null) asked.push(`target speed ${valueText(data.quantities.speed, target)}`);
+  const own = Object.entries(values).filter(([name]) => name in bands || !(name in spans));
+  if (own.length) asked.push(`${NOT_OF_BANDS}: ${told(Object.fromEntries(own.map(([name, value]) => [name, [value]])))}`);
+  return asked.join("; ");
 }
 
 function start() {
@@ -152,12 +160,20 @@ function start() {
     return tab;
   }));
   window.addEventListener("popstate", follow);
-  new ResizeObserver(() => {
+  /** Draw the motion as wide as there is room. */
+  function fitMotion() {
     const { clientWidth } = place("history");
     const { state } = store;
     if (state && clientWidth !== wide) attempt("motion", () => drawMotion(data, engine, state));
     wide = clientWidth;
-  }).observe(place("history"));
+  }
+  new ResizeObserver(fitMotion).observe(place("history"));
+  // Browsers tell no observer of the width of paper: the window gets it meanwhile.
+  for (const event of ["beforeprint", "afterprint"]) window.addEventListener(event, () => {
+    document.body.classList.toggle("printed", event === "beforeprint");
+    view.draw();
+    fitMotion();
+  });
   offerFiles(view);
   follow();
 }

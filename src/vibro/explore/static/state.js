@@ -106,6 +106,22 @@ export function idleKeys(data, scene, drive) {
   return Object.entries(data.quantities).filter(([name]) => !own.includes(name)).map(([, { column }]) => column);
 }
 
+/** Whether bodies of bands have a ratio of kinetic to static friction, of which the operating point's kinetic friction
+ * is only one case. @param {Pick<Shown, "bands" | "follows">} state */
+export const hasRatio = ({ bands, follows }) =>
+  Boolean(bands.friction_ratio || (bands.static_friction && follows && !bands.kinetic_friction));
+
+/** The ends of quantities, both the same of those without a band.
+ * @param {Record<string, number | undefined>} values @param {Shown} state */
+export function spansOf(values, state) {
+  const { bands, values: { friction_ratio: ratio } } = state;
+  const spans = /** @type {Record<string, [number, number]>} */ ({});
+  for (const [name, value] of Object.entries(values)) if (value !== undefined) spans[name] = bands[name] ?? [value, value];
+  if (!hasRatio(state)) return spans;
+  const { kinetic_friction: _, ...others } = spans;
+  return { ...others, friction_ratio: bands.friction_ratio ?? [ratio, ratio] };
+}
+
 // ------------------------------------------------------------------------------
 // The state
 
@@ -249,7 +265,7 @@ class Reading {
     }
     const { static_friction: [, most] = [0, values.static_friction], kinetic_friction: kinetic, friction_ratio: ratio } = bands;
     if (kinetic && ratio) this.wrong("friction_ratio_band", "kinetic friction has a band too", "leave one of them out");
-    const isFree = !ratio && (kinetic || (bands.static_friction && this.texts.follow === "0"));
+    const isFree = (kinetic || bands.static_friction) && !hasRatio({ bands, follows: this.texts.follow === "1" });
     const least = kinetic ? kinetic[0] : values.kinetic_friction;
     if (isFree && least > most) {
       const why = `kinetic friction = ${typedText(least)} and more: must reach down to static friction = ${typedText(most)}`;
