@@ -75,6 +75,9 @@ def test_numbers_have_units_and_friction_follows(nut: Page) -> None:
     put(nut, "static_friction", "0,8")
     assert shown(nut, "frequency_hz", "static_friction", "kinetic_friction") == ["15", "0.8", "0.6162"]
     assert address(nut)["kinetic_friction"] == "0.6162"
+    put(nut, "frequency_hz", "2000rpm")
+    assert shown(nut, "frequency_hz") == ["33.3333333333333"]
+    assert address(nut)["frequency_hz"] == "33.333333333333336"
     nut.uncheck("#follow")
     put(nut, "static_friction", "0.5")
     assert shown(nut, "kinetic_friction") == ["0.5"]

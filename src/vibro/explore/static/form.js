@@ -3,7 +3,7 @@
 import { html, input, place, set } from "./draw.js";
 import { BANDED, controlOf, drivesOf, quantitiesOf } from "./state.js";
 import { KNOBS_OF_MACHINES } from "./tables.js";
-import { typedText } from "./typed.js";
+import { printedText, typedText } from "./typed.js";
 
 /** @typedef {HTMLInputElement | HTMLSelectElement} Setting
  * @typedef {import("./state.js").PageData} PageData
@@ -197,7 +197,7 @@ export function createForm(data, store, change) {
     }
     const text = store.texts[name] ?? "";
     if (!text && type === "range" && name in NO_BANDS) return String(store.value(name.replace("_band", "")));
-    return part ? text.split(":")[Number(part)] ?? "" : text;
+    return printedText(part ? text.split(":")[Number(part)] ?? "" : text);
   }
 
   /** Show the state. */

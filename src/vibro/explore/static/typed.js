@@ -47,6 +47,12 @@ export function typedText(value) {
   return generalText(value, [15, 16, 17].find((digits) => Number(value.toPrecision(digits)) === value) ?? 17);
 }
 
+/** A text of the state as vibro prints it: 33.3333333333333 for 33.333333333333336. @param {string} text */
+export function printedText(text) {
+  const value = Number(text);
+  return typedText(value) === text ? generalText(value, 15) : text;
+}
+
 // Unlike a plain group, one in a look-ahead is not shortened where the rest does not fit: 5e3.5 is no 5 with a unit.
 const NUMBER = /^(?=([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\1\s*([\p{L}\p{Nl}\p{No}].*|[°%]|1?\/.*)?$/u;
 // A decimal comma; three digits after one may be thousands, and three or more after several are two numbers.
