@@ -15,6 +15,7 @@ import pytest
 from helpers.made_records import EXAMPLES
 
 from vibro.cli import explore
+from vibro.explore.scenes import file_name
 
 if TYPE_CHECKING:
     from helpers.commands import Run
@@ -140,5 +141,5 @@ def test_a_full_disk_is_told(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("name", ["a/b", "\u00fc <b>", "..", "a" * 200, "-"])
 def test_the_files_name_is_one_that_every_system_takes(name: str) -> None:
-    assert re.fullmatch(r"vibro-[0-9A-Za-z_.-]{1,60}", explore._file_name([name]))
-    assert explore._file_name([]) == "vibro-nut"
+    assert re.fullmatch(r"vibro-[0-9A-Za-z_.-]{1,60}", file_name([name]))
+    assert file_name([]) == "vibro-nut"

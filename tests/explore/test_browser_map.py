@@ -126,6 +126,9 @@ def test_a_map_follows_the_state(nut: Page) -> None:
 def downloaded(page: Page, button: str) -> Path:
     with page.expect_download() as told:
         page.locator(f"#{button}").click()
+    name = told.value.suggested_filename
+    assert name == "scene.toml" or name.startswith("vibro-nut-")
+    expect(page.locator("#saving")).to_have_text(f"{name} was handed to the browser.")
     return Path(told.value.path())
 
 

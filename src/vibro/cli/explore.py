@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 import tempfile
 from pathlib import Path
@@ -14,15 +13,12 @@ from vibro.cli.options import Options  # typer reads the annotation
 from vibro.errors import FileError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from vibro.sweeps.request import Request
 
 _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the environment
 _SNAPS: Final = Path(
     "/snap"
 )  # browsers in a sandbox: they see no other folders than those of the home folder
-_LONGEST: Final = 60  # letters of a file's name
 
 
 def explore_command(options: Options) -> int:
@@ -33,10 +29,10 @@ def explore_command(options: Options) -> int:
     map shows first, several files are tabs; without any the page begins with the paper's safety nut.
     """
     from vibro.cli.outputs import Outputs
+    from vibro.explore.scenes import file_name
 
     requests = _requests(options)
-    names = [request.name or "" for request in requests if request is not None]
-    name = _file_name(names)
+    name = file_name([request.name or "" for request in requests if request is not None])
     with Outputs(options, name, forms=("html",), pictures=()) as outputs:
         from vibro.explore.page import page_text
 
@@ -62,12 +58,6 @@ def _requests(options: Options) -> list[Request | None]:
 
     each = [options.of(file) for file in options.files] or [options]
     return [request_of(one, reads_map=True, takes_axes=True, ranges=RANGES) for one in each]
-
-
-def _file_name(names: Sequence[str]) -> str:
-    """Return a name that people recognise, in letters that every system takes."""
-    joined = "-".join([*filter(None, names)] or ["nut"])
-    return f"vibro-{re.sub(r'[^0-9A-Za-z_.-]+', '-', joined).strip('-.')[:_LONGEST] or 'scene'}"
 
 
 def _temporary(name: str, text: str) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from vibro.scene import Scene
 
 _FINGERPRINT: Final = 8  # hexadecimal digits
+_LONGEST: Final = 60  # letters of a file's name
 #: Values of quantities where no scene gives one, in the units outside: the nut of examples/safety_nut.toml,
 #: and drives of other kinds with about its load.
 USUAL: Final = {**EXAMPLES, **DEFAULTS, "normal_amplitude_2": 0.0, "normal_phase_2": 0.0, SCALE: 1.0}
@@ -91,13 +93,15 @@ def scene_data(request: Request | None = None) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``name``; ``state``, texts by the keys of the page's address, empty where the page has usual ones;
-        ``controls`` by name, where sliders have to reach other values than usual; ``given``, the drive of a
-        scene that no sliders can make, or None; ``machine``, from which the amplitude follows, or None.
+        ``name``; ``file``, with which the names of its downloads begin; ``state``, texts by the keys of the
+        page's address, empty where the page has usual ones; ``controls`` by name, where sliders have to reach
+        other values than usual; ``given``, the drive of a scene that no sliders can make, or None;
+        ``machine``, from which the amplitude follows, or None.
     """
     texts = dict(_OTHERS)
     if request is None:
-        return {"name": "", "state": texts, "controls": {}, "given": None, "machine": None}
+        own: dict[str, Any] = {"state": texts, "controls": {}, "given": None, "machine": None}
+        return {"name": "", "file": file_name([]), **own}
     start = _start_of(request)
     texts |= {"trough_length_mm": "", "drive": start.drive}
     if start.own is None:
@@ -108,11 +112,18 @@ def scene_data(request: Request | None = None) -> dict[str, Any]:
     texts |= _axes_of(request, start.own or DRIVES[start.drive])
     return {
         "name": visible(request.name or ""),
+        "file": file_name([request.name or "scene"]),
         "state": texts,
         "controls": {name: control._asdict() for name, control in _reaching(start).items()},
         "given": _given(start, request) if start.drive == GIVEN else None,
         "machine": _driven(start, request.machine) if request.machine is not None else None,
     }
+
+
+def file_name(names: Sequence[str]) -> str:
+    """Return a file's name that people recognise, in letters that every system takes."""
+    joined = "-".join([*filter(None, names)] or ["nut"])
+    return f"vibro-{re.sub(r'[^0-9A-Za-z_.-]+', '-', joined).strip('-.')[:_LONGEST] or 'scene'}"
 
 
 def request_of_scene(scene: Scene) -> Request:

@@ -98,7 +98,8 @@ export function tomlOf(data, state) {
 // ------------------------------------------------------------------------------
 // Downloads and copies.
 
-const nameOf = (/** @type {MapView} */ { drawn }) => `vibro-${drawn?.view}`;
+/** The name of a file of the shown scene. @param {MapView} view @param {string} what it holds */
+const nameOf = ({ data, state }, what) => `${data.scenes[state?.scene ?? 0].file}-${what}`;
 
 /** @param {string} text @param {string} [where] */
 function tell(text, where = "says") {
@@ -122,6 +123,7 @@ function save(blob, name) {
   [link.href, link.download] = [URL.createObjectURL(blob), name];
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  tell(`${name} was handed to the browser.`, "saving"); // which does not say whether it keeps it
 }
 
 /** @param {MapView} view */
@@ -133,7 +135,7 @@ async function savePng(view) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [2 * image.width, 2 * image.height];
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
-  canvas.toBlob((blob) => save(blob, `${nameOf(view)}.png`));
+  canvas.toBlob((blob) => save(blob, nameOf(view, `${view.drawn?.view}.png`)));
 }
 
 /** Save the cells of the map, which may take long to be solved, and say so.
@@ -142,11 +144,9 @@ async function saveCsv(view, hasComma) {
   tell("computing the CSV …", "saving");
   const isDone = await view.solving;
   const { cells, data, state } = view;
-  if (isDone && cells && state) {
-    const engine = engineOf(exports, data.known);
-    save(new Blob([csvOf(data, engine, state, cells, hasComma)], { type: "text/csv" }), "vibro-map.csv");
-  }
-  tell(isDone ? "" : "There is no CSV, for the map was changed: ask again.", "saving");
+  if (!isDone || !cells || !state) return tell("There is no CSV, for the map was changed: ask again.", "saving");
+  const table = csvOf(data, engineOf(exports, data.known), state, cells, hasComma);
+  save(new Blob([table], { type: "text/csv" }), nameOf(view, "map.csv"));
 }
 
 /** Copy a text, and say so, on its button too for a while. @param {string} id */
@@ -167,7 +167,7 @@ async function copy(id) {
 export function offerFiles(view) {
   const acts = {
     csv: () => saveCsv(view, false), "csv-comma": () => saveCsv(view, true),
-    png: () => savePng(view), svg: () => save(figure(view), `${nameOf(view)}.svg`),
+    png: () => savePng(view), svg: () => save(figure(view), nameOf(view, `${view.drawn?.view}.svg`)),
     "save-toml": () => save(new Blob([place("toml").textContent ?? ""]), SAVED),
     "copy-command": () => copy("command"), "copy-toml": () => copy("toml"),
   };

@@ -31,6 +31,7 @@ export const data = JSON.parse(globalThis.document?.getElementById("data")?.text
  * @typedef {DriveKind & {packs: Record<string, number>, fields: any, own: Values, table: Texts}} GivenMachine
  * @typedef {object} Scene
  * @property {string} name
+ * @property {string} file begins the names of its downloads
  * @property {Texts} state at the start
  * @property {Record<string, Control>} controls that reach its values
  * @property {GivenDrive | null} given
