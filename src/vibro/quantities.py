@@ -136,7 +136,7 @@ class Quantity:
         """Allowed range as text, in SI units, but angles in degrees."""
         if self.kind.si_unit == "rad":
             return self.allowed.text("deg")
-        low, high = self._si_ends
+        low, high = self.si_ends
         return replace(self.allowed, low=low, high=high).text(self.kind.si_unit)
 
     def doubt(self, first: float | Fraction, last: float | Fraction) -> str:
@@ -167,12 +167,13 @@ class Quantity:
         return self.kind.from_si(values)
 
     @cached_property
-    def _si_ends(self) -> tuple[float, float]:
+    def si_ends(self) -> tuple[float, float]:
+        """Ends of the range in SI units."""
         return self.to_si(self.allowed.low), self.to_si(self.allowed.high)
 
     def allows(self, values: Any) -> Any:
         """Return whether finite values in SI units lie in the range."""
-        low, high = self._si_ends
+        low, high = self.si_ends
         above = values >= low if self.allowed.with_low else values > low
         return above & (values <= high if self.allowed.with_high else values < high)
 

@@ -116,6 +116,25 @@ def test_machines_settle_and_are_told_as_by_vibro_solve(tmp_path: Path) -> None:
     assert not wrong, wrong[:1]
 
 
+_COUNTED = """
+export function run({ data, engine, answerOf, motionOf }, state) {
+  let count = 0;
+  const counting = { ...engine, operate: (...given) => (count += 1, engine.operate(...given)) };
+  answerOf(data, counting, state);
+  motionOf(data, counting, state);
+  return count;
+}
+"""
+
+
+def test_numbers_and_motion_of_a_machine_share_its_operating_point(tmp_path: Path) -> None:
+    file = tmp_path / "magnet.toml"
+    file.write_text(MACHINE_SCENE + KINDS["magnet"], encoding="utf-8")
+    request = request_of_call(file, {"filling_kg": 1})
+    grid = Grid({}, request.fixed, None, machine=request.machine)
+    assert in_modules(_COUNTED, state_of(grid, machine=scene_data(request)["machine"])) == 1
+
+
 def test_a_machine_whose_masses_strike_has_no_numbers(tmp_path: Path) -> None:
     file = tmp_path / "magnet.toml"
     file.write_text(MACHINE_SCENE + KINDS["magnet"] + "gap_mm = 0.01\n", encoding="utf-8")

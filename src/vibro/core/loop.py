@@ -38,6 +38,7 @@ from vibro.core.filling import Reaction, force_bound, mean_reaction, reaction_in
 from vibro.core.history import LastStarts, Launch, Legs, arrival_cycles, course_of, follow_legs, sections_from
 from vibro.core.hops import cycle_of, entered, hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load, wave_limits, write_spans
+from vibro.core.machines import Complex, filled_natural_frequency, transfer
 from vibro.core.numbers import (
     EXTREME,
     MOST_THROW,
@@ -45,12 +46,14 @@ from vibro.core.numbers import (
     TURN,
     Bytes,
     Doubles,
+    Fillings,
     Integers,
     Moments,
-    doubles,
+    Operated,
+    Springs,
     wrap,
 )
-from vibro.core.operating import Feeder, operating_point
+from vibro.core.operating import Feeder, Machine, all_amplitudes, feeder_of, write_operated
 from vibro.core.return_map import Hops, orbit_from
 from vibro.core.scenes import Place, Point, Scenes, point_at, prepare, seek, unit_point_at, visit
 from vibro.core.slides import thresholds
@@ -59,14 +62,6 @@ from vibro.core.waves import SINE
 
 # ------------------------------------------------------------------------------
 # Doors of single motions: scenes in buffers in, histories, their moments and arrival times out.
-
-
-# Amplitudes that are looked at between the bounds of operating points: logarithms of the ratio of neighbours,
-# and their largest number.
-_STEP: Final = 0.03
-_MOST_STEPS: Final = 512
-_FINE_STEP: Final = 0.002
-_MOST_FINE_STEPS: Final = 2048
 
 
 class Cycle(NamedTuple):
@@ -553,56 +548,70 @@ def weigh(
         out.bound[i] = bound
 
 
-class _Machines(NamedTuple):
-    """Amplitude of each cell's machine without a body [m], and how far the body's mass pulls it, m H [1]."""
-
-    empty: Doubles
-    pull_real: Doubles
-    pull_imaginary: Doubles
-
-
-class _Operated(NamedTuple):
-    """Operating points of cells, as ``OperatingPoint`` describes them."""
-
-    amplitude: Doubles
-    low: Doubles
-    high: Doubles
-    solved_at: Doubles
-    number: Integers
-    status: Bytes
-
-
 def operate(
-    scenes: Scenes, place: Place, machines: _Machines, out: _Operated, flights: Flights, hops: Hops,
-    begin: int, end: int,
+    scenes: Scenes, place: Place, springs: Springs, fillings: Fillings, out: Operated, flights: Flights,
+    hops: Hops, begin: int, end: int,
 ) -> None:  # fmt: skip
     """Find the operating point of least amplitude of each cell; the scenes have an amplitude of 1 m."""
-    nothing = doubles(1)
     for i in range(begin, end):
         visit(scenes, place, i, begin)
-        feeder = _feeder(scenes, place, machines, i, flights, hops)
-        found = operating_point(feeder, _STEP, _MOST_STEPS, nothing, 0)
-        out.amplitude[i], out.low[i], out.high[i] = found.amplitude, found.low, found.high
-        out.solved_at[i], out.number[i], out.status[i] = found.solved_at, found.number, found.status
+        write_operated(_feeder(scenes, place, springs, fillings, i, flights, hops), out, i)
 
 
 def operating_points(
-    scenes: Scenes, place: Place, machines: _Machines, flights: Flights, hops: Hops, out: Doubles, room: int
-) -> int:
+    scenes: Scenes, place: Place, springs: Springs, fillings: Fillings, flights: Flights, hops: Hops,
+    out: Doubles, room: int,
+) -> int:  # fmt: skip
     """List the amplitudes of all operating points of the first cell, as far as there is room."""
     seek(scenes, place, 0)
-    feeder = _feeder(scenes, place, machines, 0, flights, hops)
-    return operating_point(feeder, _FINE_STEP, _MOST_FINE_STEPS, out, room).number
+    return all_amplitudes(_feeder(scenes, place, springs, fillings, 0, flights, hops), out, room)
 
 
 def _feeder(
-    scenes: Scenes, place: Place, machines: _Machines, cell: int, flights: Flights, hops: Hops
-) -> Feeder:
-    one, unit = point_at(scenes, place), unit_point_at(scenes, place).loads
-    return Feeder(
-        unit, one.loads.weight_normal / unit.weight_normal, one.restitution, machines.empty[cell],
-        machines.pull_real[cell], machines.pull_imaginary[cell], flights, hops,
+    scenes: Scenes, place: Place, springs: Springs, fillings: Fillings, cell: int, flights: Flights,
+    hops: Hops,
+) -> Feeder:  # fmt: skip
+    one = point_at(scenes, place)
+    unit = unit_point_at(scenes, place).loads
+    share = Complex(fillings.added_mass_share[cell], -fillings.added_damping_share[cell])
+    machine = Machine(
+        springs, one.frequency, fillings.natural_frequency[cell], fillings.force[cell],
+        fillings.filling[cell], share,
     )  # fmt: skip
+    return feeder_of(machine, one, unit, flights, hops)
+
+
+def transfers(
+    springs: Springs, frequency: Doubles, natural_frequency: Doubles, real: Doubles, imaginary: Doubles,
+    out: Doubles, filled: Doubles, count: int,
+) -> None:  # fmt: skip
+    """Move a machine by a force of 1 N.
+
+    Parameters
+    ----------
+    springs : Springs
+        The machine.
+    frequency, natural_frequency, real, imaginary : Doubles
+        Of each case: the drive's, that of the empty machine [Hz], and the mass on the trough [kg].
+    out : Doubles
+        Is written with both parts of the four numbers of ``Transfer``, case after case.
+    filled : Doubles
+        Is written with the natural frequencies with that mass [Hz].
+    count : int
+        Number of cases.
+    """
+    for i in range(count):
+        added = Complex(real[i], imaginary[i])
+        found = transfer(springs, frequency[i], natural_frequency[i], added)
+        _write_complex(out, 8 * i, found.trough)
+        _write_complex(out, 8 * i + 2, found.counter)
+        _write_complex(out, 8 * i + 4, found.relative)
+        _write_complex(out, 8 * i + 6, found.compliance)
+        filled[i] = filled_natural_frequency(springs, natural_frequency[i], added.real)
+
+
+def _write_complex(out: Doubles, at: int, value: Complex) -> None:
+    out[at], out[at + 1] = value.real, value.imaginary
 
 
 #: What is compiled as functions of the library.
@@ -627,6 +636,7 @@ DOORS: Final = (
     solve_contact,
     solve_hops,
     tipping_loads,
+    transfers,
     transition_loads,
     weigh,
     write_letters,

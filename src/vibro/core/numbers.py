@@ -348,3 +348,76 @@ class Moments(NamedTuple):
     inertial: Doubles
     normal: Doubles
     gap: Doubles
+
+
+class Springs(NamedTuple):
+    """A machine that drives a trough: fields of ``vibro.Machine``, and the amplitudes that are allowed.
+
+    Attributes
+    ----------
+    trough_mass, counter_mass : float
+        m1 and m2; m1 is infinite of a crank [kg].
+    damping_ratio : float
+        Of the empty machine [1].
+    base_stiffness : float
+        Of the mount of the counter mass on the floor [N/m].
+    gap : float
+        Relative amplitude at which the masses strike each other [m].
+    pushes_counter_mass : bool
+        Whether the force acts on the counter mass alone, as that of an exciter.
+    narrowest, widest : float
+        Least and largest amplitude of the empty trough that is allowed [m].
+    """
+
+    trough_mass: float
+    counter_mass: float
+    damping_ratio: float
+    base_stiffness: float
+    gap: float
+    pushes_counter_mass: bool
+    narrowest: float
+    widest: float
+
+
+class Fillings(NamedTuple):
+    """What differs from cell to cell of a machine, besides its scenes: one element each.
+
+    Attributes
+    ----------
+    force, natural_frequency : Doubles
+        Amplitude of the force [N], of a crank [m], and natural frequency of the empty machine [Hz].
+    filling : Doubles
+        Mass of the filling [kg].
+    added_mass_share, added_damping_share : Doubles
+        Shares of it that are known; NaN where they are to be found [1].
+    """
+
+    force: Doubles
+    natural_frequency: Doubles
+    filling: Doubles
+    added_mass_share: Doubles
+    added_damping_share: Doubles
+
+
+class Operated(NamedTuple):
+    """Operating points of cells, as ``vibro.OperatingPoints`` describes them.
+
+    ``solved_at`` is the amplitude of the scenes there, also where there is no operating point [m].
+    """
+
+    amplitude: Doubles
+    amplitude_empty: Doubles
+    amplitude_low: Doubles
+    amplitude_high: Doubles
+    solved_at: Doubles
+    phase: Doubles
+    relative_amplitude: Doubles
+    filled_frequency_ratio: Doubles
+    added_mass_share: Doubles
+    added_damping_share: Doubles
+    second_real: Doubles
+    second_imaginary: Doubles
+    number: Integers
+    at_jump: Bytes
+    strikes: Bytes
+    status: Bytes

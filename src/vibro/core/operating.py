@@ -18,12 +18,31 @@ from vibro.core.drive import Loads
 from vibro.core.filling import Reaction, reaction_in_contact, reaction_of_hops
 from vibro.core.hops import repeating
 from vibro.core.limits import CriticalLoads, critical_loads
-from vibro.core.numbers import EPS, INF, NAN, Doubles, doubles, hypotenuse
+from vibro.core.machines import (
+    Complex,
+    Transfer,
+    bend,
+    filled_natural_frequency,
+    over,
+    plus,
+    scaled,
+    size_of,
+    times,
+    transfer,
+)
+from vibro.core.numbers import EPS, EXTREME, INF, NAN, Doubles, Operated, Springs, doubles
 from vibro.core.return_map import Hops
+from vibro.core.scenes import Point
 from vibro.core.slides import thresholds
 
 _ROUNDING: Final = 1e-9  # [1] by which bounds are widened
 _LEAST: Final = 1e-3  # [1] of the amplitude of a body that sticks: the least of bodies that never rest
+# Amplitudes that are looked at between the bounds: logarithms of the ratio of neighbours, and their largest
+# number; where one operating point is wanted, and where all of them are listed.
+_STEP: Final = 0.03
+_MOST_STEPS: Final = 512
+_FINE_STEP: Final = 0.002
+_MOST_FINE_STEPS: Final = 2048
 _FEWEST: Final = 3  # steps between both bounds
 # Where slides begin or change their kind shares jump, and have roots of the distance: amplitudes that are
 # looked at beside each critical one, and their relative distances.
@@ -36,11 +55,40 @@ _ZERO: Final = 4.0 * EPS  # [1] residual over A_0 that is rounding
 _JUMP: Final = 1e-9  # [1] residual over A_0 that only a jump leaves in a closed bracket
 
 
+class Machine(NamedTuple):
+    """A machine in one cell.
+
+    Attributes
+    ----------
+    springs : Springs
+        Its masses and springs.
+    frequency, natural_frequency : float
+        Of the drive, and of the empty machine [Hz].
+    force : float
+        Its amplitude [N], of a crank that of the trough [m].
+    filling : float
+        Mass of the body in its trough [kg].
+    share : Complex
+        lambda - i delta where it is known, else NaN [1].
+    """
+
+    springs: Springs
+    frequency: float
+    natural_frequency: float
+    force: float
+    filling: float
+    share: Complex
+
+
 class Feeder(NamedTuple):
     """A body in the trough of a machine.
 
     Attributes
     ----------
+    machine : Machine
+        Without the body.
+    still : Transfer
+        Its motion.
     unit : Loads
         Of the body at G = 1.
     length : float
@@ -49,20 +97,29 @@ class Feeder(NamedTuple):
         Of the scene.
     empty : float
         A_0 [m].
-    pull_real, pull_imaginary : float
+    pull : Complex
         m H [1].
     flights, hops : Flights, Hops
         Scratch memory.
     """
 
+    machine: Machine
+    still: Transfer
     unit: Loads
     length: float
     restitution: float
     empty: float
-    pull_real: float
-    pull_imaginary: float
+    pull: Complex
     flights: Flights
     hops: Hops
+
+
+def feeder_of(machine: Machine, one: Point, unit: Loads, flights: Flights, hops: Hops) -> Feeder:
+    """Put a body, whose loads at G = 1 are ``unit``, into a machine; ``one`` has an amplitude of 1 m."""
+    still = transfer(machine.springs, machine.frequency, machine.natural_frequency, Complex(0.0, 0.0))
+    length, empty = one.loads.weight_normal / unit.weight_normal, machine.force * size_of(still.trough)
+    pull = scaled(still.compliance, machine.filling)
+    return Feeder(machine, still, unit, length, one.restitution, empty, pull, flights, hops)
 
 
 class OperatingPoint(NamedTuple):
@@ -139,11 +196,8 @@ def operating_point(feeder: Feeder, step: float, most: int, found: Doubles, room
         Their number at most.
     """
     loads, length, critical = feeder.unit, feeder.length, critical_loads(feeder.unit)
-    pull = hypotenuse(feeder.pull_real, feeder.pull_imaginary)
     onset = length * _first_onset(critical) if loads.static_friction > 0.0 else 0.0
-    stuck = feeder.empty / hypotenuse(1.0 + feeder.pull_real, feeder.pull_imaginary)
-    friction = loads.static_friction * loads.drive_tangential
-    reach = pull * 2.0 * (loads.drive_normal + friction) * loads.weight_normal * length
+    stuck, reach = _shrunk(feeder, Complex(1.0, 0.0)), _reach(feeder)
     low = max(feeder.empty * (1.0 - _ROUNDING) - reach, onset * (1.0 - _BEFORE))
     low = low if low > 0.0 else _LEAST * stuck
     high = (feeder.empty + reach) * (1.0 + _ROUNDING)
@@ -224,8 +278,27 @@ def _is_known(status: int) -> bool:
     return status == Status.OK or status == Status.BOUNDARY
 
 
-def _trial(feeder: Feeder, amplitude: float) -> _Trial:
-    """Look at an amplitude; where the share is unknown its residual is that of none."""
+def _shrunk(feeder: Feeder, share: Complex) -> float:
+    """Return the amplitude with a body of a known share; infinite where it brings resonance."""
+    shrinks = size_of(plus(Complex(1.0, 0.0), times(feeder.pull, share)))
+    return feeder.empty / shrinks if shrinks > 0.0 else INF
+
+
+def _reach(feeder: Feeder) -> float:
+    """Return an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (89) [m]."""
+    loads = feeder.unit
+    pressed = loads.drive_normal + loads.static_friction * loads.drive_tangential
+    return size_of(feeder.pull) * 2.0 * pressed * loads.weight_normal * feeder.length
+
+
+class _Share(NamedTuple):
+    """What a body weighs at an amplitude, nothing where that is unknown, and its status there."""
+
+    reaction: Reaction
+    status: int
+
+
+def _share_at(feeder: Feeder, amplitude: float) -> _Share:
     unit = feeder.unit
     weight = feeder.length / amplitude  # 1/G
     loads = unit._replace(
@@ -235,7 +308,7 @@ def _trial(feeder: Feeder, amplitude: float) -> _Trial:
     )
     at = thresholds(loads)
     found, status = Reaction(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0
-    if at.hops:
+    if at.hops and loads.kinetic_friction <= loads.static_friction:
         hop = repeating(loads, feeder.restitution, feeder.flights, feeder.hops)
         status = hop.status
         if _is_known(status):
@@ -247,10 +320,15 @@ def _trial(feeder: Feeder, amplitude: float) -> _Trial:
             found = reaction_in_contact(loads, cycle.pattern)
     if status == Status.UNRESOLVED:
         status = int(Status.AVERAGED)
-    mass, damping = found.added_mass, found.added_damping
-    real = 1.0 + (feeder.pull_real * mass + feeder.pull_imaginary * damping)
-    imaginary = feeder.pull_imaginary * mass - feeder.pull_real * damping
-    return _Trial(amplitude, amplitude * hypotenuse(real, imaginary) - feeder.empty, status)
+    return _Share(found, status)
+
+
+def _trial(feeder: Feeder, amplitude: float) -> _Trial:
+    """Look at an amplitude; where the share is unknown its residual is that of none."""
+    found = _share_at(feeder, amplitude)
+    share = Complex(found.reaction.added_mass, -found.reaction.added_damping)
+    shrinks = size_of(plus(Complex(1.0, 0.0), times(feeder.pull, share)))
+    return _Trial(amplitude, amplitude * shrinks - feeder.empty, found.status)
 
 
 def _after(ascent: _Ascent, trial: _Trial, known: bool) -> _Ascent:
@@ -301,7 +379,7 @@ def _closed(feeder: Feeder, low: _Trial, high: _Trial) -> OperatingPoint:
         width = abs(other.amplitude - last.amplitude)
         if abs(best.residual) <= _ZERO * feeder.empty or width <= 4.0 * EPS * best.amplitude:
             break
-        share = _share(last, other, before)
+        share = _next_share(last, other, before)
         least = 2.0 * EPS * best.amplitude / width
         share = min(max(share, least), 1.0 - least)
     left, right = (last, other) if last.amplitude < other.amplitude else (other, last)
@@ -315,7 +393,7 @@ def _closed(feeder: Feeder, low: _Trial, high: _Trial) -> OperatingPoint:
     return OperatingPoint(at.amplitude, low.amplitude, high.amplitude, at.amplitude, 1, Status.AVERAGED)
 
 
-def _share(last: _Trial, other: _Trial, before: _Trial) -> float:
+def _next_share(last: _Trial, other: _Trial, before: _Trial) -> float:
     """Return where in a bracket, from its last end on, to look next."""
     x, y, z = last.amplitude, other.amplitude, before.amplitude
     f, g, h = last.residual, other.residual, before.residual
@@ -323,3 +401,105 @@ def _share(last: _Trial, other: _Trial, before: _Trial) -> float:
     if height * height < place and (1.0 - height) * (1.0 - height) < 1.0 - place:
         return f / (g - f) * (h / (g - h)) + (z - x) / (y - x) * (f / (h - f)) * (g / (h - g))
     return 0.5
+
+
+# ------------------------------------------------------------------------------
+# All that a machine does at its operating point.
+
+
+def all_amplitudes(feeder: Feeder, found: Doubles, room: int) -> int:
+    """List the amplitudes of all operating points, as far as there is room; return their number."""
+    return operating_point(feeder, _FINE_STEP, _MOST_FINE_STEPS, found, room).number
+
+
+class _Filled(NamedTuple):
+    """An operating point, whether the share jumps there, and it with its second harmonic; NaN if unknown."""
+
+    point: OperatingPoint
+    jumps: bool
+    share: Complex
+    second: Complex
+
+
+def _settled(feeder: Feeder) -> _Filled:
+    """Find where a machine settles with a body whose share is unknown; a crank does not depend on it."""
+    nothing, empty = Complex(NAN, NAN), feeder.empty
+    point, stiff = OperatingPoint(empty, empty, empty, empty, 1, Status.OK), size_of(feeder.pull) == 0.0
+    none = doubles(1)
+    if not stiff:
+        point = operating_point(feeder, _STEP, _MOST_STEPS, none, 0)
+    found = _share_at(feeder, point.solved_at)
+    known, jumps = _is_known(found.status), point.status == Status.BOUNDARY
+    if stiff or point.status == Status.OK:
+        point = point._replace(status=found.status)
+        if not stiff and not known:
+            point = point._replace(amplitude=NAN, low=NAN, high=NAN, number=0)
+    if not known or math.isnan(point.amplitude):
+        return _Filled(point, jumps, nothing, nothing)
+    reaction = found.reaction
+    share = Complex(reaction.added_mass, -reaction.added_damping)
+    return _Filled(point, jumps, share, Complex(reaction.second_real, reaction.second_imaginary))
+
+
+def write_operated(feeder: Feeder, out: Operated, row: int) -> None:
+    """Find the operating point of least amplitude, and write what the machine does there.
+
+    Where the empty trough's amplitude is not allowed, nothing is searched.
+    """
+    machine, empty, mass = feeder.machine, feeder.empty, feeder.machine.filling
+    springs = machine.springs
+    allowed = springs.narrowest < empty <= springs.widest and size_of(feeder.pull) < EXTREME
+    amplitude = empty
+    if mass > 0.0 and not math.isnan(machine.share.real):
+        amplitude = _shrunk(feeder, machine.share)
+    start = OperatingPoint(amplitude, amplitude, amplitude, amplitude, 1, Status.OK)
+    at = _Filled(start, False, machine.share, Complex(NAN, NAN))
+    if allowed and mass > 0.0 and math.isnan(machine.share.real):
+        at = _settled(feeder)
+    point, share = at.point, at.share
+    infinite = not (allowed or empty <= springs.narrowest) or point.amplitude == INF
+    # a crank moves its trough as it does, whatever the share is
+    unsure = mass > 0.0 and math.isnan(share.real) and size_of(feeder.pull) > 0.0
+    unsure = unsure and point.status == Status.AVERAGED
+    frequency, natural = machine.frequency, machine.natural_frequency
+    added, moved, harmonic = Complex(0.0, 0.0), feeder.still, Complex(0.0, 0.0)
+    if mass > 0.0:
+        twice = transfer(springs, 2.0 * frequency, natural, added)
+        harmonic = times(scaled(at.second, -0.25 * mass), twice.compliance)  # Eq. (90)
+        if not math.isnan(share.real):
+            added = scaled(share, mass)
+            moved = transfer(springs, frequency, natural, added)
+    relative = point.amplitude * bend(moved)
+    if unsure:
+        relative = _most_relative(feeder, point.high)
+    if infinite:
+        relative = INF
+    strikes = relative > springs.gap or infinite
+    phase, ratio = NAN, NAN
+    if not unsure and not math.isnan(point.amplitude):
+        phase = math.atan2(moved.trough.imaginary + 0.0, moved.trough.real + 0.0)
+        filled = filled_natural_frequency(springs, natural, added.real)
+        ratio = frequency / filled if filled > 0.0 else INF
+    if strikes:
+        point = point._replace(amplitude=NAN, low=NAN, high=NAN, number=0)
+    out.amplitude[row] = point.amplitude
+    out.amplitude_low[row], out.amplitude_high[row] = point.low, point.high
+    out.amplitude_empty[row] = empty if allowed or empty <= springs.narrowest else INF
+    out.solved_at[row] = min(springs.widest, empty) if infinite else point.solved_at
+    out.phase[row], out.relative_amplitude[row], out.filled_frequency_ratio[row] = phase, relative, ratio
+    out.added_mass_share[row], out.added_damping_share[row] = share.real, 0.0 - share.imaginary
+    out.second_real[row], out.second_imaginary[row] = harmonic.real, harmonic.imaginary
+    out.number[row], out.status[row] = point.number, point.status
+    out.strikes[row], out.at_jump[row] = 1 if strikes else 0, 1 if at.jumps else 0
+
+
+def _most_relative(feeder: Feeder, high: float) -> float:
+    """Return an upper bound of the relative amplitude, whatever the share is [m].
+
+    Over the amplitude of the trough it is linear in the added mass, of which Eq. (89) bounds m A abs(z).
+    """
+    machine, still = feeder.machine, feeder.still
+    one = transfer(machine.springs, machine.frequency, machine.natural_frequency, Complex(1.0, 0.0))
+    own, more = over(still.relative, still.trough), over(one.relative, one.trough)
+    slope = size_of(plus(more, scaled(own, -1.0)))
+    return high * size_of(own) + slope * _reach(feeder) / size_of(still.compliance)

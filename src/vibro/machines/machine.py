@@ -10,7 +10,9 @@ import numpy as np
 
 from vibro.core.numbers import TURN
 from vibro.errors import InputError, Problems, shown
+from vibro.quantities import QUANTITIES
 from vibro.reals import NotRealError, real_array, real_number, shielded
+from vibro.threads import doors
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -211,56 +213,43 @@ class Transfer(NamedTuple):
         X_1, X_2 and X_1 - X_2 over F [m/N]; of a crank over its radius [1].
     compliance : complex array
         H of Eq. (85), A / A_0 = 1 / abs(1 + m H) for a complex added mass m [1/kg].
+    filled_natural_frequency : array
+        With the real part of the added mass [Hz].
     """
 
     trough: Complexes
     counter: Complexes
     relative: Complexes
     compliance: Complexes
+    filled_natural_frequency: Floats
 
 
-def transfer(machine: Machine, frequency: Any, natural_frequency: Any, added_mass: Any) -> Transfer:
+def springs_of(machine: Machine) -> tuple[float | bool, ...]:
+    """Return the machine as the solver takes it: ``Springs``."""
+    masses = machine.trough_mass, machine.counter_mass
+    numbers = (*masses, machine.damping_ratio, machine.base_stiffness, machine.gap)
+    return (*map(float, numbers), machine.kind == "exciter", *QUANTITIES["amplitude"].si_ends)
+
+
+def transfer(machine: Machine, frequency: Floats, natural_frequency: Floats, added: Complexes) -> Transfer:
     """Solve Eq. (81) for a force of 1 N.
 
     Parameters
     ----------
     machine : Machine
         Its masses, damping, and mount.
-    frequency, natural_frequency : array_like
+    frequency, natural_frequency : array
         Of the drive and of the empty machine between its masses, without the base mount [Hz].
-    added_mass : complex array_like
-        The filling's mass m (lambda - i delta) [kg].
-
-    Notes
-    -----
-    Z is divided by -m2 w^2, so that a counter mass may be infinite, and grouped about the resonance: the
-    detuning w0^2 - w^2 is a product, exact to rounding where the two nearly cancel.
+    added : complex array
+        The filling's mass m (lambda - i delta), all of one shape [kg].
     """
-    m1, r, mu = machine.trough_mass, 1.0 / machine.counter_mass, machine.reduced_mass
-    f, f0 = np.asarray(frequency, np.float64), np.asarray(natural_frequency, np.float64)
-    added = np.asarray(added_mass, np.complex128)
-    if machine.kind == "crank":
-        one = np.ones(np.broadcast_shapes(f.shape, added.shape), np.complex128)
-        return Transfer(one, 0.0 * one, one, 0.0 * one)
-    w = TURN * f
-    ww, w0 = w * w, TURN * f0
-    damping = 2j * machine.damping_ratio * mu * w0 * w
-    kappa = mu * w0 * w0 + damping
-    g = machine.base_stiffness * r / ww
-    free = 1.0 - g
-    coupling = kappa * r - ww * free  # dZ/dM
-    detuning = mu * TURN**2 * (f0 - f) * (f0 + f) + damping
-    empty = (1.0 + m1 * r) * detuning - g * (kappa - m1 * ww)  # Z_0, Eq. (82)
-    mass = m1 + added
-    impedance = empty + added * coupling
-    # Eq. (83)
-    if machine.kind == "exciter":
-        trough, counter, relative = -kappa * r / ww, (mass - kappa / ww) * r, -mass * r
-    else:
-        trough, counter, relative = free, -mass * r, free + mass * r
-    return Transfer(
-        trough / impedance, counter / impedance, relative / impedance, np.asarray(coupling / empty)
-    )
+    given = np.stack([frequency, natural_frequency, added.real, added.imag]).reshape(4, -1)
+    moved, filled = np.empty((frequency.size, 8)), np.empty(frequency.shape)
+    solver = doors()
+    out = solver.row(moved), solver.row(filled)
+    solver.transfers(springs_of(machine), *solver.rows(given), *out, frequency.size)
+    trough, counter, relative, compliance = moved.view(np.complex128).T.reshape(4, *frequency.shape)
+    return Transfer(trough, counter, relative, compliance, filled)
 
 
 @dataclass(frozen=True)
@@ -712,14 +701,15 @@ class Machine:
         0.315 mm 0.451 mm
         """
         f, s, u, f0, added = self.broadcast(frequency, setting, voltage, natural_frequency, added_mass)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            found, force = transfer(self, f, f0, added), self.force_at(f, s, u)
+        found = transfer(self, f, f0, added)
+        with np.errstate(invalid="ignore", over="ignore"):
+            force = self.force_at(f, s, u)
             return Response(
                 amplitude=(force * np.abs(found.trough))[()],
                 phase=np.angle(found.trough + 0.0)[()],
                 counter_amplitude=(force * np.abs(found.counter))[()],
                 relative_amplitude=(force * np.abs(found.relative))[()],
-                filled_natural_frequency=self.filled_natural_frequency(f0, added.real)[()],
+                filled_natural_frequency=found.filled_natural_frequency[()],
                 compliance=found.compliance[()],
             )
 
@@ -776,26 +766,6 @@ class Machine:
         """
         ratio = frequency / self.force_frequency
         return self.force * setting * voltage**self.voltage_exponent * ratio**self.force_exponent
-
-    def filled_natural_frequency(self, natural_frequency: Floats, added: Floats) -> Floats:
-        """Return the natural frequency with a mass added to the trough.
-
-        Parameters
-        ----------
-        natural_frequency : array
-            Natural frequency of the empty machine [Hz].
-        added : array
-            Added mass, which may be negative [kg].
-
-        Returns
-        -------
-        array
-            Natural frequency; inf where a negative added mass leaves no mass of the trough [Hz].
-        """
-        r, m1 = 1.0 / self.counter_mass, self.trough_mass
-        filled = m1 + added
-        ratio = (m1 / filled) * ((1.0 + filled * r) / (1.0 + m1 * r))
-        return natural_frequency * np.sqrt(np.where(ratio > 0.0, ratio, math.inf))
 
     @property
     def reduced_mass(self) -> float:
@@ -897,9 +867,3 @@ def broadcast(arrays: Mapping[str, Any]) -> tuple[Any, ...]:
     except ValueError:
         shapes = ", ".join(f"{name} {np.shape(x)}" for name, x in arrays.items())
         raise InputError(f"shapes = {shapes}: must be broadcastable against each other") from None
-
-
-def driven(machine: Machine, f: Floats, s: Floats, u: Floats, f0: Floats) -> tuple[Floats, Transfer]:
-    """Return the empty machine's amplitude and its transfer."""
-    found = transfer(machine, f, f0, 0.0)
-    return machine.force_at(f, s, u) * np.abs(found.trough), found

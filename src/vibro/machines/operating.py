@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Status, is_answered
+from vibro.core.codes import Status
+from vibro.core.numbers import Operated
 from vibro.drives import Motion
 from vibro.errors import InputError, shown
-from vibro.fillings import filling_of
-from vibro.machines.machine import Machine, broadcast, driven, transfer
+from vibro.machines.machine import Machine, broadcast, springs_of
 from vibro.quantities import QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.results.operating import WARNED_HARMONIC
@@ -22,15 +22,13 @@ from vibro.threads import Grid, Scratch, doors, lasting, over_cells
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.machines.machine import Transfer
     from vibro.reals import Complexes, Floats
-
-    Cells = NDArray[np.int64]
 
 
 _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  # of what is checked after it
-_NEIGHBOUR: Final = 1.0 + 1e-6  # [1] of a frequency at which no trough is as wide as an amplitude
-_RANGE: Final = 64  # [cells] so that an interrupt is noticed within a fraction of a second
+_ROWS: Final = Operated._fields[: Operated._fields.index("number")]  # that are numbers
+_RANGE: Final = 32  # [cells] so that an interrupt is noticed within a fraction of a second
+_UNSEARCHED: Final = 8192  # [cells] the same without a search
 _MOST_POINTS: Final = 64  # that are listed
 #: What is in doubt about operating points, with places for numbers.
 DOUBTS: Final = {
@@ -201,26 +199,38 @@ def with_second_harmonic(scene: Scene, phasor: Complexes) -> Scene:
 
 
 class _Case(NamedTuple):
-    """Arguments of a machine, checked and broadcast, and its empty motion: flat arrays over the cells.
+    """Arguments of a machine, checked and broadcast: flat arrays over the cells.
 
-    They are contiguous, so that a cell has the same bits in every grid: NumPy's loops differ by strides.
+    Attributes
+    ----------
+    shape : tuple of int
+        That to which they broadcast.
+    frequency, setting : array
+        Of the drive [Hz], and over that at 100 % [1].
+    fillings : array
+        Rows of the solver's ``Fillings``.
+    body : dict of str to array
+        Fields of a scene.
     """
 
     shape: tuple[int, ...]
     frequency: Floats
     setting: Floats
-    voltage: Floats
-    natural: Floats
-    filling: Floats
-    empty: Floats
-    linear: Transfer
+    fillings: Floats
     body: dict[str, Floats]
-    unbounded: NDArray[np.bool_]
 
     @property
-    def compliance(self) -> Complexes:
-        """H [1/kg]."""
-        return self.linear.compliance
+    def is_searched(self) -> bool:
+        """Whether any filling has shares that are to be found."""
+        _, _, filling, share, _ = self.fillings
+        return bool(np.any((filling > 0.0) & np.isnan(share)))
+
+    def grid(self) -> Grid:
+        """Return the scenes at an amplitude of 1 m; it keeps the fillings alive too."""
+        ones = np.ones(self.frequency.size)
+        grid = Grid(Scene.computed(amplitude=ones, frequency=self.frequency, **self.body).arrays())
+        grid.hold(self.fillings)
+        return grid
 
 
 @shielded
@@ -312,14 +322,26 @@ def operate(
     body: dict[str, Any] = {**friction, **trough, "restitution": restitution}
     drive: dict[str, Any] = {"frequency": frequency, "setting": setting, "voltage": voltage}
     own: dict[str, Any] = {"natural_frequency": natural_frequency, "filling": filling}
-    case = _case(machine, **drive, **own, **body, allow_unbounded=allow_strikes)
-    shares = _shares(added_mass_share, added_damping_share, case.shape)
-    found = _Found.empty(case, shares)
-    if shares is None:
-        full = np.flatnonzero((case.filling > 0.0) & (case.compliance != 0.0))
-        _solve(case, full, found, threads)
-        _weigh(case, found, threads)
-    return _points(machine, case, found, allow_strikes=allow_strikes)
+    shares: dict[str, Any] = {
+        "added_mass_share": added_mass_share,
+        "added_damping_share": added_damping_share,
+    }
+    case = _case(machine, **drive, **own, **body, **shares)
+    grid, solver, scratch, size = case.grid(), doors(), Scratch(), case.frequency.size
+    numbers, count, codes = (
+        np.empty((len(_ROWS), size)),
+        np.empty(size, np.int64),
+        np.empty((3, size), np.int8),
+    )
+    grid.hold(numbers, count, codes)
+    given = springs_of(machine), solver.rows(case.fillings)
+    out = (*solver.rows(numbers), solver.row(count), *solver.rows(codes))
+
+    def run(begin: int, end: int) -> None:
+        solver.operate(grid.scenes, grid.place(), *given, out, scratch.flights, scratch.hops, begin, end)
+
+    over_cells(run, size, _RANGE if case.is_searched else _UNSEARCHED, threads)
+    return _points(machine, case, numbers, count, codes, allow_strikes=allow_strikes)
 
 
 @shielded
@@ -363,16 +385,15 @@ def operating_points(machine: Machine, **case: Any) -> tuple[float, ...]:
     points = operate(machine, **case)
     if shape := np.shape(points.amplitude):
         raise InputError(f"shape = {shape}: must be one case", hint="vibro.operate takes arrays")
-    share = case.pop("added_mass_share", None)
-    for name in ("added_damping_share", "threads"):
+    for name in ("allow_strikes", "threads"):
         case.pop(name, None)
-    one = _case(machine, allow_unbounded=case.pop("allow_strikes", False), **case)
-    if share is not None or one.filling == 0.0 or one.compliance == 0.0 or points.number == 0:
+    one = _case(machine, **case)
+    if not one.is_searched or machine.kind == "crank" or points.number == 0:
         return (float(points.amplitude),) * int(points.number)
-    grid, machines = _grid_of(one, np.zeros(1, np.int64))
-    scratch, amplitudes = Scratch(), np.empty(_MOST_POINTS)
-    buffers = doors().rows(machines), scratch.flights, scratch.hops, doors().row(amplitudes)
-    number = lasting(lambda: doors().operating_points(grid.scenes, grid.place(), *buffers, amplitudes.size))
+    grid, solver, scratch, amplitudes = one.grid(), doors(), Scratch(), np.empty(_MOST_POINTS)
+    given = springs_of(machine), solver.rows(one.fillings), scratch.flights, scratch.hops
+    buffers = *given, solver.row(amplitudes)
+    number = lasting(lambda: solver.operating_points(grid.scenes, grid.place(), *buffers, amplitudes.size))
     return tuple(amplitudes[:number].tolist())
 
 
@@ -388,10 +409,11 @@ def _case(
     voltage: ArrayLike = 1.0,
     natural_frequency: ArrayLike | None = None,
     filling: ArrayLike = 0.0,
-    allow_unbounded: bool = False,
+    added_mass_share: ArrayLike | None = None,
+    added_damping_share: ArrayLike | None = None,
     **body: Any,
 ) -> _Case:
-    """Check and broadcast all arguments, and find the empty machine's amplitude."""
+    """Check and broadcast all arguments."""
     if not isinstance(machine, Machine):
         hint = "make one by vibro.Machine.magnet(...) or another kind"
         raise InputError(f"machine = {shown(machine)}: must be a vibro.Machine", hint=hint)
@@ -400,34 +422,13 @@ def _case(
     known = Scene.allowing_infeasible(amplitude=1.0, frequency=f, **body)  # refuses angles by their names
     rest = {name: getattr(known, name) for name in (*_FRICTIONS, *_DEFAULTS)}
     shape = broadcast({"frequency": f, "filling": mass, **rest})[0].shape
+    fillings = machine.force_at(f, s, u), f0, mass, *_shares(added_mass_share, added_damping_share, shape)
 
     def flat(x: Any) -> Any:
         return np.ascontiguousarray(np.broadcast_to(x, shape)).reshape(-1)
 
-    f, s, u, f0, mass = (flat(x) for x in (f, s, u, f0, mass))
-    empty, linear = driven(machine, f, s, u, f0)
-    size = QUANTITIES["amplitude"]
-    good = size.allows(empty)
-    unbounded = ~good & ~(empty < 1.0) & allow_unbounded  # and not too small
-    if unbounded.any():  # these cells have no answer: a neighbour's numbers stand in for theirs
-        f = np.where(unbounded, f * _NEIGHBOUR, f)
-        empty, linear = driven(machine, f, s, u, f0)
-        good = size.allows(empty)
-    if not good.all():
-        i = int(np.argmin(good))
-        raise InputError(
-            f"amplitude = {empty[i]:.6g} m at frequency = {f[i]:.15g} Hz: must be {size.range_text}",
-            hint="damping alone bounds the amplitude at resonance: give a damping_ratio > 0",
-        )
     body = {name: flat(x) for name, x in rest.items()}
-    case = _Case(shape, f, s, u, f0, mass, empty, linear, body, unbounded)
-    sizes = case.filling * np.abs(case.compliance), _reach(case)
-    if not (good := np.isfinite(sizes[0]) & np.isfinite(sizes[1])).all():
-        wrong = float(case.filling[int(np.argmin(good))])
-        raise InputError(
-            f"filling = {wrong:.15g} kg: its inertia is beyond the range of numbers", fields=["filling"]
-        )
-    return case
+    return _Case(shape, flat(f), flat(s), np.stack([flat(x) for x in fillings]), body)
 
 
 def _numbers(name: str, value: Any) -> Floats:
@@ -446,10 +447,10 @@ def _masses(value: Any) -> Floats:
     return mass
 
 
-def _shares(mass: Any, damping: Any, shape: tuple[int, ...]) -> Complexes | None:
-    """Return the shares that are given, complex."""
+def _shares(mass: Any, damping: Any, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Read the shares that are given; NaN where none are."""
     if mass is None and damping is None:
-        return None
+        return np.array(np.nan), np.array(np.nan)
     if mass is None:
         raise InputError(
             f"added_damping_share = {shown(damping)}: must be given beside added_mass_share",
@@ -460,140 +461,35 @@ def _shares(mass: Any, damping: Any, shape: tuple[int, ...]) -> Complexes | None
     for name, part in parts.items():
         for wrong in part[~np.isfinite(part)][:1]:
             raise InputError(f"{name} = {wrong}: must be finite", fields=[name])
-    share = parts["added_mass_share"] - 1j * parts["added_damping_share"]
-    if np.broadcast_shapes(share.shape, shape) != shape:
-        raise InputError(f"added_mass_share of shape {share.shape}: must broadcast to {shape}")
-    return np.ascontiguousarray(np.broadcast_to(share, shape)).reshape(-1)
+    own = np.broadcast_shapes(*(part.shape for part in parts.values()))
+    if np.broadcast_shapes(own, shape) != shape:
+        raise InputError(f"added_mass_share of shape {own}: must broadcast to {shape}")
+    return parts["added_mass_share"], parts["added_damping_share"]
 
 
-class _Found(NamedTuple):
-    """Results of all cells, flat, as they are found; of empty machines and known shares from the start."""
-
-    amplitude: Floats
-    low: Floats
-    high: Floats
-    share: Complexes
-    second: Complexes
-    number: NDArray[np.int64]
-    at_jump: NDArray[np.bool_]
-    status: NDArray[np.int8]
-    solved_at: Floats
-
-    @classmethod
-    def empty(cls, case: _Case, shares: Complexes | None) -> _Found:
-        size = case.empty.size
-        share = np.full(size, complex(np.nan, np.nan)) if shares is None else shares
-        known = np.zeros(size) if shares is None else shares
-        amplitude = case.empty / np.abs(1.0 + case.filling * known * case.compliance)
-        second = np.where(case.filling > 0.0, np.nan, 0.0).astype(np.complex128)
-        return cls(
-            amplitude=amplitude,
-            low=amplitude.copy(),
-            high=amplitude.copy(),
-            share=share,
-            second=second,
-            number=np.ones(size, np.int64),
-            at_jump=np.zeros(size, np.bool_),
-            status=np.zeros(size, np.int8),
-            solved_at=amplitude.copy(),
+def _points(
+    machine: Machine,
+    case: _Case,
+    numbers: Floats,
+    count: NDArray[np.int64],
+    codes: NDArray[np.int8],
+    *,
+    allow_strikes: bool,
+) -> OperatingPoints:
+    """Check and assemble the results, rows of the solver's ``Operated``."""
+    found = dict(zip(_ROWS, numbers, strict=True))
+    at_jump, strikes, status = codes
+    f, relative, empty = case.frequency, found["relative_amplitude"], found["amplitude_empty"]
+    size = QUANTITIES["amplitude"]
+    for i in np.flatnonzero(~size.allows(empty) & ~(allow_strikes & np.isinf(empty)))[:1]:
+        raise InputError(
+            f"amplitude = {empty[i]:.6g} m at frequency = {f[i]:.15g} Hz: must be {size.range_text}",
+            hint="damping alone bounds the amplitude at resonance: give a damping_ratio > 0",
         )
-
-
-def _grid_of(case: _Case, cells: Cells) -> tuple[Grid, Floats]:
-    """Return the scenes of some cells at an amplitude of 1 m, and what the solver takes of their machines."""
-    body = {name: x[cells] for name, x in case.body.items()}
-    pull = (case.filling * case.compliance)[cells]
-    machines = np.stack([case.empty[cells], pull.real, pull.imag])
-    scene = Scene.computed(amplitude=np.ones(cells.shape), frequency=case.frequency[cells], **body)
-    grid = Grid(scene.arrays())
-    grid.hold(machines)
-    return grid, machines
-
-
-def _solve(case: _Case, cells: Cells, found: _Found, threads: int | None) -> None:
-    """Find the least operating point of some cells, and count all."""
-    grid, machines = _grid_of(case, cells)
-    solver, scratch = doors(), Scratch()
-    numbers, count = np.empty((4, cells.size)), np.empty(cells.size, np.int64)
-    status = np.empty(cells.size, np.int8)
-    grid.hold(numbers, count, status)
-    rows, out = solver.rows(machines), (*solver.rows(numbers), solver.row(count), solver.row(status))
-
-    def run(begin: int, end: int) -> None:
-        solver.operate(grid.scenes, grid.place(), rows, out, scratch.flights, scratch.hops, begin, end)
-
-    over_cells(run, cells.size, _RANGE, threads, cost=2)
-    found.amplitude[cells], found.low[cells], found.high[cells], found.solved_at[cells] = numbers
-    found.number[cells], found.status[cells] = count, status
-    found.at_jump[cells] = status == int(Status.BOUNDARY)
-
-
-def _weigh(case: _Case, found: _Found, threads: int | None) -> None:
-    """Weigh the filling at the amplitudes found; its motion may turn out to be irregular there."""
-    full = np.flatnonzero(case.filling > 0.0)
-    if not full.size:
-        return
-    fields = {"frequency": case.frequency, **case.body}
-    scene = Scene.computed(amplitude=found.solved_at[full], **{name: x[full] for name, x in fields.items()})
-    filling = filling_of(scene, solve(scene, threads=threads), threads=threads)
-    stiff = case.compliance[full] == 0.0  # a filling without any effect on the amplitude
-    is_known = ~stiff & (found.status[full] != int(Status.OK))
-    found.status[full] = np.where(is_known, found.status[full], filling.status)
-    unknown, nothing = np.isnan(found.amplitude[full]), complex(np.nan, np.nan)
-    found.share[full] = np.where(unknown, nothing, filling.share)
-    found.second[full] = np.where(unknown, nothing, filling.second_harmonic)
-    late = full[~is_known & ~stiff & (filling.status == int(Status.AVERAGED))]
-    reach = _reach(case)[late]
-    found.low[late], found.high[late] = np.maximum(case.empty[late] - reach, 0.0), case.empty[late] + reach
-    late = full[~is_known & ~stiff & ~is_answered(filling.status)]
-    found.amplitude[late] = found.low[late] = found.high[late] = np.nan
-    found.number[late] = 0
-
-
-def _reach(case: _Case) -> Floats:
-    """Return an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (89) [m]."""
-    body = case.body
-    alpha, beta = body["drive_angle"], body["trough_angle"]
-    unit = body["gravity"] / (2.0 * np.pi * case.frequency) ** 2
-    pressed = 2.0 * (np.sin(alpha) + body["static_friction"] * np.cos(alpha)) * np.cos(beta)
-    return np.asarray(case.filling * np.abs(case.compliance) * pressed * unit)
-
-
-def _bend(moved: Transfer) -> Floats:
-    """Return the relative amplitude over that of the trough."""
-    return np.asarray(np.abs(moved.relative / moved.trough))
-
-
-def _most_relative(machine: Machine, case: _Case, found: _Found) -> Floats:
-    """Return an upper bound of the relative amplitude, whatever the share is [m].
-
-    Over the amplitude of the trough it is linear in the added mass, of which Eq. (89) bounds m A abs(z).
-    """
-    one = transfer(machine, case.frequency, case.natural, 1.0)
-    slope = np.abs(one.relative / one.trough - case.linear.relative / case.linear.trough)
-    return np.asarray(found.high * _bend(case.linear) + slope * _reach(case) / np.abs(case.compliance))
-
-
-def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool) -> OperatingPoints:
-    """Assemble the results."""
-    f, f0, infinite = case.frequency, case.natural, case.unbounded | np.isinf(found.amplitude)
-    # a crank moves its trough as it does, whatever the share is
-    unsure = (case.filling > 0.0) & np.isnan(found.share) & (case.compliance != 0.0)
-    unsure &= found.status == int(Status.AVERAGED)
-    added = np.where(case.filling > 0.0, case.filling * np.nan_to_num(found.share), 0.0)
-    moved, twice = transfer(machine, f, f0, added), transfer(machine, 2.0 * f, f0, 0.0)
-    harmonic = -0.25 * case.filling * found.second * twice.compliance  # Eq. (90)
-    filled = f / machine.filled_natural_frequency(f0, added.real)
-    phase, unknown = np.angle(moved.trough + 0.0), unsure | np.isnan(found.amplitude)
-    phase, filled = (np.where(unknown, np.nan, x) for x in (phase, filled))
-    relative = np.where(unsure, _most_relative(machine, case, found), found.amplitude * _bend(moved))
-    relative = np.where(infinite, np.inf, relative)
-    ratio = np.where(case.unbounded, f / _NEIGHBOUR, f) / f0
-    strikes = (relative > machine.gap) | infinite
-    if np.any(strikes) and not allow_strikes:
+    if strikes.any() and not allow_strikes:
         i = int(np.argmax(strikes))
         where = f"at frequency = {f[i]:.15g} Hz, setting = {case.setting[i]:.6g}"
-        if infinite[i]:
+        if np.isinf(relative[i]):
             hint = "the added mass brings the machine into resonance: give a damping_ratio > 0"
             raise InputError(f"amplitude = inf m {where}: must be finite", hint=hint)
         raise InputError(
@@ -602,30 +498,18 @@ def _points(machine: Machine, case: _Case, found: _Found, *, allow_strikes: bool
             hint="lower the setting, or take a spring pack farther from resonance",
             fields=["gap"],
         )
-    for x in (found.amplitude, found.low, found.high):
-        x[strikes] = np.nan
-    found.number[strikes] = 0
-
-    amplitude = np.where(infinite, case.empty, found.solved_at)
-    fields = {"amplitude": amplitude, "frequency": f, **case.body}
+    fields = {"amplitude": found.pop("solved_at"), "frequency": f, **case.body}
     solved = Scene.computed(**{name: x.reshape(case.shape)[()] for name, x in fields.items()})
+    phasor = found.pop("second_real") + 1j * found.pop("second_imaginary")
     values = {
-        "amplitude": found.amplitude,
-        "amplitude_empty": np.where(case.unbounded, np.inf, case.empty),
-        "amplitude_low": found.low,
-        "amplitude_high": found.high,
-        "phase": phase,
-        "relative_amplitude": relative,
-        "frequency_ratio": ratio,
-        "filled_frequency_ratio": filled,
-        "added_mass_share": found.share.real,
-        "added_damping_share": 0.0 - found.share.imag,
-        "second_harmonic": np.abs(harmonic),
-        "second_phasor": harmonic,
-        "number": found.number,
-        "at_jump": found.at_jump,
-        "strikes": strikes,
-        "status": found.status,
+        **found,
+        "frequency_ratio": f / case.fillings[1],
+        "second_harmonic": np.abs(phasor),
+        "second_phasor": phasor,
+        "number": count,
+        "at_jump": at_jump.astype(np.bool_),
+        "strikes": strikes.astype(np.bool_),
+        "status": status,
     }
     shaped: dict[str, Any] = {name: x.reshape(case.shape)[()] for name, x in values.items()}
     return OperatingPoints(scene=solved, machine=machine, **shaped)

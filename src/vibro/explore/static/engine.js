@@ -281,30 +281,21 @@ function engineOf(doors, known) {
   }
 
   /**
-   * Find the operating points of machines, each of least amplitude.
+   * Find the operating points of a machine, each of least amplitude.
    * @param {ReturnType<typeof gridOf>} grid scenes of an amplitude of 1 m
-   * @param {Rows} machines amplitude of the empty trough, and mass of the filling times H, Eq. (87)
+   * @param {Record<string, any>} springs the machine, as core's Springs has it
+   * @param {Rows} fillings what differs from cell to cell
+   * @returns {Rows} by the names of vibro.OperatingPoints, in SI units; no amplitude is NaN
    */
-  function operate(grid, machines) {
-    const out = rows(fields("operate", 3), grid.size);
-    doors.operate(grid.scenes, grid.place, machines, out, flights, hops, 0, grid.size);
-    return out;
-  }
-
-  /**
-   * Weigh what lies in a trough whose cycles are solved: shares of its mass, as vibro.filling has them.
-   * @param {ReturnType<typeof gridOf>} grid
-   * @param {Rows} cycle
-   */
-  function weigh(grid, cycle) {
-    const out = rows(fields("weigh", 4), grid.size);
-    doors.weigh(grid.scenes, grid.place, cycle.pattern_code, cycle.status, out, flights, hops, 0, grid.size, false);
+  function operate(grid, springs, fillings) {
+    const out = rows(fields("operate", 4), grid.size);
+    doors.operate(grid.scenes, grid.place, springs, fillings, out, flights, hops, 0, grid.size);
     return out;
   }
 
   return {
     gridOf, solve, leastTurn, spelt, pattern, history, moments, path, arrival, slides, attractors, limits, spans,
-    operate, weigh, scaleOf, known,
+    operate, scaleOf, known,
   };
 }
 

@@ -30,9 +30,16 @@ const LEAST_DIFFERENCE = 2 ** -26; // [A] where slides to and fro nearly cancel,
 const LEAST_CERTAIN = 1.0 / 3.0; // error over the size of a mean whose sign is not in doubt
 const MILLI = 1000.0; // [mm/m]
 
-/** The operating point: its quantities in the units outside, as they are given, and its drive. A machine finds its
- * amplitude; one that has none gets an arbitrary one, whose results are withheld. */
+const points = new WeakMap(); // by state: numbers and motion of one change ask for the same
+
+/** The operating point: its quantities in the units outside, as they are given, and its drive. */
 export function pointOf(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ state) {
+  if (!points.has(state)) points.set(state, foundPoint(data, engine, state));
+  return points.get(state);
+}
+
+/** A machine finds its amplitude; one that has none gets an arbitrary one, whose results are withheld. */
+function foundPoint(/** @type {any} */ data, /** @type {any} */ engine, /** @type {any} */ state) {
   const { given, machine, values: { trough_length: length = NaN, friction_ratio: _, ...values } } = state;
   /** @type {any} */
   const operated = machine && operatingOf(data, engine, { values, given: null, machine: machine.fields });
