@@ -79,6 +79,21 @@ def test_without_a_scene_it_begins_with_the_nut(run: Run, opened: list[Path]) ->
     assert (scene["name"], scene["state"]["drive"]) == ("", "line")
 
 
+def test_options_alone_change_the_nut(run: Run, opened: list[Path]) -> None:
+    file = Path("safety_nut.toml")
+    file.write_text(Path(SCENE).read_text(encoding="utf-8"), encoding="utf-8")
+    for args in (
+        ("-A", "800um", "-f", "10:40"),
+        ("along=1", "normal=0.3", "phase=10"),
+        ("--mu-ratio", "0.5"),
+    ):
+        opened.clear()
+        assert run("explore", *args).exit_code == run("explore", str(file), *args).exit_code == 0
+        (alone,), (filed,) = (scenes_of(page.read_text(encoding="utf-8")) for page in opened)
+        assert alone["name"] == "nut"
+        assert alone["state"] == filed["state"]
+
+
 def test_several_scenes_are_tabs_and_options_change_each(run: Run, opened: list[Path]) -> None:
     other = str(EXAMPLES / "climbing_track.toml")
     result = run("explore", SCENE, other, "--mu-s", "0.8")

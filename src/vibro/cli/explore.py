@@ -26,7 +26,8 @@ def explore_command(options: Options) -> int:
 
     The page is one HTML file, which computes by itself: it needs no network, and can be mailed. It is opened
     from a temporary folder; -o nut.html writes it there, and opens nothing. Axes and [map] are those that the
-    map shows first, several files are tabs; without any the page begins with the paper's safety nut.
+    map shows first, several files are tabs; without any the page begins with the paper's safety nut, which
+    options change.
     """
     from vibro.cli.outputs import Outputs
     from vibro.explore.scenes import file_name
@@ -54,10 +55,12 @@ def _requests(options: Options) -> list[Request | None]:
     if not options.files and not options.given:
         return [None]
     from vibro.cli.request import request_of
+    from vibro.explore.scenes import nut_file
     from vibro.sweeps.request import RANGES
 
     each = [options.of(file) for file in options.files] or [options]
-    return [request_of(one, reads_map=True, takes_axes=True, ranges=RANGES) for one in each]
+    nut = nut_file()
+    return [request_of(one, without_file=nut, reads_map=True, takes_axes=True, ranges=RANGES) for one in each]
 
 
 def _temporary(name: str, text: str) -> Path:

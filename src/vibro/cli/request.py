@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from vibro.cli.console import Console
     from vibro.cli.options import Options
+    from vibro.files.scene_files import SceneFile
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
@@ -66,6 +67,7 @@ def request_of(options: Options, found: Collection[str] = (), **wanted: Any) -> 
 def read_request(
     options: Options,
     *,
+    without_file: SceneFile | None = None,
     without_machine: str = "",
     measured: Collection[str] = (),
     varies: bool = False,
@@ -77,6 +79,8 @@ def read_request(
     ----------
     options : Options
         The shared options.
+    without_file : SceneFile, optional
+        In place of a scene file that is not given.
     without_machine : str
         Why the command takes no machine; empty if it does.
     measured : collection of str
@@ -93,7 +97,7 @@ def read_request(
     FileError
         If the scene file cannot be read.
     """
-    file = read_scene_file(options.scene) if options.scene else None
+    file = read_scene_file(options.scene) if options.scene else without_file
     if measured and file is not None:
         kept = {name: spec for name, spec in file.scene.items() if STANDS_FOR.get(name, name) not in measured}
         file = replace(file, scene=kept, motion=None, machine=None)

@@ -26,6 +26,7 @@ from vibro.explore.controls import (
 )
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.motions import GivenMotion
+from vibro.files.scene_files import SceneFile
 from vibro.plots.style import visible
 from vibro.quantities import AMPLITUDES, DEFAULTS, MACHINE, QUANTITIES, SCALE, kinetic_friction
 from vibro.scene import check_single
@@ -124,6 +125,12 @@ def file_name(names: Sequence[str]) -> str:
     """Return a file's name that people recognise, in letters that every system takes."""
     joined = "-".join([*filter(None, names)] or ["nut"])
     return f"vibro-{re.sub(r'[^0-9A-Za-z_.-]+', '-', joined).strip('-.')[:_LONGEST] or 'scene'}"
+
+
+def nut_file() -> SceneFile:
+    """Return the scene that the page begins with where no file gives one, as if one did."""
+    names = (*DRIVES["line"].quantities, "frequency", "static_friction", "kinetic_friction", "trough_length")
+    return SceneFile("nut", {name: axis_of(EXAMPLES[name], QUANTITIES[name]) for name in names}, {})
 
 
 def request_of_scene(scene: Scene) -> Request:
