@@ -66,12 +66,23 @@ def test_several_scenes_are_tabs(open_page: Callable[..., Page]) -> None:
     assert page.locator("#drive").input_value() == "machine"
 
 
-def test_names_of_a_scene_stay_texts(open_page: Callable[..., Page], tmp_path: Path) -> None:
+def test_names_of_a_scene_stay_texts(open_page: Callable[..., Page]) -> None:
     packed = FEEDER.replace("6 leaves", "<img src=x onerror=alert(1)>")
     page = open_page("", packed, NUT)
     regime(page)
     assert page.locator("img").count() == 0
     assert "<img src=x onerror=alert(1)>" in page.locator("#pack option").all_text_contents()
+
+
+@pytest.mark.parametrize("width", [1200, 390])
+def test_long_names_stay_in_their_frames(width: int, open_page: Callable[..., Page]) -> None:
+    packed = FEEDER.replace("6 leaves", 100_000 * "l")
+    page = open_page("", packed, NUT, viewport={"width": width, "height": 844})
+    regime(page)
+    page.locator("#compare tbody th").first.evaluate("(name) => (name.textContent = 'n'.repeat(200))")
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= width
+    assert page.locator("#compare").evaluate("(frame) => frame.scrollWidth - frame.clientWidth") == 0
+    assert page.evaluate("document.scrollingElement.scrollHeight") < 7000
 
 
 def test_it_fits_a_telephone(open_page: Callable[..., Page]) -> None:
