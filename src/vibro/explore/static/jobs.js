@@ -120,14 +120,15 @@ export class MapCells {
   shownIn(job) {
     const map = new MapCells(job);
     map.isPreviewed = true;
-    const [across, up] = [(this.nx - 1) / (map.nx - 1), (this.ny - 1) / (map.ny - 1)];
+    const [across, up] = [[map.nx, this.nx], [map.ny, this.ny]].map(([many, few]) =>
+      Float64Array.from({ length: many }, (_, n) => (n * (few - 1)) / (many - 1)));
+    const [columns, rows] = [across, up].map((places) => Int32Array.from(places, Math.round));
     for (const [name, values] of Object.entries(this.rows)) {
       const Numbers = /** @type {any} */ (values.constructor);
       const shown = map.rows[name] = new Numbers(map.nx * map.ny);
       const isSmooth = /^(ratio|least|most)_/.test(name); // what curves are drawn of
       for (let j = 0, n = 0; j < map.ny; j++) for (let i = 0; i < map.nx; i++, n++) {
-        const [x, y] = [i * across, j * up];
-        shown[n] = isSmooth ? sampleOf(values, this.nx, x, y) : values[Math.round(y) * this.nx + Math.round(x)];
+        shown[n] = isSmooth ? sampleOf(values, this.nx, across[i], up[j]) : values[rows[j] * this.nx + columns[i]];
       }
     }
     return map;
