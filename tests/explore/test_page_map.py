@@ -192,6 +192,18 @@ def test_curves_lie_where_regimes_begin(texts: dict[str, str]) -> None:
         assert off.max() < (1e-9 if exact else 0.02), name
 
 
+def test_a_target_is_reached_at_its_curve() -> None:
+    one = drawn({"view": "speed", "target": "30"}, 100, 75)
+    scene = scene_at(one, points_of(one)["target"])
+    limits = vibro.critical_loads(scene)
+    off = np.abs(1e3 * vibro.solve(scene).mean_velocity / 30.0 - 1.0)
+    # where back slip begins speeds jump from above the target to below it
+    jumps, hops = (np.abs(scene.load / limit - 1.0) < 1e-9 for limit in (limits.back_slip, limits.hop))
+    assert jumps.any()
+    assert hops.any()
+    assert off[~jumps & ~hops].max() < 0.015
+
+
 def test_curves_of_bands_are_of_their_extreme_bodies() -> None:
     one = drawn(BAND)
     curves = points_of(one)

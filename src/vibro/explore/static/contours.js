@@ -3,10 +3,12 @@
 /** The value of a field between its cells, linear along both ways.
  * @param {ArrayLike<number>} field @param {number} nx @param {number} x @param {number} y */
 export function sampleOf(field, nx, x, y) {
-  const [i, j] = [Math.min(Math.floor(x), nx - 2), Math.min(Math.floor(y), field.length / nx - 2)];
-  const [s, t, n] = [x - i, y - j, j * nx + i];
-  const along = (/** @type {number} */ k) => (s === 0.0 ? field[k] : (1.0 - s) * field[k] + s * field[k + 1]);
-  return t === 0.0 ? along(n) : (1.0 - t) * along(n) + t * along(n + nx);
+  const i = Math.min(Math.floor(x), nx - 2), j = Math.min(Math.floor(y), field.length / nx - 2);
+  const s = x - i, t = y - j, n = j * nx + i, m = n + nx;
+  const low = s === 0.0 ? field[n] : (1.0 - s) * field[n] + s * field[n + 1];
+  if (t === 0.0) return low;
+  const high = s === 0.0 ? field[m] : (1.0 - s) * field[m] + s * field[m + 1];
+  return (1.0 - t) * low + t * high;
 }
 
 /** Give cells that are not known the value of the nearest one that is, along rows and columns; NaN if none is.
@@ -28,6 +30,21 @@ export function fillUnknown(values, nx, isKnown) {
     }
   }
   return /** @type {T} */ (found);
+}
+
+// The same, but that beside cells which are known values go on straight: a curve of them keeps its way up to their edge.
+/** @param {Float64Array} values @param {number} nx @param {(n: number) => boolean} isKnown */
+export function continued(values, nx, isKnown) {
+  return fillUnknown(values, nx, isKnown).map((value, n) => {
+    if (isKnown(n)) return value;
+    let sum = 0.0, count = 0;
+    for (const step of [n % nx > 1 ? -1 : 0, n % nx < nx - 2 ? 1 : 0, -nx, nx]) {
+      if (!isKnown(n + step) || !isKnown(n + 2 * step)) continue;
+      sum += 2.0 * values[n + step] - values[n + 2 * step];
+      count++;
+    }
+    return count ? sum / count : value;
+  });
 }
 
 /** Cells with one of a mask at most so many rows and columns away.

@@ -1,6 +1,6 @@
 /** What a map shows of its cells: numbers of the view, their colours, marks, the curves between regimes, notes. */
 
-import { closed, fillUnknown, visibleLines, zeroLines } from "./contours.js";
+import { closed, continued, fillUnknown, visibleLines, zeroLines } from "./contours.js";
 import { numberText, valueText } from "./draw.js";
 import { uncertainText } from "./figures.js";
 import { OF_FLIGHT, shareOf } from "./jobs.js";
@@ -82,7 +82,8 @@ export function drawnMap(data, state, cells) {
     ? regime[n] >= 0 && regime[n] !== HOPPING : highest[n] === NO_SLIP);
   const seen = numbers && numbers.map((number, n) => (covered(n) ? NaN : number));
   const scale = seen && scaleOf(view, seen, cells, data.known.Regime, fields.reverses);
-  const marked = marksOf(data, state, cells, fields, isSampled);
+  const wanted = state.target === null ? null : wantedOf(data, state, cells, fields, isSampled);
+  const marked = marksOf(data, state, cells, fields, isSampled, wanted?.meets);
   const looks = looksOf(data, { lowest, highest, numbers, scale, covered, marked });
   const label = data.views[view] + (isSampled && OF_SPEED.includes(view) ? ", sampled" : "");
   const unit = { speed: "mm/s", traverse: "s", impact: "mm/s" }[view] ?? "";
@@ -94,7 +95,7 @@ export function drawnMap(data, state, cells) {
     caption: captionOf(data, state, job),
     progress: cells.isDone ? "" : `${Math.round(100 * cells.share)} % exact, the rest a preview`,
     legend: legendOf(data, state, looks, isSampled),
-    curves: curvesOf(data, state, cells, fields, isSampled, numbers !== null),
+    curves: curvesOf(data, state, cells, fields, isSampled, numbers !== null, wanted?.edges),
     notes: [
       ...(hasNumbers ? [bestOf(data, state, cells, /** @type {Float64Array} */ (seen), unit)] : []),
       ...(isOutside(state) ? [OUTSIDE] : []),
@@ -125,7 +126,11 @@ function fieldsOf({ known }, state, cells, isSampled) {
   const { NO_SLIP, BACK_SLIP, HOPPING } = known.Regime;
   const size = nx * ny;
   const masked = (/** @type {(n: number) => boolean} */ is) => new Float64Array(size).map((_, n) => (is(n) ? 0.5 : -0.5));
-  const clipped = (/** @type {Float64Array} */ x) => x.map((value) => Math.min(Math.max(value, -MARGIN), MARGIN));
+  const clipped = (/** @type {Float64Array} */ x) => {
+    const found = new Float64Array(size);
+    for (let n = 0; n < size; n++) found[n] = Math.min(Math.max(x[n], -MARGIN), MARGIN);
+    return found;
+  };
   // ln(G / G_critical); where no load is critical, that of cells nearby: a curve must reach the region's edge.
   const ratios = (/** @type {string} */ prefix) => Object.fromEntries(Object.keys(HIDDEN_BY).map((name) => {
     const own = /** @type {Float64Array} */ (rows[`${prefix}_${name}`]);
@@ -158,32 +163,44 @@ function fieldsOf({ known }, state, cells, isSampled) {
   /** Positive where cells have a status without an answer: up to the exact boundary where that has a formula. */
   const unanswered = (/** @type {number} */ code) => (code !== known.Status.INFEASIBLE ? masked((n) => status[n] === code)
     : Float64Array.from(status, (own, n) => (own === code && !(excess(n) > 0.0) ? 0.5 : excess(n))));
-  const statuses = new Set(status);
+  const statuses = differentOf(status);
   return {
     ratio, rest, largest, moving, backwards, irregular, masked, statuses,
     speed: /** @type {Float64Array} */ (isSampled ? rows.sampled_velocity : mean).map((speed) => 1000.0 * speed), // [mm/s]
     edges: Object.fromEntries(Object.keys(rows.ratio_hop ? job.edges : {}).map((edge) => [edge, ratios(edge)])),
-    reverses: !isSampled && masked(backwards).filter((x) => x > 0.0).length > SEEN_SHARE * size,
+    reverses: !isSampled && mean.reduce((sum, _, n) => sum + Number(backwards(n)), 0) > SEEN_SHARE * size,
     missing: (/** @type {string[]} */ names) =>
       names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
   };
 }
 /** @typedef {ReturnType<typeof fieldsOf>} Fields */
 
+/** The different ones of many small codes. @param {ArrayLike<number>} codes */
+function differentOf(codes) {
+  const isThere = new Uint8Array(256);
+  for (let n = 0; n < codes.length; n++) isThere[codes[n] & 255] = 1;
+  return new Set(Array.from(isThere.keys()).filter((code) => isThere[code]));
+}
+
 /** Numbers of the view in the unit outside; none of regimes.
  * @param {Shown} state @param {MapCells} cells @param {Float64Array} speed [mm/s] */
 function numbersOf({ view, values }, { rows }, speed) {
   if (view === "regime") return null;
-  if (view === "impact") return Float64Array.from(rows.impact_velocity, (x) => 1000.0 * x);
-  if (view === "flight") return Float64Array.from(rows.flight_fraction);
-  if (view === "speed") return Float64Array.from(speed);
+  if (view === "impact") return /** @type {Float64Array} */ (rows.impact_velocity).map((x) => 1000.0 * x);
+  if (view === "flight") return /** @type {Float64Array} */ (rows.flight_fraction);
+  if (view === "speed") return speed;
   const length = values.trough_length ?? NaN;
-  return Float64Array.from(speed, (/** @type {number} */ x) => (x > 0.0 && Number.isFinite(length / x) ? length / x : NaN));
+  return speed.map((x) => (x > 0.0 && Number.isFinite(length / x) ? length / x : NaN));
 }
 
 /** @param {string} view @param {Float64Array} seen @param {MapCells} cells @param {any} Regime @param {boolean} reverses */
 function scaleOf(view, seen, { rows }, Regime, reverses) {
-  const those = (/** @type {(n: number) => boolean} */ is) => seen.filter((number, n) => Number.isFinite(number) && is(n));
+  const those = (/** @type {(n: number) => boolean} */ is) => {
+    const found = new Float64Array(seen.length);
+    let count = 0;
+    for (let n = 0; n < seen.length; n++) if (Number.isFinite(seen[n]) && is(n)) found[count++] = seen[n];
+    return found.subarray(0, count);
+  };
   if (view === "traverse") return timeScale(those(() => true));
   const regular = those((n) => rows.period_cycles[n] === 1.0), calm = those((n) => rows.regime[n] !== Regime.HOPPING);
   return speedScale(those(() => true), regular, calm, reverses && view === "speed");
@@ -191,13 +208,12 @@ function scaleOf(view, seen, { rows }, Regime, reverses) {
 
 /** Where each mark applies.
  * @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields @param {boolean} isSampled
- * @returns {Record<string, (n: number) => boolean>} */
-function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, fields, isSampled) {
+ * @param {Float64Array} [meets] @returns {Record<string, (n: number) => boolean>} */
+function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, fields, isSampled, meets) {
   const { status, coexists } = rows;
   const isNew = (/** @type {number} */ n) => solved[Math.floor(n / nx)] > 0;
   const hatches = statuses.filter((/** @type {any} */ one) => one.hatch && fields.statuses.has(one.code)).map(
     (/** @type {any} */ one) => [one.hatch, (/** @type {number} */ n) => status[n] === one.code]);
-  const meets = state.target === null ? null : meetsOf(state, nx, fields, isSampled);
   return {
     ...Object.fromEntries(hatches),
     ...(isPreviewed && { preview: (/** @type {number} */ n) => !isNew(n) }),
@@ -212,19 +228,31 @@ function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, 
   };
 }
 
-/** Positive where bodies reach the wanted speed and do not hop.
- * @param {Shown} state @param {number} nx @param {Fields} fields @param {boolean} isSampled */
-function meetsOf({ target }, nx, fields, isSampled) {
-  const wanted = Number(target);
-  const isKnown = (/** @type {number} */ n) => Number.isFinite(fields.speed[n]);
-  if (isSampled) {
-    const speed = fillUnknown(fields.speed, nx, isKnown);
-    const { hop } = fields.ratio; // which no friction changes
-    return speed.map((x, n) => Math.min(x / wanted - 1.0, isKnown(n) ? 0.5 : -0.5, -hop[n]));
+// Where bodies reach the wanted speed and do not hop, positive there, and the edges of that. Where back slip begins, and
+// at the hop limit, speeds jump, and lines between such cells would be jagged: each regime's speeds are continued
+// beyond its edge, and the lines in it end there.
+/** @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields @param {boolean} isSampled */
+function wantedOf({ known }, { target }, { rows: { regime }, nx }, { speed, ratio, rest, masked, missing }, isSampled) {
+  const { FORWARD_SLIP, BACK_SLIP } = known.Regime, { hop, back_slip: back } = ratio; // no friction changes hop
+  const isKnown = (/** @type {number} */ n) => Number.isFinite(speed[n]);
+  const surplus = (/** @type {(n: number) => boolean} */ isOwn) =>
+    continued(speed, nx, (n) => isKnown(n) && isOwn(n)).map((x) => (x || 0.0) / Number(target) - 1.0);
+  const less = (/** @type {Float64Array} */ x, /** @type {Float64Array} */ y) => x.map((value, n) => Math.min(value, -y[n]));
+  const lines = (/** @type {Float64Array} */ field, /** @type {Float64Array[]} */ hiding) =>
+    visibleLines(zeroLines(field, nx), hiding, nx);
+  const outside = isSampled ? [hop, masked((n) => !isKnown(n))]
+    : [hop, rest(), ...missing(["INFEASIBLE", "INDETERMINATE", "RUNAWAY", "UNRESOLVED"])];
+  let reaches = surplus(isSampled ? (n) => !(hop[n] > 0.0) : (n) => regime[n] === FORWARD_SLIP);
+  const edges = lines(reaches, isSampled ? outside : [back, ...outside]);
+  if (!isSampled) {
+    const slower = surplus((n) => regime[n] === BACK_SLIP), forward = back.map((x) => -x);
+    const agree = slower.map((x, n) => x * reaches[n]);
+    edges.push(...lines(slower, [forward, ...outside]), ...lines(back, [agree, ...outside]));
+    reaches = reaches.map((x, n) => (back[n] > 0.0 ? slower[n] : x));
   }
-  const missing = fields.missing(["INFEASIBLE", "INDETERMINATE", "RUNAWAY", "UNRESOLVED"]);
-  const fails = [fields.ratio.hop, fields.rest(), ...missing];
-  return fields.moving().map((speed, n) => Math.min((1000.0 * speed) / wanted - 1.0, ...fails.map((field) => -field[n])));
+  const fails = reaches.map((x) => -x);
+  for (const field of outside) edges.push(...lines(field, [fails, ...outside.filter((other) => other !== field)]));
+  return { meets: outside.reduce(less, reaches), edges };
 }
 
 /** Colours of cells and marks over them. @param {any} data
@@ -240,24 +268,23 @@ function looksOf({ looks, statuses }, { lowest, highest, numbers, scale, covered
     else faces[n] = Number.isNaN(numbers[n]) ? none : first + Math.round((count - 1) * scale.share(numbers[n]));
   }
   const reasons = statuses.map((/** @type {any} */ one) => one.hatch); // told where there is no answer
-  const either = (/** @type {number} */ n) => !numbers && lowest[n] < highest[n];
-  for (const [name, is] of Object.entries({ ...marked, either })) {
+  const either = (/** @type {number} */ n) => lowest[n] < highest[n];
+  for (const [name, is] of Object.entries({ ...marked, ...(!numbers && { either }) })) {
     const [isReason, isOfNumbers] = [reasons.includes(name), name === "averaged"];
     for (let n = 0; n < faces.length; n++) {
       if (!(isReason ? faces[n] === none : !isOfNumbers || faces[n] >= first)) continue;
       if (is(n)) marks[n] |= bits[name];
     }
   }
-  return { faces, others: Uint8Array.from(highest, (/** @type {number} */ code) => (code >= 0 ? code : none)), marks };
+  return { faces, others: highest.map((/** @type {number} */ code) => (code >= 0 ? code : none)), marks };
 }
 
 /** What the legend tells of regimes and marks.
- * @param {any} data @param {Shown} state @param {{faces: Uint8Array, others: Uint8Array, marks: Uint16Array}} looks
+ * @param {any} data @param {Shown} state @param {{faces: Uint8Array, others: Int8Array, marks: Uint16Array}} looks
  * @param {boolean} isSampled @returns {{text: string, faces: number[], marks: number}[]} */
 function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }, isSampled) {
   const found = marks.reduce((all, own) => all | own, 0);
-  const seen = new Set(faces);
-  if (found & looks.marks.either) for (const face of others) seen.add(face);
+  const seen = new Set([...differentOf(faces), ...(found & looks.marks.either ? differentOf(others) : [])]);
   const words = /** @type {Record<string, string>} */ ({});
   if (target !== null) {
     const speed = `${numberText(target)} mm/s`;
@@ -274,8 +301,8 @@ function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }
 
 /** The curves between regimes and their pieces.
  * @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields
- * @param {boolean} isSampled @param {boolean} isOnNumbers @returns {CurveInfo[]} */
-function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNumbers) {
+ * @param {boolean} isSampled @param {boolean} isOnNumbers @param {number[][][]} [edges] @returns {CurveInfo[]} */
+function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNumbers, edges) {
   const isFlight = OF_FLIGHT.includes(state.view);
   const place = (/** @type {Axis} */ axis, /** @type {number[]} */ values) => (/** @type {number} */ at) => {
     const n = Math.min(Math.floor(at), values.length - 2), t = at - n;
@@ -284,13 +311,15 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
   };
   const [x, y] = [place(state.x, job.x.values), place(state.y, job.y.values)];
   const found = /** @type {CurveInfo[]} */ ([]);
-  /** @param {string} name @param {Float64Array} field @param {Float64Array[]} hiding @param {Partial<CurveInfo>} [more] */
-  const draw = (name, field, hiding, more = {}) => {
+  /** @param {string} name @param {number[][][]} lines @param {Partial<CurveInfo>} [more] */
+  const show = (name, lines, more = {}) => {
     const look = looks.curves[name === "target" ? "wanted" : name.replace(/_(least|most)$/, "")];
-    const lines = visibleLines(zeroLines(field, nx), hiding, nx).map((line) => line.map(([i, j]) => [x(i), y(j)]));
     const halo = look.halo === "#FFFFFF" && !isOnNumbers ? "" : look.halo;
-    if (lines.length) found.push({ name, ...look, halo, ...more, lines });
+    const placed = lines.map((line) => line.map(([i, j]) => [x(i), y(j)]));
+    if (lines.length) found.push({ name, ...look, halo, ...more, lines: placed });
   };
+  /** @param {string} name @param {Float64Array} field @param {Float64Array[]} hiding @param {Partial<CurveInfo>} [more] */
+  const draw = (name, field, hiding, more) => show(name, visibleLines(zeroLines(field, nx), hiding, nx), more);
   /** @param {string} name @param {any} ratio @param {string[]} statuses @param {string} [edge] */
   const boundary = (name, ratio, statuses, edge = "") => {
     const hiding = [...HIDDEN_BY[name].map((other) => ratio[other]), ...fields.missing(statuses)];
@@ -313,9 +342,9 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
     const unknown = fields.masked((n) => Number.isNaN(rows.mean_velocity[n]));
     draw("zero_speed", reversal, [fields.rest(), unknown, fields.irregular()]);
   }
-  if (state.target !== null) {
+  if (state.target !== null && edges) {
     const label = `${numberText(state.target)} mm/s, ${isSampled ? "of all samples, " : ""}without hopping`;
-    draw("target", meetsOf(state, nx, fields, isSampled), [], { label });
+    show("target", edges, { label });
   }
   return found;
 }
