@@ -530,6 +530,42 @@ def test_tables_and_commands_make_the_same_map(tmp_path: Path) -> None:
     ]
 
 
+_TABLES = """
+export const run = ({ data, engine, stateOf, jobOf, MapCells, Pool, csvOf }, asked) =>
+  Promise.all(asked.map(async (texts, scene) => {
+    const { state } = stateOf(data, scene, texts);
+    const cells = new MapCells(jobOf(state, 4, 3));
+    await new Pool(data, []).solve(cells.job, 0, (block) => cells.put(block));
+    return csvOf(data, engine, state, cells);
+  }));
+"""
+
+
+def test_tables_of_bands_tell_of_which_bodies_they_are(tmp_path: Path) -> None:
+    (file := tmp_path / "feeder.toml").write_text(FEEDER, encoding="utf-8")
+    bands = {"static_friction_band": "0.3:0.4", "restitution_band": "0:0"}
+    asked = [bands, {**bands, "friction_ratio_band": "0.7:0.9"}]
+    nut, feeder = (rows_of(text) for text in in_modules(_TABLES, asked, [None, request_of_call(file, {})]))
+    friction = {"static_friction_low": "0.3", "static_friction_high": "0.4"}
+    ends = {"restitution_low": "0", "restitution_high": "0"}
+    sampled = ["lowest_regime", "highest_regime", "sampled_speed_mm_s"]
+    first, *_, last = nut
+    axes = ["amplitude_mm", "frequency_hz"]
+    ratio = {"friction_ratio": repr(0.57 / 0.74)}
+    fixed = {"drive_angle_deg": "20", **friction, **ratio, "trough_angle_deg": "0", **ends}
+    assert [*last] == [*axes, *fixed, "trough_length_mm", *sampled]
+    assert {name: last[name] for name in fixed} == fixed
+    assert [last["lowest_regime"], last["highest_regime"]] == ["hopping", "hopping"]
+    assert [first["amplitude_mm"], last["amplitude_mm"]] == ["0.1", "3"]
+    row = feeder[0]
+    knobs = ["setting_percent", "voltage_percent", "filling_kg", "natural_hz"]
+    shares = {"friction_ratio_low": "0.7", "friction_ratio_high": "0.9"}
+    drive = ["amplitude_mm", "frequency_hz", "drive_angle_deg"]
+    body = {**friction, **shares, "trough_angle_deg": "0", **ends}
+    assert [*row] == [*knobs, *drive, *body, "trough_length_mm", *sampled]
+    assert {name: row[name] for name in body} == body
+
+
 def test_scene_files_make_the_same_map(tmp_path: Path) -> None:
     texts = {"x": "static_friction", "y": "trough_angle_deg", "x_range": "0.3:0.9", "y_range": "1:9:log"}
     (told,) = filed({"texts": texts, "isTable": True})

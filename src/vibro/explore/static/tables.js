@@ -1,5 +1,7 @@
 /** The cells of a map as a table, with the columns of `vibro map`. */
 
+import { spansOf } from "./state.js";
+
 export const KNOBS_OF_MACHINES = ["setting", "voltage", "filling", "natural"];
 const WITHOUT_COLUMN = ["gravity", "trough_length"]; // among the inputs
 const WHERE_SWEPT = [...KNOBS_OF_MACHINES, "friction_ratio", "normal_acceleration", "restitution"]; // have one
@@ -45,11 +47,23 @@ function resultColumn(tabled, { name, column, per_si: perSi, texts }) {
   return [column, (n) => (perSi === 1.0 ? own[n] : own[n] * perSi)];
 }
 
-/** Columns of a map with bands: what its samples do. @param {Tabled} tabled @returns {TableColumn[]} */
-function sampledColumns({ data, cells: { rows } }) {
+/** Columns of a map with bands: of which bodies it is, and what its samples do.
+ * @param {Tabled} tabled @returns {TableColumn[]} */
+function sampledColumns(tabled) {
+  const { data, state, cells: { rows, job } } = tabled;
+  const spans = spansOf({ ...job.values, trough_length: state.values.trough_length }, state);
+  const given = Object.entries(data.quantities).flatMap(([name, { column, control }]) => {
+    const isOfCell = [job.x.name, job.y.name].includes(name) || (name === "amplitude" && job.machine !== null);
+    if (isOfCell) return quantityColumns(tabled, [name]);
+    if (!spans[name] || !control || name === "gravity") return [];
+    const [low, high] = spans[name];
+    const ends = name in state.bands ? { [`${column}_low`]: low, [`${column}_high`]: high } : { [column]: low };
+    return Object.entries(ends).map(([key, end]) => /** @type {TableColumn} */ ([key, () => end]));
+  });
   const label = (/** @type {number} */ code) =>
     data.regimes.find((/** @type {any} */ regime) => regime.code === code)?.label ?? "";
   return [
+    ...given,
     ["lowest_regime", (n) => label(rows.lowest[n])], ["highest_regime", (n) => label(rows.highest[n])],
     ["sampled_speed_mm_s", (n) => 1000.0 * rows.sampled_velocity[n]],
   ];
@@ -59,7 +73,7 @@ function sampledColumns({ data, cells: { rows } }) {
 function tableColumns(tabled) {
   const { data: { quantities, columns }, state, cells: { rows, job } } = tabled;
   const drawn = [job.x.name, job.y.name];
-  if (job.bodies.length) return [...quantityColumns(tabled, drawn), ...sampledColumns(tabled)];
+  if (job.bodies.length) return sampledColumns(tabled);
   const isGiven = (/** @type {string} */ name) =>
     name in job.values || name === "kinetic_friction" || (name === "amplitude" && job.machine !== null);
   const inputs = Object.keys(quantities).filter((name) => quantities[name].control && !WITHOUT_COLUMN.includes(name))
