@@ -123,6 +123,23 @@ def test_a_map_follows_the_state(nut: Page) -> None:
     expect(nut.locator("#outside")).to_be_visible()
 
 
+# How often the map is drawn for another view, below which there is less to tell.
+_DRAWN = """() => new Promise((done) => {
+  const [frame, stage, view] = ["frame", "stage", "view"].map((id) => document.getElementById(id));
+  const before = stage.clientHeight;
+  let count = 0;
+  new MutationObserver(() => count++).observe(frame, { childList: true });
+  view.value = "speed";
+  view.dispatchEvent(new Event("change", { bubbles: true }));
+  setTimeout(() => done([count, stage.clientHeight !== before]), 300);
+})"""
+
+
+def test_a_change_draws_one_picture(nut: Page) -> None:
+    expect(nut.locator("#frame")).not_to_contain_text("preview")
+    assert nut.evaluate(_DRAWN) == [1, True]
+
+
 def downloaded(page: Page, button: str) -> Path:
     with page.expect_download() as told:
         page.locator(f"#{button}").click()

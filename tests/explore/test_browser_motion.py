@@ -15,12 +15,22 @@ if TYPE_CHECKING:
 _AT = "document.querySelector('#animation rect').parentNode.getAttribute('transform')"
 
 
+@pytest.fixture
+def open_motion(open_page: Callable[..., Page]) -> Callable[..., Page]:
+    def opened(*texts: str, **options: str) -> Page:
+        page = open_page(*texts, **options)
+        page.locator("#history > svg").wait_for()
+        return page
+
+    return opened
+
+
 def when(page: Page) -> str:
     return str(page.locator("#when").text_content())
 
 
-def test_the_part_moves_with_the_slider(open_page: Callable[..., Page]) -> None:
-    page = open_page()
+def test_the_part_moves_with_the_slider(open_motion: Callable[..., Page]) -> None:
+    page = open_motion()
     assert when(page) == "0 ms, rest"
     places = []
     for share, moment in (("0.25", "50 ms, rest"), ("0.5", "100 ms, forward slide")):
@@ -31,8 +41,8 @@ def test_the_part_moves_with_the_slider(open_page: Callable[..., Page]) -> None:
     assert len({*places}) == 2
 
 
-def test_it_plays_and_stands_still_again(open_page: Callable[..., Page]) -> None:
-    page = open_page()
+def test_it_plays_and_stands_still_again(open_motion: Callable[..., Page]) -> None:
+    page = open_motion()
     play = page.locator("#play")
     assert play.text_content() == "Play"
     assert play.get_attribute("title") == "30 times slower"
@@ -46,8 +56,8 @@ def test_it_plays_and_stands_still_again(open_page: Callable[..., Page]) -> None
     assert when(page) == still
 
 
-def test_who_wants_no_motion_moves_on_step_by_step(open_page: Callable[..., Page]) -> None:
-    page = open_page(reduced_motion="reduce")
+def test_who_wants_no_motion_moves_on_step_by_step(open_motion: Callable[..., Page]) -> None:
+    page = open_motion(reduced_motion="reduce")
     play = page.locator("#play")
     assert play.text_content() == "Step"
     play.click()
@@ -56,8 +66,8 @@ def test_who_wants_no_motion_moves_on_step_by_step(open_page: Callable[..., Page
     assert when(page) == "3.33 ms, rest"
 
 
-def test_panels_are_those_of_the_motion(open_page: Callable[..., Page]) -> None:
-    page = open_page("#amplitude_mm=4")
+def test_panels_are_those_of_the_motion(open_motion: Callable[..., Page]) -> None:
+    page = open_motion("#amplitude_mm=4")
     titles = page.locator("#history > svg > text[font-weight]").all_text_contents()
     assert titles[-1] == "height above the trough [mm]"
     assert len(titles) == 5
@@ -65,9 +75,25 @@ def test_panels_are_those_of_the_motion(open_page: Callable[..., Page]) -> None:
 
 
 @pytest.mark.parametrize("scene", [FEEDER, GIVEN_DRIVES["steps, clamped"], GIVEN_DRIVES["third harmonic"]])
-def test_every_drive_has_a_motion(scene: str, open_page: Callable[..., Page]) -> None:
-    page = open_page("", scene)
-    page.locator("#history > svg").wait_for()
+def test_every_drive_has_a_motion(scene: str, open_motion: Callable[..., Page]) -> None:
+    page = open_motion("", scene)
     page.locator("#moment").fill("0.7")
     assert " ms, " in when(page)
     assert page.locator("#tables table").count() >= 3
+
+
+# Moves a slider, and tells, once the panels are new, whether they were still old when the numbers were new.
+_CHANGE = """() => {
+  const [history, speed] = ["history", "speed"].map((id) => document.getElementById(id));
+  const [panels] = history.children, before = speed.textContent;
+  const slider = document.querySelector("input[type=range][name=drive_angle_deg]");
+  slider.value = "25";
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+  const found = [speed.textContent !== before, panels.isConnected];
+  const later = (done) => (panels.isConnected ? setTimeout(later, 10, done) : done(found));
+  return new Promise(later);
+}"""
+
+
+def test_a_hand_sees_the_motion_after_the_numbers(open_motion: Callable[..., Page]) -> None:
+    assert open_motion().evaluate(_CHANGE) == [True, True]

@@ -418,6 +418,21 @@ def test_a_change_cancels_what_is_under_way() -> None:
     assert distance[0] <= 1  # next to the operating point
 
 
+_QUICK = """
+export async function run({ data, stateOf, jobOf, Pool }) {
+  const posted = [], worker = () => ({ postMessage: ({ begin, end }) => posted.push([begin, end]) });
+  const pool = new Pool(data, [worker(), worker()]), { state } = stateOf(data, 0, {});
+  pool.pace = 1e-4;
+  pool.solve(jobOf(state, 200, 150), 70, () => {});
+  return { posted, open: pool.task.low + 150 - pool.task.high };
+}
+"""
+
+
+def test_a_quick_map_is_a_block_for_each_worker() -> None:
+    assert in_modules(_QUICK) == {"posted": [[70, 150], [0, 70]], "open": 0}
+
+
 _FAILURE = """
 export async function run({ data, stateOf, jobOf, Pool }) {
   console.error = () => {};

@@ -52,19 +52,22 @@ export function piecesOf({ nx, ny, curves }) {
 }
 
 // Whether a piece of a curve parts two places.
-/** @param {number[]} piece @param {number[]} place @param {number[]} other */
-function parts([ax, ay, bx, by], [x, y], [cx, cy]) {
+/** @param {number[]} piece @param {number} x @param {number} y @param {number} u @param {number} v */
+function parts([ax, ay, bx, by], x, y, u, v) {
   const side = (/** @type {number} */ px, /** @type {number} */ py) => (bx - ax) * (py - ay) - (by - ay) * (px - ax);
-  const turn = (/** @type {number} */ px, /** @type {number} */ py) => (cx - x) * (py - y) - (cy - y) * (px - x);
-  return side(x, y) * side(cx, cy) < 0 && turn(ax, ay) * turn(bx, by) < 0;
+  const turn = (/** @type {number} */ px, /** @type {number} */ py) => (u - x) * (py - y) - (v - y) * (px - x);
+  return side(x, y) * side(u, v) < 0 && turn(ax, ay) * turn(bx, by) < 0;
 }
 
-/** The nearest of four cells on a place's own side of curves. @param {number[][]} pieces @param {number[]} place */
-function ownCell(pieces, place) {
-  const [i, j] = place.map(Math.round);
-  const [k, l] = [2 * Math.floor(place[0]) + 1 - i, 2 * Math.floor(place[1]) + 1 - j];
-  const isOwn = (/** @type {number[]} */ cell) => !pieces.some((piece) => parts(piece, place, cell));
-  return [[i, j], [k, j], [i, l], [k, l]].find(isOwn) ?? [i, j];
+/** The nearest of four cells on a place's own side of curves. @param {number[][]} pieces @param {number} nx
+ * @param {number} x @param {number} y */
+function ownCell(pieces, nx, x, y) {
+  const i = Math.round(x), j = Math.round(y), k = 2 * Math.floor(x) + 1 - i, l = 2 * Math.floor(y) + 1 - j;
+  const isOwn = (/** @type {number} */ u, /** @type {number} */ v) => !pieces.some((piece) => parts(piece, x, y, u, v));
+  if (isOwn(i, j)) return nx * j + i;
+  if (isOwn(k, j)) return nx * j + k;
+  if (isOwn(i, l)) return nx * l + i;
+  return isOwn(k, l) ? nx * l + k : nx * j + i;
 }
 
 /** The colour of a cell with some face under its marks. @param {Cells} cells @param {number} face @param {number} over */
@@ -89,8 +92,7 @@ function shownCells(width, height, { nx, ny, pieces }) {
     const [top, bottom] = [j + 1, j].map((y) => Math.ceil(height - (y * height) / (ny - 1) - 0.5));
     for (let py = Math.max(top, 0); py < Math.min(bottom, height); py++) {
       for (let px = left; px < Math.min(right, width); px++) {
-        const [k, l] = ownCell(crossing, [across[px], up[py]]);
-        shown[py * width + px] = nx * l + k;
+        shown[py * width + px] = ownCell(crossing, nx, across[px], up[py]);
       }
     }
   }

@@ -172,6 +172,7 @@ function patchOf(data, store, box) {
 export function createForm(data, store, change) {
   const form = /** @type {HTMLFormElement} */ (place("controls"));
   let boxes = /** @type {Setting[]} */ ([]);
+  let built = -1; // the scene whose settings they are
   let edited = /** @type {EventTarget | null} */ (null); // the box that somebody types in
   for (const type of ["input", "change"]) document.addEventListener(type, ({ target }) => {
     const box = /** @type {Setting} */ (target);
@@ -185,6 +186,7 @@ export function createForm(data, store, change) {
 
   /** Build the settings of the shown scene. */
   function build() {
+    built = store.scene;
     form.replaceChildren(...fieldsetsOf(data, store.scene));
     boxes = /** @type {Setting[]} */ ([...form.elements]).filter((box) => box.name);
   }
@@ -203,6 +205,7 @@ export function createForm(data, store, change) {
   /** Show the state. */
   function render() {
     const { texts } = store;
+    if (built !== store.scene) build();
     for (const part of /** @type {NodeListOf<HTMLElement>} */ (form.querySelectorAll("[data-drives]"))) {
       part.hidden = !part.dataset.drives?.split(" ").includes(texts.drive);
       if (part instanceof HTMLOptionElement) part.disabled = part.hidden;
@@ -246,5 +249,5 @@ export function createForm(data, store, change) {
     if (place("refused").textContent !== line.textContent) place("refused").replaceChildren(...line.childNodes);
   }
 
-  return { build, render, refuse };
+  return { render, refuse };
 }

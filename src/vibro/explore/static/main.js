@@ -15,6 +15,7 @@ import { createStore } from "./store.js";
 
 const APART = "For the operating point's own values: these commands and scene files have no bands.";
 const NOT_OF_BANDS = "numbers and motion are those of the operating point, not of the bands";
+const MAP_TIME = 60; // [ms] in which a map without flights is seen
 /** What the command of a drive reads from the scene file. @type {Record<string, string>} */
 const READ = { given: "motion", machine: "machine" };
 
@@ -58,6 +59,7 @@ function start() {
   let badLink = ""; // message on an address without a valid state
   let failed = /** @type {{field: string, text: string}[]} */ ([]); // parts of the page that cannot show this state
   let wide = 0; // [px] of the motion as it was drawn
+  let awaited = 0; // timer of a motion that is to be drawn: that takes as long as a map, which a hand sees before
 
   /** @param {Texts} patch @param {string} control @param {boolean} isFinished */
   function change(patch, control, isFinished) {
@@ -83,14 +85,24 @@ function start() {
   function update() {
     const { problems, scene, state } = store;
     failed = [];
+    const isShown = state && !problems.length;
+    if (isShown) attempt("map", () => view.show(state)); // first: workers solve it meanwhile
     form.render();
-    form.refuse(badLink ? [] : problems, badLink);
-    if (!state || problems.length) return;
-    attempt("map", () => view.show(state));
+    form.refuse(badLink ? [] : [...problems, ...failed], badLink);
+    if (!isShown) return;
     attempt("numbers", () => showNumbers((answers[scene] = answerOf(data, engine, state))));
-    attempt("motion", () => drawMotion(data, engine, state));
     attempt("files", () => takeAlong(state));
     showScenes();
+    awaited ||= setTimeout(showMotion, MAP_TIME);
+  }
+
+  /** Draw the motion, as wide as there is room. */
+  function showMotion() {
+    clearTimeout(awaited);
+    awaited = 0;
+    wide = place("history").clientWidth;
+    const { state } = store;
+    if (state) attempt("motion", () => drawMotion(data, engine, state));
   }
 
   /** @param {Answer} answer */
@@ -141,7 +153,6 @@ function start() {
   function open(scene) {
     badLink = "";
     store.open(scene);
-    form.build();
     update();
   }
 
@@ -150,7 +161,6 @@ function start() {
     const wrong = store.read(location.hash);
     const reasons = wrong.map(({ text }) => text).join("; ");
     badLink = wrong.length ? `This link could not be read: ${reasons}. The initial state is shown.` : "";
-    form.build();
     update();
   }
 
@@ -160,19 +170,14 @@ function start() {
     return tab;
   }));
   window.addEventListener("popstate", follow);
-  /** Draw the motion as wide as there is room. */
-  function fitMotion() {
-    const { clientWidth } = place("history");
-    const { state } = store;
-    if (state && clientWidth !== wide) attempt("motion", () => drawMotion(data, engine, state));
-    wide = clientWidth;
-  }
-  new ResizeObserver(fitMotion).observe(place("history"));
+  new ResizeObserver(() => {
+    if (!awaited && place("history").clientWidth !== wide) showMotion();
+  }).observe(place("history"));
   // Browsers tell no observer of the width of paper: the window gets it meanwhile.
   for (const event of ["beforeprint", "afterprint"]) window.addEventListener(event, () => {
     document.body.classList.toggle("printed", event === "beforeprint");
     view.draw();
-    fitMotion();
+    showMotion();
   });
   offerFiles(view);
   follow();

@@ -63,7 +63,8 @@ export class MapView {
     this.sign = /** @type {Element | null} */ (null); // the operating point's values as a text
     this.dragging = false;
     this.pointer = /** @type {PointerEvent | null} */ (null); // the last event of one that is over the map
-    new ResizeObserver(() => this.draw()).observe(this.stage);
+    this.wide = 0; // [px] of the stage as it was drawn: the map itself decides on its height
+    new ResizeObserver(() => this.stage.clientWidth !== this.wide && this.draw()).observe(this.stage);
     this.listen();
   }
 
@@ -125,7 +126,7 @@ export class MapView {
   draw() {
     if (!this.drawn || !this.faces || !this.stage.clientWidth) return; // drawn once the page is laid out
     const { box, faces, drawn: { title, caption, label, progress, x, y, scale } } = this;
-    const wide = this.stage.clientWidth;
+    const wide = this.wide = this.stage.clientWidth;
     const room = window.innerHeight * (wide < 600 ? 0.4 : 0.64);
     const texts = [...caption.split(", "), progress].filter(Boolean);
     const facts = legend(texts.map((text) => ({ text, sample: [] })), box.left, 25, wide - box.left);

@@ -3,6 +3,7 @@
 import { MAP_HEIGHT, MAP_WIDTH, MapCells, jobOf, shareOf } from "./jobs.js";
 
 const BLOCK_TIME = 30; // [ms] that a block may take: so long a change waits for workers that are busy
+const LEAST_TIME = 8; // [ms] of a block: less is not worth its messages
 const PATIENCE = 60; // [ms] that a map may take without a coarse one before it
 // One core is left to the page; of two none, for the page waits while they solve.
 const [FEWEST_WORKERS, MOST_WORKERS] = [2, 8];
@@ -119,7 +120,8 @@ export class Pool {
     const open = task.low + ny - task.high;
     if (!open) return null;
     const fair = Math.ceil(open / (this.idle.length + this.busy.size));
-    const count = Math.min(fair, Math.max(1, Math.round(BLOCK_TIME / (this.pace * nx))));
+    const within = (/** @type {number} */ time) => Math.max(1, Math.round(time / (this.pace * nx)));
+    const count = Math.max(Math.min(fair, within(BLOCK_TIME)), within(LEAST_TIME));
     const { start, low, high } = task;
     const isUp = high < ny && (low === 0 || high - start <= start - low);
     if (isUp) task.high = Math.min(ny, high + count);
