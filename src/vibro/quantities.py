@@ -144,15 +144,23 @@ class Quantity:
 
         An axis may run up to an extreme on purpose.
         """
-        low, high = self.usual.low, self.usual.high
-        if first > high:
-            nearest, side, end, slip = first, "above", self.text(high), self.slips[1]
-        elif last < low and last:
-            nearest, side, end, slip = last, "below", self.text(low), self.slips[0]
+        if first > self.usual.high:
+            nearest, text = first, self.doubts[1]
+        elif last < self.usual.low and last:
+            nearest, text = last, self.doubts[0]
         else:
             return ""
-        remedy = slip.format(f"{float(nearest):.15g}", f"{float(nearest) / 100.0:.15g}")
-        return f"{self.label} = {self.text(nearest)} is {side} what is usual, {end}: {remedy}"
+        return text.format(f"{float(nearest):.15g}", f"{float(nearest) / 100.0:.15g}")
+
+    @property
+    def doubts(self) -> tuple[str, str]:
+        """Warnings of a value below the usual ones, and of one above; ``{0}`` and ``{1}`` as in ``slips``."""
+        value = f"{self.label} = {{0}} {self.unit}".rstrip()
+        low, high = self.text(self.usual.low), self.text(self.usual.high)
+        return (
+            f"{value} is below what is usual, {low}: {self.slips[0]}",
+            f"{value} is above what is usual, {high}: {self.slips[1]}",
+        )
 
     def text(self, value: float | Fraction) -> str:
         """Write a value with its unit, as messages do."""

@@ -86,7 +86,7 @@ def test_every_figure_is_that_of_vibro_solve(name: str, grid: Grid, answers: dic
 def test_machines_settle_and_are_told_as_by_vibro_solve(tmp_path: Path) -> None:
     loads: dict[str, dict[str, Any]] = {"": {}, "filled": {"filling_kg": 3}, "heavy": {"filling_kg": 25}}
     loads["half"] = {"setting_percent": 50, "filling_kg": 1}
-    grids, states = {}, []
+    grids, doubts, states = {}, {}, []
     for kind, text in {**KINDS, "packs": FEEDER}.items():
         scene = "" if kind == "packs" else MACHINE_SCENE + "trough_length_mm = 400\n"
         file = tmp_path / f"{kind}.toml"
@@ -101,6 +101,7 @@ def test_machines_settle_and_are_told_as_by_vibro_solve(tmp_path: Path) -> None:
             if np.isnan(grid.values()["amplitude"]):
                 continue
             grids[f"{kind} {name}"] = grid
+            doubts[f"{kind} {name}"] = request.doubts()
             states.append(state_of(grid, machine=scene_data(request)["machine"]))
     assert len(grids) > 15
     found = in_modules(_RUN, states)
@@ -109,7 +110,8 @@ def test_machines_settle_and_are_told_as_by_vibro_solve(tmp_path: Path) -> None:
     for (name, grid), answer in zip(grids.items(), found, strict=True):
         _, known = _known(grid)
         assert grid.machine is not None
-        known["warnings"] = points_of(grid.machine, grid.values()).remarks()
+        remarks = points_of(grid.machine, grid.values()).remarks()
+        known["warnings"] = [*doubts[name], *remarks]
         answer = {key: answer[key] for key in known}
         if answer != known:
             wrong.append((name, answer, known))
@@ -133,6 +135,36 @@ def test_numbers_and_motion_of_a_machine_share_its_operating_point(tmp_path: Pat
     request = request_of_call(file, {"filling_kg": 1})
     grid = Grid({}, request.fixed, None, machine=request.machine)
     assert in_modules(_COUNTED, state_of(grid, machine=scene_data(request)["machine"])) == 1
+
+
+_SLIPS: list[dict[str, Any]] = [
+    {}, {"amplitude_mm": 90}, {"amplitude_mm": 1000}, {"amplitude_mm": 0.001}, {"frequency_hz": 1500},
+    {"static_friction": 74, "kinetic_friction": 57}, {"drive_angle_deg": 0.5}, {"trough_length_mm": 1.2},
+    {"gravity_m_s2": 981}, {"gravity_m_s2": 0.1, "amplitude_mm": 1},
+]  # fmt: skip
+_MACHINE_SLIPS: list[dict[str, Any]] = [
+    {}, {"filling_kg": 500}, {"voltage_percent": 0.9}, {"natural_hz": 3000}, {"static_friction": 2.1},
+    {"frequency_hz": 55.6},
+]  # fmt: skip
+
+
+def test_values_that_are_unusual_are_questioned_as_by_vibro_solve(tmp_path: Path) -> None:
+    (feeder := tmp_path / "feeder.toml").write_text(FEEDER.replace('"90:110"', "100"), encoding="utf-8")
+    body = {"frequency_hz": 15, "static_friction": 0.74, "kinetic_friction": 0.57, "trough_length_mm": 600}
+    line = {**body, "amplitude_mm": 1, "drive_angle_deg": 20}
+    ellipse = {**body, "along_amplitude_mm": 301, "normal_amplitude_mm": 0.3, "normal_phase_deg": 0}
+    requests = [request_of_call(None, {**line, **own}) for own in _SLIPS] + [request_of_call(None, ellipse)]
+    requests += [request_of_call(feeder, {"frequency_hz": 50, **own}) for own in _MACHINE_SLIPS]
+    grids = [request.grid() for request in requests]
+    machines = [scene_data(request)["machine"] for request in requests]
+    found = in_modules(_RUN, [state_of(g, machine=own) for g, own in zip(grids, machines, strict=True)])
+    seen = []
+    for request, grid, answer in zip(requests, grids, found, strict=True):
+        remarks = [] if grid.machine is None else points_of(grid.machine, grid.values()).remarks()
+        assert answer["warnings"] == [*request.doubts(), *remarks]
+        seen += request.doubts()
+    for what in ("acceleration", "amplitude", "static friction", "trough length", "filling"):
+        assert any(doubt.startswith(f"{what} = ") for doubt in seen), what
 
 
 def test_a_machine_whose_masses_strike_has_no_numbers(tmp_path: Path) -> None:

@@ -79,13 +79,16 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
 
 def machine_texts() -> dict[str, Any]:
     """Return the texts of ``machine_facts`` for pages, as JSON has them; results in the unit outside."""
+    from vibro.files.machines import HEAVY, HEAVY_FILLING  # late, as no other answer needs it
+
     results = {
         result.name: (label_of(result.column, result.kind.unit), result.kind.unit, result.kind.per_si)
         for result in MACHINE_RESULTS
         if result.name != "amplitude_empty"
     }
     own = {"says": _SAYS, "facts": _FACTS, "results": results}
-    return {**own, "doubts": DOUBTS, "warned harmonic": WARNED_HARMONIC}
+    heavy = {"heavy": HEAVY, "heavy filling": HEAVY_FILLING}
+    return {**own, **heavy, "doubts": DOUBTS, "warned harmonic": WARNED_HARMONIC}
 
 
 def _machine(given: GivenMachine, natural: float | None) -> str:

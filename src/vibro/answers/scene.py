@@ -118,6 +118,7 @@ _TITLES: Final = {
 def page_texts() -> dict[str, Any]:
     """Return the texts of ``scene_answer`` for pages that make the answer themselves, as JSON has them."""
     from vibro.answers.machine import machine_texts  # late, as below
+    from vibro.sweeps.request import SHORT_TROUGH
 
     columns = {"stroke": WITH_STROKE, "acceleration": WITH_ACCELERATION, "bent": WITH_BENT_SPEED}
     numbers = {key: (label_of(column.name, column.unit), column.unit) for key, column in columns.items()}
@@ -133,6 +134,7 @@ def page_texts() -> dict[str, Any]:
         "listed": [name for name in QUANTITIES if is_listed(name)],
         "most phases": _MOST_PHASES,
         "machine": machine_texts(),
+        "short trough": SHORT_TROUGH,
     }
 
 

@@ -20,7 +20,7 @@ from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
 from vibro.explore.looks import HATCHES, looks
 from vibro.explore.scenes import USUAL, request_of_scene, scene_data
 from vibro.plots.style import REGIME_COLOURS, UNIT_SIGNS, visible
-from vibro.quantities import LEAST_SPEED, QUANTITIES
+from vibro.quantities import LEAST_SPEED, LOAD, QUANTITIES
 from vibro.reals import shielded
 from vibro.results.operating import MACHINE_RESULTS
 from vibro.results.steady import RESULTS
@@ -85,7 +85,7 @@ def page_data(scenes: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "version": __version__,
         "known": _known(),
         "quantities": {name: _quantity(QUANTITIES[name]) for name in (*CONTROLS, *further)}
-        | {LEAST_SPEED.name: _quantity(LEAST_SPEED)},
+        | {quantity.name: _quantity(quantity) for quantity in (LEAST_SPEED, LOAD)},
         "drives": {name: drive.data() for name, drive in DRIVES.items()},
         "presets": {name: preset._asdict() for name, preset in PRESETS.items()},
         "views": VIEWS,
@@ -158,6 +158,8 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
         "si": kind.si,
         "sizes": {unit: size.as_integer_ratio() for unit, size in kind.sizes.items()},
         "start": f"{USUAL.get(quantity.name, 1.0):g}",
+        "usual": [quantity.usual.low, quantity.usual.high],
+        "doubts": quantity.doubts,
         "options": quantity.options[0] if quantity.options else "",
         "control": control and control._asdict(),
     }

@@ -40,7 +40,11 @@ _BESIDE: Final = (
     ),
 )
 _SAME: Final = 0.01  # relative difference of two moments that differ only by the maker's rounding
-_HEAVY: Final = 10.0  # times the mass of the trough
+#: A filling that is heavier, in masses of the trough, is questioned, and how.
+HEAVY: Final = 10.0
+HEAVY_FILLING: Final = (
+    "filling = {filling} kg is {times} times the mass of the trough: for grams write filling={filling}g"
+)
 _MILLIMETRES: Final = 1000.0  # [mm] of a metre
 
 
@@ -95,10 +99,9 @@ class GivenMachine:
     def doubt(self, filling: float) -> str:
         """Return a warning about a filling [kg] far heavier than the trough, else an empty text."""
         trough = self.machine.trough_mass
-        if filling <= _HEAVY * trough:
+        if filling <= HEAVY * trough:
             return ""
-        times = f"{filling:.15g} kg is {filling / trough:.3g} times the mass of the trough"
-        return f"filling = {times}: for grams write filling={filling:.15g}g"
+        return HEAVY_FILLING.format(filling=f"{filling:.15g}", times=f"{filling / trough:.3g}")
 
     @cached_property
     def machine(self) -> Machine:

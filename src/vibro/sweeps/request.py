@@ -47,6 +47,10 @@ if TYPE_CHECKING:
 
 #: Swept where they are not given. Friction and drive angle are never invented.
 RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
+#: Warning of a trough that is shorter than a stroke.
+SHORT_TROUGH: Final = (
+    "trough length = {length} mm is less than the {largest}stroke, {stroke} mm: for metres write -L {length}m"
+)
 
 # What must be given, in the order in which messages name what is missing.
 _REQUIRED: Final = (
@@ -176,10 +180,8 @@ class Request:
         if self.length >= stroke:
             return ""
         largest = "largest " if amplitude.varies else ""
-        length, is_given = QUANTITIES["trough_length"], f"{self.length:.15g}"
-        return (
-            f"{length.label} = {is_given} {length.unit} is less than the {largest}stroke,"
-            f" {QUANTITIES['stroke'].text(stroke)}: for metres write {length.typed(is_given)}m"
+        return SHORT_TROUGH.format(
+            length=f"{self.length:.15g}", largest=largest, stroke=f"{float(stroke):.15g}"
         )
 
     def scene(self) -> Scene:

@@ -9,7 +9,7 @@
  * @property {string} regime
  * @property {string} colour of the regime
  * @property {string} speedText
- * @property {string[]} warnings of a machine
+ * @property {string[]} warnings
  * @property {Fact[]} facts
  * @property {AnswerTable[]} tables
  * @property {string[]} notes
@@ -99,7 +99,7 @@ export function answerOf(data, engine, state) {
     regime: regime.label,
     colour: regime.colour,
     speedText,
-    warnings: warningsOf(one),
+    warnings: [...doubtsOf(one), ...warningsOf(one)],
     facts: [motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one), ...rareFacts(one)],
     tables: one.isLost ? [] : [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
     notes: notesOf(one),
@@ -400,6 +400,32 @@ function notesOf(/** @type {Solved} */ one) {
   return notes;
 }
 
+/** What is unusual, and probably in wrong units, as vibro.sweeps.request.Request.doubts has it. @returns {string[]} */
+function doubtsOf(/** @type {Solved} */ { data: { quantities }, texts, engine, drive, length, machine, operated, ...one }) {
+  const { amplitude, ...others } = one.values;
+  const values = machine ? others : one.values;
+  const written = (/** @type {number} */ x) => generalText(x, 15);
+  const doubt = (/** @type {string} */ name, /** @type {number} */ value) => {
+    const { usual: [low, high], doubts: [below, above] } = quantities[name];
+    const text = value > high ? above : value < low && value ? below : "";
+    return filledText(text, { 0: written(value), 1: written(value / 100.0) });
+  };
+  const names = Object.keys(quantities).filter((name) => name in values);
+  const found = Object.fromEntries(names.map((name) => [name, doubt(name, values[name])]));
+  const isExplained = names.some((name) => found[name] && /amplitude|^frequency$|^gravity$/.test(name));
+  const path = machine ? [operated.amplitude_empty[0], drive.path[1]] : drive.path;
+  const load = isExplained ? NaN : loadOf(engine, { ...drive, path });
+  if (load < Infinity) found.acceleration = doubt("acceleration", Number(generalText(load, 4)));
+  if (machine) {
+    const { filling } = values, times = filling / machine.fields.trough_mass;
+    const told = { filling: written(filling), times: generalText(times, 3) };
+    found.filling = times > texts.machine.heavy ? filledText(texts.machine["heavy filling"], told) : "";
+  }
+  const stroke = 2.0 * (values.amplitude ?? values.along_amplitude);
+  const short = { length: written(length), largest: "", stroke: written(stroke) };
+  return [...Object.values(found), length < stroke ? filledText(texts["short trough"], short) : ""].filter(Boolean);
+}
+
 /** What is in doubt about the operating point of a machine, as vibro.OperatingPoints.remarks has it. @returns {string[]} */
 function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) {
   if (!machine) return [];
@@ -422,6 +448,6 @@ function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) 
 export function showAnswer({ warnings, facts, tables, notes }, place) {
   const list = tableOf("What the body does", [], facts.map(({ label, text }) => [label, text]), { class: "facts" });
   const numeric = tables.map(({ title, columns, rows }) => tableOf(title, columns, rows, { class: "numeric" }));
-  const warned = warnings.map((text) => html("p", { class: "warning" }, `Warning: ${text}.`));
+  const warned = warnings.map((text) => html("p", { class: "warning" }, `Warning: ${text}`));
   place.replaceChildren(...warned, list, ...numeric, ...notes.map((note) => html("p", {}, note)));
 }

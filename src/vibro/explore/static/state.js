@@ -23,6 +23,8 @@ export const data = JSON.parse(globalThis.document?.getElementById("data")?.text
  * @property {boolean} with_high
  * @property {number | null} default
  * @property {string} start its text where no scene gives one
+ * @property {[number, number]} usual
+ * @property {[string, string]} doubts about values below and above the usual ones
  * @property {string} meaning
  * @property {number} order
  * @property {Control | null} control
