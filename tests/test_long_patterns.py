@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import pickle
 from dataclasses import replace
@@ -16,7 +17,8 @@ import vibro
 from vibro import Status
 from vibro.core.bounces import BOUNCE
 from vibro.core.codes import MOST_LETTERS, spelt_code
-from vibro.steady import scale_slope, turned
+from vibro.core.timeline import turn_letters
+from vibro.steady import scale_slope
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -136,7 +138,15 @@ def test_a_pattern_does_not_depend_on_where_a_period_begins() -> None:
     assert len(codes) == 1
     phases = np.linspace(0.0, 6.0, 20)
     assert {int(vibro.solve(alone(8, x)).pattern_code) for x in phases} == {spelt_code("F_B_" * 8)}
-    assert turned(bytes([4, 2, 3, 4])) == bytes([2, 3, 4])  # a rest that the cycle begins amid is one
+
+
+@pytest.mark.parametrize("number", range(7))
+def test_patterns_begin_where_their_letters_are_least(number: int) -> None:
+    for letters in itertools.product((1, 2, 4), repeat=number):
+        own = letters[:-1] if number > 1 and letters[0] == letters[-1] != 1 else letters
+        turns = [own[i:] + own[:i] for i in range(len(own))]  # a rest that the cycle begins amid is one
+        buffer = memoryview(bytearray(letters))
+        assert (*buffer[: turn_letters(buffer, number)],) == min(turns, default=())
 
 
 def test_texts_stay_with_their_cells() -> None:

@@ -12,7 +12,6 @@ from vibro.core.codes import (
     IRREGULAR,
     LETTERS,
     SPELT_PATTERNS,
-    Mode,
     Output,
     Pattern,
     Regime,
@@ -44,9 +43,7 @@ _ROOM: Final = 512  # [letter] for a first try; 16 harmonics alone have up to 64
 _SPELT: Final = 16  # [cell] of a range; each takes up to some ms
 
 
-def _spell_long(
-    grid: Grid, codes: NDArray[np.int64], *, one_harmonic: bool, threads: int | None
-) -> dict[int, str]:
+def _spell_long(grid: Grid, codes: NDArray[np.int64], *, threads: int | None) -> dict[int, str]:
     """Replace marks of long patterns by their codes.
 
     Parameters
@@ -55,8 +52,6 @@ def _spell_long(
         The cells.
     codes : int array
         Codes of their patterns, as the solver leaves them; changed in place.
-    one_harmonic : bool
-        Whether the drives have one harmonic: then all cycles with so many legs begin at their first flight.
     threads : int, optional
         As for ``vibro.solve``.
 
@@ -73,8 +68,7 @@ def _spell_long(
 
     def spell(begin: int, end: int) -> None:
         for i in range(begin, end):
-            legs = _legs(grid, cells[i], scratch)
-            texts[i] = "".join(LETTERS[mode] for mode in (legs if one_harmonic else turned(legs)))
+            texts[i] = "".join(LETTERS[mode] for mode in _legs(grid, cells[i], scratch))
 
     over_cells(spell, len(cells), _SPELT, threads, cost=grid.cost)
     found = {text: spelt_code(text) for text in texts}
@@ -91,15 +85,6 @@ def _legs(grid: Grid, cell: int, scratch: Scratch) -> bytes:
             grid.scenes, grid.place(), cell, scratch.flights, scratch.hops, legs, legs.size
         )
     return legs[:number].tobytes()
-
-
-def turned(legs: bytes) -> bytes:
-    """Turn the legs of a cycle as ``canonical`` turns the digits of short ones."""
-    if len(legs) < 2:
-        return legs
-    if legs[0] == legs[-1] != Mode.FLIGHT:
-        legs = legs[:-1]
-    return min(legs[i:] + legs[:i] for i in range(len(legs)))
 
 
 # Cells of a range, of drives of one harmonic: many enough that Python takes no time between them, few enough
@@ -195,8 +180,7 @@ def solve(
         if coexistence and hopping.size:
             unknown = (rows["coexists"][hopping] < 0) & ~np.isnan(rows["mean_velocity"][hopping])
             _hop(grid, answers, hopping[unknown], threads, None, search=True)
-    one_harmonic = fields.can(Ability.ONE_HARMONIC)
-    texts = _spell_long(grid, rows["pattern_code"], one_harmonic=one_harmonic, threads=threads)
+    texts = _spell_long(grid, rows["pattern_code"], threads=threads)
     if not grid.shape:
         return SteadyCycle(**{name: row[0] for name, row in rows.items()}, long_patterns=texts)
     return SteadyCycle(**{name: row.reshape(grid.shape) for name, row in rows.items()}, long_patterns=texts)

@@ -26,13 +26,14 @@ from vibro.core.contact import Steady
 from vibro.core.drive import Loads, wave_loads
 from vibro.core.history import Launch, Legs, State, arrival_cycles, course_of, sections_of
 from vibro.core.hops import hopping
-from vibro.core.loop import Cycle, arrivals, followed, history, moments
+from vibro.core.loop import Cycle, arrivals, followed, history
 from vibro.core.numbers import ELLIPSE as ELLIPSE_DRIVE
-from vibro.core.numbers import EXTREME, HARMONICS, MIXES, ROOM, Moments
+from vibro.core.numbers import EXTREME, HARMONICS, MIXES, ROOM
 from vibro.core.numbers import LINE as LINE_DRIVE
 from vibro.core.return_map import Hops
 from vibro.core.scenes import Place, Scenes, point_at, seek
 from vibro.core.slides import thresholds
+from vibro.core.timeline import moment_of
 from vibro.core.wave_cycle import wave_classes, wave_cycle
 from vibro.core.waves import Mix, Waves, prepare_cells, read_harmonic, tabulate, with_bounds
 from vibro.results.steady import RESULTS
@@ -290,14 +291,10 @@ def test_moments_are_those_of_newtons_law(name: str) -> None:
     row = np.repeat(np.arange(number), 7)
     shares = np.tile([0.0, 0.11, 0.35, 0.5, 0.77, 0.93, 1.0], number)
     since = shares * np.asarray(legs.length)[row]
-    values = np.full((len(Moments._fields), count), math.nan)
-    moments(
-        scenes, PLACE, legs, 0.0, view(row), view(since), Moments(*map(view, values)), count
-    )  # fmt: skip
-    found = Moments(*values)
     seen = set()
     for i in range(count):
-        leg, s = row[i], float(since[i])
+        leg, s = int(row[i]), float(since[i])
+        found = moment_of(loads, legs, leg, s, 0.0)
         mode, p = Mode(legs.mode[leg]), legs.phase[leg] + s
         seen.add(mode)
         rate = legs.rate[leg] / loads.weight_normal
@@ -307,19 +304,19 @@ def test_moments_are_those_of_newtons_law(name: str) -> None:
         rests, flies = mode == Mode.REST, mode == Mode.FLIGHT
         along, normal = float(load_along(loads, p)), max(float(load_normal(loads, p)), 0.0)
         friction = {Mode.FORWARD: -0.4, Mode.BACK: 0.4}.get(mode, 0.0) * normal
-        assert found.sine[i] == pytest.approx(math.sin(p), abs=1e-13)
-        assert found.trough_normal[i] == pytest.approx(loads.drive_normal * math.sin(p), abs=1e-13)
-        assert found.trough_along[i] == pytest.approx(loads.drive_tangential * math.sin(p - lead), abs=1e-13)
-        assert found.inertial[i] == pytest.approx(along, abs=1e-13)
-        assert found.normal[i] == pytest.approx(0.0 if flies else normal, abs=1e-13)
-        assert found.path[i] == pytest.approx(0.0 if rests else path, abs=1e-12)
-        assert found.velocity[i] == pytest.approx(0.0 if rests else velocity, abs=1e-12)
-        assert found.acceleration[i] == pytest.approx(0.0 if rests else along + friction, abs=1e-12)
-        assert found.gap[i] == pytest.approx(height if flies and shares[i] < 1.0 else 0.0, abs=1e-12)
-        assert found.gap[i] >= 0.0
+        assert found.sine == pytest.approx(math.sin(p), abs=1e-13)
+        assert found.trough_normal == pytest.approx(loads.drive_normal * math.sin(p), abs=1e-13)
+        assert found.trough_along == pytest.approx(loads.drive_tangential * math.sin(p - lead), abs=1e-13)
+        assert found.inertial == pytest.approx(along, abs=1e-13)
+        assert found.normal == pytest.approx(0.0 if flies else normal, abs=1e-13)
+        assert found.path == pytest.approx(0.0 if rests else path, abs=1e-12)
+        assert found.velocity == pytest.approx(0.0 if rests else velocity, abs=1e-12)
+        assert found.acceleration == pytest.approx(0.0 if rests else along + friction, abs=1e-12)
+        assert found.gap == pytest.approx(height if flies and shares[i] < 1.0 else 0.0, abs=1e-12)
+        assert found.gap >= 0.0
         if shares[i] == 1.0:
-            assert found.path[i] == legs.displacement[leg]
-            assert found.velocity[i] == legs.end_velocity[leg]
+            assert found.path == legs.displacement[leg]
+            assert found.velocity == legs.end_velocity[leg]
     assert len(seen) >= 3
     assert (Mode.FLIGHT in seen) == ("hops" in name or "bounces" in name)
 
@@ -329,12 +326,10 @@ def test_a_long_rest_is_as_exact_as_a_short_one() -> None:
     number, cycle, legs = _history(scenes, 1e9, 0.0, 0.0)
     assert (number, cycle.period[0], legs.length[0]) == (1, 0, math.inf)
     turns = 2.0**20
-    values = np.zeros((len(Moments._fields), 2))
-    since = np.array([1.0, 1.0 + turns * TURN])
-    row = view(np.zeros(2, np.int64))
-    moments(scenes, PLACE, legs, 0.0, row, view(since), Moments(*map(view, values)), 2)
-    np.testing.assert_allclose(values[:, 0], values[:, 1], atol=2e-9)
-    assert values[0, 0] == pytest.approx(math.sin(1.0))
+    loads = _loads(scenes)
+    short, long = (moment_of(loads, legs, 0, since, 0.0) for since in (1.0, 1.0 + turns * TURN))
+    np.testing.assert_allclose(short, long, atol=2e-9)
+    assert short.sine == pytest.approx(math.sin(1.0))
 
 
 # ------------------------------------------------------------------------------

@@ -45,7 +45,10 @@ def state_of(grid: Grid, cycles: int = 3, machine: dict[str, Any] | None = None)
         given = {"kind": "harmonics", "values": {}, "motion": None, "table": [*grid.motion.table]}
         if isinstance(motion, PiecewiseMotion):
             pieces = {"breaks": motion.breaks.tolist(), "pieces": motion.pieces.ravel().tolist()}
-            given |= {"kind": "pieces", "motion": {**pieces, "unit": motion.unit}}
+            given |= {
+                "kind": "pieces",
+                "motion": {**pieces, "unit": motion.unit, "jumps": motion.jumps.tolist()},
+            }
         elif isinstance(motion, HarmonicMotion):
             given["values"] = harmonic_values(motion)
         values |= given["values"]

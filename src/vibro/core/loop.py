@@ -23,17 +23,7 @@ from vibro.core.contact import (
     regime_alone,
     steady_cycle,
 )
-from vibro.core.drive import (
-    Loads,
-    free_along,
-    free_normal,
-    normal_height,
-    normal_load,
-    phase_difference,
-    proved_multiplier,
-    tangential_load,
-    trough_along,
-)
+from vibro.core.drive import Loads, phase_difference, proved_multiplier
 from vibro.core.filling import Reaction, force_bound, mean_reaction, reaction_in_contact, reaction_of_hops
 from vibro.core.history import LastStarts, Launch, Legs, arrival_cycles, course_of, follow_legs, sections_from
 from vibro.core.hops import cycle_of, entered, hopping, write_hopping_letters
@@ -41,6 +31,7 @@ from vibro.core.limits import critical_loads, tipping_load, wave_limits, write_s
 from vibro.core.machines import Complex, filled_natural_frequency, transfer
 from vibro.core.numbers import (
     EXTREME,
+    LINE,
     MOST_THROW,
     NAN,
     TURN,
@@ -48,8 +39,9 @@ from vibro.core.numbers import (
     Doubles,
     Fillings,
     Integers,
-    Moments,
     Operated,
+    Sampled,
+    Span,
     Springs,
     wrap,
 )
@@ -57,6 +49,16 @@ from vibro.core.operating import Feeder, Machine, all_amplitudes, feeder_of, wri
 from vibro.core.return_map import Hops, orbit_from
 from vibro.core.scenes import Place, Point, Scenes, point_at, prepare, seek, unit_point_at, visit
 from vibro.core.slides import thresholds
+from vibro.core.timeline import (
+    instant_at,
+    moment_of,
+    phase_at,
+    position_of,
+    row_of,
+    start_of,
+    steady_legs,
+    turn_letters,
+)
 from vibro.core.wave_cycle import wave_cycle, write_contact_letters
 from vibro.core.waves import SINE
 
@@ -250,58 +252,60 @@ def flights_along(
     return found.status
 
 
-def moments(
-    scenes: Scenes, place: Place, legs: Legs, height: float, row: Integers, since: Doubles, found: Moments,
-    count: int,
+def sample(
+    scenes: Scenes, place: Place, legs: Legs, span: Span, height: float, off: float, times: Doubles,
+    after: Bytes, out: Sampled, count: int,
 ) -> None:  # fmt: skip
-    """Evaluate the motion of the first cell's body at moments of its legs.
+    """Sample the motion of the first cell's body, and the forces on it.
 
     Parameters
     ----------
     scenes, place : Scenes, Place
         The cells, of which the first is the history's, and the thread's memory.
-    legs, height : Legs, float
-        The history, and the body's height above the trough at its start.
-    row, since : Integers, Doubles
-        Leg of each moment, and the phase since its start, at most its length [rad].
-    found : Moments
-        Motion and loads there.
+    legs, span, height : Legs, Span, float
+        The history, and the body's height above the trough at its start [A].
+    off : float
+        From a time to the moment whose forces are those there, where the trough's acceleration jumps and
+        rounding would decide on which side of a jump a time lies [rad]; else 0.
+    times, after : Doubles, Bytes
+        When [s], and whether after what happens then, or before.
+    out : Sampled
+        Is written.
     count : int
-        Number of moments.
+        Number of times.
     """
-    loads = _point(scenes, place, 0).loads
-    a, mu_d = loads.drive_tangential, loads.kinetic_friction
+    point = _point(scenes, place, 0)
+    loads, scale, line = point.loads, point.scale, scenes.kind == LINE
+    speed = scale * TURN * point.frequency
+    force = speed * TURN * point.frequency
     for i in range(count):
-        leg, s = row[i], since[i]
-        mode, start = legs.mode[leg], legs.phase[leg]
-        flies, over = mode == Mode.FLIGHT, s >= legs.length[leg]
-        phase = start + (wrap(s) if mode == Mode.REST else s)
-        load, normal = tangential_load(loads, phase), max(normal_load(loads, phase), 0.0)
-        found.sine[i] = math.sin(phase)
-        found.trough_along[i] = a * trough_along(loads, phase).path
-        found.trough_normal[i] = normal_height(loads, phase)
-        found.inertial[i] = load
-        found.normal[i] = 0.0 if flies else normal
-        found.path[i] = 0.0
-        found.velocity[i] = 0.0
-        found.acceleration[i] = 0.0
-        found.gap[i] = 0.0
-        if mode != Mode.REST:
-            # N = -eta'': friction moves the body as far as the normal motion of a body without support would
-            friction = -mu_d if mode == Mode.BACK else mu_d
-            if flies:
-                friction = 0.0
-            found.acceleration[i] = load - friction * normal
-            if over:
-                found.path[i] = legs.displacement[leg]
-                found.velocity[i] = legs.end_velocity[leg]
-            else:
-                along = free_along(loads, start, legs.velocity[leg], s)
-                off = free_normal(loads, start, legs.rate[leg], s)
-                found.path[i] = along.path + friction * off.path
-                found.velocity[i] = along.velocity + friction * off.velocity
-                above = height if leg == 0 else 0.0
-                found.gap[i] = max(above + off.path, 0.0) if flies else 0.0
+        at = instant_at(legs, span, times[i], after[i] != 0)
+        leg, now = at.row, moment_of(loads, legs, at.row, at.since, height)
+        acts = now
+        if off > 0.0:
+            beside = at.since + off if after[i] != 0 else at.since - off
+            acts = moment_of(loads, legs, leg, min(max(beside, 0.0), legs.length[leg]), height)
+        out.trough_displacement[i] = scale * now.sine if line else NAN
+        out.trough_along[i], out.trough_normal[i] = scale * now.trough_along, scale * now.trough_normal
+        out.position[i] = scale * (legs.position[leg] + at.advance + now.path)
+        out.velocity[i], out.acceleration[i] = speed * now.velocity, force * acts.acceleration
+        out.inertial[i], out.normal[i] = force * acts.inertial, force * acts.normal
+        out.friction[i] = 0.0
+        if legs.mode[leg] != Mode.FLIGHT:
+            out.friction[i] = force * (acts.acceleration - acts.inertial)
+        out.static_limit[i] = loads.static_friction * out.normal[i]
+        out.gap[i] = scale * now.gap
+
+
+def phases(legs: Legs, span: Span, row: Integers, start: Doubles, position: Doubles, count: int) -> None:
+    """List the first phases of a history: their legs, and where they begin, in time [s] and along it [A].
+
+    After the last phase ``start`` is inf, and the rest is that of the one before.
+    """
+    for i in range(count):
+        start[i] = start_of(legs, span, i)
+        known = i if math.isfinite(start[i]) else max(i - 1, 0)
+        row[i], position[i] = row_of(span, known), position_of(legs, span, known)
 
 
 class _Answers(NamedTuple):
@@ -410,14 +414,18 @@ def write_letters(
 ) -> int:
     """Write the legs of the steady cycle of a cell that has one; return their number.
 
-    ``flights`` and ``hops`` are scratch memory.
+    Beyond one harmonic they are counted from wherever the cycle begins, and so turned. ``flights`` and
+    ``hops`` are scratch memory.
     """
     seek(scenes, place, cell)
     point = point_at(scenes, place)
-    at = thresholds(point.loads)
+    loads = point.loads
+    at = thresholds(loads)
     if at.hops:
-        return write_hopping_letters(point.loads, point.restitution, flights, hops, out, room)
-    return write_contact_letters(point.loads, at, out, room)
+        number = write_hopping_letters(loads, point.restitution, flights, hops, out, room)
+    else:
+        number = write_contact_letters(loads, at, out, room)
+    return number if loads.waves.kind == SINE or number > room else turn_letters(out, number)
 
 
 def slips_back(scenes: Scenes, place: Place, out: Bytes, begin: int, end: int) -> None:
@@ -627,14 +635,17 @@ DOORS: Final = (
     followed,
     history,
     load_slopes,
-    moments,
     operate,
     operating_points,
+    phase_at,
+    phases,
     prepare,
     return_of_flights,
+    sample,
     slips_back,
     solve_contact,
     solve_hops,
+    steady_legs,
     tipping_loads,
     transfers,
     transition_loads,

@@ -322,31 +322,41 @@ def integers(count: int) -> memoryview[int]:
     return memoryview(bytearray(8 * count)).cast("q")
 
 
-class Moments(NamedTuple):
-    """Motion and loads at moments of a history, one element each; lengths in A, speeds in A w.
+class Span(NamedTuple):
+    """What of a history's legs repeats.
 
     Attributes
     ----------
-    sine : Doubles
-        Of the trough's motion normal to itself.
-    trough_along, trough_normal : Doubles
-        Position of the trough.
-    path, velocity, acceleration : Doubles
-        Of the body along the trough, relative to it; ``path`` since the start of the leg.
-    inertial, normal : Doubles
-        Load along the trough, and force of the trough on the body.
-    gap : Doubles
-        Height above the trough.
+    first, number : int
+        The first leg of the cycle that repeats, and the number of all legs; the same if none repeat.
+    period : int
+        Drive cycles of that cycle; 0 without one.
+    advance : float
+        Displacement in it [A].
+    frequency : float
+        Of the drive [Hz].
     """
 
-    sine: Doubles
+    first: int
+    number: int
+    period: int
+    advance: float
+    frequency: float
+
+
+class Sampled(NamedTuple):
+    """Motion and forces of a history at times, as ``vibro.Sample`` describes them, one element each."""
+
+    trough_displacement: Doubles
     trough_along: Doubles
     trough_normal: Doubles
-    path: Doubles
+    position: Doubles
     velocity: Doubles
     acceleration: Doubles
     inertial: Doubles
+    friction: Doubles
     normal: Doubles
+    static_limit: Doubles
     gap: Doubles
 
 

@@ -250,6 +250,7 @@ def _given(start: _Start, request: Request) -> dict[str, Any]:
             "breaks": moved.breaks.tolist(),
             "pieces": moved.pieces.ravel().tolist(),
             "unit": moved.unit,
+            "jumps": moved.jumps.tolist(),
         }
     return {
         **start.own.data(),

@@ -12,7 +12,6 @@ from vibro.drives import Ability
 from vibro.motion.histories import Start, follow_body, grid_of
 from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors
-from vibro.steady import turned
 from vibro.threads import Scratch, doors, lasting
 
 if TYPE_CHECKING:
@@ -109,10 +108,10 @@ def _as_named(text: str, *, one_harmonic: bool) -> str:
     """Turn the legs of a cycle as ``SteadyCycle.pattern`` has them."""
     if len(text) > 1 and text[0] == text[-1] != "H":
         text = text[:-1]  # one leg, amid which the cycle begins
-    turns = (text[i:] + text[:i] for i in range(len(text)))
+    turns = [text[i:] + text[:i] for i in range(len(text))]
     if "H" not in text and (named := next((turn for turn in turns if turn in PATTERNS), "")):
         return named
-    return text if one_harmonic else "".join(LETTERS[x] for x in turned(bytes(map(LETTERS.index, text))))
+    return text if one_harmonic else min(turns, key=lambda turn: [*map(LETTERS.index, turn)])
 
 
 def _spelt(grid: Grid, phase: float, velocity: float, period: float) -> str:

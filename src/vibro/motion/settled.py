@@ -17,7 +17,7 @@ from vibro.motion.histories import Start, follow_body, is_followed, simulate
 from vibro.reals import shielded
 from vibro.results.history import History, Legs, SolvedMotion
 from vibro.steady import slides_of, solve
-from vibro.threads import Grid
+from vibro.threads import Grid, doors
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
@@ -108,18 +108,12 @@ def _steady_cycle(scene: Scene, grid: Grid, cycle: SteadyCycle, most: float) -> 
         phase = 0.0 if pattern == "_" else float(slides_of(scene, cycle.pattern_code).begin.flat[0])
         return _SteadyCycle(simulate(scene, cycles=1.0, start_phase=phase), phase / rate)
     motion = follow_body(grid, Start(0.0, 0.0, 0.0, 0.0), most)
-    legs = Legs._make(x[motion.first :] for x in motion.legs)
-    if not legs.mode.size:
+    span = motion.span(float(scene.frequency))
+    if span.number == span.first:
         return None
-    first = 0
-    if not one_harmonic:  # patterns of waves begin where their letters are least in the order of ``Mode``
-        modes = legs.mode.tolist()
-        first = min(range(len(modes)), key=lambda i: modes[i:] + modes[:i])
-    later = np.arange(legs.mode.size) < first
-    position = legs.position + np.where(later, motion.advance, 0.0)
-    legs = legs._replace(cycle=legs.cycle + np.where(later, motion.period, 0), position=position)
-    legs = Legs._make(np.roll(x, -first) for x in legs)
-    legs = legs._replace(cycle=legs.cycle - legs.cycle[0], position=legs.position - legs.position[0])
+    legs, solver = Legs.of_size(span.number - span.first), doors()
+    rows = [tuple(solver.row(x) for x in part) for part in (motion.legs, legs)]
+    solver.steady_legs(rows[0], span, not one_harmonic, rows[1])
     # A drive of one harmonic counts phases from the middle of its motion along the trough.
     phase = (float(legs.phase[0]) - math.remainder(drive.phase.item(), TURN)) % TURN
     steady = SolvedMotion(legs, 0, motion.period, motion.advance)

@@ -17,12 +17,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import LETTERS, PHASE_NAMES, Mode
-from vibro.core.numbers import TURN, Moments
+from vibro.core.codes import LETTERS, PHASE_NAMES
+from vibro.core.numbers import TURN, Sampled, Span
 from vibro.drives import PiecewiseMotion
 from vibro.errors import InputError, VibroError, cut, shown
 from vibro.html_tables import Shown, amount
@@ -128,7 +128,6 @@ MOST_PHASES: Final = 2_000_000
 _MOMENTS: Final = 16_384  # of a call, so that an interrupt is noticed within a fraction of a second
 
 _OFF_JUMP: Final = 1e-9  # [rad] from a jump to the moment whose forces are those on one side of it
-_FORCES: Final = ("acceleration", "inertial", "normal")  # of ``Moments``
 _SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside, for rounding by the caller
 
 
@@ -171,6 +170,10 @@ class SolvedMotion(NamedTuple):
     first: int
     period: int
     advance: float
+
+    def span(self, frequency: float) -> Span:
+        """Return what the solver takes of it, beside its legs, at a drive's frequency [Hz]."""
+        return Span(self.first, self.legs.mode.size, self.period, self.advance, frequency)
 
 
 @dataclass(frozen=True)
@@ -300,7 +303,7 @@ class History(Shown):
     @property
     def _count(self) -> int:
         """Number of phases until the end, repeated ones included."""
-        return int(self._place(np.array([self.end]), "left")[0]) + 1
+        return int(doors().phase_at(self._legs, self._span, self.end, False)) + 1
 
     @property
     def pattern(self) -> str:
@@ -313,7 +316,9 @@ class History(Shown):
         """Time at which the first phase begins that repeats; inf if none does before the end [s]."""
         if not self._motion.period:
             return math.inf
-        return float(self._start(np.array([self._motion.first]))[0])
+        legs, first = self._motion.legs, self._motion.first
+        turns = (legs.phase[first] - legs.phase[0]) / TURN
+        return float((legs.cycle[first] + turns) / float(self.scene.frequency))
 
     @property
     def period_cycles(self) -> int:
@@ -343,19 +348,19 @@ class History(Shown):
                 f"a history of {self._count} phases: at most {MOST_PHASES} are spelt out",
                 hint="follow fewer cycles; sample() and cycle_displacement need no list of phases",
             )
-        places = np.arange(self._count)
-        row, count = self._row(places)
-        legs = self._motion.legs
+        count, legs, solver = self._count, self._motion.legs, doors()
+        row, start, position = np.empty(count + 1, np.int64), np.empty(count + 1), np.empty(count + 1)
+        buffers = [solver.row(x) for x in (row, start, position)]
+        solver.phases(self._legs, self._span, *buffers, count + 1)
+        row, starts = row[:count], start[:count]
         length, speed = self._units
-        starts = self._start(places)
-        final = self.sample(self.end, side="left")
-        position = length * (legs.position[row] + count * self._motion.advance)
+        final, position = self.sample(self.end, side="left"), length * position[:count]
         ends = np.append(starts[1:], self.end)
         end_position = np.append(position[1:], final.position)
         end_velocity = speed * legs.end_velocity[row]
         end_velocity[-1] = final.velocity
         impact = speed * legs.impact[row]
-        if self.end < self._start(np.array([self._count]))[0]:
+        if self.end < start[count]:
             impact[-1] = 0.0
         columns = (starts, ends, position, end_position, speed * legs.velocity[row], end_velocity, impact)
         kinds = (LETTERS[mode] for mode in legs.mode[row])
@@ -434,7 +439,14 @@ class History(Shown):
                 f"time {time[outside].flat[0]:.15g} s is outside of the history, 0 to {self.end:.15g} s"
             )
         flat = np.clip(time.ravel(), 0.0, self.end)
-        values = self._sample(flat, self._place(flat, side), side)
+        after, solver = np.full(flat.size, side == "right", np.int8), doors()
+        values = np.empty((len(Sampled._fields), flat.size))
+        height, off = self.start_height / self._units[0], _OFF_JUMP if self._jumps.size else 0.0
+        for begin in range(0, flat.size, _MOMENTS):
+            part = slice(begin, begin + _MOMENTS)
+            given = solver.row(flat[part]), solver.row(after[part]), solver.rows(values[:, part])
+            cell = self._grid.scenes, self._grid.place()
+            solver.sample(*cell, self._legs, self._span, height, off, *given, flat[part].size)
         return Sample(time, *(x.reshape(time.shape) for x in values))
 
     @property
@@ -467,84 +479,10 @@ class History(Shown):
         scale = float(self.scene.scale)
         return scale, scale * TURN * float(self.scene.frequency)
 
-    def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Legs of the phases with these numbers, and the number of cycles completed before each."""
-        first = self._motion.first
-        size = max(self._motion.legs.mode.size - first, 1)
-        beyond = np.maximum(places - first, 0)
-        return np.where(places < first, places, first + beyond % size), beyond // size
+    @property
+    def _span(self) -> Span:
+        return self._motion.span(float(self.scene.frequency))
 
-    def _start(self, places: NDArray[np.int64]) -> Floats:
-        """Start time of the phases with these numbers; inf after the last."""
-        row, count = self._row(places)
-        legs = self._motion.legs
-        known = row < legs.mode.size
-        row = np.where(known, row, 0)
-        cycles = legs.cycle[row] + self._motion.period * count
-        turns = (legs.phase[row] - legs.phase[0]) / TURN
-        return np.where(known, (cycles + turns) / float(self.scene.frequency), np.inf)
-
-    def _place(self, time: Floats, side: Literal["left", "right"]) -> NDArray[np.int64]:
-        """Find the number of the phase at each time."""
-        first = self._motion.first
-        size = self._motion.legs.mode.size - first
-        known = self._start(np.arange(first + size))
-        place = np.searchsorted(known, time, side=side).astype(np.int64) - 1
-        if size:
-            cycle = self._motion.period / float(self.scene.frequency)
-            count = np.maximum(np.floor((time - known[first]) / cycle), 0.0)
-            within = np.searchsorted(known[first:], time - count * cycle, side=side)
-            repeated = first + count.astype(np.int64) * size + within - 1
-            place = np.where(count > 0.0, repeated, place)
-        early = np.less if side == "left" else np.less_equal
-        while True:  # the guess may be off by one where rounding decides
-            ahead = early(self._start(place + 1), time)
-            late = (place > 0) & ~early(self._start(place), time)
-            if not (ahead | late).any():
-                return np.maximum(place, 0)
-            place = place + ahead - (late & ~ahead)
-
-    def _moments(self, row: NDArray[np.int64], since: Floats) -> dict[str, Floats]:
-        """Return position, velocity and forces in the solver's units, at times since legs began [1/w]."""
-        values, solver = np.empty((len(Moments._fields), since.size)), doors()
-        height = self.start_height / float(self.scene.scale)
-        for begin in range(0, since.size, _MOMENTS):
-            part = slice(begin, begin + _MOMENTS)
-            solver.moments(
-                self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in self._motion.legs),
-                height, solver.row(row[part]), solver.row(since[part]), solver.rows(values[:, part]),
-                since[part].size,
-            )  # fmt: skip
-        return dict(zip(Moments._fields, values, strict=True))
-
-    def _sample(self, time: Floats, place: NDArray[np.int64], side: str) -> tuple[Floats, ...]:
-        row, count = self._row(place)
-        legs, scene = self._motion.legs, self.scene
-        since = TURN * float(scene.frequency) * (time - self._start(place))
-        since = np.clip(since, 0.0, legs.length[row])
-        since = np.where(time >= self._start(place + 1), legs.length[row], since)
-        at = self._moments(row, since)
-        # At a jump of the trough's acceleration, rounding decides on which side of it a time lies. Take
-        # forces from a moment on the side that is wanted.
-        if self._jumps.size:
-            beside = np.clip(since + (-_OFF_JUMP if side == "left" else _OFF_JUMP), 0.0, legs.length[row])
-            at |= {name: x for name, x in self._moments(row, beside).items() if name in _FORCES}
-        length, speed = self._units
-        force = speed * TURN * float(scene.frequency)
-        flies = legs.mode[row] == Mode.FLIGHT
-        normal = force * at["normal"]
-        with np.errstate(over="ignore"):  # no friction that could be measured: inf, which bears everything
-            static_limit = float(scene.static_friction) * normal
-        return (
-            np.full(time.shape, np.nan) if scene.amplitude is None else length * at["sine"],
-            length * at["trough_along"],
-            length * at["trough_normal"],
-            length * (legs.position[row] + count * self._motion.advance + at["path"]),
-            speed * at["velocity"],
-            force * at["acceleration"],
-            force * at["inertial"],
-            np.where(flies, 0.0, force * (at["acceleration"] - at["inertial"])),
-            normal,
-            static_limit,
-            length * at["gap"],
-        )
+    @property
+    def _legs(self) -> tuple[Any, ...]:
+        return tuple(doors().row(x) for x in self._motion.legs)

@@ -17,7 +17,8 @@
  * @property {Field} gravity
  * @property {Field} restitution
  * @property {Field[][]} [harmonics] amplitudes along, their phases, amplitudes normal, their phases
- * @property {{breaks: number[], pieces: number[], unit: number}} [motion] of pieces, as PiecewiseMotion has them
+ * @property {{breaks: number[], pieces: number[], unit: number, jumps: number[]}} [motion] of pieces, as PiecewiseMotion has
+ *   them
  *
  * @typedef {Record<string, Float64Array>} Rows
  */
@@ -32,6 +33,7 @@ function engineOf(doors, known) {
   const KINDS = { line: known.LINE, ellipse: known.ELLIPSE, harmonics: known.HARMONICS, pieces: known.PIECES };
   const MOST_LEGS = 2 ** 20;
   const MOST_ATTRACTORS = 256;
+  const OFF_JUMP = 1e-9; // [rad] from a jump to the moment whose forces are those on one side of it
 
   /** @param {readonly string[]} names @param {number} size @returns {Rows} */
   const rows = (names, size) => Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
@@ -104,19 +106,6 @@ function engineOf(doors, known) {
   }
 
   /**
-   * Rotation of a cyclic list, in places, that comes first in the order of its numbers.
-   * @param {number[]} list
-   */
-  function leastTurn(list) {
-    const size = list.length;
-    const isLess = (/** @type {number} */ by, /** @type {number} */ than) => {
-      const apart = list.findIndex((_, n) => list[(n + by) % size] !== list[(n + than) % size]);
-      return apart >= 0 && list[(apart + by) % size] < list[(apart + than) % size];
-    };
-    return list.reduce((least, _, by) => (isLess(by, least) ? by : least), 0);
-  }
-
-  /**
    * Spell the pattern of a code; null if it has more letters than the digits of a double can hold.
    * @param {number} code
    */
@@ -142,13 +131,7 @@ function engineOf(doors, known) {
       legs = new Float64Array(number);
       number = doors.write_letters(grid.scenes, grid.place, 0, flights, hops, legs, number);
     }
-    let modes = [...legs.slice(0, number)];
-    if (grid.drive.kind === "harmonics" || grid.drive.kind === "pieces") { // from wherever its cycle was counted
-      if (number > 1 && modes[0] === modes[number - 1] && modes[0] !== known.Mode.FLIGHT) modes.pop();
-      const turn = leastTurn(modes);
-      modes = [...modes.slice(turn), ...modes.slice(0, turn)];
-    }
-    return modes.map((mode) => known.LETTERS[mode]).join("");
+    return [...legs.slice(0, number)].map((mode) => known.LETTERS[mode]).join("");
   }
 
   /**
@@ -168,24 +151,49 @@ function engineOf(doors, known) {
         grid.scenes, grid.place, phase, 0.0, 0.0, 0.0, cycles, legs, room, cycle, last, flights);
       if (number >= 0) {
         for (const name in legs) legs[name] = legs[name].slice(0, number);
-        return { legs, number, first: cycle.first[0], period: cycle.period[0], advance: cycle.advance[0] };
+        const [first, period, advance] = [cycle.first[0], cycle.period[0], cycle.advance[0]];
+        return { legs, number, first, period, advance, frequency: grid.drive.frequency };
       }
     }
     return null;
   }
 
   /**
-   * Motion and loads at moments of the legs of one scene's body, in units of the solver.
+   * Motion and forces of one scene's body at times, by the names of vibro.Sample, in SI units.
    * @param {ReturnType<typeof gridOf>} grid
-   * @param {Rows} legs
-   * @param {ArrayLike<number>} row leg of each moment
-   * @param {ArrayLike<number>} since phase since its start, at most its length [rad]
+   * @param {any} motion legs, and what of them repeats
+   * @param {ArrayLike<number>} times [s]
+   * @param {(n: number) => boolean} [isAfter] whether each is after what happens then
    */
-  function moments(grid, legs, row, since) {
-    const found = rows(fields("moments", 6), row.length);
-    doors.moments(
-      grid.scenes, grid.place, legs, 0.0, Float64Array.from(row), Float64Array.from(since), found, row.length);
+  function sample(grid, motion, times, isAfter = () => true) {
+    const found = rows(["time", ...fields("sample", 8)], times.length);
+    found.time.set(times);
+    const after = Float64Array.from(times, (_, n) => Number(isAfter(n)));
+    const off = grid.drive.motion?.jumps.length ? OFF_JUMP : 0.0;
+    doors.sample(grid.scenes, grid.place, motion.legs, motion, 0.0, off, times, after, found, times.length);
     return found;
+  }
+
+  /**
+   * The phases of a motion until a time: legs, and where they begin, in time [s] and along it [A]; and the next one.
+   * @param {any} motion @param {number} end [s]
+   */
+  function phases(motion, end) {
+    const number = doors.phase_at(motion.legs, motion, end, false) + 1;
+    const found = rows(["row", "start", "position"], number + 1);
+    doors.phases(motion.legs, motion, found.row, found.start, found.position, number + 1);
+    return { number, ...found };
+  }
+
+  /**
+   * The cycle of a motion that repeats, as a motion of its own; null if none does.
+   * @param {any} motion @param {boolean} turns whether it begins where its letters are least
+   */
+  function steady(motion, turns) {
+    const number = motion.number - motion.first;
+    const legs = rows(fields("steady_legs", 0), number);
+    if (number) doors.steady_legs(motion.legs, motion, turns, legs);
+    return number ? { ...motion, legs, number, first: 0 } : null;
   }
 
   /**
@@ -195,11 +203,13 @@ function engineOf(doors, known) {
    * @returns {[number, number][]} along and normal to itself
    */
   function path(grid, phases) {
-    const rest = rows(fields("moments", 2), 1);
+    const rest = rows(fields("sample", 2), 1);
     rest.mode[0] = known.Mode.REST;
-    const found = moments(grid, rest, phases.map(() => 0), phases);
-    const scale = scaleOf(grid.drive);
-    return phases.map((_, n) => [scale * found.trough_along[n], scale * found.trough_normal[n]]);
+    rest.length[0] = Infinity;
+    const { frequency } = grid.drive;
+    const motion = { legs: rest, number: 1, first: 1, period: 0, advance: 0.0, frequency };
+    const found = sample(grid, motion, phases.map((phase) => phase / (TURN * Number(frequency))));
+    return phases.map((_, n) => [found.trough_along[n], found.trough_normal[n]]);
   }
 
   /**
@@ -294,7 +304,7 @@ function engineOf(doors, known) {
   }
 
   return {
-    gridOf, solve, leastTurn, spelt, pattern, history, moments, path, arrival, slides, attractors, limits, spans,
+    gridOf, solve, spelt, pattern, history, sample, phases, steady, path, arrival, slides, attractors, limits, spans,
     operate, scaleOf, known,
   };
 }
