@@ -308,5 +308,3 @@ function engineOf(doors, known) {
     operate, scaleOf, known,
   };
 }
-
-if (typeof module !== "undefined") module.exports = { engineOf };

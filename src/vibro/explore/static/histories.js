@@ -1,7 +1,6 @@
 /**
  * Motion of one body from rest, exact at any time, as vibro.History and vibro.motion.histories.trace have it.
  *
- * @typedef {import("./engine.js").Drive} Drive
  * @typedef {{kind: string, start: number, end: number, moved: number}} Phase times [s], displacement [m]
  * @typedef {Record<string, Float64Array>} Sample fields of vibro's Sample, in SI units
  * @typedef {object} History

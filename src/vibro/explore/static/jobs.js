@@ -6,8 +6,7 @@ import { hasRatio } from "./state.js";
 export const [MAP_WIDTH, MAP_HEIGHT] = [200, 150]; // [cells]
 export const OF_FLIGHT = ["impact", "flight"]; // views whose numbers are those of the operating point's own friction
 
-/** @typedef {import("./state.js").Shown} Shown @typedef {import("./state.js").Axis} Axis
- * @typedef {import("./worker.js").MapJob} MapJob @typedef {import("./worker.js").CellRows} CellRows */
+/** @typedef {import("./state.js").Shown} Shown @typedef {import("./state.js").Axis} Axis */
 
 /** A number as a whole one over a power of ten. @param {number} value @returns {[bigint, number]} */
 function decimalOf(value) {
@@ -106,7 +105,7 @@ export class MapCells {
   get isDone() { return this.share === 1.0; }
   get share() { return this.solved.reduce((sum, one) => sum + one, 0) / this.ny; }
 
-  /** @param {import("./worker.js").RowBlock} block */
+  /** @param {RowBlock} block */
   put({ begin, end, rows }) {
     for (const [name, values] of Object.entries(rows)) {
       const Numbers = /** @type {any} */ (values.constructor);

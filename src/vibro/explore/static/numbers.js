@@ -1,7 +1,6 @@
 /**
  * The answer about one scene, as texts: what vibro.answers.scene writes for `vibro solve --all`, figure by figure.
  *
- * @typedef {import("./engine.js").Drive} Drive
  * @typedef {{label: string, text: string}} Fact
  * @typedef {{title: string, columns: string[], rows: string[][]}} AnswerTable the first text of a row names it
  * @typedef {object} Answer
@@ -19,8 +18,6 @@ import { briefText, filledText, shownText, uncertainText } from "./figures.js";
 import { phasesOf, steadyHistory } from "./histories.js";
 import { loadOf, strokeOf } from "./paths.js";
 import { generalText } from "./typed.js";
-
-/* global driveOf, operatingOf, withhold */
 
 // ------------------------------------------------------------------------------
 // One solved scene.

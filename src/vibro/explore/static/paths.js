@@ -2,7 +2,6 @@
  * The trough's path: its stroke and its largest acceleration. Where there is no closed form it is sampled, and searched
  * more finely about the best place.
  *
- * @typedef {import("./engine.js").Drive} Drive
  * @typedef {[number, number]} Point along the trough and normal to it
  */
 

@@ -10,7 +10,7 @@ const [FEWEST_WORKERS, MOST_WORKERS] = [2, 8];
 const REDRAWN = 250; // [ms] after which a map that takes long is drawn with what is there
 const COARSER = 4; // times as wide are the cells of a coarse map
 
-/** @typedef {import("./state.js").Shown} Shown @typedef {import("./worker.js").MapJob} MapJob
+/** @typedef {import("./state.js").Shown} Shown
  * @typedef {{postMessage(message: any): void, onmessage: any, onerror: any}} SolverWorker */
 
 /** In place of a worker, where a viewer allows none: it solves in the page, between the page's other work. */

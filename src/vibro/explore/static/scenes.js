@@ -72,7 +72,7 @@ function spelledFriction(ratio, most) {
  * The drive of a scene, or of all cells of a map.
  * @param {{quantities: Quantities}} data
  * @param {Given} scene
- * @returns {import("./engine.js").Drive}
+ * @returns {Drive}
  */
 function driveOf({ quantities }, { values, given }) {
   const has = (/** @type {string} */ name) => values[name] !== undefined;
@@ -147,5 +147,3 @@ function operatingOf(data, engine, { values, machine }, shape = [1]) {
       Math.hypot(x, found.second_imaginary[n])),
   };
 }
-
-if (typeof module !== "undefined") module.exports = { cellsOf, driveOf, operatingOf, reachOf, toSi, changedField, spelledFriction };

@@ -155,4 +155,3 @@ function answerBlocks() {
 }
 
 if (typeof document === "undefined" && typeof importScripts === "function") answerBlocks(); // not in the page or in node
-if (typeof module !== "undefined") module.exports = { solveCells, solveRows };
