@@ -8,7 +8,7 @@ import numpy as np
 
 from vibro import Motion
 from vibro.drives import HarmonicMotion, PiecewiseMotion
-from vibro.explore.scenes import harmonic_values
+from vibro.explore.scenes import harmonic_values, pieces_data
 from vibro.files.motions import GivenMotion
 from vibro.quantities import LINEAR, QUANTITIES
 from vibro.sweeps.grid import Grid
@@ -44,11 +44,7 @@ def state_of(grid: Grid, cycles: int = 3, machine: dict[str, Any] | None = None)
         motion = grid.motion.motion
         given = {"kind": "harmonics", "values": {}, "motion": None, "table": [*grid.motion.table]}
         if isinstance(motion, PiecewiseMotion):
-            pieces = {"breaks": motion.breaks.tolist(), "pieces": motion.pieces.ravel().tolist()}
-            given |= {
-                "kind": "pieces",
-                "motion": {**pieces, "unit": motion.unit, "jumps": motion.jumps.tolist()},
-            }
+            given |= {"kind": "pieces", "motion": pieces_data(motion)}
         elif isinstance(motion, HarmonicMotion):
             given["values"] = harmonic_values(motion)
         values |= given["values"]

@@ -122,8 +122,7 @@ def _known() -> dict[str, Any]:
     sizes = {name: value for name, value in vars(numbers).items() if name.isupper() and name[0] != "_"}
     named = {kind.__name__: {code.name: int(code) for code in kind} for kind in (Status, Regime, codes.Mode)}
     return {
-        **{name: value for name, value in sizes.items() if isinstance(value, int | float)},
-        **named["Status"],
+        **{name: value for name, value in sizes.items() if type(value) is int},
         **named,
         "IRREGULAR": codes.IRREGULAR,
         "SPELT_PATTERNS": codes.SPELT_PATTERNS,

@@ -245,13 +245,7 @@ def _given(start: _Start, request: Request) -> dict[str, Any]:
     table = {} if request.motion is None else request.motion.table
     pieces = None
     if request.motion and isinstance(request.motion.motion, PiecewiseMotion):
-        moved = request.motion.motion
-        pieces = {
-            "breaks": moved.breaks.tolist(),
-            "pieces": moved.pieces.ravel().tolist(),
-            "unit": moved.unit,
-            "jumps": moved.jumps.tolist(),
-        }
+        pieces = pieces_data(request.motion.motion)
     return {
         **start.own.data(),
         "kind": "harmonics" if pieces is None else "pieces",
@@ -259,6 +253,12 @@ def _given(start: _Start, request: Request) -> dict[str, Any]:
         "motion": pieces,
         "table": [f"{key} = {_toml(value)}" for key, value in table.items()],
     }
+
+
+def pieces_data(motion: PiecewiseMotion) -> dict[str, Any]:
+    """Describe steps or samples, as the page's solver reads them."""
+    found = {"breaks": motion.breaks, "pieces": motion.pieces.ravel(), "jumps": motion.jumps}
+    return {"unit": motion.unit, **{name: x.tolist() for name, x in found.items()}}
 
 
 def _driven(start: _Start, given: GivenMachine) -> dict[str, Any]:

@@ -95,7 +95,7 @@ function engineOf(doors, known) {
     if (hopping) {
       const cells = new Float64Array(hopping);
       let found = 0;
-      for (let i = begin; i < end; i++) if (out.status[i] === known.FLIGHT_NOT_MODELLED) cells[found++] = i;
+      for (let i = begin; i < end; i++) if (out.status[i] === known.Status.FLIGHT_NOT_MODELLED) cells[found++] = i;
       doors.solve_hops(grid.scenes, grid.place, out, cells, flights, hops, 0, found);
       if (others) {
         const left = cells.filter((i) => out.coexists[i] < 0 && !Number.isNaN(out.mean_velocity[i]));
