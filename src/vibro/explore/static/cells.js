@@ -70,7 +70,8 @@ function ownCell(pieces, nx, x, y) {
   return isOwn(k, l) ? nx * l + k : nx * j + i;
 }
 
-/** The colour of a cell with some face under its marks. @param {Cells} cells @param {number} face @param {number} over */
+/** The colour of a cell with some face under its marks.
+ * @param {Cells} cells @param {number} face @param {number} over */
 function colourOf({ palette, pale }, face, over) {
   return over & pale ? 0xff000000 + ((palette[face] >> 1) & 0x7f7f7f) + 0x7f7f7f : palette[face]; // half white
 }

@@ -32,7 +32,8 @@ export function fillUnknown(values, nx, isKnown) {
   return /** @type {T} */ (found);
 }
 
-// The same, but that beside cells which are known values go on straight: a curve of them keeps its way up to their edge.
+// The same, but that beside cells which are known values go on straight: a curve of them keeps its way up to their
+// edge.
 /** @param {Float64Array} values @param {number} nx @param {(n: number) => boolean} isKnown */
 export function continued(values, nx, isKnown) {
   return fillUnknown(values, nx, isKnown).map((value, n) => {
@@ -85,7 +86,8 @@ export function zeroLines(field, nx) {
     if (a === b && b === c && c === d) continue;
     // sides by their first cell: even ones along a row, odd ones along a column
     const [below, right, above, left] = [2 * n, 2 * n + 3, 2 * (n + nx), 2 * n + 1];
-    const cut = [a !== b && below, b !== c && right, c !== d && above, d !== a && left].filter((side) => side !== false);
+    const cut = [a !== b && below, b !== c && right, c !== d && above, d !== a && left]
+      .filter((side) => side !== false);
     const isMiddle = field[n] + field[n + 1] + field[n + nx + 1] + field[n + nx] > 0.0;
     if (cut.length === 2) join(cut[0], cut[1]);
     else if (isMiddle === a) {
@@ -141,7 +143,8 @@ function clipLine(line, field, nx) {
 }
 
 /** The parts of lines that are seen.
- * @param {number[][][]} lines @param {Float64Array[]} hiding fields that are positive where they are not @param {number} nx */
+ * @param {number[][][]} lines @param {Float64Array[]} hiding fields that are positive where they are not
+ * @param {number} nx */
 export function visibleLines(lines, hiding, nx) {
   return hiding.reduce((all, field) => all.flatMap((line) => clipLine(line, field, nx)), lines);
 }

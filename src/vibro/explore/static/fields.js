@@ -125,7 +125,8 @@ function fieldsOf({ known }, state, cells, isSampled) {
   const mean = /** @type {Float64Array} */ (rows.mean_velocity);
   const { NO_SLIP, BACK_SLIP, HOPPING } = known.Regime;
   const size = nx * ny;
-  const masked = (/** @type {(n: number) => boolean} */ is) => new Float64Array(size).map((_, n) => (is(n) ? 0.5 : -0.5));
+  const masked = (/** @type {(n: number) => boolean} */ is) =>
+    new Float64Array(size).map((_, n) => (is(n) ? 0.5 : -0.5));
   const clipped = (/** @type {Float64Array} */ x) => {
     const found = new Float64Array(size);
     for (let n = 0; n < size; n++) found[n] = Math.min(Math.max(x[n], -MARGIN), MARGIN);
@@ -161,12 +162,13 @@ function fieldsOf({ known }, state, cells, isSampled) {
   const excess = (/** @type {number} */ n) =>
     quantityAt(cells, "kinetic_friction", n) - quantityAt(cells, "static_friction", n);
   /** Positive where cells have a status without an answer: up to the exact boundary where that has a formula. */
-  const unanswered = (/** @type {number} */ code) => (code !== known.Status.INFEASIBLE ? masked((n) => status[n] === code)
+  const unanswered = (/** @type {number} */ code) => (code !== known.Status.INFEASIBLE
+    ? masked((n) => status[n] === code)
     : Float64Array.from(status, (own, n) => (own === code && !(excess(n) > 0.0) ? 0.5 : excess(n))));
   const statuses = differentOf(status);
   return {
     ratio, rest, largest, moving, backwards, irregular, masked, statuses,
-    speed: /** @type {Float64Array} */ (isSampled ? rows.sampled_velocity : mean).map((speed) => 1000.0 * speed), // [mm/s]
+    speed: /** @type {Float64Array} [mm/s] */ (isSampled ? rows.sampled_velocity : mean).map((x) => 1000.0 * x),
     edges: Object.fromEntries(Object.keys(rows.ratio_hop ? job.edges : {}).map((edge) => [edge, ratios(edge)])),
     reverses: !isSampled && mean.reduce((sum, _, n) => sum + Number(backwards(n)), 0) > SEEN_SHARE * size,
     missing: (/** @type {string[]} */ names) =>
@@ -193,7 +195,8 @@ function numbersOf({ view, values }, { rows }, speed) {
   return speed.map((x) => (x > 0.0 && Number.isFinite(length / x) ? length / x : NaN));
 }
 
-/** @param {string} view @param {Float64Array} seen @param {MapCells} cells @param {any} Regime @param {boolean} reverses */
+/** @param {string} view @param {Float64Array} seen @param {MapCells} cells @param {any} Regime
+ * @param {boolean} reverses */
 function scaleOf(view, seen, { rows }, Regime, reverses) {
   const those = (/** @type {(n: number) => boolean} */ is) => {
     const found = new Float64Array(seen.length);
@@ -228,16 +231,17 @@ function marksOf({ known, statuses }, state, { rows, nx, solved, isPreviewed }, 
   };
 }
 
-// Where bodies reach the wanted speed and do not hop, positive there, and the edges of that. Where back slip begins, and
-// at the hop limit, speeds jump, and lines between such cells would be jagged: each regime's speeds are continued
-// beyond its edge, and the lines in it end there.
+// Where bodies reach the wanted speed and do not hop, positive there, and the edges of that. Where back slip begins,
+// and at the hop limit, speeds jump, and lines between such cells would be jagged: each regime's speeds are
+// continued beyond its edge, and the lines in it end there.
 /** @param {any} data @param {Shown} state @param {MapCells} cells @param {Fields} fields @param {boolean} isSampled */
 function wantedOf({ known }, { target }, { rows: { regime }, nx }, { speed, ratio, rest, masked, missing }, isSampled) {
   const { FORWARD_SLIP, BACK_SLIP } = known.Regime, { hop, back_slip: back } = ratio; // no friction changes hop
   const isKnown = (/** @type {number} */ n) => Number.isFinite(speed[n]);
   const surplus = (/** @type {(n: number) => boolean} */ isOwn) =>
     continued(speed, nx, (n) => isKnown(n) && isOwn(n)).map((x) => (x || 0.0) / Number(target) - 1.0);
-  const less = (/** @type {Float64Array} */ x, /** @type {Float64Array} */ y) => x.map((value, n) => Math.min(value, -y[n]));
+  const less = (/** @type {Float64Array} */ x, /** @type {Float64Array} */ y) =>
+    x.map((value, n) => Math.min(value, -y[n]));
   const lines = (/** @type {Float64Array} */ field, /** @type {Float64Array[]} */ hiding) =>
     visibleLines(zeroLines(field, nx), hiding, nx);
   const outside = isSampled ? [hop, masked((n) => !isKnown(n))]
@@ -256,8 +260,8 @@ function wantedOf({ known }, { target }, { rows: { regime }, nx }, { speed, rati
 }
 
 /** Colours of cells and marks over them. @param {any} data
- * @param {{lowest: any, highest: any, numbers: Float64Array | null, scale: Scale | null, covered: (n: number) => boolean,
- *   marked: Record<string, (n: number) => boolean>}} shown */
+ * @param {{lowest: any, highest: any, numbers: Float64Array | null, scale: Scale | null,
+ *   covered: (n: number) => boolean, marked: Record<string, (n: number) => boolean>}} shown */
 function looksOf({ looks, statuses }, { lowest, highest, numbers, scale, covered, marked }) {
   const [first, count] = looks.scale;
   const bits = looks.marks, none = looks.faces.no_answer;
@@ -294,7 +298,8 @@ function legendOf({ looks, regimes }, { view, target }, { faces, others, marks }
   const faced = regimes.filter((/** @type {any} */ { code }) => code >= 0 && seen.has(code));
   const marked = Object.entries(looks.legend).filter(([name]) => found & looks.marks[name]);
   return [
-    ...faced.map((/** @type {any} */ { code, label }) => ({ text: (code === 0 && rest) || label, faces: [code], marks: 0 })),
+    ...faced.map((/** @type {any} */ { code, label }) =>
+      ({ text: (code === 0 && rest) || label, faces: [code], marks: 0 })),
     ...marked.map(([name, one]) => ({ text: words[name] ?? one.text, faces: one.faces, marks: looks.marks[name] })),
   ];
 }
@@ -318,7 +323,8 @@ function curvesOf({ looks }, state, { nx, job, rows }, fields, isSampled, isOnNu
     const placed = lines.map((line) => line.map(([i, j]) => [x(i), y(j)]));
     if (lines.length) found.push({ name, ...look, halo, ...more, lines: placed });
   };
-  /** @param {string} name @param {Float64Array} field @param {Float64Array[]} hiding @param {Partial<CurveInfo>} [more] */
+  /** @param {string} name @param {Float64Array} field @param {Float64Array[]} hiding
+   * @param {Partial<CurveInfo>} [more] */
   const draw = (name, field, hiding, more) => show(name, visibleLines(zeroLines(field, nx), hiding, nx), more);
   /** @param {string} name @param {any} ratio @param {string[]} statuses @param {string} [edge] */
   const boundary = (name, ratio, statuses, edge = "") => {
@@ -376,7 +382,8 @@ function bestOf({ quantities }, { view, x, y }, { nx, job, isDone, rows }, seen,
 export function tipRows({ regimes, statuses }, map, i, j) {
   const { x, y, nx, cells: { rows, job }, lowest, highest, isSampled, numbers, label, legend, marks } = map;
   const n = j * nx + i;
-  const names = [lowest[n], highest[n]].map((code) => regimes.find((/** @type {any} */ one) => one.code === code)?.label);
+  const names = [lowest[n], highest[n]].map((code) =>
+    regimes.find((/** @type {any} */ one) => one.code === code)?.label);
   const number = (/** @type {number} */ value) => (Number.isNaN(value) ? "" : numberText(value, 4));
   const [speed, error] = [1000.0 * rows.mean_velocity[n], 1000.0 * rows.mean_velocity_error[n]];
   const mean = Number.isNaN(speed) || isSampled ? "" : uncertainText(speed, error).replace(/^-/, "\u2212");
@@ -387,7 +394,8 @@ export function tipRows({ regimes, statuses }, map, i, j) {
     [x.label, valueText(x, job.x.values[i])], [y.label, valueText(y, job.y.values[j])],
     ["regime", [...new Set(names)].filter(Boolean).join(" to ")],
     ["mean speed [mm/s]", isSpeed ? "" : mean],
-    [label, isSpeed ? mean : number(numbers?.[n] ?? NaN)], ["amplitude [mm]", number(1000.0 * (rows.amplitude?.[n] ?? NaN))],
+    [label, isSpeed ? mean : number(numbers?.[n] ?? NaN)],
+    ["amplitude [mm]", number(1000.0 * (rows.amplitude?.[n] ?? NaN))],
     ...[...new Set([...told, isSampled ? "" : trouble])].map((text) => ["", text]),
   ];
   return found.filter(([, text]) => text);

@@ -18,20 +18,25 @@ const NO_AXES = { x: "", y: "", x_range: "", y_range: "" };
 // Its parts
 
 /** A box of a key, beside which its note stands. @param {string} key @param {Attributes} [more] */
-const boxOf = (key, more) => html("input", { name: key, "aria-describedby": `note-${key}`, spellcheck: "false", ...more });
+const boxOf = (key, more) =>
+  html("input", { name: key, "aria-describedby": `note-${key}`, spellcheck: "false", ...more });
 const noteOf = (/** @type {string} */ key) => html("p", { id: `note-${key}`, class: "note error" });
 
 /** A text with its unit. @param {string} key @param {string} sign @param {Attributes} [more] */
-const measureOf = (key, sign, more) => html("span", { class: "measure" }, boxOf(key, { id: key, ...more }), html("i", {}, sign));
+const measureOf = (key, sign, more) =>
+  html("span", { class: "measure" }, boxOf(key, { id: key, ...more }), html("i", {}, sign));
 
-/** A choice among values with labels. @param {string} key @param {[string, string][]} choices @param {(value: string) => string} [drives] */
+/** A choice among values with labels.
+ * @param {string} key @param {[string, string][]} choices @param {(value: string) => string} [drives] */
 function selectOf(key, choices, drives) {
-  const options = choices.map(([value, label]) => html("option", { value, ...(drives && { "data-drives": drives(value) }) }, label));
+  const options = choices.map(([value, label]) =>
+    html("option", { value, ...(drives && { "data-drives": drives(value) }) }, label));
   return html("select", { id: key, name: key, "aria-describedby": `note-${key}` }, ...options);
 }
 
 /** @param {string} key @param {string} label @param {HTMLElement} box */
-const pairOf = (key, label, box) => html("div", { class: "pair" }, html("label", { for: key }, label), box, noteOf(key));
+const pairOf = (key, label, box) =>
+  html("div", { class: "pair" }, html("label", { for: key }, label), box, noteOf(key));
 
 /** @param {string} key @param {string} label @param {Attributes} [more] */
 const tickOf = (key, label, more) =>
@@ -69,7 +74,8 @@ function fieldsetsOf(data, scene) {
     const ends = ["least", "most"];
     const texts = ends.flatMap((end, part) => [html("label", { for: `${key}-${end}` }, end),
       boxOf(key, { id: `${key}-${end}`, "data-part": part, placeholder: "exact" })]);
-    const sliders = ends.map((end, part) => slider(key, name, `${end} ${label}`, { "data-part": part, "data-unit": "" }));
+    const sliders = ends.map((end, part) =>
+      slider(key, name, `${end} ${label}`, { "data-part": part, "data-unit": "" }));
     return html("div", { class: "band", id: `row-${key}`, role: "group", "aria-label": `band of ${label}` },
       html("span", {}, label), ...texts, ...sliders, noteOf(key));
   }
@@ -77,7 +83,8 @@ function fieldsetsOf(data, scene) {
   /** An axis of the map. @param {"x" | "y"} key @param {string} name @param {string} label */
   function axisRow(key, name, label) {
     const swept = all.filter((quantity) => quantities[quantity].control?.axis).map((quantity) => quantities[quantity]);
-    const choices = swept.map(({ column, label, sign }) => /** @type {[string, string]} */ ([column, sign ? `${label} [${sign}]` : label]));
+    const choices = swept.map(({ column, label, sign }) =>
+      /** @type {[string, string]} */ ([column, sign ? `${label} [${sign}]` : label]));
     const named = new Map(all.map((quantity) => [quantities[quantity].column, quantity]));
     const ends = ["from", "to"].flatMap((end, part) => [html("label", { for: `${key}-${end}` }, end),
       boxOf(`${key}_range`, { id: `${key}-${end}`, "data-part": part })]);
@@ -89,7 +96,8 @@ function fieldsetsOf(data, scene) {
 
   const labelled = (/** @type {Record<string, {label: string}>} */ kinds) =>
     Object.entries(kinds).map(([name, { label }]) => /** @type {[string, string]} */ ([name, label]));
-  const packs = Object.keys(scenes[scene].machine?.packs ?? {}).map((name) => /** @type {[string, string]} */ ([name, name]));
+  const packs = Object.keys(scenes[scene].machine?.packs ?? {})
+    .map((name) => /** @type {[string, string]} */ ([name, name]));
   const pack = packs.length ? [pairOf("pack", "Spring pack", selectOf("pack", [...packs, ["", "another one"]]))] : [];
   const knobs = all.filter((name) => KNOBS_OF_MACHINES.includes(name));
   const frictions = all.filter((name) => ["static_friction", "kinetic_friction"].includes(name));
@@ -213,7 +221,7 @@ export function createForm(data, store, change) {
     for (const box of boxes) {
       const text = textOf(box);
       if (box.type === "checkbox") /** @type {HTMLInputElement} */ (box).checked = text === "1" || text === "log";
-      else if (box.type === "range" && Number.isNaN(Number(text))) continue; // its handle stays, as the point on the map
+      else if (box.type === "range" && Number.isNaN(Number(text))) continue; // its handle stays, as the map's point
       else if (box !== edited && box.value !== text) box.value = text;
       if (box.dataset.unit !== undefined) set(box, { "aria-valuetext": `${text} ${box.dataset.unit}`.trim() });
     }

@@ -46,7 +46,8 @@ function samplesOf(bands) {
     const values = low < high ? [low, high, 0.5 * (low + high)] : [low];
     samples = samples.flatMap((own) => values.map((value) => ({ ...own, [name]: value })));
   }
-  const middles = samples.map((own) => Object.entries(own).filter(([name, value]) => !bands[name].includes(value)).length);
+  const middles = samples.map((own) =>
+    Object.entries(own).filter(([name, value]) => !bands[name].includes(value)).length);
   const most = Math.max(...middles);
   return samples.filter((_, n) => [0, most - 1, most].includes(middles[n]));
 }

@@ -28,7 +28,8 @@ function apartText({ drive, bands, values, machine }) {
   const file = drive in READ ? [`The command reads the ${READ[drive]} from the scene file, saved as scene.toml.`] : [];
   // the file keeps the machine's own springs, with which it may have been calibrated
   const isOther = machine && values.natural !== undefined && values.natural !== machine.fields.natural_frequency;
-  const springs = isOther ? [`For these numbers with other springs: vibro solve scene.toml natural=${values.natural}.`] : [];
+  const solve = `vibro solve scene.toml natural=${values.natural}`;
+  const springs = isOther ? [`For these numbers with other springs: ${solve}.`] : [];
   return [...file, ...springs, ...(Object.keys(bands).length ? [APART] : [])].join(" ");
 }
 
@@ -46,14 +47,15 @@ function questionText(state) {
   const asked = [`${data.scenes[scene].name || "Scene"}, trough moved ${kind.label}: ${told(spans)}`];
   if (target !== null) asked.push(`target speed ${valueText(data.quantities.speed, target)}`);
   const own = Object.entries(values).filter(([name]) => name in bands || !(name in spans));
-  if (own.length) asked.push(`${NOT_OF_BANDS}: ${told(Object.fromEntries(own.map(([name, value]) => [name, [value]])))}`);
+  const point = Object.fromEntries(own.map(([name, value]) => [name, [value]]));
+  if (own.length) asked.push(`${NOT_OF_BANDS}: ${told(point)}`);
   return asked.join("; ");
 }
 
 function start() {
   const engine = engineOf(exports, data.known);
   const store = createStore(data);
-  const view = new MapView(data, { value: store.value, move: (/** @type {Texts} */ patch, /** @type {boolean} */ isFinished) => change(patch, "map", isFinished) });
+  const view = new MapView(data, { value: store.value, move: (patch, isFinished) => change(patch, "map", isFinished) });
   const form = createForm(data, store, change);
   const answers = /** @type {(Answer | null)[]} */ (data.scenes.map(() => null));
   let badLink = ""; // message on an address without a valid state

@@ -140,7 +140,8 @@ export class MapView {
     shape("frame").replaceChildren(
       svg("text", { x: box.left, y: 18, "font-size": 14, "font-weight": 600, fill: "currentColor" }, name),
       facts.group, axis(box, "below", x.ticks, x.title), axis(box, "left", y.ticks, y.title),
-      ...(scale?.ticks ? this.bar(scale, label, faces) : []), plot(box, { class: "curves" }, ...this.curves()), names.group);
+      ...(scale?.ticks ? this.bar(scale, label, faces) : []),
+      plot(box, { class: "curves" }, ...this.curves()), names.group);
     const height = under + names.height;
     set(this.svg, { width: wide, height, viewBox: `0 0 ${wide} ${height}` });
     set(this.svg, { "aria-label": `${name}, over ${x.title} and ${y.title}` });
@@ -251,7 +252,8 @@ export class MapView {
     const [u, v] = pointer && !this.dragging ? this.sharesOf(pointer) : [NaN, NaN];
     tip.hidden = !(within(u) === u && within(v) === v);
     if (!this.drawn || !pointer || tip.hidden) return;
-    const rows = tipRows(this.data, this.drawn, Math.round(u * (this.drawn.nx - 1)), Math.round(v * (this.drawn.ny - 1)));
+    const { nx, ny } = this.drawn;
+    const rows = tipRows(this.data, this.drawn, Math.round(u * (nx - 1)), Math.round(v * (ny - 1)));
     tip.replaceChildren(...rows.map(([name, text]) => html("div", {}, html("span", {}, name), html("b", {}, text))));
     const area = this.stage.getBoundingClientRect();
     tip.style.left = `min(${pointer.clientX - area.left + 16}px, 100% - ${tip.offsetWidth}px)`;

@@ -1,6 +1,8 @@
 /** The motion of the operating point from rest: panels of curves over time, and the part on its trough. */
 
-import { INK, axis, curve, html, input, legend, numberText, place, plot, set, shape, svg, textWidth, way } from "./draw.js";
+import {
+  INK, axis, curve, html, input, legend, numberText, place, plot, set, shape, svg, textWidth, way,
+} from "./draw.js";
 import { roundNumbers } from "./scales.js";
 import { followed, phasesOf, sampled, traced } from "./histories.js";
 import { pointOf } from "./numbers.js";
@@ -36,7 +38,8 @@ export function motionOf(data, engine, state) {
   const isLine = !Number.isNaN(rows.trough_displacement[0]);
   const flies = rows.gap.some((gap) => gap > 0.0);
   const names = [...SHOWN, ...(flies ? ["gap"] : [])];
-  const panels = names.map((name) => panelOf(name, looks.panels[name === "trough" && !isLine ? "ellipse" : name], rows));
+  const panels = names.map((name) =>
+    panelOf(name, looks.panels[name === "trough" && !isLine ? "ellipse" : name], rows));
   return { history, rows, phases, panels };
 }
 
@@ -140,7 +143,8 @@ function createStage({ history, rows, panels }, looks, slope) {
   const forces = panels.find(({ name }) => name === "forces");
   const most = forces ? Math.max(-forces.low, forces.high) : 1.0;
 
-  const marks = Array.from({ length: Math.ceil((3 * WIDE) / STRIPE) }, (_, n) => `M${n * STRIPE - WIDE} 3l-6 9`).join("");
+  const stripes = Array.from({ length: Math.ceil((3 * WIDE) / STRIPE) }, (_, n) => `M${n * STRIPE - WIDE} 3l-6 9`);
+  const marks = stripes.join("");
   const trough = svg("g", {},
     svg("path", { d: `M${-WIDE} 0H${2 * WIDE}`, stroke: "currentColor", "stroke-width": 3 }),
     svg("path", { d: marks, stroke: "currentColor" }));

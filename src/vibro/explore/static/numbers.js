@@ -178,11 +178,13 @@ function machineFacts(/** @type {Solved} */ one) {
     ...supply.map((name) => filledText(says.supplied, { name, percent: generalText(values[name], 6) })),
   ];
   const known = Object.keys(results).filter((name) => !Number.isNaN(operated[name][0]));
+  const isBent = operated.second_harmonic[0] > warned;
+  const bent = isBent && !one.isLost ? MILLI * bentSpeed(one) : NaN;
   return [
     factOf(one, facts.amplitude, values.amplitude, values.filling ? empty : says.empty),
     factOf(one, facts.machine, parts.join(", ")),
     ...known.map((name) => factOf(one, results[name].slice(0, 2), results[name][2] * operated[name][0])),
-    ...(operated.second_harmonic[0] > warned ? [factOf(one, texts.facts.bent, one.isLost ? NaN : MILLI * bentSpeed(one))] : []),
+    ...(isBent ? [factOf(one, texts.facts.bent, bent)] : []),
   ];
 }
 
@@ -398,9 +400,10 @@ function notesOf(/** @type {Solved} */ one) {
 }
 
 /** What is unusual, and probably in wrong units, as vibro.sweeps.request.Request.doubts has it. @returns {string[]} */
-function doubtsOf(/** @type {Solved} */ { data: { quantities }, texts, engine, drive, length, machine, operated, ...one }) {
+function doubtsOf(/** @type {Solved} */ one) {
+  const { data: { quantities }, texts, engine, drive, length, machine, operated } = one;
   const { amplitude, ...others } = one.values;
-  const values = machine ? others : one.values;
+  const values = machine ? others : one.values; // of which the machine's amplitude is none
   const written = (/** @type {number} */ x) => generalText(x, 15);
   const doubt = (/** @type {string} */ name, /** @type {number} */ value) => {
     const { usual: [low, high], doubts: [below, above] } = quantities[name];
@@ -423,14 +426,16 @@ function doubtsOf(/** @type {Solved} */ { data: { quantities }, texts, engine, d
   return [...Object.values(found), length < stroke ? filledText(texts["short trough"], short) : ""].filter(Boolean);
 }
 
-/** What is in doubt about the operating point of a machine, as vibro.OperatingPoints.remarks has it. @returns {string[]} */
+/** What is in doubt about the operating point of a machine, as vibro.OperatingPoints.remarks has it.
+ * @returns {string[]} */
 function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) {
   if (!machine) return [];
   const { doubts, "warned harmonic": warned } = texts.machine;
   const { BOUNDARY, AVERAGED } = engine.known.Status;
   const { status: [status], number: [number], second_harmonic: [second], strikes: [strikes] } = operated;
   const near = 2.0 * machine.fields.damping_ratio;
-  const isNear = near > 0.0 && [operated.frequency_ratio, operated.filled_frequency_ratio].some(([ratio]) => Math.abs(ratio - 1.0) <= near);
+  const ratios = [operated.frequency_ratio, operated.filled_frequency_ratio];
+  const isNear = near > 0.0 && ratios.some(([ratio]) => Math.abs(ratio - 1.0) <= near);
   return [
     ...(isNear ? [filledText(doubts["near resonance"], { percent: generalText(100.0 * near, 3) })] : []),
     ...(number > 1 ? [filledText(doubts.several, { number })] : []),

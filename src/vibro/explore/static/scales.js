@@ -26,7 +26,8 @@ export function roundNumbers(low, high, isLog = false, most = 8) {
 /** The numbers 1, 2, 5, 10 ... about a range above 0, or powers of ten alone.
  * @param {number} low @param {number} high @param {boolean} isDense */
 function decades(low, high, isDense) {
-  const powers = Array.from({ length: Math.ceil(Math.log10(high / low)) + 2 }, (_, n) => n + Math.floor(Math.log10(low)));
+  const first = Math.floor(Math.log10(low));
+  const powers = Array.from({ length: Math.ceil(Math.log10(high / low)) + 2 }, (_, n) => n + first);
   return powers.flatMap((power) => (isDense ? [1, 2, 5] : [1]).map((size) => Number(`${size}e${power}`)));
 }
 
@@ -61,8 +62,9 @@ export function speedScale(seen, regular, calm, reverses) {
   const ascending = seen.slice().sort();
   const [low, high] = [ascending[0], ascending[ascending.length - 1]];
   const sizes = low < 0.0 ? ascending.map(Math.abs).sort() : ascending;
-  const largest = (/** @type {Float64Array} */ numbers) => numbers.reduce((most, x) => Math.max(most, Math.abs(x)), 0.0);
-  const [least, middle, most] = sizes.length ? [0.0, 0.5, 1.0].map((share) => quantileOf(sizes, share)) : [0.0, 0.0, 0.0];
+  const largest = (/** @type {Float64Array} */ numbers) =>
+    numbers.reduce((most, x) => Math.max(most, Math.abs(x)), 0.0);
+  const [least, middle, most] = [0.0, 0.5, 1.0].map((share) => (sizes.length ? quantileOf(sizes, share) : 0.0));
   if (!most) return even("cividis", 0.0, 1.0);
   if (low * high > 0.0 && least > 0.5 * most) return even("cividis", low, high > low ? high : 1.01 * low);
   const usual = largest(calm);

@@ -8,7 +8,8 @@
  * @property {null | {kind: string, motion?: any}} given of a drive that sliders cannot make
  */
 
-/** @typedef {Record<string, {per_si: number, si: number, default: number | null, low: number, high: number}>} Quantities */
+/** @typedef {{per_si: number, si: number, default: number | null, low: number, high: number}} SceneQuantity
+ * @typedef {Record<string, SceneQuantity>} Quantities */
 
 /**
  * Change every number of a field, or of two that vary differently.
@@ -76,8 +77,9 @@ function spelledFriction(ratio, most) {
  */
 function driveOf({ quantities }, { values, given }) {
   const has = (/** @type {string} */ name) => values[name] !== undefined;
-  const si = (/** @type {string} */ name, fallback = 0.0) => (has(name) ? toSi(quantities[name], values[name]) : fallback);
-  const usual = (/** @type {string} */ name) => (has(name) ? si(name) : toSi(quantities[name], quantities[name].default ?? 0.0));
+  const si = (/** @type {string} */ name, fallback = 0.0) =>
+    (has(name) ? toSi(quantities[name], values[name]) : fallback);
+  const usual = (/** @type {string} */ name) => si(name, toSi(quantities[name], quantities[name].default ?? 0.0));
   const kinetic = () => changedField(spelledFriction, values.friction_ratio, values.static_friction);
   const body = {
     frequency: si("frequency"),
@@ -90,7 +92,8 @@ function driveOf({ quantities }, { values, given }) {
   const moved = [usual("motion_scale"), si("normal_acceleration", NaN)];
   if (given?.kind === "pieces") return { kind: "pieces", path: moved, ...body, motion: given.motion };
   if (has("amplitude")) return { kind: "line", path: [si("amplitude"), si("drive_angle")], ...body };
-  const orders = Object.keys(values).filter((name) => /^(along|normal)_(amplitude|phase)/.test(name)).map((name) => Number(/\d+$/.exec(name)?.[0] ?? 1));
+  const orders = Object.keys(values).filter((name) => /^(along|normal)_(amplitude|phase)/.test(name))
+    .map((name) => Number(/\d+$/.exec(name)?.[0] ?? 1));
   if (has("along_phase") || has("normal_acceleration") || Math.max(...orders) > 1) {
     const isThere = (/** @type {string} */ name) => typeof values[name] === "object" || Number(values[name]) !== 0.0;
     const named = (/** @type {string} */ of, /** @type {number} */ n) => (n === 1 ? of : `${of}_${n}`);
@@ -102,7 +105,8 @@ function driveOf({ quantities }, { values, given }) {
   }
   const scale = values.motion_scale ?? 1.0;
   const scaled = (/** @type {string} */ name) => changedField((size, by) => by * size, si(name), scale);
-  return { kind: "ellipse", path: [scaled("along_amplitude"), scaled("normal_amplitude"), si("normal_phase")], ...body };
+  const path = [scaled("along_amplitude"), scaled("normal_amplitude"), si("normal_phase")];
+  return { kind: "ellipse", path, ...body };
 }
 
 /**

@@ -102,7 +102,8 @@ export function initialTexts(data, scene) {
   return texts;
 }
 
-/** Keys that a drive leaves idle: quantities of the others. @param {PageData} data @param {number} scene @param {string} drive */
+/** Keys that a drive leaves idle: quantities of the others.
+ * @param {PageData} data @param {number} scene @param {string} drive */
 export function idleKeys(data, scene, drive) {
   const drives = drivesOf(data, scene);
   const own = Object.hasOwn(drives, drive) ? quantitiesOf(data, drives[drive]) : Object.keys(data.quantities);
@@ -119,7 +120,9 @@ export const hasRatio = ({ bands, follows }) =>
 export function spansOf(values, state) {
   const { bands, values: { friction_ratio: ratio } } = state;
   const spans = /** @type {Record<string, [number, number]>} */ ({});
-  for (const [name, value] of Object.entries(values)) if (value !== undefined) spans[name] = bands[name] ?? [value, value];
+  for (const [name, value] of Object.entries(values)) {
+    if (value !== undefined) spans[name] = bands[name] ?? [value, value];
+  }
   if (!hasRatio(state)) return spans;
   const { kinetic_friction: _, ...others } = spans;
   return { ...others, friction_ratio: bands.friction_ratio ?? [ratio, ratio] };
@@ -159,7 +162,8 @@ class Reading {
     this.problems.push({ field, text: hint ? `${text} (${hint})` : text });
   }
 
-  /** Read, and note what is refused. @template T @param {string} field @param {() => T} read @returns {T | undefined} */
+  /** Read, and note what is refused. @template T @param {string} field @param {() => T} read
+   * @returns {T | undefined} */
   take(field, read) {
     try {
       return read();
@@ -203,18 +207,21 @@ class Reading {
     }
     const { static_friction: most, kinetic_friction: kinetic } = values;
     if (kinetic > most) {
-      const why = `${withUnit(quantities.kinetic_friction, kinetic)}: must be at most ${withUnit(quantities.static_friction, most)}`;
+      const allowed = withUnit(quantities.static_friction, most);
+      const why = `${withUnit(quantities.kinetic_friction, kinetic)}: must be at most ${allowed}`;
       this.wrong("kinetic_friction", why, "friction at rest is the larger one: give both, or exchange them");
     }
     const lifting = names.find((name) => name.startsWith("normal_amplitude") && values[name] > 0);
     if (lifting && "normal_acceleration" in values) {
       const why = `${withUnit(quantities[lifting], values[lifting])} beside ${quantities.normal_acceleration.label}`;
-      this.wrong(quantities[lifting].column, `${why}: the trough of a clamped part moves along itself alone`, "write 0");
+      const rule = "the trough of a clamped part moves along itself alone";
+      this.wrong(quantities[lifting].column, `${why}: ${rule}`, "write 0");
     }
     return { ...values, friction_ratio: most ? kinetic / most : 1 };
   }
 
-  /** A quantity as this drive may have it: a clamped part may hang on a vertical trough. @param {string} name @param {string[]} names */
+  /** A quantity as this drive may have it: a clamped part may hang on a vertical trough.
+   * @param {string} name @param {string[]} names */
   quantity(name, names) {
     const quantity = this.data.quantities[name];
     const mayHang = name === "trough_angle" && names.includes("normal_acceleration");
@@ -266,12 +273,15 @@ class Reading {
       const ends = text && this.take(`${name}_band`, () => this.band(name, text, drawn));
       if (ends) bands[name] = ends;
     }
-    const { static_friction: [, most] = [0, values.static_friction], kinetic_friction: kinetic, friction_ratio: ratio } = bands;
-    if (kinetic && ratio) this.wrong("friction_ratio_band", "kinetic friction has a band too", "leave one of them out");
+    const { static_friction: [, most] = [0, values.static_friction], kinetic_friction: kinetic } = bands;
+    if (kinetic && bands.friction_ratio) {
+      this.wrong("friction_ratio_band", "kinetic friction has a band too", "leave one of them out");
+    }
     const isFree = (kinetic || bands.static_friction) && !hasRatio({ bands, follows: this.texts.follow === "1" });
     const least = kinetic ? kinetic[0] : values.kinetic_friction;
     if (isFree && least > most) {
-      const why = `kinetic friction = ${typedText(least)} and more: must reach down to static friction = ${typedText(most)}`;
+      const reach = `must reach down to static friction = ${typedText(most)}`;
+      const why = `kinetic friction = ${typedText(least)} and more: ${reach}`;
       this.wrong(kinetic ? "kinetic_friction_band" : "static_friction_band", why);
     }
     return bands;
@@ -283,13 +293,18 @@ class Reading {
     const rivals = name === "restitution" ? [name] : FRICTIONS;
     if (drawn.some((axis) => axis && rivals.includes(axis))) {
       const what = name === "restitution" ? name : "a friction";
-      throw new Refusal(`${what} that is an axis of the map cannot have a band`, "choose other axes, or leave the band out");
+      const why = `${what} that is an axis of the map cannot have a band`;
+      throw new Refusal(why, "choose other axes, or leave the band out");
     }
     const [low, high = low, ...more] = text.split(":");
-    const ends = /** @type {[number, number]} */ ([low, more.length ? text : high].map((end) => valueIn(quantity, end)));
-    if (ends[0] > ends[1]) throw new Refusal(`${quantity.label} = ${cutText(text)}: the band does not ascend`, "swap its ends");
-    if (name === "static_friction" && !ends[0]) throw new Refusal("bodies without static friction have no regime", "begin the band above 0");
-    return ends;
+    const [least, most] = [low, more.length ? text : high].map((end) => valueIn(quantity, end));
+    if (least > most) {
+      throw new Refusal(`${quantity.label} = ${cutText(text)}: the band does not ascend`, "swap its ends");
+    }
+    if (name === "static_friction" && !least) {
+      throw new Refusal("bodies without static friction have no regime", "begin the band above 0");
+    }
+    return [least, most];
   }
 
   /** All of it; null where something is refused. @returns {Shown | null} */
@@ -304,8 +319,9 @@ class Reading {
     const axis = (/** @type {"x" | "y"} */ key) => this.take(`${key}_range`, () => this.axis(key, names, values));
     const [x, y] = [axis("x"), axis("y")];
     const drawn = [x?.name, y?.name];
-    if (x && x.name === y?.name) this.wrong("y", `x and y are both ${quantities[x.name].label}`, "choose two quantities");
-    else if (drawn.includes("friction_ratio") && drawn.includes("kinetic_friction")) {
+    if (x && x.name === y?.name) {
+      this.wrong("y", `x and y are both ${quantities[x.name].label}`, "choose two quantities");
+    } else if (drawn.includes("friction_ratio") && drawn.includes("kinetic_friction")) {
       this.wrong("y", "friction ratio and kinetic friction describe the same", "choose one of them");
     }
     const bands = this.bands(drawn, values);
@@ -318,7 +334,9 @@ class Reading {
     const given = drive === "given" ? scenes[scene].given : null;
     const machine = drive === "machine" ? scenes[scene].machine : null;
     const canonical = /** @type {Texts} */ ({ ...texts, motion, target: target === null ? "" : typedText(target) });
-    for (const name of names) if (name in values && name !== "friction_ratio") canonical[quantities[name].column] = typedText(values[name]);
+    for (const name of names) {
+      if (name in values && name !== "friction_ratio") canonical[quantities[name].column] = typedText(values[name]);
+    }
     for (const [key, { name, from, to, log }] of Object.entries({ x, y })) {
       canonical[key] = quantities[name].column;
       canonical[`${key}_range`] = `${typedText(from)}:${typedText(to)}${log ? ":log" : ""}`;

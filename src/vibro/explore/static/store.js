@@ -44,13 +44,15 @@ export function readAddress(data, fragment) {
 export function bandsIf({ values: { static_friction: value, friction_ratio: share }, bands }, follows) {
   const isNew = !Object.keys(bands).length;
   const { kinetic_friction: own, friction_ratio: ratio, ...others } = bands;
-  const wanted = /** @type {Record<string, number[]>} */ (isNew ? { static_friction: [0.9 * value, 1.1 * value] } : others);
+  const wanted = /** @type {Record<string, number[]>} */ (
+    isNew ? { static_friction: [0.9 * value, 1.1 * value] } : others);
   const { static_friction: ends = ratio && [value, value] } = wanted;
   const shares = ratio ?? (own && value ? own.map((end) => Math.min(end / value, 1)) : null);
   const kinetic = own ?? ends?.map((end, n) => end * (ratio?.[n] ?? share));
   if (follows && shares) wanted.friction_ratio = shares;
   if (!follows && kinetic) wanted.kinetic_friction = kinetic;
-  return Object.fromEntries(Object.entries(wanted).map(([name, ends]) => [`${name}_band`, ends.map((end) => generalText(end, FEW)).join(":")]));
+  return Object.fromEntries(Object.entries(wanted).map(([name, ends]) =>
+    [`${name}_band`, ends.map((end) => generalText(end, FEW)).join(":")]));
 }
 
 /** The states of all scenes of the page, of which one is shown. @typedef {ReturnType<typeof createStore>} Store */

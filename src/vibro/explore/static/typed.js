@@ -87,20 +87,26 @@ export function numberIn({ label, unit, sizes }, text) {
   const named = `${label} = '${cutText(text)}'`;
   if (plain.length > LONGEST) throw new Refusal(`${named}: longer than ${LONGEST} characters`, "17 digits are enough");
   const [, digits, given = ""] = NUMBER.exec(plain) ?? [];
-  if (!digits && !NOT_FINITE.test(plain)) throw new Refusal(`${named}: not a number`, `write it like ${unit ? `1.5${unit}` : "0.5"}`);
+  if (!digits && !NOT_FINITE.test(plain)) {
+    throw new Refusal(`${named}: not a number`, `write it like ${unit ? `1.5${unit}` : "0.5"}`);
+  }
   const known = Object.entries(sizes);
-  const size = given ? known.find(([name]) => folded(name) === folded(given))?.[1] : /** @type {[number, number]} */ ([1, 1]);
+  const one = /** @type {[number, number]} */ ([1, 1]);
+  const size = given ? known.find(([name]) => folded(name) === folded(given))?.[1] : one;
   if (digits && !size) {
-    const remedy = unit ? `its units are ${known.map(([name]) => name).join(", ")}` : "it is a pure number, or one in %";
+    const units = `its units are ${known.map(([name]) => name).join(", ")}`;
+    const remedy = unit ? units : "it is a pure number, or one in %";
     throw new Refusal(`${named}: '${cutText(given)}' is no unit of ${label}`, remedy);
   }
   const rounded = Number(digits); // first, so that powers of ten below stay small
-  const value = size && rounded && Number.isFinite(rounded) && size[0] !== size[1] ? timesFraction(digits, size) : rounded;
+  const isOther = size && rounded && Number.isFinite(rounded) && size[0] !== size[1];
+  const value = isOther ? timesFraction(digits, size) : rounded;
   if (!Number.isFinite(value)) throw new Refusal(`${label} = ${cutText(text.trim())}: must be a finite number`);
   return value + 0; // not -0
 }
 
-/** Whether a quantity may have a value; compared in SI units, as the solver does. @param {Quantity} quantity @param {number} value */
+/** Whether a quantity may have a value; compared in SI units, as the solver does.
+ * @param {Quantity} quantity @param {number} value */
 export function allows({ si, per_si, low, high, with_low, with_high }, value) {
   const inside = (/** @type {number} */ x) => (si === 1 ? x / per_si : x * si);
   const [x, least, most] = [value, low, high].map(inside);
@@ -120,7 +126,9 @@ export const withUnit = ({ label, unit }, value) => `${label} = ${generalText(va
 
 /** Read a number, and check its range. @param {Quantity} quantity @param {string} text */
 export function valueIn(quantity, text) {
-  if (/[:,]/.test(plainText(text))) throw new Refusal(`${quantity.label} = ${cutText(text)}: it takes one value`, ONE_VALUE);
+  if (/[:,]/.test(plainText(text))) {
+    throw new Refusal(`${quantity.label} = ${cutText(text)}: it takes one value`, ONE_VALUE);
+  }
   const value = numberIn(quantity, text);
   if (!allows(quantity, value)) throw new Refusal(`${withUnit(quantity, value)}: must be ${allowedText(quantity)}`);
   return value;
