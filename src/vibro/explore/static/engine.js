@@ -17,8 +17,8 @@
  * @property {Field} gravity
  * @property {Field} restitution
  * @property {Field[][]} [harmonics] amplitudes along, their phases, amplitudes normal, their phases
- * @property {{breaks: number[], pieces: number[], unit: number, jumps: number[]}} [motion] of pieces, as PiecewiseMotion has
- *   them
+ * @property {{breaks: number[], pieces: number[], unit: number, jumps: number[]}} [motion] of pieces, as
+ *   PiecewiseMotion has them
  *
  * @typedef {Record<string, Float64Array>} Rows
  */

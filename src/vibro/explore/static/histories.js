@@ -46,7 +46,8 @@ export function phasesOf(history) {
   return Array.from({ length: number }, (_, n) => {
     const isLast = n === number - 1;
     const moved = (isLast ? last : scale * position[n + 1]) - scale * position[n];
-    return { kind: engine.known.LETTERS[motion.legs.mode[row[n]]], start: start[n], end: isLast ? end : start[n + 1], moved };
+    const kind = engine.known.LETTERS[motion.legs.mode[row[n]]];
+    return { kind, start: start[n], end: isLast ? end : start[n + 1], moved };
   });
 }
 

@@ -154,4 +154,5 @@ function answerBlocks() {
   };
 }
 
-if (typeof document === "undefined" && typeof importScripts === "function") answerBlocks(); // not in the page or in node
+// Not in the page or in node.
+if (typeof document === "undefined" && typeof importScripts === "function") answerBlocks();
