@@ -161,6 +161,12 @@ def names_of(script: str) -> list[str]:
     return [*single, *(name.split(":")[-1].strip() for part in several for name in part.split(",") if name)]
 
 
+def test_lines_of_scripts_and_style_fit_a_screen() -> None:
+    for path in [*STATIC.glob("*.js"), *STATIC.glob("*.css")]:
+        long = [line for line in path.read_text(encoding="utf-8").splitlines() if len(line) > 120]
+        assert not long, path.name
+
+
 def test_modules_are_joined_into_one() -> None:
     script = page_script()
     assert not re.search(r"^\s*(import|export)\b", script, re.MULTILINE)
