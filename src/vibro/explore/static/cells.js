@@ -1,6 +1,6 @@
 /** The cells of a map as pixels: their colours, and hatches at the resolution of the screen. */
 
-/** @typedef {{right: number, down: number, period: number, from: number, to: number}} Stripe
+/** @typedef {{right: number, down: number, period: number, from: number, to: number}} Stripe right: 1, or 0
  * @typedef {{marks: number, face: number | null, stripes: Stripe[]}} Hatch without a face: the other colour of the cell
  * @typedef {object} Cells
  * @property {Uint32Array} palette
@@ -18,23 +18,6 @@ export function colours(palette) {
   const bytes = Uint8Array.from(atob(palette), (c) => c.charCodeAt(0));
   const colour = (/** @type {number} */ n) => 0xff000000 + bytes[n] + 256 * bytes[n + 1] + 65536 * bytes[n + 2];
   return Uint32Array.from({ length: bytes.length / 3 }, (_, n) => colour(3 * n));
-}
-
-// Which pixels of a canvas lie in all stripes, whose lines run down, across or diagonally: one number tells them apart.
-/** @param {Stripe[]} stripes @param {number} width @param {number} height @param {number} zoom */
-function maskOf(stripes, width, height, zoom) {
-  const mask = new Uint8Array(width * height).fill(1);
-  for (const { right, down, period, from, to } of stripes) {
-    const first = Math.min(right, 0) * width + Math.min(down, 0) * height;
-    const isIn = Uint8Array.from({ length: width + height }, (_, n) => {
-      const place = ((first + n) / zoom) % period, inside = place < 0 ? place + period : place;
-      return Number(inside >= from && inside < to);
-    });
-    for (let py = 0, at = 0; py < height; py++) {
-      for (let px = 0, n = down * py - first; px < width; px++, at++, n += right) mask[at] &= isIn[n];
-    }
-  }
-  return mask;
 }
 
 /** Pieces of curves by the square of four cells that each lies in.
@@ -76,49 +59,63 @@ function colourOf({ palette, pale }, face, over) {
   return over & pale ? 0xff000000 + ((palette[face] >> 1) & 0x7f7f7f) + 0x7f7f7f : palette[face]; // half white
 }
 
-// The cell that each pixel shows: the nearest one, in squares that curves cross the nearest on its side of them.
-/** @param {number} width @param {number} height @param {Cells} cells */
-function shownCells(width, height, { nx, ny, pieces }) {
-  const shown = new Int32Array(width * height);
-  const across = Float64Array.from({ length: width }, (_, px) => ((px + 0.5) / width) * (nx - 1));
-  const up = Float64Array.from({ length: height }, (_, py) => (1 - (py + 0.5) / height) * (ny - 1));
-  const columns = Int32Array.from(across, Math.round);
-  for (let py = 0, at = 0; py < height; py++) {
-    const first = nx * Math.round(up[py]);
-    for (let px = 0; px < width; px++, at++) shown[at] = first + columns[px];
-  }
-  for (const [square, crossing] of pieces) {
-    const i = square % nx, j = Math.floor(square / nx);
-    const [left, right] = [i, i + 1].map((x) => Math.ceil((x * width) / (nx - 1) - 0.5));
-    const [top, bottom] = [j + 1, j].map((y) => Math.ceil(height - (y * height) / (ny - 1) - 0.5));
-    for (let py = Math.max(top, 0); py < Math.min(bottom, height); py++) {
-      for (let px = left; px < Math.min(right, width); px++) {
-        shown[py * width + px] = ownCell(crossing, nx, across[px], up[py]);
-      }
+// Lay stripes over cells that have another colour there, else 0; they are seen where all of them overlap. At most one
+// crosses the rows of pixels: of the others a row is all in or all out.
+/** @param {Stripe[]} stripes @param {number} zoom @param {Uint32Array} over @param {Int32Array} shown cells of pixels
+ * @param {Uint32Array} pixels @param {number} width */
+function lay(stripes, zoom, over, shown, pixels, width) {
+  const height = pixels.length / width;
+  const isIn = stripes.map(({ period, from, to }) => Uint8Array.from({ length: width + 2 * height }, (_, n) => {
+    const place = ((n - height) / zoom) % period, inside = place < 0 ? place + period : place;
+    return Number(inside >= from && inside < to);
+  }));
+  const k = stripes.findIndex(({ right }) => right);
+  for (let py = 0; py < height; py++) {
+    if (stripes.some(({ right, down }, n) => !right && !isIn[n][height + down * py])) continue;
+    const row = k < 0 ? null : isIn[k].subarray(height + stripes[k].down * py);
+    for (let px = 0, at = py * width; px < width; px++, at++) {
+      if (over[shown[at]] && (!row || row[px])) pixels[at] = over[shown[at]];
     }
   }
-  return shown;
 }
 
 // Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
 /** @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
 export function paint(canvas, zoom, cells) {
-  const { faces, others, marks } = cells;
+  const { faces, others, marks, nx, ny, pieces } = cells;
   const { width, height } = canvas;
   const image = new ImageData(width, height);
-  const pixels = new Uint32Array(image.data.buffer);
-  const shown = shownCells(width, height, cells);
+  const pixels = new Uint32Array(image.data.buffer), shown = new Int32Array(width * height); // the cells of pixels
   const plain = new Uint32Array(faces.length);
   let present = 0;
   for (let cell = 0; cell < faces.length; cell++) {
     plain[cell] = colourOf(cells, faces[cell], marks[cell]);
     present |= marks[cell];
   }
-  for (let at = 0; at < shown.length; at++) pixels[at] = plain[shown[at]];
+  const across = Float64Array.from({ length: width }, (_, px) => ((px + 0.5) / width) * (nx - 1));
+  const up = Float64Array.from({ length: height }, (_, py) => (1 - (py + 0.5) / height) * (ny - 1));
+  for (let py = 0, at = 0, before = -1; py < height; py++, at += width) {
+    const row = Math.round(up[py]);
+    if (row === before) {
+      for (const all of [shown, pixels]) all.copyWithin(at, at - width, at);
+      continue;
+    }
+    before = row;
+    for (let px = 0; px < width; px++) pixels[at + px] = plain[(shown[at + px] = nx * row + Math.round(across[px]))];
+  }
+  for (const [square, crossing] of pieces) {
+    const i = square % nx, j = Math.floor(square / nx);
+    const [left, right] = [i, i + 1].map((x) => Math.ceil((x * width) / (nx - 1) - 0.5));
+    const [top, bottom] = [j + 1, j].map((y) => Math.ceil(height - (y * height) / (ny - 1) - 0.5));
+    for (let py = Math.max(top, 0); py < Math.min(bottom, height); py++) {
+      for (let px = left, at = py * width + left; px < Math.min(right, width); px++, at++) {
+        pixels[at] = plain[(shown[at] = ownCell(crossing, nx, across[px], up[py]))];
+      }
+    }
+  }
   for (const { marks: own, face, stripes } of cells.hatches.filter((hatch) => hatch.marks & present)) {
     const over = plain.map((_, cell) => (marks[cell] & own ? colourOf(cells, face ?? others[cell], marks[cell]) : 0));
-    const mask = maskOf(stripes, width, height, zoom);
-    for (let at = 0; at < shown.length; at++) if (mask[at] && over[shown[at]]) pixels[at] = over[shown[at]];
+    lay(stripes, zoom, over, shown, pixels, width);
   }
   canvas.getContext("2d")?.putImageData(image, 0, 0);
 }

@@ -53,9 +53,12 @@ function questionText(state) {
 }
 
 function start() {
+  const view = new MapView(data, { // first: its workers begin meanwhile
+    value: (name) => store.value(name),
+    move: (patch, isFinished) => change(patch, "map", isFinished),
+  });
   const engine = engineOf(exports, data.known);
   const store = createStore(data);
-  const view = new MapView(data, { value: store.value, move: (patch, isFinished) => change(patch, "map", isFinished) });
   const form = createForm(data, store, change);
   const answers = /** @type {(Answer | null)[]} */ (data.scenes.map(() => null));
   let badLink = ""; // message on an address without a valid state
