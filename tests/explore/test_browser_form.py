@@ -236,6 +236,15 @@ def test_it_works_in_a_frame_that_refuses_addresses(browser: Browser) -> None:
     page.close()
 
 
+def test_a_map_that_cannot_be_drawn_is_told(browser: Browser) -> None:
+    page = browser.new_page()
+    page.set_content(page_text())
+    page.wait_for_selector("#frequency_hz", state="attached")
+    page.evaluate("() => void Promise.reject(new Error('no colours'))")
+    page.wait_for_function("document.querySelector('#refused').textContent.includes('map: no colours')")
+    page.close()
+
+
 def test_paper_says_what_is_asked(nut: Page) -> None:
     put(nut, "trough_angle_deg", "-5")
     nut.emulate_media(media="print")

@@ -81,9 +81,14 @@ function start() {
       act();
     } catch (error) {
       console.error(error);
-      failed.push({ field: "", text: `${what}: ${error instanceof Error ? error.message : error}` });
-      form.refuse(failed, "");
+      tellFailed(what, error);
     }
+  }
+
+  /** @param {string} what @param {unknown} error */
+  function tellFailed(what, error) {
+    failed.push({ field: "", text: `${what}: ${error instanceof Error ? error.message : error}` });
+    form.refuse(failed, "");
   }
 
   /** Show the state. While what somebody typed is refused, all but the form shows the last valid one. */
@@ -175,6 +180,7 @@ function start() {
     return tab;
   }));
   window.addEventListener("popstate", follow);
+  window.addEventListener("unhandledrejection", ({ reason }) => tellFailed("map", reason)); // drawn when it is solved
   new ResizeObserver(() => {
     if (!awaited && place("history").clientWidth !== wide) showMotion();
   }).observe(place("history"));
