@@ -422,7 +422,7 @@ _QUICK = """
 export async function run({ data, stateOf, jobOf, Pool }) {
   const posted = [], worker = () => ({ postMessage: ({ begin, end }) => posted.push([begin, end]) });
   const pool = new Pool(data, [worker(), worker()]), { state } = stateOf(data, 0, {});
-  pool.pace = 1e-4;
+  pool.paceOf = () => 1e-4;
   pool.solve(jobOf(state, 200, 150), 70, () => {});
   return { posted, open: pool.task.low + 150 - pool.task.high };
 }
@@ -457,7 +457,7 @@ export async function run({ data, stateOf, Pool, solveMap, drawnMap }, texts) {
     const { nx, ny, progress, curves, faces } = drawnMap(data, state, cells);
     shown.push({ nx, ny, progress, curves: curves.length, faces });
   });
-  pool.pace = 1e-6; // as fast as that a coarse map is not worth while
+  pool.paceOf = () => 1e-6; // as fast as that a coarse map is not worth while
   const again = [];
   await solveMap(pool, state, (cells) => again.push(cells.nx));
   return { isDone, shown, again };
@@ -474,6 +474,36 @@ def test_a_map_that_takes_long_is_coarse_at_first() -> None:
     first, last = (np.array(told["shown"][n]["faces"]) for n in (0, -1))
     assert np.mean(first == last) > 0.999  # regimes follow from the load
     assert told["again"] == [200]
+
+
+_SLOW = """
+export async function run({ data, stateOf, Pool, solveMap, drawnMap }, texts) {
+  let now = 0;
+  performance.now = () => (now += 100); // [ms]: each block takes long
+  const pool = new Pool(data, []), { state } = stateOf(data, 0, texts), shown = [];
+  await solveMap(pool, state, (cells) => {
+    const { ny, lowest, curves } = drawnMap(data, state, cells);
+    const points = curves.flatMap(({ lines }) => lines.flat());
+    shown.push({ regime: lowest, heights: points.map(([, y]) => y * (ny - 1)) });
+    if (shown.length === 5) pool.cancel();
+  });
+  return shown;
+}
+"""
+
+
+def test_a_slow_map_shows_its_rows_as_they_come() -> None:
+    before = 0
+    for one in in_modules(_SLOW, {"view": "speed", "target": "20"}):
+        regime = np.array(one["regime"]).reshape(150, 200)
+        solved = (regime >= 0).all(axis=1)
+        assert before < solved.sum() < 150
+        before = solved.sum()
+        rows = np.flatnonzero(solved)
+        assert np.array_equal(rows, np.arange(rows[0], rows[-1] + 1))
+        assert (regime[solved, 0] == Regime.NO_SLIP).all()
+        assert (regime[solved, -1] == Regime.HOPPING).all()
+        assert all(rows[0] - 0.6 <= y <= rows[-1] + 0.6 for y in one["heights"])
 
 
 # ------------------------------------------------------------------------------

@@ -111,7 +111,7 @@ function regimesOf({ known }, { rows, nx, solved, isPreviewed }) {
   if (!isPreviewed || !hop) return regime;
   const { NO_SLIP, FORWARD_SLIP, BACK_SLIP, HOPPING } = known.Regime;
   return regime.map((code, n) => {
-    if (code < 0 || solved[Math.floor(n / nx)]) return code;
+    if (code < 0 || solved[Math.floor(n / nx)] || Number.isNaN(hop[n])) return code;
     if (hop[n] > 0.0) return HOPPING;
     if (back[n] > 0.0) return BACK_SLIP;
     return forward[n] > 0.0 ? FORWARD_SLIP : NO_SLIP;
@@ -171,8 +171,10 @@ function fieldsOf({ known }, state, cells, isSampled) {
     speed: /** @type {Float64Array} [mm/s] */ (isSampled ? rows.sampled_velocity : mean).map((x) => 1000.0 * x),
     edges: Object.fromEntries(Object.keys(rows.ratio_hop ? job.edges : {}).map((edge) => [edge, ratios(edge)])),
     reverses: !isSampled && mean.reduce((sum, _, n) => sum + Number(backwards(n)), 0) > SEEN_SHARE * size,
-    missing: (/** @type {string[]} */ names) =>
-      names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
+    missing: (/** @type {string[]} */ names) => [
+      ...names.map((name) => known.Status[name]).filter((code) => statuses.has(code)).map(unanswered),
+      ...(/** @type {Int8Array} */ (status).includes(-1) ? [masked((n) => status[n] < 0)] : []), // not solved yet
+    ],
   };
 }
 /** @typedef {ReturnType<typeof fieldsOf>} Fields */

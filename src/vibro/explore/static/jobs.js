@@ -110,7 +110,7 @@ export class MapCells {
   put({ begin, end, rows }) {
     for (const [name, values] of Object.entries(rows)) {
       const Numbers = /** @type {any} */ (values.constructor);
-      this.rows[name] ??= new Numbers(this.nx * this.ny);
+      this.rows[name] ??= new Numbers(this.nx * this.ny).fill(Numbers === Int8Array ? -1 : NaN);
       this.rows[name].set(values, begin * this.nx);
     }
     this.solved.fill(1, begin, end);

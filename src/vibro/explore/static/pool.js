@@ -3,6 +3,7 @@
 import { MAP_HEIGHT, MAP_WIDTH, MapCells, jobOf, shareOf } from "./jobs.js";
 
 const BLOCK_TIME = 30; // [ms] that a block may take: so long a change waits for workers that are busy
+const SLOW = 0.1; // [ms] a cell, until one of its kind was solved: a block of a whole map would be waited for
 const LEAST_TIME = 8; // [ms] of a block: less is not worth its messages
 const PATIENCE = 60; // [ms] that a map may take without a coarse one before it
 // One core is left to the page; of two none, for the page waits while they solve.
@@ -54,6 +55,10 @@ export function solverWorkers(data) {
   }
 }
 
+/** What decides how long a cell takes: of bodies that bounce a hundred times as long. @param {MapJob} job */
+const kindOf = ({ values, given, machine, bodies }) =>
+  [values.restitution === 0.0, given !== null, machine !== null, bodies.length].join();
+
 /** @typedef {object} Task a map that is being solved
  * @property {number} id
  * @property {MapJob} job
@@ -69,7 +74,7 @@ export class Pool {
   /** @param {any} data @param {SolverWorker[]} workers */
   constructor(data, workers) {
     this.data = data;
-    this.pace = 0.01; // [ms] a cell, on one worker
+    this.paces = /** @type {Record<string, number>} */ ({}); // [ms] a cell, on one worker, by kinds of maps
     this.last = 0; // number of the last map
     this.task = /** @type {Task | null} */ (null);
     this.idle = /** @type {SolverWorker[]} */ ([]);
@@ -84,8 +89,13 @@ export class Pool {
     worker.onerror = () => this.replace(worker);
   }
 
-  /** How long a map may take [ms]. @param {number} cells */
-  expected(cells) { return (cells * this.pace) / (this.idle.length + this.busy.size); }
+  /** How long a cell may take [ms]. @param {MapJob} job */
+  paceOf(job) { return this.paces[kindOf(job)] ?? SLOW; }
+
+  /** How long a map may take [ms]. @param {MapJob} job */
+  expected(job) {
+    return (job.x.values.length * job.y.values.length * this.paceOf(job)) / (this.idle.length + this.busy.size);
+  }
 
   // Solve a map from a row on, to both sides; true when it is done, false if it is cancelled.
   /** @param {MapJob} job @param {number} row @param {(block: any) => void} take @returns {Promise<boolean>} */
@@ -120,7 +130,7 @@ export class Pool {
     const open = task.low + ny - task.high;
     if (!open) return null;
     const fair = Math.ceil(open / (this.idle.length + this.busy.size));
-    const within = (/** @type {number} */ time) => Math.max(1, Math.round(time / (this.pace * nx)));
+    const within = (/** @type {number} */ time) => Math.max(1, Math.round(time / (this.paceOf(task.job) * nx)));
     const count = Math.max(Math.min(fair, within(BLOCK_TIME)), within(LEAST_TIME));
     const { start, low, high } = task;
     const isUp = high < ny && (low === 0 || high - start <= start - low);
@@ -136,7 +146,8 @@ export class Pool {
     const { task } = this;
     const rows = block.end - block.begin;
     if (task && task.id === block.id) {
-      this.pace += 0.5 * (block.took / (rows * task.job.x.values.length) - this.pace);
+      const pace = this.paceOf(task.job);
+      this.paces[kindOf(task.job)] = 0.5 * (pace + block.took / (rows * task.job.x.values.length));
       task.left -= rows;
       task.take(block);
       if (!task.left) {
@@ -173,20 +184,25 @@ function rowOf({ values, y }, ny) {
  * @returns {Promise<boolean>} whether it is done; else another one came between */
 export async function solveMap(pool, state, show) {
   const job = jobOf(state, MAP_WIDTH, MAP_HEIGHT);
-  let cells = new MapCells(job), shown = -Infinity;
-  if (pool.expected(MAP_WIDTH * MAP_HEIGHT * (1 + job.bodies.length)) > PATIENCE) {
-    const coarse = new MapCells(jobOf(state, MAP_WIDTH / COARSER, Math.ceil(MAP_HEIGHT / COARSER)));
-    if (!await pool.solve(coarse.job, rowOf(state, coarse.ny), (block) => coarse.put(block))) return false;
-    cells = coarse.shownIn(job);
+  let cells = new MapCells(job), shown = performance.now();
+  const showAll = () => {
     show(cells);
     shown = performance.now();
+  };
+  const isLate = () => performance.now() - shown > REDRAWN;
+  if (pool.expected(job) > PATIENCE) {
+    const coarse = new MapCells(jobOf(state, MAP_WIDTH / COARSER, Math.ceil(MAP_HEIGHT / COARSER)));
+    const isThere = await pool.solve(coarse.job, rowOf(state, coarse.ny), (block) => {
+      coarse.put(block);
+      if (!coarse.isDone && !isLate()) return;
+      cells = coarse.shownIn(job);
+      showAll();
+    });
+    if (!isThere) return false;
   }
   const isDone = await pool.solve(job, rowOf(state, cells.ny), (block) => {
     cells.put(block);
-    if (cells.isPreviewed && performance.now() - shown > REDRAWN) {
-      show(cells);
-      shown = performance.now();
-    }
+    if (cells.isPreviewed && isLate()) showAll();
   });
   if (isDone) show(cells);
   return isDone;
