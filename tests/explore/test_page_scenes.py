@@ -139,7 +139,7 @@ def test_machines_settle_where_python_says() -> None:
         machine = batch.pop("machine")
         fields = {name: getattr(machine, name) for name in machine.__dataclass_fields__} | {"share": None}
         for i in range(batch["frequency"].size):
-            one = {key: float(x[i]) for key, x in batch.items()}
+            one = {key: float(x[i]) for key, x in batch.items()} | {"voltage": 0.9}
             one["kinetic_friction"] = min(one["kinetic_friction"], one["static_friction"])
             values = {key: float(QUANTITIES[key].from_si(x)) for key, x in one.items()}
             asked.append({"values": values, "machine": fields})

@@ -139,7 +139,10 @@ def test_a_machine_comes_with_all_that_its_operating_point_needs(tmp_path: Path)
         tomllib.loads("\n".join(f"{k} = {v}" for k, v in machine["table"].items()))
         == tomllib.loads(FEEDER)["machine"]
     )
-    assert data["controls"]["filling"] == {"low": 0.0, "high": 6.0, "step": 0.006, "axis": "0:6"}
+    controls = data["controls"]
+    assert controls["filling"] == {"low": 0.0, "high": 6.0, "step": 0.006, "axis": "0:6"}
+    for name in ("frequency", "natural"):  # to both sides of resonance
+        assert controls[name]["low"] < min(50.0, 55.6) < max(50.0, 55.6) < controls[name]["high"]
 
 
 @pytest.mark.parametrize(
