@@ -256,9 +256,10 @@ def _given(start: _Start, request: Request) -> dict[str, Any]:
 
 
 def pieces_data(motion: PiecewiseMotion) -> dict[str, Any]:
-    """Describe steps or samples, as the page's solver reads them."""
-    found = {"breaks": motion.breaks, "pieces": motion.pieces.ravel(), "jumps": motion.jumps}
-    return {"unit": motion.unit, **{name: x.tolist() for name, x in found.items()}}
+    """Describe steps or samples, as the page's solver reads them, and their path at 1 Hz."""
+    lists = {"breaks": motion.breaks, "pieces": motion.pieces.ravel(), "jumps": motion.jumps}
+    sizes = {name: getattr(motion, name) for name in ("unit", "stroke", "largest_acceleration")}
+    return {**sizes, **{name: x.tolist() for name, x in lists.items()}}
 
 
 def _driven(start: _Start, given: GivenMachine) -> dict[str, Any]:

@@ -197,22 +197,6 @@ function engineOf(doors, known) {
   }
 
   /**
-   * Where the trough of one scene is at phases of its motion [m].
-   * @param {ReturnType<typeof gridOf>} grid of plain numbers
-   * @param {number[]} phases [rad]
-   * @returns {[number, number][]} along and normal to itself
-   */
-  function path(grid, phases) {
-    const rest = rows(fields("sample", 2), 1);
-    rest.mode[0] = known.Mode.REST;
-    rest.length[0] = Infinity;
-    const { frequency } = grid.drive;
-    const motion = { legs: rest, number: 1, first: 1, period: 0, advance: 0.0, frequency };
-    const found = sample(grid, motion, phases.map((phase) => phase / (TURN * Number(frequency))));
-    return phases.map((_, n) => [found.trough_along[n], found.trough_normal[n]]);
-  }
-
-  /**
    * When the body of one scene has moved by a length from rest [s]; Infinity if never, NaN if that is unknown.
    * @param {ReturnType<typeof gridOf>} grid
    * @param {number} length [m]
@@ -304,7 +288,7 @@ function engineOf(doors, known) {
   }
 
   return {
-    gridOf, solve, spelt, pattern, history, sample, phases, steady, path, arrival, slides, attractors, limits, spans,
+    gridOf, solve, spelt, pattern, history, sample, phases, steady, arrival, slides, attractors, limits, spans,
     operate, scaleOf, known,
   };
 }

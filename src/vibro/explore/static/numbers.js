@@ -200,13 +200,13 @@ function bentSpeed(/** @type {Solved} */ { engine, drive, operated }) {
 }
 
 function rareFacts(/** @type {Solved} */ one) {
-  const { texts: { facts }, drive, engine, values } = one;
-  const stroke = "amplitude" in values ? 2.0 * values.amplitude : MILLI * strokeOf(engine, drive);
+  const { texts: { facts }, drive, values } = one;
+  const stroke = "amplitude" in values ? 2.0 * values.amplitude : MILLI * strokeOf(drive);
   return [
     factOf(one, facts.scene, sceneText(one)),
     factOf(one, facts.pattern, one.pattern || null),
     factOf(one, facts.stroke, stroke),
-    factOf(one, facts.acceleration, one.isLost ? NaN : loadOf(engine, drive)),
+    factOf(one, facts.acceleration, one.isLost ? NaN : loadOf(drive)),
   ];
 }
 
@@ -247,7 +247,7 @@ function lastingMotions(/** @type {Solved} */ { engine, grid, drive, texts: { mo
     });
     return [...found, { name: hopping, low: hop, high: Infinity }];
   }
-  const [now, limits] = [loadOf(engine, drive), engine.limits(grid)];
+  const [now, limits] = [loadOf(drive), engine.limits(grid)];
   const [high, forward, back, slip, slide] =
     ["hop", "forward_onset", "back_onset", "back_slip", "continuous_sliding"].map((name) => limits[name][0] / now);
   return [
@@ -401,7 +401,7 @@ function notesOf(/** @type {Solved} */ one) {
 
 /** What is unusual, and probably in wrong units, as vibro.sweeps.request.Request.doubts has it. @returns {string[]} */
 function doubtsOf(/** @type {Solved} */ one) {
-  const { data: { quantities }, texts, engine, drive, length, machine, operated } = one;
+  const { data: { quantities }, texts, drive, length, machine, operated } = one;
   const { amplitude, ...others } = one.values;
   const values = machine ? others : one.values; // of which the machine's amplitude is none
   const written = (/** @type {number} */ x) => generalText(x, 15);
@@ -414,7 +414,7 @@ function doubtsOf(/** @type {Solved} */ one) {
   const found = Object.fromEntries(names.map((name) => [name, doubt(name, values[name])]));
   const isExplained = names.some((name) => found[name] && /amplitude|^frequency$|^gravity$/.test(name));
   const path = machine ? [operated.amplitude_empty[0], drive.path[1]] : drive.path;
-  const load = isExplained ? NaN : loadOf(engine, { ...drive, path });
+  const load = isExplained ? NaN : loadOf({ ...drive, path });
   if (load < Infinity) found.acceleration = doubt("acceleration", Number(generalText(load, 4)));
   if (machine) {
     const { filling } = values, times = filling / machine.fields.trough_mass;

@@ -1,6 +1,6 @@
 /**
- * The trough's path: its stroke and its largest acceleration. Where there is no closed form it is sampled, and searched
- * more finely about the best place.
+ * The trough's path: its stroke and its largest acceleration. That of harmonics is sampled, and searched more finely
+ * about the best place; those of steps and samples vibro has found, at a scale of 1 and at 1 Hz.
  *
  * @typedef {[number, number]} Point along the trough and normal to it
  */
@@ -12,12 +12,14 @@ const [FINER, SEARCHES] = [8, 10]; // places to each side, of each search; it is
 const around = (/** @type {number} */ middle, /** @type {number} */ far) =>
   Array.from({ length: 2 * FINER + 1 }, (_, n) => middle + far * (n / FINER - 1.0));
 
-/** Points of a path, and the distance between two phases. @param {Drive} drive */
-function sampledPath(/** @type {any} */ engine, drive) {
-  const number = Math.max(LEAST_POINTS, POINTS * (drive.harmonics?.[0].length ?? 0));
+/** Points of a path of harmonics, and the distance between two phases. */
+function sampledPath(/** @type {any} */ { path: [scale], harmonics }) {
+  const number = Math.max(LEAST_POINTS, POINTS * harmonics[0].length);
   const phases = Array.from({ length: number }, (_, n) => (TURN * n) / number);
-  const grid = engine.gridOf(drive);
-  const path = (/** @type {number[]} */ at) => /** @type {Point[]} */ (engine.path(grid, at));
+  const along = (/** @type {number[]} */ sizes, /** @type {number[]} */ leads, /** @type {number} */ phase) =>
+    scale * sizes.reduce((sum, size, n) => sum + size * Math.sin((n + 1) * phase + leads[n]), 0.0);
+  const path = (/** @type {number[]} */ at) => at.map((phase) => /** @type {Point} */ (
+    [along(harmonics[0], harmonics[1], phase), along(harmonics[2], harmonics[3], phase)]));
   return { path, phases, points: path(phases), step: TURN / number };
 }
 
@@ -49,11 +51,12 @@ function widestPair(first, second) {
 }
 
 /** From one end of the trough's path to the other, the farther way [m]. @param {Drive} drive of plain numbers */
-export function strokeOf(/** @type {any} */ engine, drive) {
-  const own = /** @type {number[]} */ (drive.path);
-  if (drive.kind === "line") return 2.0 * own[0];
-  if (drive.kind === "ellipse") return 2.0 * reachOf(own);
-  const { path, phases, points, step } = sampledPath(engine, drive);
+export function strokeOf(drive) {
+  const { kind, path: own, frequency, motion } = /** @type {any} */ (drive);
+  if (kind === "line") return 2.0 * own[0];
+  if (kind === "ellipse") return 2.0 * reachOf(own);
+  if (kind === "pieces") return motion.stroke * (own[0] / frequency ** 2);
+  const { path, phases, points, step } = sampledPath(drive);
   let { square, i, j } = widestPair(points, points);
   let [p, q] = [phases[i], phases[j]];
   for (let n = 0, far = step; n < SEARCHES; n++, far /= 2.0) {
@@ -65,30 +68,16 @@ export function strokeOf(/** @type {any} */ engine, drive) {
 }
 
 /** Largest acceleration of the trough over gravity. @param {Drive} drive of plain numbers */
-export function loadOf(/** @type {any} */ engine, drive) {
-  const { kind, path: own, frequency, gravity, harmonics = [], motion } = /** @type {any} */ (drive);
+export function loadOf(drive) {
+  const { kind, path: own, frequency, gravity, harmonics, motion } = /** @type {any} */ (drive);
   const rate = TURN * frequency;
   if (kind === "line") return (own[0] * rate ** 2) / gravity;
   if (kind === "ellipse") return (reachOf(own) * rate ** 2) / gravity;
-  if (kind === "pieces") return (own[0] * largestOfPieces(motion)) / gravity;
+  if (kind === "pieces") return (own[0] * motion.largest_acceleration) / gravity;
   const louder = harmonics.map((/** @type {number[]} */ column, /** @type {number} */ of) =>
     column.map((x, n) => (of % 2 ? x : x * (n + 1) ** 2)));
-  const { path, phases, points, step } = sampledPath(engine, { ...drive, harmonics: louder });
+  const { path, phases, points, step } = sampledPath({ ...drive, harmonics: louder });
   const sizes = points.map(([x, y]) => Math.hypot(x, y));
   const place = phases[sizes.indexOf(Math.max(...sizes))];
   return (largestAbout((at) => path(at).map(([x, y]) => Math.hypot(x, y)), place, step) * rate ** 2) / gravity;
-}
-
-/** Largest acceleration of cubics on pieces, at a scale of 1 [m/s^2]. */
-function largestOfPieces(/** @type {{breaks: number[], pieces: number[]}} */ { breaks, pieces }) {
-  const count = breaks.length - 1;
-  const cubic = (/** @type {number} */ at, /** @type {number} */ u) =>
-    pieces[at] + u * (pieces[at + 1] + u * (pieces[at + 2] + u * pieces[at + 3]));
-  const sizes = (/** @type {number} */ n) => (/** @type {number[]} */ places) => places
-    .map((u) => Math.min(Math.max(u, 0.0), 1.0))
-    .map((u) => Math.hypot(cubic(4 * n, u), cubic(4 * (count + n), u)));
-  const best = Array.from({ length: count }, (_, n) => Math.max(...sizes(n)(around(0.5, 0.5))));
-  const most = Math.max(...best);
-  const near = best.flatMap((size, n) => (size > 0.9 * most ? [n] : []));
-  return Math.max(most, ...near.map((n) => largestAbout(sizes(n), 0.5, 0.5)));
 }
