@@ -41,8 +41,11 @@ function changedField(change, first, second = 0.0) {
 function cellsOf(field, [rows, columns = 1]) {
   if (typeof field === "number") return new Float64Array(rows * columns).fill(field);
   const [down, across = 0] = field.strides;
-  return Float64Array.from({ length: rows * columns }, (_, n) =>
-    field.values[Math.floor(n / columns) * down + (n % columns) * across]);
+  const cells = new Float64Array(rows * columns);
+  for (let row = 0, n = 0; row < rows; row++) {
+    for (let column = 0; column < columns; column++, n++) cells[n] = field.values[row * down + column * across];
+  }
+  return cells;
 }
 
 /**

@@ -45,7 +45,7 @@ function solveRows(data, engine, job, begin, end) {
     solveCells(data, engine, job, { ...job.values, ...axes, ...own }, shape);
   const { drive, cells, operating } = solved({});
   const rows = /** @type {CellRows} */ ({});
-  for (const [name, x] of Object.entries(cells)) rows[name] = CELL_CODES.includes(name) ? Int8Array.from(x) : x;
+  for (const [name, x] of Object.entries(cells)) rows[name] = CELL_CODES.includes(name) ? new Int8Array(x) : x;
   if (operating) for (const name of OF_MACHINES) rows[name] = operating[name];
   Object.assign(rows, logRatiosOf(engine, drive, shape, "ratio"));
   for (const [edge, own] of Object.entries(job.edges)) {
