@@ -110,7 +110,7 @@ export class MapCells {
   put({ begin, end, rows }) {
     for (const [name, values] of Object.entries(rows)) {
       const Numbers = /** @type {any} */ (values.constructor);
-      this.rows[name] ??= new Numbers(this.nx * this.ny).fill(Numbers === Int8Array ? -1 : NaN);
+      this.rows[name] ??= new Numbers(this.nx * this.ny);
       this.rows[name].set(values, begin * this.nx);
     }
     this.solved.fill(1, begin, end);
@@ -120,6 +120,12 @@ export class MapCells {
   shownIn(job) {
     const map = new MapCells(job);
     map.isPreviewed = true;
+    for (let row = 0; row < this.ny; row++) { // those that are not there yet have no numbers
+      if (this.solved[row]) continue;
+      for (const values of Object.values(this.rows)) {
+        values.fill(values instanceof Int8Array ? -1 : NaN, row * this.nx, (row + 1) * this.nx);
+      }
+    }
     const [across, up] = [[map.nx, this.nx], [map.ny, this.ny]].map(([many, few]) =>
       Float64Array.from({ length: many }, (_, n) => (n * (few - 1)) / (many - 1)));
     const [columns, rows] = [across, up].map((places) => Int32Array.from(places, Math.round));
