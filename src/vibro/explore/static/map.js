@@ -173,6 +173,8 @@ export class MapView {
     const { legend: kinds, curves, x, y } = /** @type {DrawnMap} */ (this.drawn);
     const edge = { x: 0.5, y: 0.5, width: 23, height: 13, fill: "none", stroke: "#777777" };
     const areas = kinds.map(({ text, faces: own, marks }) => {
+      const plain = this.data.regimes.find((/** @type {any} */ { code }) => code === own[0]);
+      if (!marks) return { text, sample: [svg("rect", { ...edge, fill: plain.colour })] };
       const href = picture(faces, own, 24, 14, marks);
       return { text, sample: [svg("image", { href, width: 24, height: 14 }), svg("rect", edge)] };
     });
