@@ -243,11 +243,12 @@ def transfer(machine: Machine, frequency: Floats, natural_frequency: Floats, add
     added : complex array
         The filling's mass m (lambda - i delta), all of one shape [kg].
     """
-    given = np.stack([frequency, natural_frequency, added.real, added.imag]).reshape(4, -1)
+    given = np.empty((4, *frequency.shape))
+    given[0], given[1], given[2], given[3] = frequency, natural_frequency, added.real, added.imag
     moved, filled = np.empty((frequency.size, 8)), np.empty(frequency.shape)
     solver = doors()
     out = solver.row(moved), solver.row(filled)
-    solver.transfers(springs_of(machine), *solver.rows(given), *out, frequency.size)
+    solver.transfers(springs_of(machine), *solver.rows(given.reshape(4, -1)), *out, frequency.size)
     trough, counter, relative, compliance = moved.view(np.complex128).T.reshape(4, *frequency.shape)
     return Transfer(trough, counter, relative, compliance, filled)
 
