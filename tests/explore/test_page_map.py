@@ -479,7 +479,7 @@ def test_a_map_that_takes_long_is_coarse_at_first() -> None:
 _SLOW = """
 export async function run({ data, stateOf, Pool, solveMap, drawnMap }, texts) {
   let now = 0;
-  performance.now = () => (now += 100); // [ms]: each block takes long
+  performance.now = () => (now += 200); // [ms]: each block takes long
   const pool = new Pool(data, []), { state } = stateOf(data, 0, texts), shown = [];
   await solveMap(pool, state, (cells) => {
     const { ny, lowest, curves } = drawnMap(data, state, cells);

@@ -8,7 +8,7 @@ const LEAST_TIME = 8; // [ms] of a block: less is not worth its messages
 const PATIENCE = 60; // [ms] that a map may take without a coarse one before it
 // One core is left to the page; of two none, for the page waits while they solve.
 const [FEWEST_WORKERS, MOST_WORKERS] = [2, 8];
-const REDRAWN = 250; // [ms] after which a map that takes long is drawn with what is there
+const REDRAWN = 400; // [ms] after which a map that takes long is drawn with what is there
 const COARSER = 4; // times as wide are the cells of a coarse map
 
 /** @typedef {import("./state.js").Shown} Shown
