@@ -99,7 +99,7 @@ VIEWS: Final = {
     "flight": "share of time in flight",
 }
 
-_MAP: Final = {"drive": "line", "x": "frequency_hz", "y": "amplitude_mm"}
+_MAP: Final = {"drive": "line", "trough_angle_deg": "0", "x": "frequency_hz", "y": "amplitude_mm"}
 # A magnet on mains of 50 Hz pulls at every half-wave, behind a diode at every second one; motors with 4 and 6
 # poles turn 1500 and 1000 times a minute. Amplitudes are of the size that such drives have
 # (docs/guide/makers.md, examples/bowl_feeder.toml).
