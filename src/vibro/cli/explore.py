@@ -6,7 +6,7 @@ import os
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Options  # typer reads the annotation
@@ -55,12 +55,17 @@ def _requests(options: Options) -> list[Request | None]:
     if not options.files and not options.given:
         return [None]
     from vibro.cli.request import request_of
-    from vibro.explore.scenes import nut_file
+    from vibro.explore.scenes import held, nut_file
+    from vibro.quantities import QUANTITIES
     from vibro.sweeps.request import RANGES
 
     each = [options.of(file) for file in options.files] or [options]
     nut = nut_file()
-    return [request_of(one, without_file=nut, reads_map=True, takes_axes=True, ranges=RANGES) for one in each]
+    how: dict[str, Any] = {"reads_map": True, "takes_axes": True, "ranges": RANGES}
+    requests = [request_of(one, without_file=nut, **how) for one in each]
+    for name in dict.fromkeys(name for request in requests for name in held(request)):
+        options.console.warn(f"{QUANTITIES[name].label}: the map has two axes, and the page holds this one")
+    return [*requests]
 
 
 def _temporary(name: str, text: str) -> Path:

@@ -205,12 +205,23 @@ def harmonic_values(motion: HarmonicMotion) -> dict[str, float]:
     }
 
 
-def _axes_of(request: Request, drive: Drive) -> dict[str, str]:
-    """Return the axes of the map and their ranges, as texts; none where the page has usual ones."""
+def _drawn(request: Request) -> list[str]:
+    """Return the axes of the map, across first, of those that vary."""
     drawn = [name for name in request.varying if name in CONTROLS]
     if "frequency" in drawn and drawn[0] in AMPLITUDES:  # as pictures have it
         drawn = ["frequency", *(name for name in drawn if name != "frequency")]
-    texts = {}
+    return drawn[:2]
+
+
+def held(request: Request) -> list[str]:
+    """Return the quantities that vary, and that the page holds, as its map has two axes."""
+    drawn = _drawn(request)
+    return [name for name in request.varying if name not in drawn]
+
+
+def _axes_of(request: Request, drive: Drive) -> dict[str, str]:
+    """Return the axes of the map and their ranges, as texts; none where the page has usual ones."""
+    texts, drawn = {}, _drawn(request)
     for key, name in zip("xy", drawn, strict=False):
         text = _range_text(request.specs[name])
         texts[key] = QUANTITIES[name].column

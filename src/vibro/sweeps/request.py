@@ -293,6 +293,8 @@ def gather(
         own |= {name: axis_of(value, QUANTITIES[name]) for name, value in machine.own.items()}
         bands = {name: str(machine.table[QUANTITIES[name].column]) for name in machine.bands}
         ranges = ranges and (bands or ranges)
+    if pack is not None:
+        swept.pop("natural", None)  # that of the file; a pack of its own overrides it
     _check_machine(machine, pack, swept | typed, own, problems)
     dropped = [own.pop(name) for name in asked_for if name in own]
     for name in asked_for:
