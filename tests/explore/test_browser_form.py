@@ -184,8 +184,14 @@ def test_handles_of_a_band_do_not_pass_each_other(nut: Page) -> None:
     }"""
     )
     assert address(nut)["static_friction_band"] == "0.9:0.9"
-    put(nut, "static_friction_band-least", "")
-    assert "static_friction_band" not in address(nut)
+    put(nut, "static_friction_band-least", "")  # then that of the point
+    assert address(nut)["static_friction_band"] == "0.74:0.9"
+    put(nut, "restitution_band-most", "0.3")
+    assert address(nut)["restitution_band"] == "0:0.3"
+    put(nut, "restitution_band-most", "")
+    assert address(nut)["restitution_band"] == "0:0"
+    nut.uncheck("#bands")
+    assert not {"static_friction_band", "restitution_band"} & address(nut).keys()
 
 
 def test_each_tab_has_a_state_of_its_own(open_page: Callable[..., Page]) -> None:

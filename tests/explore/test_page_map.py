@@ -674,6 +674,9 @@ def test_scene_files_of_given_drives_and_machines_are_read_by_vibro(
     tables = tomllib.loads(moved["toml"])
     assert tables["machine"]["filling_kg"] == 1.5
     assert (tables["machine"]["natural_hz"], tables["map"]["natural_hz"]) == (55.6, 47.6)
+    said = "# with the springs that were shown: vibro solve scene.toml natural=47.6\n"
+    assert moved["toml"].startswith(said)
+    assert not told[-1]["toml"].startswith("#")
 
 
 _HOSTILE = ("a b", "$(touch x)", "it's", '"; rm -rf /', "--out", "ä`id`", "\\n'\"$HOME")

@@ -69,6 +69,13 @@ function harmonicLists({ quantities }, values) {
   return [lists, others];
 }
 
+/** The command that solves the scene file with the shown springs, where they are not the machine's own, which the
+ * file keeps, as it may have been calibrated with them; else empty. @param {Shown} state */
+export function otherSprings({ machine, values: { natural } }) {
+  const isOther = machine && natural !== undefined && natural !== machine.fields.natural_frequency;
+  return isOther ? `vibro solve ${SAVED} natural=${typedText(natural)}` : "";
+}
+
 /** The scene file that makes the same map, of the same cells. @param {any} data @param {Shown} state */
 export function tomlOf(data, state) {
   const { quantities } = data, { given, machine } = state;
@@ -85,8 +92,9 @@ export function tomlOf(data, state) {
   const ofMachine = Object.entries({ ...machine?.table, ...Object.fromEntries(knobs) });
   const table = (/** @type {string} */ name, /** @type {string[]} */ lines) =>
     lines.length ? [`[${name}]`, ...lines, ""] : [];
+  const springs = otherSprings(state);
   return [
-    "[scene]",
+    ...(springs ? [`# with the springs that were shown: ${springs}`] : []), "[scene]",
     ...Object.entries(lists).map(([key, values]) => `${key} = [${values.map(typedText).join(", ")}]`),
     ...names.map((name) => `${column(name)} = ${typedText(others[name])}`), "",
     ...table("motion", given?.table ?? []),
@@ -146,7 +154,7 @@ async function saveCsv(view, hasComma) {
   const { cells, data, state } = view;
   if (!isDone || !cells || !state) return tell("There is no CSV, for the map was changed: ask again.", "saving");
   const table = csvOf(data, engineOf(exports, data.known), state, cells, hasComma);
-  save(new Blob([table], { type: "text/csv" }), nameOf(view, "map.csv"));
+  save(new Blob([table], { type: "text/csv" }), nameOf(view, hasComma ? "map-comma.csv" : "map.csv"));
 }
 
 /** Copy a text, and say so, on its button too for a while. @param {string} id */

@@ -130,14 +130,17 @@ function fieldsetsOf(data, scene) {
 // ------------------------------------------------------------------------------
 // What it changes
 
-/** A range or band with a new part: of its handles none passes the other; without an end there is none.
- * @param {HTMLInputElement} box @param {string} text @param {string} whole */
-function withPart({ type, checked, dataset: { part } }, text, whole) {
-  const ends = whole ? whole.split(":") : [text, text];
+/** A range or band with a new part: of its handles none passes the other; a range without an end is none, a band ends
+ * at its point. @param {HTMLInputElement} box @param {string} text @param {string} whole @param {string} point */
+function withPart({ type, checked, dataset: { part } }, text, whole, point) {
+  const ends = whole ? whole.split(":") : [point || text, point || text];
   if (type === "checkbox") return [...ends.slice(0, 2), ...(checked ? [text] : [])].join(":");
-  ends[Number(part)] = text;
-  if (type === "range" && Number(ends[0]) > Number(ends[1])) ends.fill(text);
-  return text && ends.join(":");
+  const end = text || point, here = Number(part);
+  ends[here] = end;
+  const isPassed = Number(ends[0]) > Number(ends[1]);
+  if (isPassed && (type === "range" || !whole)) ends.fill(end);
+  else if (isPassed && !text) ends.fill(ends[1 - here]);
+  return end && ends.join(":");
 }
 
 /** Choose an axis; the other's quantity swaps them.
@@ -170,7 +173,10 @@ function patchOf(data, store, box) {
       return { ...NO_BANDS, follow: follows ? "1" : "0", ...(input("bands").checked && store.bandsIf(follows)) };
     }
   }
-  if (box.dataset.part) return { [name]: withPart(/** @type {HTMLInputElement} */ (box), text, store.texts[name]) };
+  if (box.dataset.part) {
+    const point = name in NO_BANDS ? typedText(store.value(name.replace("_band", ""))) : "";
+    return { [name]: withPart(/** @type {HTMLInputElement} */ (box), text, store.texts[name], point) };
+  }
   const most = name === "kinetic_friction" && type === "range" ? store.value("static_friction") : Infinity;
   return { [name]: Number(text) > most ? typedText(most) : text };
 }

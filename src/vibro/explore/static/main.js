@@ -1,7 +1,7 @@
 /** Order of updates: a change goes to the state, that to the map, the numbers, the motion and the address. */
 
 import { html, place, set, tableOf, valueText } from "./draw.js";
-import { commandOf, offerFiles, tomlOf } from "./files.js";
+import { commandOf, offerFiles, otherSprings, tomlOf } from "./files.js";
 import { createForm } from "./form.js";
 import { MapView } from "./map.js";
 import { drawMotion } from "./motion.js";
@@ -24,12 +24,11 @@ function say(/** @type {string} */ text, where = "says") {
 }
 
 /** How texts to take along differ from what is shown, or what they need. @param {Shown} state */
-function apartText({ drive, bands, values, machine }) {
+function apartText(state) {
+  const { drive, bands } = state;
   const file = drive in READ ? [`The command reads the ${READ[drive]} from the scene file, saved as scene.toml.`] : [];
-  // the file keeps the machine's own springs, with which it may have been calibrated
-  const isOther = machine && values.natural !== undefined && values.natural !== machine.fields.natural_frequency;
-  const solve = `vibro solve scene.toml natural=${values.natural}`;
-  const springs = isOther ? [`For these numbers with other springs: ${solve}.`] : [];
+  const solve = otherSprings(state);
+  const springs = solve ? [`For these numbers with other springs: ${solve}.`] : [];
   return [...file, ...springs, ...(Object.keys(bands).length ? [APART] : [])].join(" ");
 }
 
@@ -142,7 +141,8 @@ function start() {
       const { regime, speedText } = answerFor(scene) ?? { regime: "unknown", speedText: "unknown" };
       return [nameOf(scene), regime, speedText];
     });
-    place("compare").replaceChildren(tableOf("Scenes compared", ["scene", "regime", "mean speed"], rows));
+    const title = "Scenes compared; a link holds the open one alone";
+    place("compare").replaceChildren(tableOf(title, ["scene", "regime", "mean speed"], rows));
   }
 
   /** The name of a scene, with its number where another has the same. @param {number} scene */

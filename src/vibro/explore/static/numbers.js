@@ -88,9 +88,8 @@ function sizeOf(/** @type {any} */ { quantities, texts: { says } }, /** @type {R
  */
 export function answerOf(data, engine, state) {
   const one = solvedScene(data, engine, state);
-  const { regime, cycle, says } = one;
-  const [mean, error] = [MILLI * cycle.mean_velocity[0], MILLI * cycle.mean_velocity_error[0]];
-  const speedText = Number.isNaN(mean) ? says.unknown : `${uncertainText(mean, error, 6)} mm/s`;
+  const { regime, says, speed, error } = one;
+  const speedText = Number.isNaN(speed) ? says.unknown : `${uncertainText(speed, error, 6)} mm/s`;
   return {
     title: [regime.label, speedText].filter(Boolean).join(", "),
     regime: regime.label,
