@@ -4,7 +4,7 @@
 
 Regimes and statuses are equal but within 16 ulp of a threshold, and where a long cycle is told from irregular
 motion. Numbers are equal within 1e-9, or that times how much each input's change is amplified; means within 4
-errors. What is beyond is listed.
+errors. What is beyond is listed; ``largest`` is of all others.
 """
 
 from __future__ import annotations
@@ -129,6 +129,7 @@ def compare(name: str, batch: Batch) -> Found:
         else:
             key = max(differences, key=lambda k: differences[k][i])
             beyond.append(f"{key}: {old.numbers[key][i]!r} | {new.numbers[key][i]!r} | {one}")
+            worst[i] = 0.0
     exact = worst[~texts & ~means]
     return Found(worst.size, near, amplified, float(exact.max(initial=0.0)), beyond)
 
