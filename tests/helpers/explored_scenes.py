@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from helpers import machine_files
+from helpers.machine_files import SCENE
+
 _POINT = "static_friction = 0.4\nkinetic_friction = 0.3\nfrequency_hz = 8\n"
 _WAVE = "along_amplitudes_mm = [1, 0.3, 0.1]\nalong_phases_deg = [15, -90, 20]\n"
 #: Scene files of drives that the page shows as they are given.
@@ -22,21 +25,8 @@ GIVEN_DRIVES = {
 }
 
 #: Scene file of a magnetic feeder with two kilogrammes in its trough.
-FEEDER = """[scene]
-frequency_hz = 50
-drive_angle_deg = 20
-static_friction = 0.35
-kinetic_friction = 0.28
-trough_length_mm = 800
-
-[machine]
-kind = "magnet"
-trough_mass_kg = 6
-counter_mass_kg = 12
-natural_hz = 55.6
-damping_ratio = 0.015
-calibration = { amplitude_mm = 0.35, frequency_hz = 50, setting_percent = 100 }
-voltage_percent = "90:110"
+FEEDER = f"""{SCENE}trough_length_mm = 800
+{machine_files.FEEDER}voltage_percent = "90:110"
 filling_kg = 2
-pack = [{ name = "6 leaves", natural_hz = 55.6 }, { name = "4 & a half", natural_hz = 47.6 }]
+pack = [{{ name = "6 leaves", natural_hz = 55.6 }}, {{ name = "4 & a half", natural_hz = 47.6 }}]
 """

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from helpers.scenes import NUT_POINT
 
 from vibro import Motion
 from vibro.drives import HarmonicMotion, PiecewiseMotion
@@ -13,22 +14,11 @@ from vibro.files.motions import GivenMotion
 from vibro.quantities import LINEAR, QUANTITIES
 from vibro.sweeps.grid import Grid
 
-_NUT = {
-    "amplitude": 1.0,
-    "frequency": 15.0,
-    "drive_angle": 20.0,
-    "static_friction": 0.74,
-    "kinetic_friction": 0.57,
-    "trough_angle": 0.0,
-    "gravity": 9.81,
-    "restitution": 0.0,
-}
-
 
 def cell(motion: Motion | None = None, length: float | None = 600.0, /, **changes: float) -> Grid:
     """Return a single cell with changes to the nut, in the units outside; another drive replaces the line."""
     names = {"along_amplitude", "normal_amplitude", "motion_scale"}.intersection(changes)
-    own = {name: value for name, value in _NUT.items() if not names or name not in LINEAR} | changes
+    own = {name: value for name, value in NUT_POINT.items() if not names or name not in LINEAR} | changes
     given = None if motion is None else GivenMotion({"along_samples": []}, motion)
     fixed = {name: own[name] for name in QUANTITIES if name in own}
     return Grid({}, fixed, length, arrivals=length is not None, motion=given)

@@ -21,6 +21,17 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.81
 FIELDS = [result.name for result in RESULTS]
+#: The paper's scene by the quantities of a grid, in the user's units.
+NUT_POINT = {
+    "amplitude": 1.0,
+    "frequency": 15.0,
+    "drive_angle": 20.0,
+    "static_friction": 0.74,
+    "kinetic_friction": 0.57,
+    "trough_angle": 0.0,
+    "gravity": 9.81,
+    "restitution": 0.0,
+}
 
 
 class Groups(NamedTuple):

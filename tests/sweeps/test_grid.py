@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from helpers.scenes import FIELDS
+from helpers.scenes import FIELDS, NUT_POINT
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,23 +17,13 @@ from vibro.sweeps.grid import Grid
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FIXED = {
-    "amplitude": 1.0,
-    "frequency": 15.0,
-    "drive_angle": 20.0,
-    "static_friction": 0.74,
-    "kinetic_friction": 0.57,
-    "trough_angle": 0.0,
-    "gravity": 9.81,
-    "restitution": 0.0,
-}
 # as far apart as the axes of a grid can be, and in another order than theirs
 NAMES = ("amplitude", "static_friction", "frequency", "friction_ratio", "trough_angle")
 
 
 def grid_of(**values: list[float] | NDArray[np.float64]) -> Grid:
     axes = {name: Axis(name, np.asarray(x, float), "list") for name, x in values.items()}
-    fixed = {name: value for name, value in FIXED.items() if name not in axes}
+    fixed = {name: value for name, value in NUT_POINT.items() if name not in axes}
     return Grid(axes, fixed, None)
 
 

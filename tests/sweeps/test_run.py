@@ -7,6 +7,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from helpers.scenes import NUT_POINT
 
 import vibro.sweeps.run
 from vibro.axes import parse_axis
@@ -15,21 +16,10 @@ from vibro.results.sweep import where_motion_begins
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import limits_of, sweep_blocks, sweep_picture
 
-FIXED = {
-    "amplitude": 1.0,
-    "frequency": 15.0,
-    "drive_angle": 20.0,
-    "static_friction": 0.74,
-    "kinetic_friction": 0.57,
-    "trough_angle": 0.0,
-    "gravity": 9.81,
-    "restitution": 0.0,
-}
-
 
 def grid_of(**texts: str) -> Grid:
     axes = {name: parse_axis(text, QUANTITIES[name]).axis(5) for name, text in texts.items()}
-    fixed = {name: value for name, value in FIXED.items() if name not in axes}
+    fixed = {name: value for name, value in NUT_POINT.items() if name not in axes}
     if "friction_ratio" in axes:
         del fixed["kinetic_friction"]
     return Grid(axes, fixed, None)
@@ -89,13 +79,13 @@ def test_a_picture_has_a_resolution_of_its_own(axes: tuple[str, ...]) -> None:
     texts = {"amplitude": "0.5:1.5:9001", "frequency": "10:16:4:log", "drive_angle": "10, 20"}
     grid = grid_of(**{name: texts[name] for name in axes})
     drawn = {"drive_angle": (0, 1)} if "drive_angle" in axes else {}
-    result = sweep_picture(grid, drawn, FIXED, "")
+    result = sweep_picture(grid, drawn, NUT_POINT, "")
     assert 10_000 > result.shape[0] > 100
     for name, axis in result.axes.items():
         assert axis.values[[0, -1]].tolist() == pytest.approx(
             grid.axes[name].values[[0, -1]].tolist(), rel=1e-15
         )
-    assert result.operating_point == {name: FIXED[name] for name in axes}
+    assert result.operating_point == {name: NUT_POINT[name] for name in axes}
 
 
 def test_a_picture_of_curves_keeps_the_values_of_the_list() -> None:
