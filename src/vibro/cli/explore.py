@@ -16,9 +16,8 @@ if TYPE_CHECKING:
     from vibro.sweeps.request import Request
 
 _SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the environment
-_SNAPS: Final = Path(
-    "/snap"
-)  # browsers in a sandbox: they see no other folders than those of the home folder
+# Where it is, browsers may run in a sandbox that sees no other folders than those of the home folder.
+_SNAPS: Final = Path("/snap")
 
 
 def explore_command(options: Options) -> int:

@@ -86,10 +86,10 @@ function engineOf(doors, known) {
   /**
    * Solve the cells of a range; the others are left NaN.
    * @param {ReturnType<typeof gridOf>} grid
-   * @param {{begin?: number, end?: number, others?: boolean}} [range]
+   * @param {{begin?: number, end?: number}} [range]
    * @returns {Rows} by the names of vibro.SteadyCycle's results
    */
-  function solve(grid, { begin = 0, end = grid.size, others = false } = {}) {
+  function solve(grid, { begin = 0, end = grid.size } = {}) {
     const out = rows(fields("solve_contact", 2), grid.size);
     const hopping = doors.solve_contact(grid.scenes, grid.place, out, begin, end, false);
     if (hopping) {
@@ -97,10 +97,6 @@ function engineOf(doors, known) {
       let found = 0;
       for (let i = begin; i < end; i++) if (out.status[i] === known.Status.FLIGHT_NOT_MODELLED) cells[found++] = i;
       doors.solve_hops(grid.scenes, grid.place, out, cells, flights, hops, 0, found);
-      if (others) {
-        const left = cells.filter((i) => out.coexists[i] < 0 && !Number.isNaN(out.mean_velocity[i]));
-        doors.find_others(grid.scenes, grid.place, out, left, flights, hops, 0, left.length);
-      }
     }
     return out;
   }
