@@ -1,6 +1,6 @@
 """How long until the page shows its map, and after a change the next one? In a browser.
 
-Usage: python benchmarks/page.py [--changes 30] [--only TEXT]
+Usage: python benchmarks/page.py [--changes 30] [--only TEXT] [--cores N]
 
 Writes the page of ``vibro explore``, opens it in Chromium, moves a slider, and waits until the page has drawn
 a map and the browser a frame. Needs the extra ``test`` and a Chromium.
