@@ -1,4 +1,4 @@
-"""The catalogue of friction: what it holds, and how its rows are named."""
+"""The catalogue of friction and restitution: what it holds, and how its rows are named."""
 
 from __future__ import annotations
 
@@ -13,15 +13,22 @@ from vibro.friction import Row, band_text, find, rows, static_row
 
 
 def test_every_row_has_a_source_and_bands_that_can_be() -> None:
-    assert len(rows()) == 14
+    assert len(rows()) == 89
+    assert sum(row.restitution is not None for row in rows()) == 16
     for row in rows():
         assert row.pair
         assert row.condition
         assert row.source
         assert row.url.startswith("https://") or row.note
-        assert row.static_friction or row.kinetic_friction
-        for low, high in filter(None, (row.static_friction, row.kinetic_friction)):
-            assert 0.0 < low <= high < 2.0
+        assert row.static_friction or row.kinetic_friction or row.restitution
+        assert row.restitution or not row.impact_speed
+        for band, most in (
+            (row.static_friction, 2.0),
+            (row.kinetic_friction, 3.0),
+            (row.restitution, 1.0),
+            (row.impact_speed, 10.0),
+        ):
+            assert band is None or 0.0 < band[0] <= band[1] < most
         if row.static_friction and row.kinetic_friction:  # the bands of one source may overlap, no more
             assert row.kinetic_friction[0] <= row.static_friction[0]
             assert row.kinetic_friction[1] <= row.static_friction[1]
@@ -29,27 +36,33 @@ def test_every_row_has_a_source_and_bands_that_can_be() -> None:
 
 def test_values_are_those_of_the_table() -> None:
     text = files("vibro").joinpath("friction_catalogue.csv").read_text(encoding="utf-8")
-    assert '\nsteel on steel,dry,0.12,0.60,0.08,0.50,"Lust CDA3000' in text
+    assert '\nsteel on steel,dry,0.12,0.60,0.08,0.50,,,,,"Lust CDA3000' in text
     row = static_row("steel on steel, dry, Lust")
     assert (row.static_friction, row.kinetic_friction) == ((0.12, 0.6), (0.08, 0.5))
-    (autodesk,) = (row for row in rows() if row.pair == "brass on steel")
+    autodesk = static_row("brass on steel, dry, Autodesk")
     assert (autodesk.static_friction, autodesk.kinetic_friction) == ((0.35, 0.35), None)
+    (pellets,) = find("polyethylene on steel")
+    assert (pellets.restitution, pellets.impact_speed) == ((0.335, 0.364), (0.79, 0.93))
+    assert (pellets.static_friction, pellets.kinetic_friction) == (None, None)
 
 
 def test_sources_that_contradict_each_other_are_all_there() -> None:
     bands = [row.static_friction for row in find("steel on steel") if row.condition == "dry"]
-    assert bands == [(0.74, 0.74), (0.12, 0.6), (0.45, 0.8), (0.8, 0.8)]
+    assert bands == [(0.74, 0.74), (0.12, 0.6), (0.45, 0.8), (0.8, 0.8), (0.3, 0.3), (0.13, 0.13)]
+    assert [row.restitution for row in find("steel on steel") if row.restitution] == [(0.26, 0.26)]
+    assert [row.restitution for row in find("steel ball")] == [(0.85, 0.85)]
 
 
 @pytest.mark.parametrize(
     ("words", "pairs"),
     [
         ("brass", {"brass on steel"}),
-        ("PLASTIC", {"steel on plastic", "plastic belt on steel", "plastic on steel"}),
+        ("belt plastic", {"plastic belt on steel"}),
+        ("POLYURETHANE", {"polyurethane on unnamed surface", "metal on polyurethane"}),
         ("steel on steel", {"steel on steel"}),
         ("  steel  on   plastic", {"steel on plastic"}),
         ("steel belt", {"plastic belt on steel"}),
-        ("ptfe", {"PTFE on steel"}),
+        ("ptfe", {"PTFE on steel", "acetal with PTFE on steel"}),
         ("", {row.pair for row in rows()}),
     ],
 )
@@ -63,7 +76,7 @@ def test_every_row_with_static_friction_can_be_named(row: Row) -> None:
 
 
 def test_what_a_refusal_lists_names_each_row() -> None:
-    with pytest.raises(InputError, match="5 rows") as caught:
+    with pytest.raises(InputError, match="8 rows") as caught:
         static_row("steel on steel")
     lines = caught.value.hint.splitlines()
     written = [re.fullmatch(r'write "(.*)" for mu_s (.*), mu_d (.*)', line) for line in lines]

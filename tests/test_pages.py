@@ -12,7 +12,7 @@ from commands import BLOCK, DOCS, run_page, tasks
 from helpers.drawn import coarse_pictures
 
 README = DOCS.parent / "README.md"
-GUIDES = [DOCS / "guide" / name for name in ("machines.md", "measure.md")]
+GUIDES = [DOCS / "guide" / name for name in ("machines.md", "measure.md", "restitution.md")]
 TOUR = [README, DOCS / "index.md", *sorted(DOCS.glob("guide/tour*.md"))]
 
 

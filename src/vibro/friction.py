@@ -1,4 +1,4 @@
-"""Coefficients of friction by pair of materials, as bands taken from printed sources.
+"""Coefficients of friction and restitution by pair of materials, as bands taken from printed sources.
 
 The table beside this module has one row per pair, condition and source, with the values as printed there.
 Sources disagree by a factor of up to six about one pair, and do not say which parts and surfaces they mean.
@@ -26,7 +26,7 @@ _TABLE: Final = "friction_catalogue.csv"
 
 @dataclass(frozen=True)
 class Row:
-    """Friction of one pair in one condition, from one source.
+    """Friction and restitution of one pair in one condition, from one source.
 
     Attributes
     ----------
@@ -34,6 +34,8 @@ class Row:
         For example ``steel on steel`` and ``dry``.
     static_friction, kinetic_friction : tuple of float or None
         Bands of mu_s and mu_d [1]; both ends are equal if the source gives one value, None if it gives none.
+    restitution, impact_speed : tuple of float or None
+        Bands of the normal coefficient of restitution [1] and of the impact speeds that it holds for [m/s].
     source, url : str
         Citation and web address; the address may be empty.
     note : str
@@ -44,6 +46,8 @@ class Row:
     condition: str
     static_friction: _Span | None
     kinetic_friction: _Span | None
+    restitution: _Span | None
+    impact_speed: _Span | None
     source: str
     url: str
     note: str
@@ -59,6 +63,8 @@ def rows() -> tuple[Row, ...]:
             condition=line["condition"],
             static_friction=_band(line, "mu_s"),
             kinetic_friction=_band(line, "mu_d"),
+            restitution=_band(line, "e"),
+            impact_speed=_band(line, "impact", "_m_s"),
             source=line["source"],
             url=line["url"],
             note=line["note"],
@@ -67,8 +73,8 @@ def rows() -> tuple[Row, ...]:
     )
 
 
-def _band(line: Mapping[str, str], name: str) -> _Span | None:
-    low, high = line[f"{name}_low"], line[f"{name}_high"]
+def _band(line: Mapping[str, str], name: str, unit: str = "") -> _Span | None:
+    low, high = line[f"{name}_low{unit}"], line[f"{name}_high{unit}"]
     return (float(low), float(high)) if low else None
 
 
@@ -163,7 +169,7 @@ def number_hint(text: str, field: str) -> str:
     text : str
         Such as ``steel on steel``.
     field : str
-        ``static_friction`` or ``kinetic_friction``.
+        ``static_friction``, ``kinetic_friction`` or ``restitution``.
 
     Returns
     -------
@@ -192,8 +198,7 @@ def number_hint(text: str, field: str) -> str:
 
 
 def _unknown_pair(text: str) -> InputError:
-    pairs = dict.fromkeys(row.pair for row in rows())
-    hint = _nearest(text) or f"its pairs are {', '.join(pairs)}"
+    hint = _nearest(text) or "vibro friction lists all pairs"
     return InputError(f"{shown(text)}: no such pair in the catalogue of friction", hint=hint)
 
 

@@ -381,7 +381,7 @@ _COMMA: Final = re.compile(
 )
 _AROUND_PER: Final = re.compile(r"\s*/\s*")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
-_CATALOGUED: Final = ("static_friction", "kinetic_friction")
+_CATALOGUED: Final = ("static_friction", "kinetic_friction", "restitution")
 # More digits than this are no number that somebody measured or computed: those of every double fit.
 _LONGEST: Final = 1000  # characters
 _ONE: Final = (1, 1)
@@ -616,7 +616,7 @@ def _number_hint(text: str, quantity: Quantity) -> str:
 
 
 def catalogue_hint(text: str, quantity: Quantity) -> str:
-    """Return what the catalogue says of friction that is given by its materials; else an empty text."""
+    """Return what the catalogue says of a coefficient that is given by its materials; else an empty text."""
     if quantity.name not in _CATALOGUED or not text.strip()[:1].isalpha():
         return ""
     from vibro.friction import number_hint

@@ -128,7 +128,7 @@ def test_a_traverse_time_is_a_speed() -> None:
         ("steel on steel, dry, lust", None, (0.12, 0.6), (0.08, 0.5)),
         ("Wood on steel", None, (0.45, 0.75), (0.3, 0.6)),
         ("steel on steel, dry, safety nut", "0.5:0.6", (0.74, 0.74), (0.5, 0.6)),
-        ("brass on steel, dry", 0.3, (0.35, 0.35), (0.3, 0.3)),
+        ("brass on steel, dry, autodesk", 0.3, (0.35, 0.35), (0.3, 0.3)),
     ],
 )
 def test_friction_of_the_catalogue(text: str, own: Any, static: Any, kinetic: Any) -> None:

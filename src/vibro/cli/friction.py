@@ -1,4 +1,4 @@
-"""``vibro friction``: what sources say about the friction of a pair of materials."""
+"""``vibro friction``: what sources say about friction and restitution of a pair of materials."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
     from vibro.friction import Row
 
-_HEADINGS: Final = ("pair", "condition", "mu_s", "mu_d", "source")
+_HEADINGS: Final = ("pair", "condition", "mu_s", "mu_d", "e", "impact", "source")
+_UNITS: Final = ("", "", "", "", "", "[m/s]", "")
 
 
 def friction_command(
@@ -32,8 +33,9 @@ def friction_command(
     version: VersionOption = False,
     help_all: HelpAllOption = False,
 ) -> int:
-    """List coefficients of friction by pair of materials, with their sources.
+    """List coefficients of friction and restitution by pair of materials, with their sources.
 
+    mu_s and mu_d are static and kinetic friction, e is restitution, measured at the impact speeds beside it.
     A band lo:hi is as wide as its source prints it. Sources that contradict each other stay side by side.
     In a question of vibro design a row is named static_friction = "steel on steel, dry, Lust".
     """
@@ -50,9 +52,10 @@ def friction_command(
 
 def _content(row: Row) -> dict[str, Any]:
     content: dict[str, Any] = {"pair": row.pair, "condition": row.condition}
-    for name, band in (("static_friction", row.static_friction), ("kinetic_friction", row.kinetic_friction)):
-        low, high = band or (None, None)
-        content |= {f"{name}_low": low, f"{name}_high": high}
+    for name in ("static_friction", "kinetic_friction", "restitution", "impact_speed"):
+        low, high = getattr(row, name) or (None, None)
+        unit = "_m_s" if name == "impact_speed" else ""
+        content |= {f"{name}_low{unit}": low, f"{name}_high{unit}": high}
     return content | {"source": row.source, "url": row.url or None, "note": row.note or None}
 
 
@@ -62,10 +65,15 @@ def _print_table(found: Sequence[Row]) -> None:
     from vibro.friction import band_text
 
     cells = [
-        (row.pair, row.condition, band_text(row.static_friction), band_text(row.kinetic_friction), row.source)
+        (
+            row.pair,
+            row.condition,
+            *map(band_text, (row.static_friction, row.kinetic_friction, row.restitution, row.impact_speed)),
+            row.source,
+        )
         for row in found
     ]
-    print(aligned([_HEADINGS, *cells], right=False))
+    print(aligned([_HEADINGS, _UNITS, *cells], right=False))
     for source in dict.fromkeys(row.source for row in found):
         rows = [row for row in found if row.source == source]
         print(f"\n{source}")
