@@ -92,7 +92,8 @@ _MARKED: Final = {
         "explore/test_page_map.py",
         "messages/", "records/test_comparison.py", "records/test_fitting.py",
         "records/test_trough_harmonics.py",
-        "answers/test_printed.py", "test_frozen.py", "test_gallery.py", "test_pages.py", "test_site.py",
+        "answers/test_printed.py", "test_frozen.py", "test_gallery.py", "test_inverse_friction.py",
+        "test_pages.py", "test_site.py",
         "test_walks.py",
     ),
     "process": (

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from vibro.explore.page import Page as Page
     from vibro.explore.page import page as page
     from vibro.fillings import filling as filling
+    from vibro.inverse_friction import critical_friction as critical_friction
+    from vibro.inverse_friction import friction_for_speed as friction_for_speed
     from vibro.limits import critical_loads as critical_loads
     from vibro.limits import transitions as transitions
     from vibro.machines.machine import Calibration as Calibration
@@ -65,6 +67,7 @@ _HOMES = {
         ("errors", "FileError InputError SceneError VibroError"),
         ("explore.page", "Page page"),
         ("fillings", "filling"),
+        ("inverse_friction", "critical_friction friction_for_speed"),
         ("limits", "critical_loads transitions"),
         ("machines.machine", "Calibration Machine"),
         ("machines.operating", "OperatingPoints operate operating_points"),

@@ -133,6 +133,9 @@ ASKED = {
     "`vibro measure --trough-along`: on the trough's measured motion": command("measure", RECORD, *TROUGH),
     "`vibro accuracy`: other methods": command("accuracy", "--scenes", "2"),
     "`vibro.critical_loads`, `vibro.transitions`": function(vibro.critical_loads, vibro.transitions),
+    "`vibro.friction_for_speed`, `vibro.critical_friction`": function(
+        lambda scene: vibro.friction_for_speed(scene, 0.01).solutions, vibro.critical_friction
+    ),
     "`vibro.attractors`: the cycles that coexist": function(vibro.attractors),
     "`vibro.guarantee`, `vibro.yield_share`": function(
         lambda scene: vibro.guarantee(scene, **BANDS),
