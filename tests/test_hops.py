@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import random
 
+import mpmath
 import numpy as np
 import pytest
+from engines.digits_hops import HoppingBody
 from helpers.reference_tables import UNSETTLED_IMPACT, read_table
 from helpers.scenes import at_load, replaced
 from helpers.two_axis_scenes import displacement, random_drives, rotated
+from mpmath import mp, mpf
 
 import vibro
 from vibro import Regime, Scene, Status, SteadyCycle
@@ -219,3 +223,63 @@ def test_without_kinetic_friction_a_body_keeps_the_speed_it_was_thrown_with(
     assert f"{cycle.displacement_per_cycle / unit:.4f}" == displacement
     history = vibro.simulate(scene, cycles=1000)
     assert history.cycle_displacement == pytest.approx(float(cycle.displacement_per_cycle), rel=1e-9)
+
+
+def _beside_the_vertical(case: int, beside: float) -> tuple[Scene, float, HoppingBody]:
+    """Draw a scene whose drive is nearly vertical, and its body; the size of the drive [m]."""
+    pick = random.Random(f"vertical {beside} {case}")
+    throw, mu_s = pick.uniform(1.02, 1.6), pick.uniform(0.1, 1.2)
+    size, trough = throw * 9.81 / ANGULAR**2, 0.0
+    mu_d = mu_s * pick.choice((1.0, pick.uniform(0.1, 1.0)))
+    if case % 2 == 0:  # below a right angle, and on either side of it to the ground
+        drive = 0.5 * math.pi - beside
+        trough = (0.0, 2.0, -2.0)[case // 2 % 3] * pick.random() * beside
+        scene = replaced(_scene(size, drive, mu_s, mu_d), trough_angle=trough)
+        x, y, phase = mpmath.cos(drive), mpmath.sin(drive), 0.0
+    else:  # on both sides; at some phases the load along the trough changes its sign at the lift-off
+        along, phase = size * beside * pick.uniform(0.5, 1.0), pick.choice((0.0, 1e-3, 0.5, 2.0, -1.0))
+        if case % 4 == 3:
+            phase = math.asin(1.0 / throw) + pick.uniform(-3.0, 3.0) * beside / mu_s
+        phase += pick.choice((0.0, math.pi))
+        scene = Scene(
+            along_amplitude=along, normal_amplitude=size, normal_phase=phase, frequency=FREQUENCY,
+            static_friction=mu_s, kinetic_friction=mu_d,
+        )  # fmt: skip
+        x, y = mpf(along) / size, mpf(1)
+    weight = mpf(9.81) / (size * (2 * mpmath.pi * FREQUENCY) ** 2)
+    body = HoppingBody(x, y, phase, weight * mpmath.cos(trough), weight * mpmath.sin(trough), mu_s, mu_d)
+    return scene, size, body
+
+
+@pytest.mark.parametrize("beside", [1e-3, 1e-5, 1e-7, 1e-8, 1e-9, 1e-11, 1e-13, 4e-15, 3e-16])
+def test_next_to_a_vertical_drive_hops_have_all_digits(beside: float) -> None:
+    told = 0
+    with mp.workdps(60):
+        for case in range(12):
+            scene, size, body = _beside_the_vertical(case, beside)
+            found, exact = vibro.solve(scene), body.settle()
+            if found.status > Status.BOUNDARY or exact is None:
+                continue
+            told += 1
+            error = abs(mpf(float(found.displacement_per_cycle)) / size - exact)
+            assert error <= 2e-14 * max(abs(exact), beside), case
+    assert told >= 9
+
+
+def test_next_to_a_vertical_drive_every_motion_follows_the_drive_s_small_share_along() -> None:
+    pick = random.Random("share along")
+    several = 0
+    for _ in range(25):
+        size, phase = pick.uniform(1.6, 2.2) * 9.81 / ANGULAR**2, pick.uniform(-3.0, 3.0)
+        mu_s, ratio = pick.uniform(0.1, 0.4), pick.uniform(0.2, 1.0)
+        told = []
+        for share in (1e-11, 4e-15):
+            scene = Scene(
+                along_amplitude=share * size, normal_amplitude=size, normal_phase=phase, frequency=FREQUENCY,
+                static_friction=mu_s, kinetic_friction=mu_s * ratio, restitution=0.3,
+            )  # fmt: skip
+            found = vibro.attractors(scene)
+            told.append([float(motion.mean_velocity) / share for motion in found])
+        several += len(told[0]) > 1
+        assert told[1] == pytest.approx(told[0], rel=1e-7)
+    assert several >= 2

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.numbers import NAN, QUARTER, TURN, PathPoint, free_motion
+from vibro.core.numbers import NAN, TURN, PathPoint, free_motion
 from vibro.core.waves import (
     FORCE,
     NORMAL,
@@ -86,9 +86,11 @@ def directions(first: float, trough: float) -> Directions:
     cosine, sine = math.cos(first), math.sin(first)
     if trough == 0.0:
         return Directions(cosine, sine, 1.0, 0.0, cosine)
-    # the double next to a right angle still has a positive cosine
     total = first + trough
-    sum_cosine = math.cos(total) if total < QUARTER else -abs(math.cos(total))
+    # what rounding has taken from the sum decides its cosine next to a right angle
+    other = total - first
+    lost = (first - (total - other)) + (trough - other)
+    sum_cosine = math.cos(total) - lost * math.sin(total)
     return Directions(cosine, sine, math.cos(trough), math.sin(trough), sum_cosine)
 
 

@@ -28,6 +28,7 @@ from vibro.core.numbers import (
     QUARTER,
     TURN,
     bisected,
+    circle,
     free_motion,
     until,
     wrap,
@@ -518,19 +519,23 @@ def slide_from_speed(at: Forcing, phase: float, speed: float, limit: float) -> _
     top = first_top - per_turn * turns
     low = 0.0 if turns > 0.0 else max(d0, 0.0)
     high = min(fall, limit - offset)
-    stopped = not endless and high > low and (high == fall or _speed_loss(high, at) >= top)
+    # From the rates at the start: differences of speeds of order 1 would drown those of a steep drive.
+    sine, cosine = circle(phase + at.shift)
+    end_speed = -INF
+    if limit < INF:
+        end_speed = free_motion(at.amplitude, at.drag, sine, cosine, speed, limit).velocity
+    stopped = not endless and high > low and (high == fall or end_speed <= 0.0)
     if not stopped and limit == INF:
         return _SlideEnd(INF, False, NAN, NAN, True)
-    length, end_speed = limit, 0.0
+    length = limit
     if stopped:
-        length = min(offset + _zero_of_speed(at, top, low, high), limit)
-    else:
-        end_speed = max(first_top - _speed_loss(d0 + limit, at), 0.0)
+        length, end_speed = min(offset + _zero_of_speed(at, top, low, high), limit), 0.0
     # of the maxima on the way the first is the highest, or the last where gravity wins over friction
     next_top, last_top = 0.0 if d0 < 0.0 else 1.0, float(math.floor((length + d0) / TURN))
     highest = max(speed, end_speed)
     if last_top >= next_top:
-        highest = max(highest, first_top - per_turn * (last_top if at.drag < 0.0 else next_top))
+        s = TURN * (last_top if at.drag < 0.0 else next_top) - d0
+        highest = max(highest, free_motion(at.amplitude, at.drag, sine, cosine, speed, s).velocity)
     return _SlideEnd(length, stopped, end_speed, highest, math.isfinite(length))
 
 

@@ -357,7 +357,9 @@ def release(track: Track) -> _Release:
         start, end = track.forward_onset, track.lift_off
         velocity = 0.0
         if start < end:
-            velocity = at.amplitude * (math.cos(start) - math.cos(end)) - at.drag * (end - start)
+            # from the rates at the start, as the slide of a steep drive is short: nothing of order 1 cancels
+            sine, cosine = math.sin(start), math.cos(start)
+            velocity = free_motion(at.amplitude, at.drag, sine, cosine, 0.0, end - start).velocity
         return _Release(False, end, velocity)
     phase = phase_difference(loads)
     begins = next_lift_off(track, phase)
@@ -532,8 +534,16 @@ class Orbit(NamedTuple):
     status: int
 
 
-def _settled(velocity: float, now: Return, status: int) -> Orbit:
-    """Form the end of an orbit, which is unresolved where a slide of its cycle is."""
+def _settled(cycle: HoppingCycle, hops: Hops, velocity: float, now: Return, status: int) -> Orbit:
+    """Form the end of an orbit, which is unresolved where a slide of its cycle is.
+
+    What follows a stop has the digits of the drive's small velocities, which friction does not drown: where
+    they are fewer in the velocity than in its image, take the image.
+    """
+    if has_stop(now) and abs(now.velocity - velocity) > _apart(cycle, velocity):
+        image = cycle_from(cycle, hops, now.velocity)
+        if has_stop(image):
+            velocity, now = now.velocity, image
     return Orbit(velocity, now, status if now.settled else Status.UNRESOLVED)
 
 
@@ -596,7 +606,7 @@ def followed(cycle: HoppingCycle, hops: Hops, start: float, rounds: int) -> Orbi
     now = cycle_from(cycle, hops, here)
     for i in range(rounds):
         if has_stop(now) and not (cycle.edge or cycle.neutral) and is_closed(cycle, here, now):
-            return _settled(here, now, Status.OK)
+            return _settled(cycle, hops, here, now, Status.OK)
         if i + 1 < rounds:
             here = now.velocity
             now = cycle_from(cycle, hops, here)
@@ -654,7 +664,7 @@ def _bracketed(
         if (step.closed and not past) or room <= _apart(cycle, here):
             if cycle.track.loads.waves.kind != SINE and not has_stop(now) and step.newton < room:
                 return _sharpened(cycle, hops, here, now, step)
-            return _settled(here, now, Status.OK)
+            return _settled(cycle, hops, here, now, Status.OK)
         # between bends of the map Newton's steps may go to and fro for ever
         shrinks = i < _NEWTONS or step.newton < 0.5 * before
         before = step.newton
@@ -676,7 +686,7 @@ def _sharpened(cycle: HoppingCycle, hops: Hops, here: float, now: Return, step: 
         step = _change(cycle, here, now)
     onward = step.newton if step.rises else -step.newton
     sharpened = now._replace(displacement=now.displacement + now.delay * onward)
-    return _settled(here + onward, sharpened, Status.OK)
+    return _settled(cycle, hops, here + onward, sharpened, Status.OK)
 
 
 def _orbit_until_stop(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
@@ -691,7 +701,7 @@ def _orbit_until_stop(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
         change = begin.velocity - start
         way = math.copysign(1.0, change) if abs(change) > ROUNDING * _size(cycle, start) else 0.0
     if way == 0.0:
-        return _settled(start, begin, Status.OK if has_stop(begin) else Status.BOUNDARY)
+        return _settled(cycle, hops, start, begin, Status.OK if has_stop(begin) else Status.BOUNDARY)
     end = _first_stopping(cycle, hops, start, begin, way)
     if end.status == Status.UNRESOLVED and way == _downhill(cycle):
         return end._replace(status=Status.RUNAWAY)
@@ -774,8 +784,10 @@ def stopping(cycle: HoppingCycle, hops: Hops, start: float, begin: Return, way: 
         now = cycle_from(cycle, hops, velocity)
         apart = abs(now.velocity - velocity)
     if has_stop(now):
-        return _settled(velocity, now, Status.OK if apart <= ROUNDING * size else Status.UNRESOLVED)
-    return _settled(velocity, now, Status.BOUNDARY if cycle.neutral else Status.UNRESOLVED)
+        return _settled(
+            cycle, hops, velocity, now, Status.OK if apart <= ROUNDING * size else Status.UNRESOLVED
+        )
+    return _settled(cycle, hops, velocity, now, Status.BOUNDARY if cycle.neutral else Status.UNRESOLVED)
 
 
 def _after_rest(cycle: HoppingCycle, hops: Hops, index: int) -> float:
@@ -855,7 +867,7 @@ def between(cycle: HoppingCycle, hops: Hops, start: float, target: float) -> Orb
     for _ in range(_MOST_EVALUATIONS):
         step = _change(cycle, here, now)
         if step.closed and not has_stop(now):
-            return _settled(here, now, Status.OK)
+            return _settled(cycle, hops, here, now, Status.OK)
         room = way * (far - here)
         if step.closed or room <= _apart(cycle, here) or step.rises != (way > 0.0):
             break
