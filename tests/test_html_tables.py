@@ -154,13 +154,16 @@ def test_histories_are_shown_in_short() -> None:
 def test_guarantees_and_designs_are_shown() -> None:
     found = vibro.guarantee(vibro.Scene(amplitude=1e-3, **LINE), static_friction=(0.7, 0.78))
     _, rows = shown(found)
-    assert rows["speed"] == [f"{1e3 * x:.6g} mm/s" for x in (found.speed_min, found.speed_max)]
+    least, most = (float(text.removesuffix(" mm/s")) for text in rows["guaranteed"])
+    assert 0.0 <= 1e3 * found.speed_min - least < 1e-3
+    assert 0.0 <= most - 1e3 * found.speed_max < 1e-3
+    assert rows["found"] == [f"{1e3 * x:.6g} mm/s" for x in (found.found_min, found.found_max)]
     assert (rows["static friction"], rows["amplitude"]) == (["0.78", "0.7"], ["1 mm", "1 mm"])
     assert (rows["regimes"], rows["proof"]) == (["forward-slip"], ["corners", "corners"])
     _, rows = shown(
-        replace(found, regimes=frozenset(), proved_min=math.nan, speed_max=math.inf, min_at={"x": 1.0})
+        replace(found, regimes=frozenset(), proof_min="searched", speed_max=math.inf, min_at={"x": 1.0})
     )
-    assert rows["speed"][1] == "inf mm/s"
+    assert rows["guaranteed"] == ["inf mm/s"]
     result = vibro.design(QUESTION, only="goal")
     text = result._repr_html_()
     assert "&lt;b&gt;&amp;" in text

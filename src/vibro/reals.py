@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from decimal import Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from numbers import Real
 from typing import TYPE_CHECKING, Any, Final
 
@@ -134,3 +134,9 @@ def _of_object(value: Any, allowed: str) -> float:
         raise NotRealError(shown(value), _FINITE) from None
     except ValueError:  # a signalling NaN
         raise NotRealError(shown(value), allowed) from None
+
+
+def rounded(value: float, digits: int, *, down: bool) -> float:
+    """Round to so many digits in one direction."""
+    rounding = ROUND_FLOOR if down else ROUND_CEILING
+    return float(Context(prec=digits, rounding=rounding).create_decimal(repr(float(value))))

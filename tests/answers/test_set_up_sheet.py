@@ -78,7 +78,7 @@ def test_the_load_proof_pack_and_its_price(tmp_path: Path) -> None:
 def test_bounds_hold_every_body_within_the_bands(tmp_path: Path) -> None:
     """2000 random bodies are within the bounds, which are 0.3 of what docs/theory tells."""
     request = asked(tmp_path, feeder(), **{**BANDS, **FRICTIONS})  # type: ignore[arg-type]  # bands alone
-    (bounds,) = make_sheet(request, picture=False).record["guaranteed"]
+    (bounds,) = make_sheet(request, picture=False).record["bounds"]
     low, high = bounds["speed_mm_s"]
     assert low == pytest.approx(11.6, abs=0.3)
     assert high == pytest.approx(36.1, abs=0.3)
@@ -156,7 +156,7 @@ def test_every_kind_of_machine_has_a_sheet(tmp_path: Path, kind: str) -> None:
     assert empty[SPEED] > 0.0
     assert full["filling_kg"] == high
     assert (full["amplitude_mm"] == empty["amplitude_mm"]) == (kind == "crank")
-    assert bool(sheet.record["guaranteed"]) == (low < high)
+    assert bool(sheet.record["bounds"]) == (low < high)
     assert bool(sheet.record["packs"]) == request.machine.has_springs
     assert sheet.picture is not None
     at = np.flatnonzero(sheet.picture.frequency == 16.0)
@@ -176,7 +176,7 @@ def test_masses_that_strike(tmp_path: Path) -> None:
     assert ends[110.0]["strikes"]
     assert math.isnan(ends[110.0]["amplitude_mm"])
     assert math.isnan(ends[110.0][SPEED])
-    assert sheet.record["guaranteed"][0]["speed_mm_s"] is None
+    assert sheet.record["bounds"][0]["speed_mm_s"] is None
     assert any("unknown, as an operating point is" in note for note in sheet_answer("", sheet).notes)
 
 
@@ -185,7 +185,7 @@ def test_shares_that_are_given_as_bands_widen_the_amplitudes(tmp_path: Path) -> 
     sheet = sheet_of(tmp_path, feeder(1.05, given), filling=2.0)
     machine = sheet.request.machine.machine
     ends = [float(machine.response(50.0, added_mass=2.0 * (m - 0.15j)).amplitude) for m in (0.25, 0.1)]
-    found = sheet.record["guaranteed"][0]["amplitude_mm"]
+    found = sheet.record["bounds"][0]["amplitude_mm"]
     assert found == pytest.approx([1e3 * a for a in ends], rel=1e-9)
 
 
@@ -197,7 +197,7 @@ def test_several_operating_points_are_all_told(tmp_path: Path) -> None:
     assert full["operating_points"] == len(found) == 3
     assert full["amplitude_mm"] == pytest.approx(found[0], rel=1e-12)
     assert any(text.startswith("with 2.7 kg: 3 operating points") for text in sheet.doubts)
-    low, high = sheet_of(tmp_path, feeder(), 47.0, filling=(2.6, 2.8)).record["guaranteed"][0]["amplitude_mm"]
+    low, high = sheet_of(tmp_path, feeder(), 47.0, filling=(2.6, 2.8)).record["bounds"][0]["amplitude_mm"]
     assert low <= found[0] < found[-1] <= high
 
 

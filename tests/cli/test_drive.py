@@ -58,7 +58,7 @@ def test_bands_of_options_replace_those_of_the_file(run: Run, tmp_path: Path) ->
 def test_json_has_every_number_of_the_sheet(run: Run, tmp_path: Path) -> None:
     told = json.loads(run("drive", written(tmp_path, feeder(1.05, BANDS + PACKS)), "--json").stdout)
     assert [*told] == [
-        "scene", "machine", "bands", "settings", "guaranteed", "changes", "sensitivities", "packs",
+        "scene", "machine", "bands", "settings", "bounds", "changes", "sensitivities", "packs",
         "no_load_proof_pack", "resonant_filling_kg", "tolerated_filling_kg", "notes",
     ]  # fmt: skip
     empty, full = (told["settings"][-1][state] for state in ("empty", "full"))
@@ -69,9 +69,9 @@ def test_json_has_every_number_of_the_sheet(run: Run, tmp_path: Path) -> None:
     assert told["resonant_filling_kg"] is None
     assert 0.02 < told["tolerated_filling_kg"] < 0.05
     assert [pack["name"] for pack in told["packs"]] == ["as fitted", "6 leaves", "load-proof"]
-    low, high = told["guaranteed"][-1]["speed_mm_s"]
+    low, high = told["bounds"][-1]["speed_mm_s"]
     assert low <= full["mean_velocity_mm_s"] <= empty["mean_velocity_mm_s"] <= high
-    assert told["guaranteed"][-1]["proof"] == ["sampled", "sampled"]
+    assert told["bounds"][-1]["proof"] == ["sampled", "sampled"]
     assert told["machine"]["natural_hz"] == 50.0 / 1.05
 
 
@@ -136,7 +136,7 @@ def test_bands_of_friction_are_cut_where_kinetic_exceeds_static(run: Run, tmp_pa
     path = written(tmp_path, feeder(1.05, BANDS))
     cut = json.loads(run("drive", path, "--mu-s", "0:0.5", "setting=20", "--json").stdout)
     whole = json.loads(run("drive", path, "--mu-s", "0.28:0.5", "setting=20", "--json").stdout)
-    assert cut["guaranteed"][0]["amplitude_mm"] == whole["guaranteed"][0]["amplitude_mm"]
+    assert cut["bounds"][0]["amplitude_mm"] == whole["bounds"][0]["amplitude_mm"]
 
 
 POINTS = """f [Hz];stroke [mm]

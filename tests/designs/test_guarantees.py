@@ -47,8 +47,12 @@ def at(place: Any, factor: float = 1.0) -> float:
 def assert_not_beaten(box: Boxed, found: Guarantee) -> None:
     """Compare with samples of the box, and with the places that are said to have the ends."""
     cycle = box.samples()
+    assert found.speed_min <= found.found_min
+    assert found.speed_min <= np.min(cycle.mean_velocity)
+    assert np.max(cycle.mean_velocity) <= found.speed_max
+    assert found.found_max <= found.speed_max
     slack = tolerance(found)
-    low, high = found.speed_min, found.speed_max
+    low, high = found.found_min, found.found_max
     assert low - slack * abs(low) <= np.min(cycle.mean_velocity)
     assert np.max(cycle.mean_velocity) <= high + slack * abs(high)
     assert {Regime(code) for code in np.unique(cycle.regime)} <= found.regimes
@@ -118,9 +122,9 @@ def test_wider_bands_never_help(box: Boxed, factor: float) -> None:
         most = 1.0 if name == "friction_ratio" else math.inf
         wider[name] = (low - more, min(high + more, most))
     inner, outer = (vibro.guarantee(box.scene, **bands) for bands in (box.bands, wider))
-    slack = 1e-6 * abs(inner.speed_min), 1e-6 * abs(inner.speed_max)
-    assert outer.speed_min <= inner.speed_min + slack[0]
-    assert outer.speed_max >= inner.speed_max - slack[1]
+    slack = 1e-6 * abs(inner.found_min), 1e-6 * abs(inner.found_max)
+    assert outer.found_min <= inner.found_min + slack[0]
+    assert outer.found_max >= inner.found_max - slack[1]
     assert outer.regimes >= inner.regimes
 
 
@@ -135,8 +139,8 @@ def test_bands_that_grow_together_never_help_where_parts_slip_back() -> None:
         for share in (0.0, 0.3, 1.0)
     ]
     for inner, outer in pairwise(found):
-        assert outer.speed_min <= inner.speed_min * (1 + 1e-6)
-        assert outer.speed_max >= inner.speed_max * (1 - 1e-6)
+        assert outer.found_min <= inner.found_min * (1 + 1e-6)
+        assert outer.found_max >= inner.found_max * (1 - 1e-6)
         assert outer.regimes >= inner.regimes
 
 
@@ -150,8 +154,8 @@ def test_speeds_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
         )
         for k in (1.0, scale)
     )
-    assert large.speed_min * scale == pytest.approx(small.speed_min, rel=1e-8, abs=1e-12)
-    assert large.speed_max * scale == pytest.approx(small.speed_max, rel=1e-8, abs=1e-12)
+    assert large.found_min * scale == pytest.approx(small.found_min, rel=1e-8, abs=1e-12)
+    assert large.found_max * scale == pytest.approx(small.found_max, rel=1e-8, abs=1e-12)
 
 
 @pytest.mark.parametrize("trough", [3.0, -3.0], ids=["climbing", "declining"])
@@ -167,8 +171,8 @@ def test_corners_find_what_a_search_finds(trough: float) -> None:
     with mock.patch.object(guarantees, "is_braked", return_value=False):  # so that it has to search
         slow = vibro.guarantee(scene, **bands)
     assert slow.proof_min == slow.proof_max == "proved"
-    assert quick.speed_min == pytest.approx(slow.speed_min, rel=1e-9)
-    assert quick.speed_max == pytest.approx(slow.speed_max, rel=1e-9)
+    assert quick.found_min == pytest.approx(slow.found_min, rel=1e-9)
+    assert quick.found_max == pytest.approx(slow.found_max, rel=1e-9)
 
 
 def test_the_fastest_drive_angle_may_lie_inside_its_band() -> None:
@@ -182,7 +186,7 @@ def test_the_fastest_drive_angle_may_lie_inside_its_band() -> None:
     fastest = np.max(vibro.solve(replaced(scene, drive_angle=angles)).mean_velocity)
     assert found.speed_min == 0.0
     assert fastest <= found.speed_max * (1 + 1e-9)
-    assert found.speed_max == pytest.approx(fastest, rel=1e-6)
+    assert found.found_max == pytest.approx(fastest, rel=1e-6)
     assert found.proof_max == "proved"
     assert found.regimes == {Regime.NO_SLIP, Regime.FORWARD_SLIP}
 
@@ -198,8 +202,8 @@ class TestWhereCornersAreNotEnough:
         found = vibro.guarantee(scene_with(amplitude=1.195e-3), amplitude=about(1.195e-3, 1))
         corners = self.speeds(amplitude=np.array(about(1.195e-3, 1)))
         assert corners == pytest.approx([28.522, 27.290], abs=5e-4)
-        assert 1e3 * found.speed_min == pytest.approx(27.0464, abs=5e-5)
-        assert 1e3 * found.speed_max == pytest.approx(29.0414, abs=5e-5)
+        assert 1e3 * found.found_min == pytest.approx(27.0464, abs=5e-5)
+        assert 1e3 * found.found_max == pytest.approx(29.0414, abs=5e-5)
         assert 1e3 * found.max_at["amplitude"] == pytest.approx(1.190300, abs=2e-6)
         assert found.max_limit == "from below the load at which back slip begins"
         assert found.min_limit == ""
@@ -210,14 +214,14 @@ class TestWhereCornersAreNotEnough:
         speeds = self.speeds(amplitude=1.25e-3, static_friction=np.array([0.70, 0.74]))
         assert speeds == pytest.approx([27.731, 28.781], abs=5e-4)
         found = vibro.guarantee(scene_with(amplitude=1.25e-3), static_friction=(0.70, 0.74))
-        assert 1e3 * found.speed_max >= 28.7805
+        assert 1e3 * found.found_max >= 28.7805
 
     def test_more_kinetic_friction_is_faster(self) -> None:
         fields = {"amplitude": 2e-3, "static_friction": 0.4}
         speeds = self.speeds(**fields, kinetic_friction=np.array([0.25, 0.35]))
         assert speeds == pytest.approx([34.615, 47.070], abs=5e-4)
         found = vibro.guarantee(scene_with(**fields, kinetic_friction=0.3), kinetic_friction=(0.25, 0.35))
-        assert 1e3 * found.speed_min <= 34.6155
+        assert 1e3 * found.found_min <= 34.6155
 
     def test_the_slowest_friction_lies_inside_on_a_decline(self) -> None:
         fields = {
@@ -232,7 +236,7 @@ class TestWhereCornersAreNotEnough:
         found = vibro.guarantee(
             scene_with(**fields), static_friction=(0.36, 0.62), friction_ratio=(0.41, 0.48)
         )
-        assert 1e3 * found.speed_min == pytest.approx(41.1333, abs=5e-5)
+        assert 1e3 * found.found_min == pytest.approx(41.1333, abs=5e-5)
 
     def test_a_jump_at_back_slip_is_a_third_of_the_speed(self) -> None:
         fields = {
@@ -318,9 +322,9 @@ def test_yields_of_certain_things() -> None:
     bands = {"static_friction": (0.7, 0.78), "kinetic_friction": (0.5, 0.6)}
     found = vibro.guarantee(scene_with(), **bands)
     for speed, regime, share in (
-        (found.speed_min * 0.999, "back-slip", 1.0),
-        (found.speed_max * 1.001, "back-slip", 0.0),
-        (found.speed_min * 0.999, "forward-slip", 1.0),
+        (found.found_min * 0.999, "back-slip", 1.0),
+        (found.found_max * 1.001, "back-slip", 0.0),
+        (found.found_min * 0.999, "forward-slip", 1.0),
     ):
         found_share, error = vibro.yield_share(scene_with(), speed, highest_regime=regime, **bands)
         assert found_share == share
@@ -375,7 +379,7 @@ def test_either_end_of_the_drive_angles_may_be_the_slowest(
     assert math.degrees(found.min_at["drive_angle"]) == pytest.approx(slowest)
     steps = np.radians(np.linspace(*angles, 21))
     speeds = vibro.solve(replaced(scene, drive_angle=steps)).mean_velocity
-    assert found.speed_min == pytest.approx(np.min(speeds), rel=1e-12)
+    assert found.found_min == pytest.approx(np.min(speeds), rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -48,8 +48,8 @@ def test_an_ellipse_that_is_a_line_has_the_lines_guarantee(amplitude: float) -> 
     line = vibro.guarantee(vibro.Scene(amplitude=amplitude, drive_angle=alpha, **frictions), **bands)
     x, y = amplitude * math.cos(alpha), amplitude * math.sin(alpha)
     ellipse = vibro.guarantee(vibro.Scene(along_amplitude=x, normal_amplitude=y, **frictions), **bands)
-    assert ellipse.speed_min == pytest.approx(line.speed_min, rel=1e-8, abs=1e-12)
-    assert ellipse.speed_max == pytest.approx(line.speed_max, rel=1e-8)
+    assert ellipse.found_min == pytest.approx(line.found_min, rel=1e-8, abs=1e-12)
+    assert ellipse.found_max == pytest.approx(line.found_max, rel=1e-8)
     assert ellipse.regimes == line.regimes
     assert (ellipse.proof_min, ellipse.proof_max) == ("proved", "proved")
 
@@ -89,8 +89,8 @@ def test_no_sample_of_a_box_is_beyond_its_guarantee(
     assert speed.max() <= found.speed_max + 1e-7 * abs(found.speed_max) + tiny
     assert {Regime(code) for code in np.unique(cycle.regime)} <= found.regimes
     for speed_there, place, limit in (
-        (found.speed_min, found.min_at, found.min_limit),
-        (found.speed_max, found.max_at, found.max_limit),
+        (found.found_min, found.min_at, found.min_limit),
+        (found.found_max, found.max_at, found.max_limit),
     ):
         if not limit:
             there = float(vibro.solve(vibro.Scene(**place), flight=False).mean_velocity)
@@ -102,8 +102,8 @@ def test_the_mirrored_box_has_the_mirrored_guarantee() -> None:
     beta = math.radians(3.0)
     ahead = vibro.guarantee(scene(trough_angle=beta), **bands)
     back = vibro.guarantee(scene(trough_angle=-beta, normal_phase=BASE["normal_phase"] + math.pi), **bands)
-    assert back.speed_min == pytest.approx(-ahead.speed_max, rel=1e-8)
-    assert back.speed_max == pytest.approx(-ahead.speed_min, rel=1e-8)
+    assert back.found_min == pytest.approx(-ahead.found_max, rel=1e-8)
+    assert back.found_max == pytest.approx(-ahead.found_min, rel=1e-8)
 
 
 def test_a_limit_at_a_jump_is_said_to_be_one() -> None:

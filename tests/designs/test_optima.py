@@ -86,9 +86,9 @@ def one(setting: Setting, index: int) -> Setting:
 
 
 def guaranteed(question: Question, setting: Setting, scale: float = 1.0) -> float:
-    """Guarantee of a setting; -inf where a body exceeds the regime."""
+    """Speed of the slowest body of a setting; -inf where a body exceeds the regime."""
     found = guarantee_of(question.box(setting, scale))
-    return found.speed_min if max(found.regimes) <= question.highest else -math.inf
+    return found.found_min if max(found.regimes) <= question.highest else -math.inf
 
 
 def assert_allowed(question: Question, found: Optimum) -> None:
@@ -257,7 +257,7 @@ def test_a_margin_ends_where_speed_or_regime_fail(
 def test_a_body_joins_that_is_slower_than_the_scenarios(surplus: float, slower: bool) -> None:
     search = line_search(drift={"amplitude_percent": 2})
     setting = on_line(search, 1e-3)
-    least = guarantee_of(search._question.box(setting)).speed_min
+    least = guarantee_of(search._question.box(setting)).found_min
     search.scenarios = np.full((5, 1), 0.5)
     assert search.confirmed(Optimum(setting, least * (1.0 + surplus)))[1] is slower
     assert search.scenarios.shape == (5, 1 + slower)
@@ -341,7 +341,7 @@ def test_no_ellipse_is_faster_or_gentler() -> None:
     assert question.load(setting) <= 1.5
     guarantee = guarantee_of(question.box(setting))
     assert max(guarantee.regimes) <= Regime.BACK_SLIP
-    assert guarantee.speed_min == pytest.approx(fastest.speed, rel=1e-6)
+    assert guarantee.found_min == pytest.approx(fastest.speed, rel=1e-6)
     target = 0.7 * fastest.speed
     gentlest = optimiser.least_acceleration(target)
     assert gentlest is not None

@@ -42,8 +42,8 @@ def guaranteed(row: dict[str, Any], found: Optimum | None) -> float:
     assert found is not None
     result = guarantee_of(question_of(row).box(found.setting))
     assert max(result.regimes) <= REGIMES[row["regime"]]
-    assert found.speed == pytest.approx(result.speed_min, rel=1e-9)
-    return 1e3 * result.speed_min
+    assert found.speed == pytest.approx(result.found_min, rel=1e-9)
+    return 1e3 * result.found_min
 
 
 def turned(row: dict[str, Any], found: Optimum) -> dict[str, Any]:
@@ -87,8 +87,8 @@ def test_ranges(row: dict[str, Any]) -> None:
         middle, drift = row[f"{name}_deg"], row[f"tol_{name}_deg"]
         bands[name] = (math.radians(middle - drift), math.radians(middle + drift))
     found = vibro.guarantee(scene, **bands)
-    assert 1e3 * found.speed_min == pytest.approx(answer["speed_min_mm_s"], rel=row["rtol"])
-    assert 1e3 * found.speed_max == pytest.approx(answer["speed_max_mm_s"], rel=row["rtol"])
+    assert 1e3 * found.found_min == pytest.approx(answer["speed_min_mm_s"], rel=row["rtol"])
+    assert 1e3 * found.found_max == pytest.approx(answer["speed_max_mm_s"], rel=row["rtol"])
     assert sorted(regime.label for regime in found.regimes) == answer["regimes"]
 
 
@@ -102,7 +102,7 @@ def test_where_no_amplitude_will_do_the_fastest_one_is_known(row: dict[str, Any]
             (high * (1 - 1e-7), True),
         ):
             found = vibro.guarantee(scene_of(row, amplitude=amplitude / 1e3), **friction_of(row))
-            assert (1e3 * found.speed_min >= row["target_mm_s"]) is holds
+            assert (1e3 * found.found_min >= row["target_mm_s"]) is holds
         return
     optimiser = LineOptimiser(question_of(row))
     assert optimiser.least_acceleration(row["target_mm_s"] / 1e3) is None

@@ -7,9 +7,10 @@ import math
 import pytest
 
 from vibro.designs.questions import Drive, Input, nearest
-from vibro.designs.rows import DIGITS, more_digits, moved, rounded, roundings, setting_of
+from vibro.designs.rows import DIGITS, more_digits, moved, roundings, setting_of
 from vibro.designs.spaces import SPACES, Setting
 from vibro.drives import Line
+from vibro.reals import rounded
 
 
 @pytest.mark.parametrize(

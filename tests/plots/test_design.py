@@ -241,7 +241,7 @@ def test_the_band_holds_the_speeds_of_all_parts(
     band = speed_band(*nut)
     for values, wanted in ((band.speed_min, speed.min(axis=1)), (band.speed_max, speed.max(axis=1))):
         np.testing.assert_allclose(np.interp(amplitude, band.amplitude, values), wanted, rtol=2e-3, atol=2e-2)
-    line = curve(axes, "guaranteed speed")
+    line = curve(axes, "slowest part")
     np.testing.assert_array_equal(line[:, 1], band.speed_min)
     (goal,) = (line for line in axes.lines if line.get_gid() == "level")
     assert set(np.asarray(goal.get_ydata(), float)) == {30.0}
@@ -249,7 +249,7 @@ def test_the_band_holds_the_speeds_of_all_parts(
     assert window.get_extents().transformed(axes.transData.inverted()).intervalx == pytest.approx(
         (2.3237, 3.0)
     )
-    assert "keeps the guarantee" in legend(pictures["band"])
+    assert "keeps the goal" in legend(pictures["band"])
     starts = [line for line in axes.lines if str(line.get_label()).partition(" part starts")[1]]
     assert len({str(vars(line)["_dash_pattern"]) for line in starts}) == len(starts) == 2
     assert {text.get_text() for text in strip.texts} >= {"no-slip", "forward-slip"}

@@ -8,11 +8,11 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, LISTED_HARMONICS, MACHINE, QUANTITIES
+from vibro.reals import rounded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -236,9 +236,7 @@ def number(value: float, unit: str = "") -> str:
 
 def bound(value: float, unit: str = "", *, upper: bool, digits: int = 6) -> str:
     """Write a bound for people, rounded so that it still holds."""
-    rounding = ROUND_CEILING if upper else ROUND_FLOOR
-    rounded = Context(prec=digits, rounding=rounding).create_decimal(repr(float(value)))
-    return f"{shown(float(rounded), digits)} {unit}".rstrip()
+    return f"{shown(rounded(value, digits, down=not upper), digits)} {unit}".rstrip()
 
 
 def given_text(given: Mapping[str, float]) -> str:

@@ -27,6 +27,7 @@ _ALLOWED: Final = {regime.label: at_most(regime) for regime in Regime}
 _DIGITS: Final = 4  # of bounds
 _NOTHING: Final = 1e-6  # [%] of speed: above the rounding of finite differences
 _MOST_MARGIN: Final = 10.0
+_APART: Final = 1e-2  # [1] distance of the speed found from the guaranteed one at which both are shown
 _UNSEEN: Final = 3.0  # -ln 5 %: what happens in none of n samples has a chance of this / n at most
 # What happens beyond the end of a window of amplitudes.
 _BEYOND: Final[Mapping[str, str]] = {
@@ -42,26 +43,27 @@ _BEYOND: Final[Mapping[str, str]] = {
 _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop within the window too
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
-    "proved": "boxes that cover all parts show that none is slower by more than 1 %",
-    "searched": "the slowest part that was found; that none is slower by more than 1 % is not proved",
+    "proved": "boxes that cover all parts show that none is slower",
+    "searched": "nothing is proved: the slowest part that was found; another part may be slower",
     "sampled": "parts hop: the slowest of sampled parts; another part may be slower",
 }
 # What people call the columns of designs: the usual ones, others, those where no drive meets the goal.
 _USUAL: Final = {
-    "amplitude_empty_mm": "empty", "speed_min_mm_s": "guaranteed", "margin": "margin", "set_by": "set by",
-    "proof": "proof",
+    "amplitude_empty_mm": "empty", "speed_min_mm_s": "guaranteed", "speed_found_mm_s": "found",
+    "margin": "margin", "set_by": "set by", "proof": "proof",
 }  # fmt: skip
 _RARE: Final = {
     "acceleration_g": "acceleration", "amplitude_least_mm": "least", "amplitude_most_mm": "most",
-    "speed_proved_mm_s": "proved above", "speed_nominal_mm_s": "nominal", "speed_max_mm_s": "largest",
+    "speed_found_mm_s": "found", "speed_nominal_mm_s": "nominal", "speed_max_mm_s": "largest",
 }  # fmt: skip
 _REACHED: Final = {
-    "speed_min_mm_s": "guaranteed", "set_by": "set by", "frequency_needed_hz": "nearest",
+    "speed_min_mm_s": "guaranteed", "speed_found_mm_s": "found", "set_by": "set by",
+    "frequency_needed_hz": "nearest",
     "amplitude_needed_mm": "amplitude", "stroke_needed_mm": "stroke", "motion_scale_needed": "scale",
 }  # fmt: skip
 _UNITS: Final = {column.name: column.unit for column in DESIGN_COLUMNS}
 _IS_UPPER: Final = {
-    "acceleration_g": True, "speed_max_mm_s": True, "speed_min_mm_s": False, "speed_proved_mm_s": False,
+    "acceleration_g": True, "speed_max_mm_s": True, "speed_min_mm_s": False, "speed_found_mm_s": False,
     "margin": False,
 }  # fmt: skip
 _FILLED: Final = (
@@ -142,10 +144,14 @@ def _chosen(spec: Spec, result: DesignResult, chosen: Chosen | None) -> Iterator
     else:
         rate = bound(METRES_PER_MINUTE * speed, "m/min", upper=False, digits=_DIGITS)
         least = bound(speed, "mm/s", upper=False, digits=_DIGITS)
-        yield Fact("every part", f"at least {least}", note=rate)
+        if design.is_guaranteed:
+            yield Fact("every part", f"at least {least}", note=rate)
+        else:
+            among = f"of {design.samples} sampled" if design.samples else "found"
+            yield Fact("slowest part", f"{least} {among}, not guaranteed", note=rate)
     if design.traverse_time_max_s is not None:
         time = bound(design.traverse_time_max_s, "s", upper=True, digits=_DIGITS)
-        yield Fact("traverse time", f"at most {time} over {_length(spec)}")
+        yield Fact("traverse time", f"{'at most ' * design.is_guaranteed}{time} over {_length(spec)}")
     if machine is not None and machine.has_bands:
         least, most = (shown(x or 0.0) for x in (design.amplitude_least_mm, design.amplitude_most_mm))
         yield Fact("amplitude", f"{least} ... {most} mm over voltage and filling")
@@ -221,10 +227,21 @@ def _table(
     """Make a table of some columns of designs, by what people call them; JSON has them already."""
     heads = [("design", ""), *((label, _UNITS[column]) for column, label in columns.items())]
     rows = [
-        (name, *(_cell(column, getattr(design, column)) for column in columns))
+        (name, *(_cell(column, _value(design, column, is_rare=is_rare)) for column in columns))
         for name, design in designs.items()
     ]
     return Table("designs", heads, rows, title, is_rare)
+
+
+def _value(design: Design, column: str, *, is_rare: bool) -> Value:
+    """Return a value of a table: a speed is guaranteed, or found; both where they differ much."""
+    value: Value = getattr(design, column)
+    least, found = design.speed_min_mm_s, design.speed_found_mm_s
+    if column == "speed_min_mm_s" and not design.is_guaranteed:
+        return None
+    if column == "speed_found_mm_s" and design.is_guaranteed and not is_rare:
+        return value if abs((found or 0.0) - (least or 0.0)) > _APART * abs(found or 0.0) else None
+    return value
 
 
 def _cell(column: str, value: Value) -> Value:

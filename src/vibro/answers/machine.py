@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.answers.answer import Answer, Fact, Table, given_text, label_of, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, bound, given_text, label_of, shown, uncertain
 from vibro.files.csv_tables import columns_of
 from vibro.machines.operating import DOUBTS
 from vibro.quantities import MASS, QUANTITIES, TROUGH_MASS, exact_number
@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 
 _MASSES: Final = ("vibrating_mass_kg", "trough_mass_kg", "counter_mass_kg")
 _PROOFS: Final = {
-    "corners": "proved", "proved": "proved within 1 %", "searched": "searched", "sampled": "sampled",
+    "corners": "proved", "proved": "proved", "searched": "searched, not guaranteed",
+    "sampled": "sampled, not guaranteed",
 }  # fmt: skip
+_DIGITS: Final = 4  # of bounds
 _INPUTS: Final = {"frequency": "mains frequency", "stiffness": "stiffness of the springs"}
-_NOT_GUARANTEED: Final = "unknown, as an operating point is, or the masses strike,"
+_UNKNOWN: Final = "unknown, as an operating point is, or the masses strike,"
 _HEADS: Final = (("empty", "mm"), ("speed", "mm/s"), ("full", "mm"), ("speed", "mm/s"))
 # Rows of machines side by side: labels, and where the sheet has them, empty or full.
 _SIDE_BY_SIDE: Final = (
@@ -151,13 +153,13 @@ def sheets_answer(sheets: Mapping[str, Sheet]) -> Answer:
         for label, state, key in _SIDE_BY_SIDE
     ]
     bounds: list[Mapping[str, Any]] = [
-        next(reversed(sheet.record["guaranteed"]), {}) for sheet in sheets.values()
+        next(reversed(sheet.record["bounds"]), {}) for sheet in sheets.values()
     ]
     rows += [
-        [label, *((x.get("speed_mm_s") or [None, None])[end] for x in bounds)]
+        [label, *(_bounds(x)[end] for x in bounds)]
         for end, label in enumerate(("slowest [mm/s]", "fastest [mm/s]"))
     ]
-    rows.append(["how sure", *(_PROOFS[x["proof"][0]] if "proof" in x else None for x in bounds)])
+    rows.append(["how sure", *(_sureness(x) if "proof" in x else None for x in bounds)])
     notes = [f"{name}: {note}" for name, sheet in sheets.items() for note in sheet.doubts]
     record = {"machines": [{"name": name, **sheet.record} for name, sheet in sheets.items()]}
     table = Table("machines", [("machine", ""), *((name, "") for name in sheets)], rows)
@@ -231,29 +233,40 @@ def _both(pair: Mapping[str, Any]) -> list[Value]:
 
 
 def _settings(sheet: Sheet) -> Table:
-    """List amplitude and speed of each setting, empty and full, and the guaranteed speed."""
+    """List amplitude and speed of each setting, empty and full, and the bounds on the speed."""
     speeds = ("with 2nd harmonic", "slowest", "fastest")
     columns = [("setting", "%"), *_HEADS, *((name, "mm/s") for name in speeds)]
     record, rows = sheet.record, []
     for i, pair in enumerate(record["settings"]):
         bent = (pair["full"] or {}).get("mean_velocity_with_second_harmonic_mm_s", math.nan)
-        bounds = record["guaranteed"][i]["speed_mm_s"] if record["guaranteed"] else None
-        bounds = [None if math.isnan(bent) else bent, *(bounds or (None, None))]
+        bounds = _bounds(record["bounds"][i] if record["bounds"] else {})
+        bounds = [None if math.isnan(bent) else bent, *bounds]
         rows.append([pair["empty"]["setting_percent"], *_both(pair), *bounds])
     full = f" and with {sheet.request.full:g} kg" if sheet.request.full else ""
     return Table("settings", columns, rows, f"Amplitude and speed, empty{full}")
 
 
+def _bounds(found: Mapping[str, Any]) -> list[Value]:
+    """Write the speeds of the slowest and the fastest part, rounded outwards."""
+    speeds = found.get("speed_mm_s") or (None, None)
+    return [None if x is None else bound(x, upper=bool(i), digits=_DIGITS) for i, x in enumerate(speeds)]
+
+
+def _sureness(found: Mapping[str, Any]) -> str:
+    """Say how both bounds are known."""
+    return " and ".join(dict.fromkeys(_PROOFS[proof] for proof in found["proof"]))
+
+
 def _notes(sheet: Sheet) -> list[str]:
-    """Say for what the guaranteed speeds hold, and how sure they are."""
+    """Say for what the bounds on the speeds hold, and how sure they are."""
     sureness: dict[str, list[str]] = {}
-    for one in sheet.record["guaranteed"]:
-        proof = _PROOFS[one["proof"][0]] if one["speed_mm_s"] else _NOT_GUARANTEED
+    for one in sheet.record["bounds"]:
+        proof = _sureness(one) if one["speed_mm_s"] else _UNKNOWN
         sureness.setdefault(proof, []).append(f"{one['setting_percent']:g}")
     if not sureness:
         return []
     proofs = "; ".join(f"{proof} at {', '.join(settings)} %" for proof, settings in sureness.items())
-    count = max(one["operating_points_looked_at"] for one in sheet.record["guaranteed"])
+    count = max(one["operating_points_looked_at"] for one in sheet.record["bounds"])
     notes = [
         f"slowest, fastest: for all amplitudes that {count} operating points in the bands span; {proofs}"
     ]

@@ -128,7 +128,7 @@ def make_sheet(
     picture : bool
         Whether the curves of the picture are wanted; they take most of the time.
     progress : callable, optional
-        Called with the number of settings whose speeds are guaranteed.
+        Called with the number of settings whose speeds are bounded.
 
     Raises
     ------
@@ -142,10 +142,10 @@ def make_sheet(
             _refuse_strikes(request, row)
     settings = _paired(request, rows)
     empty, full = settings[-1].values()
-    guaranteed = []
+    bounds = []
     for done, setting in enumerate(request.settings if request.varies else ()):
         progress(done)
-        guaranteed.append(_guaranteed(request, setting))
+        bounds.append(_bounds(request, setting))
     progress(len(request.settings))
     packs, no_load_proof = _packs(request)
     record = {
@@ -153,7 +153,7 @@ def make_sheet(
         "machine": dict(request.machine.table),
         "bands": {QUANTITIES[name].column: list(band) for name, band in request.bands.items()},
         "settings": settings,
-        "guaranteed": guaranteed,
+        "bounds": bounds,
         "changes": _changes(request),
         "sensitivities": _sensitivities(request),
         "packs": packs,
@@ -336,8 +336,8 @@ def _tolerated(request: SheetRequest, empty: Row) -> float:
     return math.inf
 
 
-def _guaranteed(request: SheetRequest, setting: float) -> dict[str, Any]:
-    """Guarantee the speed over the amplitudes of the bands, and the friction."""
+def _bounds(request: SheetRequest, setting: float) -> dict[str, Any]:
+    """Bound the speed over the amplitudes of the bands, and the friction."""
     low, high, count = _amplitudes(request, setting)
     found = {
         "setting_percent": setting,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 #: Pictures of the page, and what they show.
 _SHOWN: Final = {
-    "speed": "Guaranteed speed over amplitude and frequency; the circle is the design",
+    "speed": "Speed of the slowest part over amplitude and frequency; the circle is the design",
     "band": "Speeds from the slowest to the fastest part over the amplitude",
 }
 

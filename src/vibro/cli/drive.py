@@ -61,7 +61,7 @@ def drive_command(
     """Print a machine's set-up sheet: amplitude and speed at each setting, empty and full.
 
     Settings may be a list, setting=25,50,100; voltage=90:110, filling=0:2 and
-    frictions may be bands, for which speeds are guaranteed. Several files are put side by side.
+    frictions may be bands, for which speeds are bounded. Several files are put side by side.
     """
     if fit is not None:
         return _fit(fit, options, law, amplitude_error)
@@ -104,7 +104,7 @@ def _sheets(options: Options, *, every: bool) -> int:
         is_drawn = bool(outputs.pictures or outputs.texts)
         sheets = {}
         for name, request in requests.items():
-            with options.console.progress("guaranteeing", len(request.settings)) as bar:
+            with options.console.progress("bounding speeds", len(request.settings)) as bar:
                 sheets[name] = make_sheet(request, picture=is_drawn, progress=bar)
         answer = sheet_answer(next(iter(sheets)), *sheets.values()) if one else sheets_answer(sheets)
 

@@ -15,11 +15,11 @@ from vibro.designs.proofs import (
     corners,
     is_braked,
     slowest_in_contact,
-    small_speed,
     steeper_is_slower,
+    trough_speed,
 )
 from vibro.designs.search import evolve, placed, scatter, sobol
-from vibro.designs.spaces import TOLERANCES, uncertainty_set
+from vibro.designs.spaces import TOLERANCES, share, uncertainty_set
 from vibro.drives import Ability, Line
 from vibro.limits import back_slip_of
 from vibro.reals import shielded
@@ -46,7 +46,10 @@ if TYPE_CHECKING:
 _ERRORS: Final = 3.0
 
 _SEED: Final = 1  # of samples
-_TRIED: Final = 8  # bodies of a search, the slowest first
+# [share of a band] Distances from a body that may lie at a jump: beyond rounding, and that of roots.
+_SIDES: Final = (1e-14, 1e-12, 1e-10)
+_LOOSE: Final = 1e-5  # [1] Gap of a proof at which bodies are looked for at their critical loads.
+_MORE: Final = 256  # of these in every round
 
 # Samples of hopping bodies: base-2 logarithms of those of the first round, and of each round around the
 # extreme ones; the second pair for impacts that are not plastic, which take up to a hundred times as long.
@@ -197,11 +200,15 @@ def _changes(box: UncertaintySet) -> Points:
     if "drive_angle" in box.shape:
         angle = np.clip(np.arctan(ends.static_friction), *box.shape["drive_angle"])
         ends = ends._replace(shape=(np.array([ends.shape[0], angle]),))
-    scene = box.scene(ends, fast=False)
+    return _beside(box, ends, TOLERANCES.beside)
+
+
+def _beside(box: UncertaintySet, points: Points, distance: float) -> Points:
+    """Move points to both sides of all of their critical loads, by a relative distance."""
+    scene = box.scene(points, fast=False)
     changes = np.array([np.nan_to_num(load, posinf=np.inf) for load in change_loads(scene).values()])
-    sides = np.array([1.0 - TOLERANCES.beside, 1.0 + TOLERANCES.beside])
-    loads = np.multiply.outer(sides, ends.load * changes / scene.load)
-    return ends._replace(load=np.clip(loads, *box.load))
+    loads = np.multiply.outer(np.array([1.0 - distance, 1.0 + distance]), points.load * changes / scene.load)
+    return points._replace(load=np.clip(loads, *box.load))
 
 
 def _evolved(
@@ -252,14 +259,35 @@ def searched(
         As for ``speeds_of``.
     """
     points, speeds, certificate = slowest_in_contact(box, fast=fast, boxes=boxes, highest=highest)
-    found = []
-    for i in range(_TRIED):  # rounding may bring a body that is just past a jump to its other side
-        at = box.coordinates(points.kept(np.arange(speeds.size) == i))
-        found.append(taken(box, at, fast=fast, flight=False, seen=seen, highest=highest))
-        speed = -found[i].speed if fast else found[i].speed
-        if not speed > speeds[i] or math.isclose(speed, speeds[i], rel_tol=TOLERANCES.searched):
-            return found[i], certificate
-    return found[0], certificate
+    free, side = box.varies, -1.0 if fast else 1.0
+
+    def costs(coordinates: Floats, loads: Floats | None = None) -> Floats:
+        points = box.points(coordinates)
+        scene = box.scene(points if loads is None else points._replace(load=loads), fast=fast)
+        speed = side * speeds_of(scene, fast=fast, flight=False, highest=highest)
+        return np.where(np.isnan(speed), math.inf, speed)
+
+    def sides(x: Floats) -> Floats:
+        loads = _beside(box, box.points(placed(free, x)), TOLERANCES.either_side).load
+        return loads.reshape(-1, x.shape[1])
+
+    def ridge(x: Floats) -> Floats:
+        least: Floats = costs(placed(free, x), sides(x)).min(axis=0)
+        return least
+
+    at = box.coordinates(points.kept(np.arange(speeds.size) == 0))
+    # At a jump rounding brings the body to the other side, where its speed is another: both sides count.
+    steps = np.multiply.outer(np.eye(len(at))[:, free], np.outer(_SIDES, (1.0, -1.0)).ravel())
+    near = np.clip(at + np.hstack([np.zeros_like(at), steps.reshape(len(at), -1)]), 0.0, 1.0)
+    at = near[:, [int(np.argmin(costs(near)))]]
+    speed = costs(at)[0]
+    loose = certificate is None or (side * certificate.bound).min() < speed - _LOOSE * abs(speed)
+    if loose and math.isfinite(speed):
+        x, least = scatter(ridge, at[free], more=_MORE, rounds=_ROUNDS, seed=_SEED)
+        if least < speed:
+            at, loads = placed(free, x), sides(x)
+            at[0] = share(loads[np.argmin(costs(at, loads))], box.load)
+    return taken(box, at, fast=fast, flight=False, seen=seen, highest=highest), certificate
 
 
 def sampled(box: UncertaintySet, *, fast: bool, seen: Seen) -> Extreme:
@@ -318,7 +346,8 @@ _AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude", "motio
 BOXES: Final = 8000
 #: The same where a slower body alone is sought.
 BRIEF: Final = 400
-_CLOSE: Final = 1e-2  # [1] largest relative distance of a proved bound from a speed called proved
+# [1] Over the trough's largest speed: rounding of the speed of a body at a corner, and of its load.
+_ROUNDING: Final = 1e-13
 # Coordinates of the slowest and the fastest body on a line where none slips back: the slowest is the roughest
 # and least driven one, on the steepest trough.
 _CORNERS: Final = (
@@ -351,7 +380,8 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     Returns
     -------
     Guarantee
-        Infimum and supremum of the mean speed (one-sided limits at a jump included), and the regimes.
+        Bounds on the mean speed, the extreme bodies that were found (one-sided limits at a jump included),
+        and the regimes.
 
     Raises
     ------
@@ -360,15 +390,19 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
 
     Notes
     -----
-    ``Guarantee.proof_min`` and ``proof_max`` say how each bound is known:
+    ``Guarantee.proof_min`` and ``proof_max`` say how each bound is known. The first two are guaranteed: no
+    body is beyond, rounding included.
 
     * ``corners``: the drive moves along a line of fixed angle, and no body slides back or hops. The speed is
-      then monotone, and the bounds lie at corners of the box (theory, section 14).
-    * ``proved``: bodies in contact are searched by differential evolution, and a proved bound, from boxes
-      that cover the set, is within 1 % of the result.
-    * ``searched``: the same, but 8000 boxes do not bring the proved bound within 1 %; and all motions that
-      are neither lines nor ellipses, for which nothing is proved (measurements: :doc:`/guide/design`).
-    * ``sampled``: bodies hop; their speeds are those of a sample.
+      then monotone, and the extreme bodies are at corners of the box (theory, section 14).
+    * ``proved``: boxes that cover the set prove the bound. They are divided until it is within 1e-6 of the
+      extreme body that a differential evolution has found, or there are 8000; ``found_min`` and
+      ``found_max`` show the gap that is left.
+    * ``searched``: the extreme body that was found, and another may be beyond: all motions that are neither
+      lines nor ellipses, and sets in which the boxes prove nothing (measurements: :doc:`/guide/design`).
+    * ``sampled``: bodies hop, and the bound is the extreme one of a sample: of ``Guarantee.samples``, spread
+      evenly, none is beyond. A body drawn at random is, at 95 % confidence, with a chance of at most
+      3 / ``samples``.
 
     The regimes are those of all bodies that were computed. The mean speed of irregular motion is widened by
     three standard errors.
@@ -391,8 +425,10 @@ def guarantee_of(box: UncertaintySet) -> Guarantee:
     look_around(box, seen)
     least, most = (bound(box, fast=fast, seen=seen, boxes=BOXES) for fast in (False, True))
     return Guarantee(
-        speed_min=least.extreme.speed,
-        speed_max=most.extreme.speed,
+        speed_min=least.speed,
+        speed_max=most.speed,
+        found_min=least.extreme.speed,
+        found_max=most.extreme.speed,
         min_at=_place(least.extreme.scene),
         max_at=_place(most.extreme.scene),
         min_limit=_limit(least.extreme),
@@ -418,6 +454,11 @@ class Bound(NamedTuple):
     proved: float
     certificate: Certificate | None = None
 
+    @property
+    def speed(self) -> float:
+        """The bound that is proved; where none is, the speed of the body [m/s]."""
+        return self.proved if math.isfinite(self.proved) else self.extreme.speed
+
 
 def bound(
     box: UncertaintySet, *, fast: bool, seen: Seen, boxes: int, highest: Regime = Regime.HOPPING
@@ -427,12 +468,16 @@ def bound(
     A body in a higher regime than ``highest`` is slower, or faster, than all others; ``boxes`` is the largest
     number of those of a proof.
     """
-    hops = box.may_hop
+    hops, side = box.may_hop, 1.0 if fast else -1.0
     if not box.varies.any():
         only = taken(box, np.zeros((len(box.axes), 1)), fast=fast, flight=True, seen=seen, highest=highest)
-        return _cornered(only)
+        if hops and np.any(solve(only.scene).status == Status.AVERAGED):
+            return Bound(only, "sampled", math.nan)
+        return Bound(only, "corners", only.speed)
     if box.space.proves and not hops and _is_monotone(box):
-        return _cornered(taken(box, _CORNERS[fast], fast=fast, flight=False, seen=seen))
+        extreme = taken(box, _CORNERS[fast], fast=fast, flight=False, seen=seen)
+        rounding = _ROUNDING * trough_speed(box) if extreme.speed else 0.0
+        return Bound(extreme, "corners", extreme.speed + side * rounding)
     if box.space.is_bounded:
         extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
     else:
@@ -444,23 +489,15 @@ def bound(
         if math.isinf(extreme.speed):  # one body without a speed proves it
             return Bound(extreme, "proved", extreme.speed)
         proved = float(certificate.bound.max() if fast else certificate.bound.min())
-        size = max(abs(extreme.speed), small_speed(box))
-        is_close = extreme.speed == proved or abs(proved - extreme.speed) <= _CLOSE * size
-        return Bound(extreme, "proved" if is_close else "searched", proved, certificate)
+        return Bound(extreme, "proved" if math.isfinite(proved) else "searched", proved, certificate)
     if not hops:
         return Bound(extreme, "searched", math.nan)
     hopping = sampled(box, fast=fast, seen=seen)
-    key = (lambda e: -e.speed) if fast else (lambda e: e.speed)
-    if math.isnan(hopping.speed):  # no sample has a known speed, so none is guaranteed
-        hopping = replace(hopping, speed=math.inf if fast else -math.inf)
+    if math.isnan(hopping.speed):  # no sample has a known speed, so none bounds them
+        hopping = replace(hopping, speed=side * math.inf)
     elif not math.isnan(extreme.speed):
-        hopping = min(extreme, hopping, key=key)
+        hopping = min(extreme, hopping, key=lambda one: -side * one.speed)
     return Bound(hopping, "sampled", math.nan)
-
-
-def _cornered(extreme: Extreme) -> Bound:
-    """Return the guarantee of a body at a corner of its box, whose speed is exact."""
-    return Bound(extreme, "corners", extreme.speed)
 
 
 def _is_monotone(box: UncertaintySet) -> bool:

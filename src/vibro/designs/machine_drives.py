@@ -18,12 +18,13 @@ from vibro.core.codes import Regime
 from vibro.designs.guarantees import counted
 from vibro.designs.proofs import corners
 from vibro.designs.questions import Drive, MachineDrive, Met
-from vibro.designs.rows import DIGITS, KINDS, SEARCHED, Finder, Rounded, best_of, find, finder_of, rounded
+from vibro.designs.rows import DIGITS, KINDS, SEARCHED, Finder, Rounded, best_of, find, finder_of
 from vibro.designs.search import sobol
 from vibro.designs.spaces import inside, off
 from vibro.drives import Line
 from vibro.machines.operating import operate
 from vibro.quantities import QUANTITIES
+from vibro.reals import rounded
 from vibro.steady import solve
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Compute the data of the design pictures: what the settings around a design guarantee."""
+"""Compute the data of the design pictures: what parts do at the settings around a design."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _MOST: Final = 4  # bands; with more of them the corners alone are drawn
 
 
 def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
-    """Return what settings guarantee at the drive angle of the chosen one, over the load.
+    """Return what parts do at the drive angle of the chosen setting, over the load.
 
     Pictures take the slowest of some bodies of the box; tables have the slowest that a search found.
     """

@@ -291,10 +291,11 @@ def steeper_is_slower(box: UncertaintySet) -> bool:
 # bound of its own (theory, section 14). They share the speed of a single body alone: what the evolution
 # misses by more than the gap that is left, the bounds find, and the evolution starts anew from there.
 
-_GAP: Final = 1e-3  # [1] relative distance of the proved bound from the slowest body at which the proof ends
+#: [1] Relative distance of the proved bound from the slowest body at which the proof ends.
+GAP: Final = 1e-6
 _POPULATION: Final = 64
 _MOST_GENERATIONS: Final = 300
-_SMALL: Final = 1e-2  # [1] share of the trough's largest speed
+_SMALL: Final = 1e-2  # [1] share of the trough's largest speed below which speeds are alike small
 _BETTER: Final = 1e-12  # [1] by which a body that the bounds have met must be slower, to start anew
 
 
@@ -366,7 +367,7 @@ def slowest_in_contact(
 
     def cover() -> Any:
         room = tuple(map(solver.row, (lows, highs, bounds, heap, met, speed)))
-        return solver.cover(scene(), room, _GAP, small_speed(box), boxes)
+        return solver.cover(scene(), room, GAP, _SMALL * trough_speed(box), boxes)
 
     count = lasting(cover)
     lows, highs, bounds = lows[:count], highs[:count], bounds[:count]
@@ -384,11 +385,11 @@ def slowest_in_contact(
     return _Slowest(_points(box, points), speeds, Certificate(below, above, -bounds if fast else bounds))
 
 
-def small_speed(box: UncertaintySet) -> float:
-    """Return a share of the trough's largest speed: speeds of a single box below it are alike small [m/s]."""
+def trough_speed(box: UncertaintySet) -> float:
+    """Return the largest speed of the trough of a single box, of an ellipse along one axis [m/s]."""
     sizes = [high for name, (_, high) in box.shape.items() if name.endswith("amplitude")]
     amplitude = box.factor[1] * max(sizes, default=1.0)
-    return float(_SMALL * 2.0 * math.pi * box.frequency[1] * amplitude)
+    return float(2.0 * math.pi * box.frequency[1] * amplitude)
 
 
 def _spans(box: UncertaintySet) -> Floats:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import cache
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.designs.guarantees import guarantee_of
+from vibro.designs.guarantees import BOXES, Seen, bound, guarantee_of
 from vibro.designs.optima import EllipseOptimiser, LineOptimiser, MotionOptimiser
+from vibro.designs.proofs import GAP
 from vibro.designs.questions import MOST_DIGITS, nearest
 from vibro.designs.spaces import TOLERANCES
 from vibro.designs.windows import window_of
 from vibro.drives import Ellipse, Harmonics, Line, Piecewise
+from vibro.reals import rounded
 from vibro.results.designs import Design
 from vibro.steady import solve
 from vibro.units import SPEED
@@ -89,12 +90,6 @@ def setting_of(drive: Drive, printed: tuple[float, ...]) -> AnySetting:
     return drive.space.setting(**{knob: given.read(x) for (knob, given), x in inputs})
 
 
-def rounded(value: float, digits: int, *, down: bool) -> float:
-    """Round to so many digits in one direction."""
-    rounding = ROUND_FLOOR if down else ROUND_CEILING
-    return float(Context(prec=digits, rounding=rounding).create_decimal(repr(value)))
-
-
 def moved(value: float, digits: int, steps: int, *, up: bool) -> float:
     """Round a value up or down to some digits, then move it by some steps of the last one."""
     if value == 0.0:
@@ -110,6 +105,8 @@ SEARCHED: Final = ("fastest", "gentlest", "safest")
 _MISSED: Final = 8  # roundings of one number of digits whose guarantee may miss a speed
 _MARGINS: Final = 4  # roundings of one number of digits whose margin is searched
 _COARSEST: Final = 1e-5  # relative: above the resolution of all margins in contact
+_RAISED: Final = 3  # times that a goal is raised by what the proof falls short of the target
+_CLOSE: Final = 1e-4  # [1] what roundings make up for, over the target
 _LOWERED: Final = 10  # steps of the last digit by which the frequency of the nearest drive may be lowered
 _OPTIMISERS: Final[Mapping[type, Callable[[Question], Optimiser]]] = {
     Line: LineOptimiser,
@@ -219,6 +216,7 @@ class Finder:
             acceleration_g=float(question.load(found.setting)),
             speed_min_mm_s=_mm(speed),
             speed_proved_mm_s=_mm(g.proved_min),
+            speed_found_mm_s=_mm(g.found_min),
             speed_nominal_mm_s=_mm(float(solve(question.nominal_scene(found.setting)).mean_velocity)),
             speed_max_mm_s=_mm(g.speed_max),
             traverse_time_max_s=length / speed if length is not None and speed > 0.0 else None,
@@ -289,7 +287,7 @@ class Finder:
         goal. So roundings that keep the goal and nearly all of the speed are taken first.
         """
         optimum = self.optimiser.fastest()
-        speed = 0.0 if optimum is None else max(optimum.speed, 0.0)
+        speed = 0.0 if optimum is None else max(self._bound(optimum), 0.0)
         for nearly in (True, False):
             goal = self.target if nearly and speed >= self.target else 0.0
             for digits in more_digits(self.digits):
@@ -338,15 +336,37 @@ class Finder:
         the optimum for a slightly higher target is rounded: by about as much as the rounding changes it, or
         in the end by whatever it takes.
         """
-        best = cache(lambda surplus: self.optimiser.least_acceleration(self.target * (1.0 + surplus)))
+        best = cache(self.optimiser.least_acceleration)
+        goal = self._raised(best)
         ladder = more_digits(self.digits)
         for digits in ladder:
-            step = 10.0 ** (1 - digits)
+            step = max(10.0 ** (1 - digits), GAP)  # the proof may miss the target by the latter
             for surplus in self.optimiser.surpluses:
                 if not surplus or step <= surplus <= 10.0 * step or digits == ladder[-1]:
-                    for found in self._rounded(best(surplus), digits, self.target, self.target, up=True):
-                        return replace(found, optimum=best(0.0))
+                    for found in self._rounded(
+                        best(goal * (1.0 + surplus)), digits, self.target, self.target, up=True
+                    ):
+                        return replace(found, optimum=best(self.target))
         return None
+
+    def _bound(self, optimum: Optimum) -> float:
+        """Return the bound on the speeds of all parts at an optimum; its own, found, where none is proved."""
+        question = self.question
+        if question.flies or not question.space.is_bounded:
+            return optimum.speed
+        box = question.box(optimum.setting)
+        return min(bound(box, fast=False, seen=Seen(), boxes=BOXES).speed, optimum.speed)
+
+    def _raised(self, best: Callable[[float], Optimum | None]) -> float:
+        """Return the speed of the slowest part found at whose gentlest setting the target is proved [m/s]."""
+        goal = self.target
+        for _ in range(_RAISED):
+            optimum = best(goal)
+            proved = 0.0 if optimum is None else self._bound(optimum)
+            if not 0.0 < proved < self.target * (1.0 - _CLOSE):
+                break
+            goal *= self.target / proved
+        return goal
 
     def _best(
         self, kind: str, new: Rounded | None, calmer: Mapping[str, Rounded], *others: Rounded

@@ -520,7 +520,7 @@ class UncertaintySet:
         load, shape, beta, mu_s, mu_d = points
         spans = (*self.spans[:-1], self.kinetic_span(mu_s))
         return np.array(
-            [_share(x, span) for x, span in zip((load, *shape, beta, mu_s, mu_d), spans, strict=True)]
+            [share(x, span) for x, span in zip((load, *shape, beta, mu_s, mu_d), spans, strict=True)]
         )
 
     def scene(self, points: Points, *, fast: bool) -> Scene:
@@ -545,7 +545,7 @@ def inside(ends: Ends, share: Floats) -> Floats:
     return value
 
 
-def _share(value: Floats, ends: Ends) -> Floats:
+def share(value: Floats, ends: Ends) -> Floats:
     """Return the share of a band at which a value lies; 0 of a band without a width."""
     low, high = ends
     width = np.asarray(high - low)

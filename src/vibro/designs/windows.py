@@ -1,4 +1,4 @@
-"""Find the amplitudes that guarantee a speed: ``vibro.feasible_amplitudes``, and the windows of designs.
+"""Find the amplitudes at which all bodies reach a speed: ``vibro.feasible_amplitudes``, windows of designs.
 
 ``_Scan`` computes the least speed of the corners of a box over the amplitude. Where it reaches the target,
 ``Family`` searches whole intervals for slower bodies; where it finds one, a bisection narrows the interval.
@@ -121,7 +121,7 @@ def feasible_amplitudes(
     amplitude_percent: float = 0.0,
     **bands: Any,
 ) -> list[Interval]:
-    """Return the nominal amplitudes that guarantee a speed over a box of bands.
+    """Return the nominal amplitudes at which every body of a box of bands reaches a speed, by a search.
 
     Parameters
     ----------
@@ -145,8 +145,8 @@ def feasible_amplitudes(
     list of Interval
         Closed intervals of the amplitude [m], ascending, with the constraint at each end: of the amplitude of
         a line; of an ellipse ``along_amplitude``, or ``normal_amplitude`` if that is 0; of another motion
-        ``motion_scale`` [1]. Empty if no amplitude guarantees the speed, whatever the reason. To see what a
-        part reaches without hopping, solve the scene at amplitudes up to hop g / w^2, where
+        ``motion_scale`` [1]. Empty if at no amplitude all bodies reach the speed. To see what a part reaches
+        without hopping, solve the scene at amplitudes up to hop g / w^2, where
         ``hop = vibro.critical_loads(scene).hop``.
 
     Raises
@@ -162,7 +162,8 @@ def feasible_amplitudes(
     The least speed of the corners of the box is computed as a function of the amplitude, with all its
     critical loads and extrema; where it crosses the target is found to rounding. Then the slowest body of
     each whole interval is searched. If it misses the target, the interval is grown anew from amplitudes
-    inside: boxes of growing intervals contain each other, so that a bisection finds their ends, to 1e-9.
+    inside: boxes of growing intervals contain each other, so that a bisection finds their ends, to 1e-9. The
+    search proves nothing: ``vibro.guarantee`` bounds the speeds of one amplitude.
 
     The speed of hopping bodies jumps as the amplitude changes, and for irregular motion it does so
     everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, and ends are found to

@@ -1,4 +1,4 @@
-"""Pictures of a design: guarantees of a drive's settings, and all parts' speeds over the amplitude."""
+"""Pictures of a design: what a drive's settings do to all parts, and all parts' speeds over the amplitude."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _FORBIDDEN_HATCH: Final = "\\\\"
 _VEIL: Final = (1.0, 1.0, 1.0, 0.55)  # over settings beyond the drive's limits
 _DRIVE: Final = style.CurveStyle("limits of the drive", style.LIMITS, 1.5, "#000000")
 _MEETS: Final = style.CurveStyle("meets the goal", "-", 3.0, "#000000")
-_NOTHING: Final = "no speed guaranteed"
+_NOTHING: Final = "some part has no speed"
 _BAND: Final = "#A9C4E4"
 _WINDOW: Final = "#E4E4E4"
 _SIZE: Final = (7.4, 5.2)  # [in]
@@ -146,7 +146,7 @@ class Settings:
         return float(self.chosen.drive.size(self.chosen.setting).printed(load / float(one)))
 
     def speed(self, amplitude: Any, frequency: Any) -> Floats:
-        """Guaranteed speed; NaN where none is guaranteed [mm/s]."""
+        """Speed of the slowest of some parts; NaN where one has none [mm/s]."""
         known = np.where(np.isfinite(self.data.speed_min), self.data.speed_min, np.nan)
         return np.asarray(self._at_load(known, amplitude, frequency) / frequency)
 
@@ -158,7 +158,7 @@ class Settings:
         return np.asarray(np.minimum.reduce(np.broadcast_arrays(*excess)))
 
     def meets(self, amplitude: Any, frequency: Any) -> Floats:
-        """Positive where the drive's limits hold and all demands of goal and parts are guaranteed."""
+        """Positive where the drive's limits hold and all demands of goal and parts are kept."""
         goal = self.spec.goal
         load = self.load(amplitude, frequency)
         excess = [
@@ -201,7 +201,7 @@ class Settings:
 def design_figures(
     spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand, wanted: str
 ) -> dict[str, Figure]:
-    """Draw the guarantees around a design.
+    """Draw speeds and regimes around a design.
 
     Parameters
     ----------
@@ -219,14 +219,14 @@ def design_figures(
     Returns
     -------
     dict of str to Figure
-        ``regime``: guaranteed regimes over amplitude and frequency, hatched where they depend on the part;
-        ``speed``: the guaranteed speed, and the settings that meet the goal; ``band``: speeds over the
+        ``regime``: regimes over amplitude and frequency, hatched where they depend on the part; ``speed``:
+        the speed of the slowest part, and the settings that meet the goal; ``band``: speeds over the
         amplitude.
     """
     settings = Settings(spec, chosen, fields, wanted)
     return {
-        "regime": _map(settings, "Guaranteed regimes", _draw_regimes),
-        "speed": _map(settings, "Guaranteed speed", _draw_speed),
+        "regime": _map(settings, "Regimes of all parts", _draw_regimes),
+        "speed": _map(settings, "Speed of the slowest part", _draw_speed),
         "band": _speed_band(settings, band),
     }
 
@@ -248,7 +248,7 @@ def _map(settings: Settings, heading: str, draw: Callable[[Figure, MapLayers, Se
 
 
 def _draw_regimes(_: Figure, layers: MapLayers, settings: Settings) -> None:
-    """Fill the regimes that are guaranteed, hatched where they depend on the part, with their boundaries."""
+    """Fill the regimes of all parts, hatched where they depend on the part, with their boundaries."""
     fields = layers.fields
     load, reach = settings.load(fields.y[:, np.newaxis], fields.x), settings.over(settings.strong)
     for band in settings.stretches:
@@ -263,7 +263,7 @@ def _draw_regimes(_: Figure, layers: MapLayers, settings: Settings) -> None:
 
 
 def _draw_speed(figure: Figure, layers: MapLayers, settings: Settings) -> None:
-    """Draw the guaranteed speed, with the settings that meet the goal."""
+    """Draw the speed of the slowest part, with the settings that meet the goal."""
     from matplotlib.colors import Normalize
 
     fields, speed = layers.fields, layers.fields.panel.cycle["mean_velocity"]
@@ -286,7 +286,7 @@ def _draw_speed(figure: Figure, layers: MapLayers, settings: Settings) -> None:
     machine = settings.chosen.drive.machine
     if machine is None or not machine.is_filled:  # other amplitudes are not covered
         layers.draw_curve("meets", _MEETS, settings.pieces(settings.meets))
-    colour_bar(figure, [layers], scale, "guaranteed speed [mm/s]")
+    colour_bar(figure, [layers], scale, "speed of the slowest part [mm/s]")
 
 
 def _boundary(regime: Regime, last: bool) -> tuple[str, style.CurveStyle]:
@@ -323,11 +323,11 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     edge: dict[str, Any] = {"edgecolor": style.INK, "linewidth": 0.6}
     look = {"facecolor": _BAND, "zorder": 1, "label": "slowest to fastest part", **edge}
     axes.fill_between(band.amplitude, least, most, gid="band", **look)
-    for name, values, width in (("guaranteed speed", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
+    for name, values, width in (("slowest part", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
         axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=style.INK, linewidth=width)
     frame.draw_wanted(axes, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
     if band.window is not None:
-        look = {"facecolor": _WINDOW, "zorder": 0.5, "label": "keeps the guarantee", **edge}
+        look = {"facecolor": _WINDOW, "zorder": 0.5, "label": "keeps the goal", **edge}
         axes.axvspan(*band.window, gid="window", **look)
     for regime in settings.first:
         for last, load in enumerate(settings.data.begins[regime]):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.html_tables import Shown, amount
 from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.reals import rounded
 from vibro.units import SPEED
 
 if TYPE_CHECKING:
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
 
     from vibro.core.codes import Regime
     from vibro.reals import Floats
+
+
+#: Proofs of bounds that are guaranteed.
+GUARANTEED: Final = ("corners", "proved")
 
 
 class Interval(NamedTuple):
@@ -65,34 +70,40 @@ class Guarantee(Shown):
     Attributes
     ----------
     speed_min, speed_max : float
-        Infimum and supremum of the mean speed [m/s]; -inf and inf if somewhere in the box a body runs away
-        or has no steady motion.
+        Bounds on the mean speed of every body, guaranteed where ``proof_min``, or ``proof_max``, is
+        ``corners`` or ``proved``; else the extreme speed that was found [m/s]. -inf and inf if somewhere in
+        the box a body runs away or has no steady motion.
+    found_min, found_max : float
+        Speeds of the slowest and the fastest body that were found [m/s]: infimum and supremum are between
+        these and the bounds.
     min_at, max_at : mapping of str to float
-        Points of the box where they occur, by the fields of ``Scene``, in SI units and radians.
+        Points of the box where these bodies are, by the fields of ``Scene``, in SI units and radians.
     min_limit, max_limit : str
-        Side of the jump if the speed is a one-sided limit at a jump; empty if the speed is attained.
+        Side of the jump if their speed is a one-sided limit at a jump; empty if the speed is attained.
     regimes : frozenset of Regime
         Regimes that occur in the box.
     proof_min, proof_max : str
-        How each speed is known: ``corners`` (the speed is monotone, so a corner of the box is extreme),
-        ``proved`` (a proved bound is within 1 % of it), ``searched`` (the proved bound is further away) or
-        ``sampled`` (bodies hop).
+        How each bound is known: ``corners`` (the speed is monotone, so a corner of the box is extreme),
+        ``proved`` (by boxes that cover the set), ``searched`` (nothing is proved) or ``sampled`` (bodies
+        hop).
     proved_min, proved_max : float
-        Proved lower and upper bounds on the speed of every body [m/s]; NaN if bodies hop, infinite if the
-        proof failed.
+        Proved lower and upper bounds on the speed of every body [m/s]; NaN if bodies hop or the drive is
+        neither a line nor an ellipse, infinite if the proof failed.
     certificate_min, certificate_max : Certificate or None
         Boxes that prove these bounds; None for ``corners`` and where nothing is proved.
     coexists : bool
         Whether a disturbed body can settle in another cycle at a point that was computed.
     samples : int
         Number of hopping bodies, spread evenly over the box, whose speeds are known; all of them lie within
-        ``speed_min`` and ``speed_max``.
+        ``found_min`` and ``found_max``.
     excluded : int
         Number of sampled hopping bodies whose speed could not be found; they are left out.
     """
 
     speed_min: float
     speed_max: float
+    found_min: float
+    found_max: float
     min_at: Mapping[str, float]
     max_at: Mapping[str, float]
     min_limit: str
@@ -109,22 +120,20 @@ class Guarantee(Shown):
     excluded: int
 
     def _table(self) -> tuple[str, list[list[str]], list[str]]:
-        speeds = {
-            "speed": (self.speed_min, self.speed_max),
-            "proved bound": (self.proved_min, self.proved_max),
-        }
-        found, proved = (
-            [name, *("" if math.isnan(x) else amount(SPEED.from_si(x), SPEED.unit) for x in pair)]
-            for name, pair in speeds.items()
-        )
+        proofs = (self.proof_min, self.proof_max)
+        bounds = [
+            amount(rounded(float(SPEED.from_si(x)), 6, down=not i), SPEED.unit) if proof in GUARANTEED else ""
+            for i, (x, proof) in enumerate(zip((self.speed_min, self.speed_max), proofs, strict=True))
+        ]
+        found = [amount(SPEED.from_si(x), SPEED.unit) for x in (self.found_min, self.found_max)]
         shared = [QUANTITIES[name] for name in self.min_at if name in QUANTITIES and name in self.max_at]
         ends = (self.min_at, self.max_at)
         places = [[q.label, *(amount(q.from_si(at[q.name]), q.unit) for at in ends)] for q in shared]
         rows = [
-            found,
+            ["guaranteed", *bounds],
+            ["proof", *proofs],
+            ["found", *found],
             ["limit", self.min_limit, self.max_limit],
-            ["proof", self.proof_min, self.proof_max],
-            proved,
             *places,
             ["regimes", ", ".join(regime.label or "none" for regime in sorted(self.regimes))],
             ["other cycles", "a disturbed body can settle elsewhere" if self.coexists else "none found"],
@@ -199,16 +208,21 @@ class Design:
     normal_phase_deg: float | None = _ellipse("deg", "nominal phase lead of the normal motion")
     motion_scale: float | None = _motion("", "nominal scale of a given motion")
     acceleration_g: float | None = _optional("g", "nominal peak acceleration of the drive over gravity")
-    speed_min_mm_s: float | None = _optional("mm/s", "guaranteed speed")
+    speed_min_mm_s: float | None = _optional(
+        "mm/s", "guaranteed speed where `proof` is corners or proved, else that of the slowest part found"
+    )
     speed_proved_mm_s: float | None = _optional("mm/s", "proved lower bound on the speed of every part")
+    speed_found_mm_s: float | None = _optional("mm/s", "speed of the slowest part that was found")
     speed_nominal_mm_s: float | None = _optional("mm/s", "speed in the middle of all bands")
-    speed_max_mm_s: float | None = _optional("mm/s", "largest speed of a part")
-    traverse_time_max_s: float | None = _optional("s", "trough length over the guaranteed speed")
+    speed_max_mm_s: float | None = _optional(
+        "mm/s", "speed that no part exceeds where this is proved, else that of the fastest part found"
+    )
+    traverse_time_max_s: float | None = _optional("s", "trough length over `speed_min_mm_s`")
     amplitude_low_mm: float | None = _amplitude(
         "mm", "lower end of the window: nominal amplitude, of an ellipse along the trough"
     )
     amplitude_high_mm: float | None = _amplitude(
-        "mm", "upper end of the window, within which the guarantee holds"
+        "mm", "upper end of the window, within which a search finds no part that misses the goal"
     )
     stroke_low_mm: float | None = _stroke("mm", "lower end of the window of strokes")
     stroke_high_mm: float | None = _stroke("mm", "upper end of the window of strokes")
@@ -225,8 +239,15 @@ class Design:
     motion_scale_needed: float | None = _motion("", "its scale")
     proof: str | None = _optional("", "corners, proved, searched or sampled")
     coexists: bool | None = _optional("", "whether a disturbed part can settle in another cycle")
-    samples: int | None = _optional("", "number of sampled parts that hop; none of them is slower")
+    samples: int | None = _optional(
+        "", "number of sampled parts that hop, spread evenly; none of them is slower"
+    )
     excluded: int | None = _optional("", "number of sampled parts without a known speed, left out")
+
+    @property
+    def is_guaranteed(self) -> bool:
+        """Whether ``speed_min_mm_s`` is proved for every part."""
+        return self.proof in GUARANTEED
 
     @property
     def nominal(self) -> float | None:
@@ -319,7 +340,7 @@ class DesignResult(Shown):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SettingFields:
-    """What settings of a drive guarantee over amplitude and frequency, at one drive angle.
+    """What parts do at settings of a drive over amplitude and frequency, at one drive angle.
 
     Of an ellipse, at one shape of it: the amplitude is that along the trough, the other one in proportion. Of
     a given motion the scale stands for the amplitude [1].
@@ -339,7 +360,7 @@ class SettingFields:
     load : (n,) array
         Nominal loads, ascending, that cover all shown settings; a load appears twice where numbers jump [1].
     speed_min : (n,) array
-        Guaranteed speed times nominal frequency; NaN or -inf without a guarantee [mm/s Hz].
+        Speed of the slowest of some parts times nominal frequency; NaN or -inf if one has none [mm/s Hz].
     begins : mapping of Regime to pair of float
         Of forward slip, back slip and hopping the nominal load from which the first, and from which the last
         part of the box is in that regime or in a higher one; inf where that never happens.
@@ -378,7 +399,7 @@ class SpeedBand:
         Of the slowest part, of the part in the middle of all bands, and of the fastest part; not finite where
         unknown, or where a part runs away [mm/s].
     window : pair of float, or None
-        Nominal amplitudes around the design that keep the guarantee.
+        Nominal amplitudes around the design that keep the goal.
     """
 
     amplitude: Floats
