@@ -405,3 +405,32 @@ def test_parts_that_must_stay_upright_have_no_window_beyond_the_hop() -> None:
     hop = 9.81 / math.sin(math.radians(30.0)) / (2.0 * math.pi * 25.0) ** 2
     assert window.high == pytest.approx(hop, rel=1e-9)
     assert window.high_set_by == "tip"
+
+
+@pytest.mark.parametrize(
+    ("share", "acceleration", "mu_s", "mu_d", "frequency", "least"),
+    [
+        (0.6, 3.0, 0.3, 0.25, 5.0, 0.25 * 9.81 / 3.0),
+        (0.7, 3.35, 0.43, 0.3, 8.75, 0.3 * 9.81 / 3.35),
+        (0.57, 1.32, 0.4, 0.3, 5.7, math.nan),  # at once above the target, from the onset
+    ],
+)
+def test_a_speed_that_a_plateau_just_reaches_is_reached_all_over_it(
+    share: float, acceleration: float, mu_s: float, mu_d: float, frequency: float, least: float
+) -> None:
+    back = -share * acceleration / (1.0 - share)
+    motion = vibro.Motion.steps(along=[(share, acceleration), (1.0 - share, back)])
+    friction = {"static_friction": mu_s, "kinetic_friction": mu_d}
+    scene = vibro.Scene(motion=motion, frequency=frequency, motion_scale=20.0, **friction)
+    level = float(solve(scene).mean_velocity)
+    for beside in (-1e-9, -1e-12, -1e-15, 0.0, 1e-15, 1e-13):
+        (found,) = feasible_amplitudes(scene, level * (1.0 + beside), limit=300.0)
+        assert (found.high, found.high_set_by) == (300.0, "limit"), beside
+        if not math.isnan(least):
+            assert found.low == pytest.approx(least, rel=2e-9)
+    for beside in (1e-12, 1e-9, 1e-3):  # too fast for the plateau: before the body slides back
+        (found,) = feasible_amplitudes(scene, level * (1.0 + beside), limit=300.0)
+        assert found.high_set_by == "back slip"
+        assert found.high < 3.0
+    with_bands = feasible_amplitudes(scene, level, limit=20.0, static_friction=(mu_s, mu_s + 0.01))
+    assert [i.high for i in with_bands] == [20.0]

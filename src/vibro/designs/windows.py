@@ -37,6 +37,8 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from numpy.typing import NDArray
+
     from vibro.designs.questions import Question
     from vibro.designs.spaces import AnySetting, Points, UncertaintySet
     from vibro.reals import Floats
@@ -474,12 +476,13 @@ class _Scan:
         least = self.least(grid)
         for _ in range(detail.rounds):
             grid, least = self._closer(grid, least)
-        holds = least >= self.target
+        level = np.abs(least - self.target) <= TOLERANCES.searched * self.target
+        holds = self._reached(least, level)
         edges = np.flatnonzero(holds[1:] != holds[:-1])
+        inside, outside = np.where(holds[edges], (edges, edges + 1), (edges + 1, edges))
+        beside = TOLERANCES.searched * (1.0 * level[outside] - level[inside])  # off a plateau
         holding, failing = self._crossings(
-            np.where(holds[edges], grid[edges], grid[edges + 1]),
-            np.where(holds[edges], grid[edges + 1], grid[edges]),
-            detail.end,
+            grid[inside], grid[outside], self.target * (1.0 + beside), detail.end
         )
         ends = list(zip(holding.tolist(), failing.tolist(), strict=True))
         if holds[0]:
@@ -535,11 +538,23 @@ class _Scan:
         amplitudes, first = np.unique(np.concatenate([grid, more]), return_index=True)
         return amplitudes, np.concatenate([least, self.least(more)])[first]
 
-    def _crossings(self, holding: Floats, failing: Floats, width: float) -> tuple[Floats, Floats]:
-        """Close in on amplitudes beyond which the target is missed, to a relative width or to two doubles."""
+    def _reached(self, least: Floats, level: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return where speeds reach the target; of a run of speeds near to it, all do if one does.
+
+        Where the speed does not depend on the amplitude, rounding would part a plateau at the target.
+        """
+        begins = np.concatenate([[0], 1 + np.flatnonzero(level[1:] != level[:-1])])
+        most = np.repeat(np.maximum.reduceat(least, begins), np.diff(begins, append=least.size))
+        reached: NDArray[np.bool_] = np.where(level, most * (1.0 + TOLERANCES.rounding), least) >= self.target
+        return reached
+
+    def _crossings(
+        self, holding: Floats, failing: Floats, targets: Floats, width: float
+    ) -> tuple[Floats, Floats]:
+        """Close in on amplitudes beyond which targets are missed, to a relative width or to two doubles."""
 
         def surplus(amplitudes: Floats) -> Floats:
-            return (self.least(amplitudes[:, 0]) - self.target)[:, None]
+            return (self.least(amplitudes[:, 0]) - targets)[:, None]
 
         return close_in(surplus, holding, failing, relative=width)
 
