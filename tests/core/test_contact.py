@@ -176,7 +176,9 @@ def test_a_mirror_image_slides_the_other_way() -> None:
         (line(20.0, 0.1, 0.5, 0.6), Regime.UNDEFINED, Status.INFEASIBLE),  # hops too
         (line(20.0, 0.1, 0.0, 0.0), Regime.HOPPING, Status.FLIGHT_NOT_MODELLED),
         (line(20.0, 0.1, 0.5, 0.4), Regime.HOPPING, Status.FLIGHT_NOT_MODELLED),
-        (line(20.0, 0.9, 0.0, 0.0, 5.0), Regime.UNDEFINED, Status.INDETERMINATE),
+        (line(20.0, 0.9, 0.0, 0.0), Regime.UNDEFINED, Status.INDETERMINATE),
+        (line(20.0, 0.9, 0.0, 0.0, 1e-13), Regime.BACK_SLIP, Status.RUNAWAY),
+        (line(20.0, 0.9, 0.0, 0.0, -5.0), Regime.FORWARD_SLIP, Status.RUNAWAY),
         (line(20.0, 0.9, 0.3, 0.2, 25.0), Regime.BACK_SLIP, Status.RUNAWAY),
         (line(20.0, 0.9, 0.3, 0.2, -25.0), Regime.FORWARD_SLIP, Status.RUNAWAY),
         (ellipse(1.0, 0.2, 2.0, 0.9, 0.3, 0.2, 0.5), Regime.BACK_SLIP, Status.RUNAWAY),

@@ -85,7 +85,7 @@ def exact_cycle(values: Sequence[Any]) -> Exact:
     body = _body(values)
     if body.across > body.normal:
         return Exact(_CONTEXT.nan, "hopping")
-    if body.static_friction == 0:
+    if body.static_friction == 0 and body.tangential == 0:
         return Exact(_CONTEXT.nan, "indeterminate")
     if abs(body.tangential) > body.static_friction * body.normal:
         # The mean load along the trough is that of the weight, and here it exceeds what friction can balance.

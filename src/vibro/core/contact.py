@@ -529,7 +529,7 @@ def without_cycle(loads: Loads, at: Thresholds) -> Steady:
         return unanswered(Regime.UNDEFINED, Status.INFEASIBLE)
     if at.hops:
         return unanswered(Regime.HOPPING, Status.FLIGHT_NOT_MODELLED)
-    if loads.static_friction == 0.0:
+    if loads.static_friction == 0.0 and loads.weight_tangential == 0.0:
         return unanswered(Regime.UNDEFINED, Status.INDETERMINATE)
     if at.unheld:
         downhill = Regime.BACK_SLIP if loads.weight_tangential > 0.0 else Regime.FORWARD_SLIP

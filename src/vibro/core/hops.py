@@ -785,7 +785,7 @@ def repeating(loads: Loads, restitution: float, flights: Flights, hops: Hops) ->
     weight = loads.weight_normal
     if loads.drive_normal > MOST_THROW * weight:
         return _unanswered(Status.FLIGHT_NOT_MODELLED)
-    if loads.static_friction == 0.0:
+    if loads.static_friction == 0.0 and loads.weight_tangential == 0.0:
         return _unanswered(Status.INDETERMINATE)
     if abs(loads.weight_tangential) >= loads.static_friction * weight:
         return _unanswered(Status.RUNAWAY)
