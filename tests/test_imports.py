@@ -64,6 +64,10 @@ _OPERATED = (
     " kinetic_friction=0.4)"
 )
 
+_TIMED = (
+    "vibro.fit_speeds({'amplitude_mm': [1], 'mean_velocity_mm_s': [16]}, frequency_hz=15, drive_angle_deg=20)"
+)
+
 # What each public name gives when it is called as its documentation says.
 CALLS = {
     "Attractor": "isinstance(vibro.attractors(scene)[0], vibro.Attractor)",
@@ -86,6 +90,7 @@ CALLS = {
     "Scene": "scene.shape == ()",
     "SceneError": "issubclass(vibro.SceneError, vibro.VibroError)",
     "Status": "vibro.Status(0).label == 'ok'",
+    "SpeedFit": f"isinstance({_TIMED}, vibro.SpeedFit)",
     "SteadyCycle": "isinstance(vibro.solve(scene), vibro.SteadyCycle)",
     "VibroError": "issubclass(vibro.VibroError, Exception)",
     "arrival_time": "vibro.arrival_time(scene, 0.1) > 0",
@@ -95,6 +100,7 @@ CALLS = {
     "design": "len(vibro.design(question, only='goal').designs) == 3",
     "feasible_amplitudes": "len(vibro.feasible_amplitudes(scene, 0.02)) == 1",
     "filling": "0.5 < vibro.filling(scene).added_mass_share < 1.0",
+    "fit_speeds": f"len({_TIMED}.parameters) == 1",
     "friction_for_speed": "len(vibro.friction_for_speed(scene, 0.01).solutions) == 2",
     "guarantee": "vibro.guarantee(scene).speed_min == vibro.solve(scene).mean_velocity",
     "measured_motion": f"{_MEASURED}.order == 1",
@@ -150,7 +156,7 @@ def test_a_name_that_does_not_exist_is_an_attribute_error() -> None:
 
 def test_the_engines_of_the_tests_share_nothing_with_the_package() -> None:
     engines = sorted((Path(__file__).parent / "engines").glob("*.py"))
-    assert len(engines) == 11
+    assert len(engines) == 12
     for path in engines:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from vibro.motion.attractors import attractors as attractors
     from vibro.motion.histories import arrival_time as arrival_time
     from vibro.motion.histories import simulate as simulate
+    from vibro.records.speeds import SpeedFit as SpeedFit
+    from vibro.records.speeds import fit_speeds as fit_speeds
     from vibro.records.trough import MeasuredMotion as MeasuredMotion
     from vibro.records.trough import measured_motion as measured_motion
     from vibro.records.trough import trough_motion as trough_motion
@@ -73,6 +75,7 @@ _HOMES = {
         ("machines.operating", "OperatingPoints operate operating_points"),
         ("motion.attractors", "attractors"),
         ("motion.histories", "arrival_time simulate"),
+        ("records.speeds", "SpeedFit fit_speeds"),
         ("records.trough", "MeasuredMotion measured_motion trough_motion"),
         ("results.attractors", "Attractor Attractors"),
         ("results.designs", "Certificate DesignResult Guarantee Interval"),

@@ -1,4 +1,4 @@
-"""``vibro measure``: what a trough does, and a part on it, from a record of sensors, a video or CAD."""
+"""``vibro measure``: what a trough does, and a part on it, by sensors, a video, CAD or a stopwatch."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 #: Endings of what it can write.
 FORMS: Final = ("csv", "json", "html", *PICTURES, "toml")
+_FORMS_OF_SPEEDS: Final = ("csv", "json", "html")
 _NO_MACHINE: Final = "a record is compared with the motion that the trough had"
 _FRICTIONS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 # In place of what a scene lacks while the rest of it is read: valid with any rest, in users' units.
@@ -62,17 +63,18 @@ def measure_command(
     absolute: Annotated[
         bool, option("absolute", "The part's data are over the ground, as on video.")
     ] = False,
-    fit: Annotated[str | None, option("fit", "Estimate these from the part's data.", "mu_s,mu_d")] = None,
+    fit: Annotated[str | None, option("fit", "Estimate these from the data of parts.", "mu_s,mu_d")] = None,
     every: AllOption = False,
 ) -> int:
     """Find what a trough does, and a part on it, from a record.
 
-    Columns of a part are found by their units: its motion stands beside the exact one. Those of sensors on
-    the trough are named; -o DRIVE.toml writes its motion as a scene file.
+    Columns of a part are found by their units: its motion stands beside the exact one. Name those of sensors
+    on the trough; -o DRIVE.toml writes its motion. From times or speeds, a row a setting, friction is fitted.
     """
     from vibro.answers.measurement import measurement_answer
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import question, read_request
+    from vibro.files.points import has_speeds
     from vibro.files.scene_files import read_scene_file
     from vibro.quantities import LOAD, MASS, checked_number
     from vibro.records.measurement import measure
@@ -86,6 +88,11 @@ def measure_command(
         "friction": friction, "trough_along": trough_along, "trough_normal": trough_normal,
     }  # fmt: skip
     columns = {name: text for name, text in given.items() if text is not None}
+    if not columns and not sensitivity and has_speeds(data):
+        if mass or reverse or absolute:
+            which = "--mass" if mass else "--reverse" if reverse else "--absolute"
+            raise InputError(f"{which}: {data} is a table of times or speeds", hint="leave the option out")
+        return _measure_speeds(options, data, _fitted_names(fit), every=every)
     record = read_record(data, columns, read_sensitivities(sensitivity or ()))
     console.echo_all(record.notes)
     scene = read_scene_file(options.scene).scene if options.scene else {}
@@ -121,6 +128,29 @@ def measure_command(
     outputs.print_answer(answer, every=every)
     is_open = m.speeds is not None and m.speeds.status is Status.UNRESOLVED
     return ExitCode.UNRESOLVED if is_open else ExitCode.DONE
+
+
+def _measure_speeds(options: Options, data: Path, names: list[str], *, every: bool) -> int:
+    """Fit friction and restitution to times or speeds over settings."""
+    from vibro.answers.speeds import speed_tables, speeds_answer
+    from vibro.cli.outputs import Outputs
+    from vibro.cli.request import inputs_of, question
+    from vibro.files.points import read_speeds
+    from vibro.quantities import LOAD
+    from vibro.records.speeds import fit_question, speed_question
+
+    console, table = options.console, read_speeds(data)
+    if table.ignored:
+        console.echo(f"{data.name}: not used: {', '.join(map(shown, table.ignored))}")
+    asked = speed_question(table, inputs_of(options), names)
+    with Outputs(options, f"{data.stem}-fitted", forms=_FORMS_OF_SPEEDS, reads=[data]) as outputs:
+        question(asked.request, console, {LOAD.name, "static_friction", "kinetic_friction"})
+        with console.progress("fitting", None) as bar:
+            found = fit_question(asked, lambda done, total, what: bar(done, what, total))
+        answer = speeds_answer(found, asked)
+        outputs.write_answer(answer, lambda: speed_tables(found))
+    outputs.print_answer(answer, every=every)
+    return ExitCode.NOT_MET if len(found.left_out) == len(table.rows) else ExitCode.DONE
 
 
 def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request: Request) -> None:

@@ -10,6 +10,7 @@ from vibro.errors import InputError, cut, shown
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, STANDS_FOR, Quantity, exact_number
 from vibro.sweeps.request import gather
+from vibro.sweeps.whole import Inputs
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -115,6 +116,12 @@ def read_request(
             quantity = QUANTITIES[name]
             options.console.echo(f"{quantity.label}: {quantity.text(request.specs[name].value)}")
     return request
+
+
+def inputs_of(options: Options) -> Inputs:
+    """Read the scene file that the options name, for a question that decides itself what must be given."""
+    file = read_scene_file(options.scene) if options.scene else None
+    return Inputs(options.given, file, _CommandLine(options.argv), options.pack)
 
 
 def warn_of_machine(grid: Grid, console: Console) -> None:

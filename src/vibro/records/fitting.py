@@ -555,10 +555,10 @@ def _profile(
             ends.append(end)
             best = min(best, met, key=_squares)
         pieces.append((ends[0], ends[1]))
-    return _merged(pieces), best
+    return merged(pieces), best
 
 
-def _merged(pieces: list[tuple[float, float]]) -> _Intervals:
+def merged(pieces: list[tuple[float, float]]) -> _Intervals:
     """Unite intervals that overlap, or nearly do."""
     pieces = sorted(pieces)
     hull = max(high for _, high in pieces) - pieces[0][0]

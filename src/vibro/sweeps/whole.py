@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from vibro.quantities import Quantity
     from vibro.results.steady import SteadyCycle
     from vibro.sweeps.grid import Grid
-    from vibro.sweeps.request import Request
+    from vibro.sweeps.request import Caller, Request
 
 _BYTES_PER_CELL: Final = 110  # [B] of all results
 
@@ -235,12 +235,32 @@ def grid_of_call(request: Request, output: str, *, flight: bool, coexistence: bo
     return request.grid(kept, flight=flight, coexistence=coexistence)
 
 
+class Inputs(NamedTuple):
+    """Arguments of a function that are named as the keys of scene files, for ``gather``."""
+
+    given: Mapping[str, object]
+    file: SceneFile | None
+    caller: Caller
+    pack: str | None
+
+
 def request_of_call(
     scene_file: str | PathLike[str] | None,
     quantities: Mapping[str, Any],
     function: Callable[..., Any] = sweep,
     *typed: str,
 ) -> Request:
+    """Read the request of a function, as ``inputs_of_call`` reads its arguments."""
+    given, file, call, pack = inputs_of_call(scene_file, quantities, function, *typed)
+    return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, pack=pack)
+
+
+def inputs_of_call(
+    scene_file: str | PathLike[str] | None,
+    quantities: Mapping[str, Any],
+    function: Callable[..., Any],
+    *typed: str,
+) -> Inputs:
     """Read arguments of a function that are named as the keys of scene files.
 
     Parameters
@@ -267,7 +287,7 @@ def request_of_call(
     file = None if scene_file is None else _read(scene_file)
     typed += (repr(str(scene_file)),) if scene_file is not None else ()
     call = _Call(function.__name__, (*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))
-    return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, pack=pack)
+    return Inputs(given, file, call, pack)
 
 
 def _read(path: str | PathLike[str]) -> SceneFile:

@@ -1,0 +1,279 @@
+"""Friction and restitution from times: within their intervals, and clear about what rows cannot tell."""
+
+from __future__ import annotations
+
+import math
+import re
+import runpy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.made_times import LENGTH, made_table, walked_speed
+
+import vibro
+from vibro.records.speeds import SpeedFit, SpeedParameter
+
+DATA = Path(__file__).parents[2] / "examples" / "data"
+NUT: dict[str, Any] = {"frequency_hz": 15, "drive_angle_deg": 20, "trough_length_mm": 600}
+DRIVE = math.radians(20.0)
+
+
+def parameters(found: SpeedFit) -> dict[str, SpeedParameter]:
+    return {p.name: p for p in found.parameters}
+
+
+def holds(p: SpeedParameter, value: float) -> bool:
+    return any(low <= value <= high for low, high in p.intervals)
+
+
+def nut_times(*amplitudes: float, mu_s: float = 0.74, mu_d: float = 0.57, e: float = 0.0) -> list[float]:
+    """Return the times of the nut over 600 mm."""
+    return [LENGTH / walked_speed(1e-3 * a, 15.0, DRIVE, mu_s, mu_d, e) for a in amplitudes]
+
+
+def nut_speeds(amplitude_mm: float, mu_d: Any, ratio: Any = 0.8, e: Any = 0.0) -> Any:
+    return vibro.solve(
+        vibro.Scene(
+            amplitude=1e-3 * amplitude_mm, frequency=15.0, drive_angle=DRIVE, static_friction=mu_d / ratio,
+            kinetic_friction=mu_d, restitution=e,
+        )
+    ).mean_velocity  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "tables"), [("ratio", 12), ("both", 8), ("hops", 2)])
+def test_intervals_hold_the_true_values(kind: str, tables: int) -> None:
+    """Of hundreds of tables 93 to 98 % do: benchmarks/times.py."""
+    random, held = np.random.default_rng(52), []
+    for _ in range(tables):
+        made = made_table(random, kind)
+        found = vibro.fit_speeds(made.table, **made.rest)
+        assert not found.left_out
+        assert {p.name for p in found.parameters} == {*made.truth}
+        held += [holds(p, made.truth[p.name]) for p in found.parameters]
+    assert sum(held) >= 0.85 * len(held)
+
+
+def test_the_example_is_what_its_program_makes_and_is_fitted() -> None:
+    made = runpy.run_path(str(DATA / "make_nut_times.py"))["rows"]()
+    assert (DATA / "nut_times.csv").read_text(encoding="utf-8").splitlines()[1:] == made
+    found = vibro.fit_speeds(DATA / "nut_times.csv", **NUT)
+    assert holds(parameters(found)["kinetic_friction"], 0.57)
+    assert holds(parameters(found)["static_friction"], 0.74)
+    assert found.error_is == "scatter"
+    assert found.computed[0] == 0.0
+    np.testing.assert_allclose(vibro.solve(found.scene).mean_velocity, found.computed, rtol=1e-12)
+
+
+def test_one_row_gives_every_friction_with_its_time() -> None:
+    """The speed rises and falls with friction, and jumps: two intervals, as a scan of all frictions shows."""
+    speed = walked_speed(1.5e-3, 15.0, DRIVE, 0.57 / 0.8, 0.57)
+    found = vibro.fit_speeds({"amplitude_mm": [1.5], "mean_velocity_mm_s": [1e3 * speed]}, **NUT)
+    (p,) = found.parameters
+    mu_d = np.geomspace(0.02, 2.0, 200_001)
+    off = np.log(np.maximum(nut_speeds(1.5, mu_d), 1e-300) / speed)
+    roots = mu_d[:-1][(off[:-1] < 0.0) != (off[1:] < 0.0)]
+    assert len(roots) == 4
+    np.testing.assert_allclose([x for values in p.values for x in values], roots, rtol=1e-4)
+    fits = mu_d[abs(off) <= 1.96 * 0.02]  # the error that is assumed
+    edges = np.flatnonzero(np.diff(fits) > 1e-3)
+    ends = np.split(fits, edges + 1)
+    assert len(ends) == len(p.intervals)
+    np.testing.assert_allclose(p.intervals, [(piece[0], piece[-1]) for piece in ends], rtol=2e-3)
+    assert found.error_is == "assumed"
+    assert found.error == 0.02
+
+
+def test_repeats_of_one_setting_tell_the_error() -> None:
+    (time,) = nut_times(2.4)
+    rows = {"amplitude_mm": [2.4] * 4, "traverse_time_s": [time * x for x in (0.98, 1.0, 1.01, 1.03)]}
+    found = vibro.fit_speeds(rows, static_friction=0.74, **NUT)
+    assert found.error_is == "scatter"
+    error = float(np.std(np.log((0.98, 1.0, 1.01, 1.03)), ddof=1))
+    assert found.error == pytest.approx(error, rel=0.02)
+    ((low, high),) = found.parameters[0].intervals
+    mean = float(np.log((0.98, 1.0, 1.01, 1.03)).mean())
+    ends = np.array([low, high])
+    off = np.log(LENGTH / nut_speeds(2.4, ends, ends / 0.74) / time) - mean
+    np.testing.assert_allclose(abs(off), 3.182 * error / 2.0, rtol=0.05)  # Student's t, 3 degrees of freedom
+
+
+def test_digits_bound_the_error_from_below() -> None:
+    times = [f"{t:.0f}" for t in nut_times(1.1, 1.5, 1.9, 2.3)]
+    found = vibro.fit_speeds(
+        {"amplitude_mm": [1.1, 1.5, 1.9, 2.3], "traverse_time_s": times}, friction_ratio=0.77, **NUT
+    )
+    assert found.error >= 1.0 / math.sqrt(12.0) / 15.0
+    assert holds(found.parameters[0], 0.57)
+
+
+def test_what_is_given_is_not_fitted_and_what_is_chosen_is() -> None:
+    amplitudes = [1.0, 1.4, 1.8, 2.2]
+    rows: dict[str, list[Any]] = {
+        "amplitude_mm": amplitudes,
+        "traverse_time_s": nut_times(*amplitudes),
+        "error_percent": [1] * 4,
+    }
+    both: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57}
+
+    def fitted(**given: Any) -> list[str]:
+        return [p.name for p in vibro.fit_speeds(rows, **NUT, **given).parameters]
+
+    assert fitted() == ["kinetic_friction", "static_friction"]  # no part hops
+    assert fitted(friction_ratio=0.77) == ["kinetic_friction"]
+    assert fitted(static_friction=0.74) == ["kinetic_friction"]
+    assert fitted(kinetic_friction=0.57) == ["static_friction"]
+    assert fitted(**both) == []
+    assert fitted(static_friction=0.74, friction_ratio=0.77) == []
+    found = vibro.fit_speeds(rows, fit=["kinetic_friction"], **NUT, **both)
+    assert [p.name for p in found.parameters] == ["kinetic_friction"]
+    assert holds(found.parameters[0], 0.57)
+    assert float(found.scene.static_friction.ravel()[0]) == 0.74
+    few = vibro.fit_speeds({name: x[:2] for name, x in rows.items()}, **NUT)
+    assert [p.name for p in few.parameters] == ["kinetic_friction"]
+    assert "mu_d/mu_s is taken as 0.8" in " ".join(few.statements)
+
+
+def test_rows_that_hop_tell_restitution_and_hardly_friction() -> None:
+    amplitudes = [4.0, 4.5, 5.0]
+    rows = {"amplitude_mm": amplitudes, "traverse_time_s": nut_times(*amplitudes), "error_percent": [1] * 3}
+    found = vibro.fit_speeds(rows, static_friction=0.74, kinetic_friction=0.57, **NUT)
+    (p,) = found.parameters
+    assert p.name == "restitution"
+    assert holds(p, 0.0)
+    assert p.intervals[0][1] < 0.3
+    assert not p.open_low
+    slides = {"amplitude_mm": [1, 1.5], "traverse_time_s": nut_times(1.0, 1.5)}
+    both: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57}
+    none = vibro.fit_speeds(slides, fit=["restitution"], **both, **NUT)
+    assert none.parameters[0].intervals == ((0.0, 0.6),)
+    assert "no part hops in these rows: restitution has no effect" in none.statements
+
+
+def test_a_part_that_does_not_arrive_bounds_static_friction() -> None:
+    """With any friction at rest above the onset of forward slip it rests, and no row says more."""
+    rows = {"amplitude_mm": [0.6], "traverse_time_s": ["never"]}
+    found = vibro.fit_speeds(rows, kinetic_friction=0.2, **NUT)
+    (p,) = found.parameters
+    assert p.open_high
+    low = p.intervals[0][0]
+    at = {"amplitude": 0.6e-3, "frequency": 15.0, "drive_angle": DRIVE, "kinetic_friction": 0.2}
+    slower, rests = vibro.solve(vibro.Scene(**at, static_friction=[0.97 * low, 1.03 * low])).mean_velocity
+    assert slower > 1e-4
+    assert rests < 2e-5
+
+
+def test_wrong_rows_are_named() -> None:
+    amplitudes = [1.0, 1.2, 1.5, 1.8, 2.1, 2.4]
+    times = nut_times(*amplitudes)
+    # faster than any friction makes it: left out
+    fast = [*times[:3], times[3] / 3.0, *times[4:]]
+    found = vibro.fit_speeds(
+        {"amplitude_mm": amplitudes, "traverse_time_s": fast}, friction_ratio=0.77, **NUT
+    )
+    assert found.left_out == (3,)
+    assert holds(found.parameters[0], 0.57)
+    fastest = float(nut_speeds(1.8, np.geomspace(0.02, 2.0, 20_001), 0.77).max())
+    assert found.reach[3, 1] == pytest.approx(fastest, rel=1e-3)
+    # as a part of other friction: in doubt
+    other = [*times[:4], nut_times(2.1, mu_s=0.3, mu_d=0.25)[0], *times[5:]]
+    found = vibro.fit_speeds(
+        {"amplitude_mm": amplitudes, "traverse_time_s": other}, friction_ratio=0.77, **NUT
+    )
+    assert found.doubtful == (4,)
+    # errors that are stated too small are widened
+    wavy = [t * x for t, x in zip(times, (1.03, 0.97, 1.03, 0.97, 1.03, 0.97), strict=True)]
+    stated = {"amplitude_mm": amplitudes, "traverse_time_s": wavy, "error_percent": [0.3] * 6}
+    found = vibro.fit_speeds(stated, friction_ratio=0.77, **NUT)
+    assert found.error_is == "widened"
+    assert found.error == pytest.approx(0.03, rel=0.4)
+    assert holds(found.parameters[0], 0.57)
+    # none can be fitted
+    found = vibro.fit_speeds({"amplitude_mm": [1.0], "traverse_time_s": [1.0]}, friction_ratio=0.77, **NUT)
+    assert found.left_out == (0,)
+    assert found.parameters == ()
+
+
+def test_the_next_point_narrows_the_interval_more_than_the_others() -> None:
+    """Other settings, measured without noise, leave longer intervals."""
+    truth = {"mu_s": 0.74, "mu_d": 0.57}
+    rows = {
+        "amplitude_mm": [1.5, 2.4],
+        "traverse_time_s": nut_times(1.5, 2.4, **truth),
+        "error_percent": [2.0, 2.0],
+    }
+
+    def length(*more: float) -> float:
+        longer = {
+            "amplitude_mm": [*rows["amplitude_mm"], *more],
+            "traverse_time_s": [*rows["traverse_time_s"], *nut_times(*more, **truth)],
+            "error_percent": [2.0] * (2 + len(more)),
+        }
+        found = vibro.fit_speeds(longer, fit=["kinetic_friction"], friction_ratio=0.77, **NUT)
+        return sum(high - low for low, high in found.parameters[0].intervals)
+
+    point = vibro.fit_speeds(rows, fit=["kinetic_friction"], friction_ratio=0.77, **NUT).next_point
+    assert point is not None
+    best = length(point.setting["amplitude"])
+    others = [length(a) for a in (1.5, 1.8, 2.1, 2.4)]
+    assert best < length()
+    assert best <= 1.1 * min(others)
+
+
+def test_other_columns_and_kinds_of_drive() -> None:
+    """Strokes, accelerations in g, revolutions a minute, speeds in m/min, a machine's setting: one feeder."""
+    times = nut_times(1.2, 2.0)
+    speeds = [60.0 * LENGTH / t for t in times]
+    load = [(2.0 * math.pi * 15.0) ** 2 * a * 1e-3 / 9.81 for a in (1.2, 2.0)]
+    rest: dict[str, Any] = {"drive_angle_deg": 20, "friction_ratio": 0.77}
+    tables: tuple[dict[str, Any], ...] = (
+        {"stroke_mm": [2.4, 4.0], "frequency_hz": [15, 15], "mean_velocity [m/min]": speeds},
+        {"acceleration_g": load, "frequency [rpm]": [900, 900], "mean speed [m/min]": speeds},
+        {
+            "amplitude_um": [1200, 2000],
+            "frequency_hz": ["15", "900rpm"],
+            "time [s]": times,
+            "trough_length_mm": [600, 600],
+        },
+    )
+    for table in tables:
+        found = vibro.fit_speeds(table, **rest)
+        assert found.parameters[0].value == pytest.approx(0.57, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "given", "says"),
+    [
+        ({"traverse_time_s": None}, {}, "no column traverse_time_s or mean_velocity_mm_s"),
+        ({"speed_mm_s": [2, 2]}, {}, "traverse time and mean velocity are given"),
+        ({"stroke_mm": [2, 2]}, {}, "amplitude and stroke are given"),
+        ({"speed_error_mm_s": [2, 2]}, {}, "the error of the traverse time is not in its unit"),
+        ({"amplitude_mm": [1, -1]}, {}, "row 2, amplitude = '-1'"),
+        ({"amplitude_mm": [1]}, {}, "columns of different lengths: amplitude_mm 1, traverse_time_s 2"),
+        ({"traverse_time_s": [3, -3]}, {}, "row 2, traverse time = '-3'"),
+        ({"traverse_time_s": [3, "3 mm"]}, {}, "row 2, traverse time = '3 mm': 'mm' is no unit"),
+        ({"traverse_time_s": ["quick", 3]}, {}, "row 1, traverse time = 'quick': not a number"),
+        ({"traverse_time_s": ["", 3]}, {}, "row 1, traverse time: the cell is empty"),
+        ({"traverse_time_s": None, "traverse_time_kg": [3, 3]}, {}, "column 'traverse_time_kg': a unit"),
+        ({"amplitude_mm": None, "amplitude": [1, 1]}, {}, "column 'amplitude': a unit of amplitude"),
+        ({"time_error_s": [0, 1]}, {}, "row 1, time error = '0'"),
+        ({}, {"amplitude_mm": 2}, "amplitude is given, and a column"),
+        ({}, {"fit": ["amplitude"]}, "'amplitude' cannot be fitted"),
+        ({}, {"fit": ["restitution"]}, "missing: static friction and kinetic friction"),
+        ({}, {"friction_ratio": 1.5}, "friction ratio = 1.5: must be"),
+        ({}, {"frequency_hz": -1}, "frequency = -1 Hz"),
+    ],
+)
+def test_wrong_input_is_named(changes: dict[str, Any], given: dict[str, Any], says: str) -> None:
+    table = {"amplitude_mm": [1, 1.5], "traverse_time_s": [30, 13], **changes}
+    table = {key: column for key, column in table.items() if column is not None}
+    with pytest.raises(vibro.InputError, match=re.escape(says)):
+        vibro.fit_speeds(table, **{**NUT, **given})
+
+
+def test_the_length_is_needed_for_times_alone() -> None:
+    rest: dict[str, Any] = {"frequency_hz": 15, "drive_angle_deg": 20}
+    with pytest.raises(vibro.InputError, match="trough length"):
+        vibro.fit_speeds({"amplitude_mm": [1], "traverse_time_s": [3]}, **rest)
+    assert vibro.fit_speeds({"amplitude_mm": [1], "mean_velocity_mm_s": [16]}, **rest).parameters
