@@ -36,7 +36,6 @@ from hopping_scenes import (
     scene_text,
     slow_chains,
     some_of,
-    throw_of,
     usual_scenes,
     wide_scenes,
     without_kinetic_friction,
@@ -153,7 +152,7 @@ def against_events(fields: Drawn, seed: int) -> Events:
 
 
 class Others(NamedTuple):
-    """What bodies do that start anyhow; arrays over scenes."""
+    """What bodies do that are laid down at random phases; arrays over scenes."""
 
     coexists: NDArray[np.int8]  # what the solver says
     cycles: Mask  # whether some repeat another short cycle than the body from rest
@@ -162,19 +161,12 @@ class Others(NamedTuple):
 
 
 def among_starts(fields: Drawn, seed: int) -> Others:
-    """Start bodies anyhow, and compare what they do with ``coexists``."""
+    """Lay bodies down at random phases, and compare what they do with ``coexists``."""
     n, rng = fields["amplitude"].size, np.random.default_rng(seed)
-    speed = np.repeat(_speed(fields), STARTS)
-    e, alpha = (np.repeat(fields[name], STARTS) for name in ("restitution", "drive_angle"))
-    throw = np.repeat(throw_of(fields), STARTS)
-    # Some start in contact, and the others at up to the fastest take-off of a cycle without contact, which
-    # gets 2 sin(alpha) A w from the trough at every bounce.
-    rise = np.where(throw > 1.0, 2.0 * np.sin(alpha) / (1.0 - e) * speed, 0.0)
-    rise *= np.maximum(rng.uniform(-0.3, 1.0, n * STARTS), 0.0)
-    velocity = 2.0 * np.cos(alpha) * speed * rng.uniform(-1.0, 1.0, n * STARTS)
-    start = (rng.uniform(0.0, 2.0 * np.pi, n * STARTS), rise, velocity)
+    at_rest = np.zeros(n * STARTS)
+    start = (rng.uniform(0.0, 2.0 * np.pi, n * STARTS), at_rest, at_rest)
     found = recurrence(fields, STARTS, start=start, kick=KICK, seed=seed)
-    answer = vibro.solve(vibro.Scene(**fields), coexistence=True)
+    answer = vibro.solve(vibro.Scene(**fields), starts=64)
     displacement = found.displacement.reshape(n, STARTS) - answer.displacement_per_cycle[:, None]
     flight = found.flight_fraction.reshape(n, STARTS) - answer.flight_fraction[:, None]
     other = (np.abs(displacement) > SAME * _step(fields)[:, None]) | (np.abs(flight) > SAME)

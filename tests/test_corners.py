@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from extremes import KINDS, cells_of, corners_of
@@ -11,6 +12,9 @@ from stress import solve_corners
 import vibro
 from vibro.core.compiled import doors
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 PATIENCE = 2.0  # [s] of the processor; most take a thousandth of it
 # [s] Without kinetic friction each of a thousand steady cycles of 16 harmonics has many candidates, and a
 # body that never rests may take two million slides to where it arrives. Interrupts are heard meanwhile.
@@ -18,12 +22,12 @@ SLOW = {"transitions": 30.0, "critical loads": 30.0, "arrival": 10.0}
 
 pytestmark = pytest.mark.skipif(not doors().compiled, reason="plain Python takes minutes")
 
-ANSWERS = {
+ANSWERS: dict[str, Callable[[vibro.Scene], Any]] = {
     "history": lambda scene: vibro.simulate(scene, cycles=3),
     "arrival": lambda scene: vibro.arrival_time(scene, 1e9),
     "transitions": vibro.transitions,
     "critical loads": vibro.critical_loads,
-    "search": lambda scene: vibro.solve(scene, coexistence=True),
+    "search": lambda scene: vibro.solve(scene, starts=16),
     "attractors": vibro.attractors,
 }
 

@@ -58,7 +58,7 @@ def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
         along_harmonics=[(size, phase + math.pi) for size, phase in drawn.along_harmonics],
         trough_angle=-np.asarray(drawn.trough_angle),
     )
-    here, there = solve(drawn, coexistence=True), solve(turned, coexistence=True)
+    here, there = solve(drawn, starts=16), solve(turned, starts=16)
     assert np.array_equal(here.status, there.status)
     known = (here.status == Status.OK) & (here.throw_number <= 1.0)
     assert known.sum() > count // 4
@@ -82,7 +82,7 @@ def test_odd_harmonics_along_a_level_trough_convey_nothing() -> None:
     drawn = random_harmonics(500, 7, 3, along_only=True, steep=0.0)
     assert drawn.along_harmonics is not None
     first, _, third = drawn.along_harmonics
-    cycle = solve(replaced(drawn, along_harmonics=[first, (0.0, 0.0), third]), coexistence=True)
+    cycle = solve(replaced(drawn, along_harmonics=[first, (0.0, 0.0), third]), starts=16)
     slips = cycle.regime != Regime.NO_SLIP
     assert slips.sum() > 200
     # but for cycles that are no mirror image of themselves: the mirrored one is another
@@ -167,7 +167,7 @@ def test_rest_at_phase_0_inside_a_window_slides_at_once() -> None:
 
 def test_other_cycles_are_told_where_bodies_reach_them() -> None:
     drawn = random_harmonics(400, 11, ratio=(0.05, 0.3), along_only=True, steep=0.0)
-    found = vibro.solve(drawn, coexistence=True)
+    found = vibro.solve(drawn, starts=16)
     slips = (found.status == Status.OK) & (found.regime != Regime.NO_SLIP)
     for told in (0, 1):
         several = 0

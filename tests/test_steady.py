@@ -310,7 +310,7 @@ def test_traverse_time_broadcasts_lengths_against_the_scene() -> None:
 
 
 @pytest.mark.usefixtures("two_cores")
-@pytest.mark.parametrize("door", ["solve_contact", "solve_hops", "find_others"])
+@pytest.mark.parametrize("door", ["solve_contact", "solve_hops", "share_starts"])
 @pytest.mark.parametrize("failing", [0, 20])
 def test_an_error_in_any_range_reaches_the_caller(
     door: str, failing: int, monkeypatch: pytest.MonkeyPatch
@@ -323,12 +323,12 @@ def test_an_error_in_any_range_reaches_the_caller(
             raise IndexError(failing)
         run(*values)
 
-    for name in ("_IN_CONTACT", "_HOPPING", "_SEARCHED"):
+    for name in ("_IN_CONTACT", "_HOPPING", "_SURVEYED"):
         monkeypatch.setattr(steady, name, 4)
     monkeypatch.setattr(doors(), door, fail_there, raising=False)
     scene = scene_with(amplitude=np.linspace(4e-3, 4.1e-3, 40))
     with pytest.raises(IndexError, match=str(failing)):
-        solve(scene, coexistence=True)
+        solve(scene, starts=16)
 
 
 def test_progress_is_told_up_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,24 +17,24 @@ from vibro.threads import heard, in_parallel
 
 
 def test_any_number_of_threads_gives_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    # at rest, sliding, hopping in cycles and in means; a search beside means takes seconds
+    # at rest, sliding, hopping in cycles and in means; starts beside means take seconds
     few = scene_with(amplitude=np.linspace(0.3e-3, 6e-3, 13), restitution=[[0.0], [0.3]])
     many = scene_with(amplitude=np.linspace(0.3e-3, 9e-3, 31), restitution=[[0.0], [0.4]])
-    searched, whole = solve(few, coexistence=True), solve(many)
+    searched, whole = solve(few, starts=16), solve(many)
     assert (solve(few).coexists != searched.coexists).sum() > 5
     assert len(np.unique(whole.regime)) == 4
     assert (whole.status == Status.AVERAGED).sum() > 3  # more than a part
     monkeypatch.setattr(steady, "_IN_CONTACT", 6)
     monkeypatch.setattr(steady, "_HOPPING", 3)
-    monkeypatch.setattr(steady, "_SEARCHED", 4)
+    monkeypatch.setattr(steady, "_SURVEYED", 4)
     one_and_three: list[Any] = [1, np.int64(3)]
     for threads in one_and_three:
-        assert_same(solve(few, coexistence=True, threads=threads), searched)
+        assert_same(solve(few, starts=16, threads=threads), searched)
         assert_same(solve(many, threads=threads), whole)
 
 
 @pytest.mark.skipif(not doors().compiled, reason="the solver is not compiled: one thread")
-@pytest.mark.parametrize("stage", ["solve_contact", "solve_hops", "find_others"])
+@pytest.mark.parametrize("stage", ["solve_contact", "solve_hops", "share_starts"])
 @pytest.mark.parametrize(("asked", "expected"), [(None, 2), (1, 1), (3, 3), (100, 5)])
 @pytest.mark.usefixtures("two_cores")
 def test_so_many_threads_share_each_stage(
@@ -48,11 +48,11 @@ def test_so_many_threads_share_each_stage(
             seen.add(get_ident())
             met.wait()
 
-    for ranges in ("_IN_CONTACT", "_HOPPING", "_SEARCHED"):
+    for ranges in ("_IN_CONTACT", "_HOPPING", "_SURVEYED"):
         monkeypatch.setattr(steady, ranges, 4)
     scene = scene_with(amplitude=np.linspace(4e-3, 4.1e-3, 20))  # five parts
     monkeypatch.setattr(doors(), stage, wait, raising=False)
-    solve(scene, coexistence=True, threads=asked)
+    solve(scene, starts=16, threads=asked)
     assert len(seen) == expected
 
 

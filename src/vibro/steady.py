@@ -18,6 +18,7 @@ from vibro.core.codes import (
     Status,
     spelt_code,
 )
+from vibro.core.numbers import KNOWN
 from vibro.drives import Ability
 from vibro.errors import InputError, shown
 from vibro.reals import shielded
@@ -26,7 +27,7 @@ from vibro.scene import Scene
 from vibro.threads import Grid, Scratch, doors, over_cells
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -91,12 +92,18 @@ def _legs(grid: Grid, cell: int, scratch: Scratch) -> bytes:
 # that an interrupt is noticed within a fraction of a second.
 _IN_CONTACT: Final = 8192
 _HOPPING: Final = 32
-_SEARCHED: Final = 16
+_SURVEYED: Final = 2
+
+_MOST_STARTS: Final = 4096  # few seconds
+#: Buffers of ``core.attractors.Attractors``: of numbers, and of codes.
+NUMBERS: Final = 10
+CODES: Final = 3
 
 _MANY_FLIGHTS: Final = 10_000  # [cells] above which plain Python takes minutes
 
 # What is zero in contact is zero from the start.
 _MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.dtype) for r in RESULTS)
+_OF_STARTS: Final = tuple(r.name for r in RESULTS if r.of_starts)
 
 
 @shielded
@@ -105,7 +112,7 @@ def solve(
     *,
     output: Literal["exact", "regimes"] | Output = "exact",
     flight: bool = True,
-    coexistence: bool = False,
+    starts: int | None = None,
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> SteadyCycle:
@@ -122,10 +129,10 @@ def solve(
     flight : bool, optional
         Whether to compute flights and impacts of hopping scenes. If False, and for throw numbers above 1e6,
         hopping scenes have no numbers and the status ``FLIGHT_NOT_MODELLED``.
-    coexistence : bool, optional
-        Whether to search for other motions in which a disturbed body could settle
-        (``SteadyCycle.coexists``) in hopping scenes; it takes several ms per cell. In contact they are known
-        without a search, except those of bouncing bodies, which are not searched.
+    starts : int, optional
+        Number of starts, 1 to 4096, of which ``SteadyCycle.share`` and ``mean_velocity_over_starts`` are
+        found, and of cells that hop ``coexists``, as by ``vibro.attractors``; a start of a cell that hops
+        takes about 0.4 ms. Without, these are unknown, but in contact ``coexists`` is known.
     threads : int, optional
         Number of threads, at least 1; by default one per core. Results do not depend on it. Without the
         compiled solver one thread is used.
@@ -160,11 +167,13 @@ def solve(
     """
     classes_alone = output_of(output) is Output.REGIMES
     check_switch("flight", flight)
-    check_switch("coexistence", coexistence)
+    number = None if starts is None else checked_starts(starts)
     _check_threads(threads)
     fields = scene.arrays()
     grid, solver = Grid(fields), doors()
     rows: dict[str, NDArray[Any]] = {name: make(grid.size, dtype) for name, make, dtype in _MADE}
+    for name in _OF_STARTS:
+        rows[name].fill(np.nan)
     answers = tuple(map(solver.row, rows.values()))
     grid.hold(*rows.values())
 
@@ -177,9 +186,8 @@ def solve(
         hopping = (rows["status"] == int(Status.FLIGHT_NOT_MODELLED)).nonzero()[0]
         if hopping.size:
             _hop(grid, answers, hopping, threads, progress)
-        if coexistence and hopping.size:
-            unknown = (rows["coexists"][hopping] < 0) & ~np.isnan(rows["mean_velocity"][hopping])
-            _hop(grid, answers, hopping[unknown], threads, None, search=True)
+        if number is not None:
+            _share(grid, rows, answers, number, threads)
     texts = _spell_long(grid, rows["pattern_code"], threads=threads)
     if not grid.shape:
         return SteadyCycle(**{name: row[0] for name, row in rows.items()}, long_patterns=texts)
@@ -192,19 +200,39 @@ def _hop(
     cells: NDArray[np.int64],
     threads: int | None,
     progress: Callable[[int, int], None] | None,
-    *,
-    search: bool = False,
 ) -> None:
-    """Follow the bodies of some cells that hop, or search for their other motions."""
+    """Follow the bodies of some cells that hop."""
     if not doors().compiled and cells.size > _MANY_FLIGHTS:
         _say_that_it_takes_long()
-    scratch, door = Scratch(), doors().find_others if search else doors().solve_hops
+    scratch = Scratch()
 
     def follow(begin: int, end: int) -> None:
         room = scratch.flights, scratch.hops
-        door(grid.scenes, grid.place(), answers, cells, *room, begin, end)
+        doors().solve_hops(grid.scenes, grid.place(), answers, cells, *room, begin, end)
 
-    over_cells(follow, cells.size, _SEARCHED if search else _HOPPING, threads, progress, cost=grid.cost)
+    over_cells(follow, cells.size, _HOPPING, threads, progress, cost=grid.cost)
+
+
+def _share(
+    grid: Grid, rows: Mapping[str, NDArray[Any]], answers: tuple[Any, ...], starts: int, threads: int | None
+) -> None:
+    """Follow bodies from many starts in every cell that may have several motions."""
+    share, mean = rows["share"], rows["mean_velocity_over_starts"]
+    answered = ~np.isnan(rows["mean_velocity"])
+    alone = answered & (rows["regime"] != int(Regime.HOPPING)) & (rows["coexists"] == 0)
+    share[alone], mean[alone] = 1.0, rows["mean_velocity"][alone]
+    cells, scratch, solver = (answered & ~alone).nonzero()[0], Scratch(), doors()
+    room = starts + KNOWN
+
+    def follow(begin: int, end: int) -> None:
+        numbers, codes = np.empty((NUMBERS, room)), np.empty((CODES, room), np.int64)
+        motions = *solver.rows(numbers), *solver.rows(codes)
+        solver.share_starts(
+            grid.scenes, grid.place(), answers, cells, starts, scratch.flights, scratch.hops, motions, room,
+            begin, end,
+        )  # fmt: skip
+
+    over_cells(follow, cells.size, _SURVEYED, threads, cost=grid.cost)
 
 
 @cache
@@ -230,6 +258,14 @@ def check_switch(name: str, value: bool) -> None:
     """Raise InputError unless a switch is a bool: the text "off" would count as on."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} = {shown(value)}: must be True or False")
+
+
+def checked_starts(starts: Any) -> int:
+    """Return a number of starts; raise InputError unless it is a whole number in range."""
+    whole = isinstance(starts, int | np.integer) and not isinstance(starts, bool)
+    if not (whole and 1 <= starts <= _MOST_STARTS):
+        raise InputError(f"starts = {shown(starts)}: must be a whole number from 1 to {_MOST_STARTS}")
+    return int(starts)
 
 
 def _check_threads(threads: int | None) -> None:

@@ -113,7 +113,7 @@ def designed(run: Run, file: Path) -> str:
 BANDS = {"static_friction": (0.38, 0.4)}
 ASKED = {
     "`vibro solve`: regime, speed, phases": command("solve"),
-    "`vibro solve --coexist`: other motions of bodies that hop": command("solve", "--coexist"),
+    "`vibro map --starts`: the share of parts that moves so": command("map", "--starts", "8"),
     "`vibro solve --stand-ratio`: tipping": command("solve", "--stand-ratio", "0.3"),
     "`vibro solve --speed`: amplitudes that reach a speed, of motions their scale": command(
         "solve", "--speed", "5"
@@ -136,7 +136,7 @@ ASKED = {
     "`vibro.friction_for_speed`, `vibro.critical_friction`": function(
         lambda scene: vibro.friction_for_speed(scene, 0.01).solutions, vibro.critical_friction
     ),
-    "`vibro.attractors`: the cycles that coexist": function(vibro.attractors),
+    "`vibro.attractors`: the motions of bodies from many starts": function(vibro.attractors),
     "`vibro.guarantee`, `vibro.yield_share`": function(
         lambda scene: vibro.guarantee(scene, **BANDS),
         lambda scene: vibro.yield_share(scene, 1e-3, highest_regime="hopping"),

@@ -12,14 +12,19 @@ def test_other_motions_are_looked_for_on_request(run: Run) -> None:
     slopes = ("map", *other(NUT, "-A", "0.1,6", "-a", "55"), "--trough-angle", "0:31:2")
     flags = [row["coexists"] for row in rows_of(run(*slopes, "-o", "-").stdout)]
     assert flags == ["0", "1", "", "1"]
-    flags = [row["coexists"] for row in rows_of(run(*slopes, "--coexist", "-o", "-").stdout)]
+    flags = [row["coexists"] for row in rows_of(run(*slopes, "--starts", "16", "-o", "-").stdout)]
     assert flags == ["0", "1", "0", "1"]
 
 
-def test_the_sidecar_says_whether_other_motions_were_looked_for(run: Run) -> None:
-    for more, looked in (((), False), (("--coexist",), True)):
-        assert run("solve", *NUT, "-o", "nut", "--force", *more).exit_code == 0
-        assert json.loads(Path("nut.json").read_text(encoding="utf-8"))["coexistence"] is looked
+def test_columns_and_sidecar_of_starts_are_there_where_they_were_asked_for(run: Run) -> None:
+    scene = ("map", *other(NUT, "-A", "1, 3"), "--force")
+    for more, starts in (((), None), (("--starts", "16"), 16)):
+        rows = rows_of(run(*scene, *more, "-o", "-").stdout)
+        assert ("share" in rows[0]) is ("mean_velocity_over_starts_mm_s" in rows[0]) is (starts is not None)
+        assert run(*scene, *more, "-o", "nut.csv").exit_code == 0
+        assert json.loads(Path("nut.json").read_text(encoding="utf-8")).get("starts") == starts
+    assert float(rows[0]["share"]) == 1.0
+    assert rows[0]["mean_velocity_over_starts_mm_s"] == rows[0]["mean_velocity_mm_s"]
 
 
 def test_restitution_is_an_axis(run: Run) -> None:

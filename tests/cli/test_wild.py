@@ -31,7 +31,7 @@ FEW_VALUES = st.one_of(
     st.tuples(WILD, WILD).map(lambda ends: f"{ends[0]}:{ends[1]}:3"),
 )
 OWN = {
-    "solve": (["--coexist", "--regimes-only", "--json", "-q", "-o-"], ["--stand-ratio"]),
+    "solve": (["--regimes-only", "--json", "-q", "-o-"], ["--stand-ratio"]),
     "traverse-time": (["--exact", "--sweep", "--json", "-q", "-o-"], []),
     "simulate": (["-q"], ["--cycles", "--duration", "--samples-per-cycle"]),
     "map": (["-q", "--decimal-comma"], ["--at", "--x", "--y", "--show"]),

@@ -421,7 +421,10 @@ def test_an_unstable_cycle_and_a_start_far_from_any_are_not_closed() -> None:
 
 def test_motion_without_a_cycle_has_no_flights_to_show() -> None:
     for throw in np.linspace(2.4, 2.5, 10).tolist():
-        assert _from_rest(throw, 0.3) == Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
+        found = _from_rest(throw, 0.3)
+        assert found.approach > 0
+        assert math.isnan(found.approach_end)
+        assert found._replace(approach=0, approach_end=0.0) == Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
 
 
 @each("throw", [1.0 + 1e-12, 1.0001, 10.0, 1e3, 1e6])

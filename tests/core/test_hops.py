@@ -652,14 +652,14 @@ def test_bodies_end_in_stable_cycles_of_which_each_is_measured_as_alone() -> Non
         peak = max(peak, orbit.cycle.peak)
         impact = max(impact, *(FLIGHTS.impact[row] for row in range(motion.first, last)))
     found = captures(track, e, irregular, 0.0, FLIGHTS, HOPS)
-    assert found.number >= len(off) > 0  # some come to contact before
-    if found.number == len(off):
-        assert found.displacement == pytest.approx(sum(off), rel=1e-12)
-    assert min(off) - 1e-9 <= found.displacement / found.number <= max(off) + 1e-9
-    assert found.squares * found.number >= found.displacement**2 * (1.0 - 1e-12)
-    assert found.aloft == pytest.approx(found.number, rel=1e-11)  # they never rest
-    assert found.impact == pytest.approx(loads.weight_normal * impact, rel=1e-9)
-    assert found.peak == pytest.approx(peak, rel=1e-9)
+    # those that come to contact before end in a cycle with contacts, of other numbers
+    assert found.number == CAPTURED_BODIES > len(off) > 0
+    others, number = found.displacement - sum(off), found.number - len(off)
+    squares = found.squares - sum(x * x for x in off)
+    assert squares == pytest.approx(others * others / number, rel=1e-9)  # all in the same
+    assert len(off) < found.aloft < found.number
+    assert found.impact >= loads.weight_normal * impact * (1.0 - 1e-9)
+    assert found.peak >= peak * (1.0 - 1e-9)
 
 
 @pytest.mark.parametrize(("status", "counts"), [(Status.BOUNDARY, True), (Status.RUNAWAY, False)])

@@ -88,12 +88,14 @@ def answer(name: str, batch: Batch) -> Answers:
     """Answer the questions of one batch of a set."""
     if name == "machines":
         return _operated(batch)
-    return _followed(batch) if name == "histories" else _solved(batch, coexistence=name == "others")
+    return (
+        _followed(batch) if name == "histories" else _solved(batch, starts=64 if name == "others" else None)
+    )
 
 
-def _solved(batch: Batch, *, coexistence: bool) -> Answers:
+def _solved(batch: Batch, *, starts: int | None) -> Answers:
     scene = vibro.Scene.allowing_infeasible(**batch)
-    cycle = vibro.solve(scene, coexistence=coexistence)
+    cycle = vibro.solve(scene, starts=starts)
     advance = cycle.displacement_per_cycle * batch["frequency"]
     as_fast = np.isclose(cycle.mean_velocity, advance, rtol=4.0 * _EPS, atol=0.0, equal_nan=True)
     codes = zip(cycle.regime, cycle.pattern, cycle.status, cycle.coexists, cycle.model, as_fast, strict=True)

@@ -34,7 +34,7 @@ solve -A 1 {_NUT} -L 600 --pitch 30 --mass .01
 solve -A 1.25 {_NUT} --trough-angle 3 --stand-ratio .8
 solve -A 2 {_NUT}
 solve -A 4 {_NUT} -L 600
-solve -A 4 {_NUT} --coexist
+solve -A 4 {_NUT}
 solve -A 4 {_NUT} --restitution .3
 solve -A 1 {_NUT} --regimes-only
 solve -A 1 -f 15 -a 20 --mu-s .2 --mu-ratio .5 --trough-angle=-15

@@ -31,7 +31,7 @@ NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_
 
 
 def swept(
-    output: Literal["exact", "regimes"] = "exact", *, flight: bool = True, coexistence: bool = False,
+    output: Literal["exact", "regimes"] = "exact", *, flight: bool = True, starts: int | None = None,
     **quantities: Any,
 ) -> Sweep:  # fmt: skip
     """Solve what is swept, in the paper's scene where nothing else is said."""
@@ -41,7 +41,7 @@ def swept(
     for name, other in (("friction_ratio", "kinetic_friction"), ("stroke_mm", "amplitude_mm")):
         if name in quantities:
             del usual[other]
-    return vibro.sweep(output=output, flight=flight, coexistence=coexistence, **{**usual, **quantities})
+    return vibro.sweep(output=output, flight=flight, starts=starts, **{**usual, **quantities})
 
 
 def plan_of(

@@ -104,7 +104,7 @@ def test_of_two_coexisting_hopping_cycles_a_push_reaches_the_other() -> None:
         random.uniform(1.01, 1.4, 300),
     )
     scenes = at_load(throw / np.sin(np.radians(drive)), drive, mu_s, 0.05 * mu_s)
-    cycles = vibro.solve(scenes, coexistence=True)
+    cycles = vibro.solve(scenes, starts=16)
     i = int(np.flatnonzero(cycles.coexists == 1)[0])
     scene = at_load(throw[i] / math.sin(math.radians(drive[i])), drive[i], mu_s[i], 0.05 * mu_s[i])
     a, w = _units(scene)

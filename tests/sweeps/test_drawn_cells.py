@@ -17,8 +17,8 @@ NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_
 MAP: dict[str, Any] = {"amplitude_mm": "0.1:3:35", "frequency_hz": "5:60:45:log", **NUT, "restitution": 0.5}
 
 
-def grid_of(*, coexistence: bool = False, flight: bool = True, **given: Any) -> Grid:
-    return request_of_call(None, given).grid(Output.EXACT, flight=flight, coexistence=coexistence)
+def grid_of(*, starts: int | None = None, flight: bool = True, **given: Any) -> Grid:
+    return request_of_call(None, given).grid(Output.EXACT, flight=flight, starts=starts)
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ def grid_of(*, coexistence: bool = False, flight: bool = True, **given: Any) -> 
         ({"flight": False}, False),
         ({"amplitude_mm": "0.1:3:20", "restitution": [0.2, 0.5]}, True),  # facets are smaller
         ({"amplitude_mm": "0.1:3:19", "restitution": [0.2, 0.5]}, False),
-        ({"amplitude_mm": "1:3:25", "frequency_hz": "20:22:25", "restitution": 0, "coexistence": True}, True),
+        ({"amplitude_mm": "1:3:25", "frequency_hz": "20:22:25", "restitution": 0, "starts": 16}, True),
     ],
 )
 def test_the_grid_alone_decides_whether_cells_of_the_table_are_fine_enough(

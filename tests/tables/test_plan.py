@@ -35,7 +35,7 @@ def nut(**changed: Any) -> Sweep:
         plan_of(nut(friction_ratio="0.5:1.2:4"), columns=["regime", "stroke_mm", "friction_ratio"]),
         plan_of(nut(friction_ratio=0.77), part={"pitch_mm": 25.1, "mass_kg": 0.012}),
         plan_of(swept("regimes", stroke_mm="1, 2", flight=False)),
-        plan_of(swept(**ELLIPSE, along_amplitude_2_mm="0:0.2:3", along_phase_2_deg=30, coexistence=True)),
+        plan_of(swept(**ELLIPSE, along_amplitude_2_mm="0:0.2:3", along_phase_2_deg=30, starts=16)),
     ],
 )
 def test_a_manifest_is_read_again_as_it_was_written(tmp_path: Path, plan: Plan) -> None:
@@ -111,7 +111,7 @@ def test_shards_are_ranges_of_all_cells() -> None:
     [
         ({"restitution": [0, 0.3]}, True),
         ({"restitution": 0.3, "flight": False}, False),
-        ({"coexistence": True}, True),
+        ({"starts": 16}, True),
     ],
 )
 def test_shards_have_fewer_cells_where_cells_are_dear(given: dict[str, Any], is_dear: bool) -> None:

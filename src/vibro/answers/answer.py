@@ -45,6 +45,8 @@ class Fact(NamedTuple):
         What stands in brackets behind it.
     is_rare : bool
         Whether it is printed on request only.
+    is_line : bool
+        Whether it is a sentence, printed on a line of its own before the others.
     """
 
     label: str
@@ -53,6 +55,7 @@ class Fact(NamedTuple):
     error: float = 0.0
     note: str = ""
     is_rare: bool = False
+    is_line: bool = False
 
     @property
     def text(self) -> str:
@@ -150,7 +153,9 @@ class Answer:
 
     def text(self, *, every: bool = False) -> str:
         """Write it for a terminal: the usual part, or every fact and table."""
-        facts = [[fact.label, fact.text] for fact in self.facts if every or not fact.is_rare]
+        there = [fact for fact in self.facts if every or not fact.is_rare]
+        lines = [printable(f"{fact.label}: {fact.text}") for fact in there if fact.is_line]
+        facts = [[fact.label, fact.text] for fact in there if not fact.is_line]
         tables = [table for table in self.tables if every or not table.is_rare]
         parts = [aligned(facts, right=False)] if facts else []
         if facts and tables and tables[0].is_brief:
@@ -159,7 +164,8 @@ class Answer:
             parts[0] += "\n" + aligned([[head.ljust(label), *heads], *rows])
         parts += [table.text for table in tables]
         parts += ["\n".join(map(printable, self.notes))] if self.notes else []
-        return "\n\n".join([*parts, *([self.paste] if self.paste else [])])
+        whole = "\n\n".join([*parts, *([self.paste] if self.paste else [])])
+        return "\n".join([*lines, whole])
 
     def content(self) -> dict[str, Any]:
         """Return what JSON says."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -24,7 +25,9 @@ from vibro.answers.answer import (
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
 from vibro.designs.sensitivities import changed_cycles
 from vibro.drives import PiecewiseMotion
+from vibro.errors import VibroError
 from vibro.limits import HOP, LOADS, MOTIONS, transitions
+from vibro.motion.attractors import attractors
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import QUANTITIES, SCALE, SIZES, as_given, scene_fields
 from vibro.results.operating import OPERATING, bent
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from vibro.answers.answer import Value
+    from vibro.results.attractors import Attractors
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
@@ -54,6 +58,9 @@ _WHERE_ASKED: Final = (
     ("upright", "upright", ""),
     ("power_w", "power of the filling", "W"),
 )
+_MOST_KINDS: Final = 5  # of motions in one line
+_DIGITS_OF_SHARES: Final = 3
+_QUANTILES: Final = (0.1, 0.5, 0.9)  # of times over the trough
 _ROUNDING: Final = 1e-9  # [%] change of a speed that is rounding alone
 
 # What an answer says, with places for its numbers: vibro explore fills in the same texts in its page.
@@ -80,8 +87,14 @@ _SAYS: Final = {
     "pieces": "motion of {count} pieces, {given}",
     "harmonic": "motion of {count} harmonic, {given}",
     "harmonics": "motion of {count} harmonics, {given}",
-    "may be captured": "motions that repeat, at {speeds} mm/s, may capture a part for good",
-    "to": " to ",
+    "laid down": "of parts laid down at random",
+    "share": "{share} % {speed} mm/s",
+    "share irregular": "{share} % irregular, {speed} mm/s on average",
+    "share lost": "{share} % run away or are not known",
+    "share of others": "{share} % otherwise",
+    "within": "{share} % within {time} s",
+    "fewer": "fewer than {share} % arrive",
+    "released": "released at phase 0: {speed}",
     "may run away": "a part pushed downhill runs away: the slope exceeds kinetic friction",
     "may settle elsewhere": "a disturbed part can settle into another steady motion than one from rest",
 }
@@ -186,6 +199,21 @@ class OneScene:
         """Return a length or speed of the cycle [mm, mm/s]."""
         return float(LENGTH.from_si(getattr(self.cycle, name).item()))
 
+    @cached_property
+    def motions(self) -> Attractors | None:
+        """What parts do that are laid down at ``STARTS`` moments; None where the speed is unknown."""
+        if math.isnan(self.speed) or not self.may_differ:
+            return None
+        try:
+            return attractors(self.scene)
+        except VibroError:  # loads or frictions are too large
+            return None
+
+    @property
+    def may_differ(self) -> bool:
+        """Whether parts from other starts may move otherwise: known in contact, and asked for hops."""
+        return bool(self.regime is Regime.HOPPING or self.cycle.coexists > 0)
+
     @property
     def relative_error(self) -> float:
         """Standard error of the mean speed over its size; 0 if the speed is not a mean [1]."""
@@ -246,7 +274,7 @@ def scene_answer(
     title : str
         Of its page.
     """
-    moves = [_motion(one), *_traverse(one)]
+    moves = [*_shares(one), _motion(one), *_traverse(one)]
     if grid.output is Output.REGIMES:
         moves = [Fact(one.regime.label or _SAYS["none"], "no speed is computed")]
     facts = [*moves, *_speeds(one), *_asked(one, part)]
@@ -263,7 +291,39 @@ def scene_answer(
             is_filled = OPERATING in one.block.values and one.given["filling"] > 0.0
             tables += [] if is_filled else [_sensitivities(one)]
             tables.append(_phases(one))
+    record = {**record, **_starts_record(one)} if record else record
     return Answer(facts, [table for table in tables if table.rows], _notes(one), record, title)
+
+
+def _starts_record(one: OneScene) -> dict[str, Any]:
+    """Return what JSON says of parts that are laid down at any moment."""
+    found = one.motions
+    if found is None:
+        return {}
+    in_mm_s = [SPEED.from_si(x) for x in (found.mean_velocity, found.irregular_velocity)]
+    motions = [
+        {
+            "share": x.share,
+            "share_low": x.share_low,
+            "share_high": x.share_high,
+            "mean_velocity_mm_s": float(SPEED.from_si(x.mean_velocity)),
+            "regime": x.regime.label,
+            "pattern": x.pattern,
+            "period_cycles": x.period_cycles,
+            "from_rest": x.from_rest,
+        }
+        for x in found
+    ]
+    return {
+        "coexists": int(len(found) + bool(found.irregular_share) > 1 or found.runs_away),
+        "starts": found.starts,
+        "share": next((x.share for x in found if x.from_rest), found.irregular_share),
+        "mean_velocity_over_starts_mm_s": float(in_mm_s[0]),
+        "irregular_share": found.irregular_share,
+        "lost_share": found.lost / found.starts,
+        "irregular_velocity_mm_s": float(in_mm_s[1]),
+        "motions": motions,
+    }
 
 
 def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
@@ -272,9 +332,36 @@ def traverse_answer(one: OneScene, record: Mapping[str, Any]) -> Answer:
     if math.isfinite(time) and one.is_certain:
         strokes = time * one.given["frequency"]
         facts.append(Fact("strokes", strokes, error=strokes * one.relative_error))
+    quantiles = _quantiles(one)
+    if _shares(one):
+        texts = ", ".join(_within(part, time) for part, time in quantiles.items())
+        facts.insert(0, Fact(_SAYS["laid down"], texts, is_line=True))
+    if record and quantiles:
+        record = {**record, "traverse_time_quantiles_s": {f"{x:g}": time for x, time in quantiles.items()}}
     tables = [_beginnings(one, every=False)]
     never = [table for table in tables if table.rows and one.regime is Regime.NO_SLIP]
     return Answer([*facts, _motion(one)], never, _notes(one), record)
+
+
+def _quantiles(one: OneScene) -> dict[float, float]:
+    """Return the times within which shares of parts that are laid down at any moment have passed [s]."""
+    found = one.motions
+    if found is None or math.isnan(one.length):
+        return {}
+    speeds = [(x.share, x.mean_velocity) for x in found]
+    speeds += [(found.irregular_share, found.irregular_velocity), (found.lost / found.starts, 0.0)]
+    times = sorted(
+        (one.length / float(SPEED.from_si(speed)) if speed > 0.0 else math.inf, share)
+        for share, speed in speeds
+        if share
+    )
+    passed = np.cumsum([share for _, share in times])
+    return {q: times[int(np.searchsorted(passed, q - _ROUNDING))][0] for q in _QUANTILES}
+
+
+def _within(share: float, time: float) -> str:
+    says = _SAYS["within" if math.isfinite(time) else "fewer"]
+    return says.format(share=round(100.0 * share), time=shown(time))
 
 
 def cells_answer(
@@ -322,6 +409,31 @@ def cells_answer(
     facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
     table = Table("scenes", [(label, unit) for _, label, unit in columns], rows)
     return Answer(facts, [table], notes, title=", ".join(given))
+
+
+def _shares(one: OneScene) -> list[Fact]:
+    """Tell what parts laid down at any moment do, where they do not all move as the one from rest."""
+    found = one.motions
+    if found is None:
+        return []
+    kinds = [(x.share, _SAYS["share"], float(SPEED.from_si(x.mean_velocity))) for x in found if x.share]
+    if found.irregular_share:
+        speed = float(SPEED.from_si(found.irregular_velocity))
+        kinds.append((found.irregular_share, _SAYS["share irregular"], speed))
+    if found.lost:
+        kinds.append((found.lost / found.starts, _SAYS["share lost"], math.nan))
+    alike = found.irregular_share == 1.0 if one.status is Status.AVERAGED else len(kinds) < 2
+    if alike:
+        return []
+    kinds.sort(key=lambda kind: -kind[0])
+    texts = [
+        text.format(share=math.floor(100.0 * share + 0.5), speed=shown(speed, _DIGITS_OF_SHARES))
+        for share, text, speed in kinds[:_MOST_KINDS]
+    ]
+    if others := sum(share for share, *_ in kinds[_MOST_KINDS:]):
+        texts.append(_SAYS["share of others"].format(share=math.floor(100.0 * others + 0.5)))
+    note = _SAYS["released"].format(speed=shown(one.speed, _DIGITS_OF_SHARES))
+    return [Fact(_SAYS["laid down"], ", ".join(texts), note=note, is_line=True)]
 
 
 def _motion(one: OneScene) -> Fact:
@@ -458,17 +570,10 @@ def _phases(one: OneScene) -> Table:
 def _notes(one: OneScene) -> list[str]:
     """Return a sentence for a status, and for each doubt."""
     notes = [] if one.status is Status.OK else [one.status.message]
-    if one.status is Status.AVERAGED:
-        from vibro.motion.attractors import attractors
-
-        speeds = sorted(float(SPEED.from_si(x.mean_velocity)) for x in attractors(one.scene) if x.stable)
-        if speeds:
-            ends = _SAYS["to"].join(dict.fromkeys(shown(speed) for speed in (speeds[0], speeds[-1])))
-            notes.append(_SAYS["may be captured"].format(speeds=ends))
-    elif one.cycle.coexists > 0:
+    if one.cycle.coexists > 0:
         if abs(math.tan(float(one.scene.trough_angle))) > float(one.scene.kinetic_friction):
             notes.append(_SAYS["may run away"])
-        else:
+        elif not _shares(one):
             notes.append(_SAYS["may settle elsewhere"])
     if one.cycle.flight_fraction > 0.0 and one.given["restitution"] == 0.0:
         notes.append(NO_BOUNCE)

@@ -55,7 +55,7 @@ def _maps(request: Request, grid: Grid) -> dict[str, Figure]:
         ends["setting"] = ends["setting"].clip(max=max(100.0, own["setting"]))
     axes = {name: Axis(name, values, "linear") for name, values in ends.items()}
     fixed = {name: value for name, value in grid.fixed.items() if name not in axes}
-    around = replace(grid, axes=axes, fixed=fixed, arrivals=False, coexistence=False)
+    around = replace(grid, axes=axes, fixed=fixed, arrivals=False, starts=None)
     figures = map_figures(sweep_picture(around, {}, own, request.name or "Scene"), ["regime", "speed"])
     over = " and ".join(axis.label for axis in around.given_axes.values())
     shows = {"regime": "What the part does", "speed": "How fast it is conveyed"}

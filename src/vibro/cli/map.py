@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from vibro.cli.forms import MAPS
 from vibro.cli.options import (
-    CoexistOption,
     Options,
     RegimesOnlyOption,
+    StartsOption,
     option,
     rare,
     refuse_without_flight,
@@ -48,7 +48,7 @@ def map_command(
     ] = None,
     speed: Annotated[str | None, option("speed", "Speed to mark, and to count cells [mm/s].", "X")] = None,
     regimes_only: RegimesOnlyOption = False,
-    coexist: CoexistOption = False,
+    starts: StartsOption = None,
     columns: ColumnsOption = None,
     pitch: PitchOption = None,
     mass: MassOption = None,
@@ -72,7 +72,7 @@ def map_command(
 
         unused = typed_names(
             pack=options.pack, decimal_comma=options.decimal_comma, regimes_only=regimes_only,
-            coexist=coexist, columns=columns, pitch=pitch, mass=mass, workers=workers,
+            starts=starts, columns=columns, pitch=pitch, mass=mass, workers=workers,
         )  # fmt: skip
         return map_stored(options, x, y, at or [], show or [], speed, unused=unused)
     from vibro.cli.folders import write_stored
@@ -81,6 +81,7 @@ def map_command(
     from vibro.cli.target_speed import TargetSpeed
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.results.operating import bent
+    from vibro.steady import checked_starts
     from vibro.sweeps.derived import throughput
     from vibro.sweeps.request import RANGES
     from vibro.sweeps.run import DrawnCells
@@ -90,7 +91,7 @@ def map_command(
     console = options.console
     shown = shown_pictures(show or [])
     output = Output.REGIMES if regimes_only else Output.EXACT
-    for typed, given in ((f"--show {','.join(shown)}", shown), ("--coexist", coexist)):
+    for typed, given in ((f"--show {','.join(shown)}", shown), ("--starts", starts is not None)):
         if given:
             refuse_without_flight(typed, output)
     target_speed = None if speed is None else checked_number(speed, LEAST_SPEED)
@@ -98,7 +99,7 @@ def map_command(
         raise InputError("--speed: no speeds are computed with --regimes-only", hint="leave one of them out")
     part = part_of(pitch, mass)
     request = request_of(options, varies=True, reads_map=True, takes_axes=True, ranges=RANGES)
-    grid = request.grid(output, coexistence=coexist)
+    grid = request.grid(output, starts=None if starts is None else checked_starts(starts))
     console.echo_all(map(str, grid.given_axes.values()))
     table = table_of(grid, columns, throughput(part), needed=NEEDS_PART, part=part)
     view, held = view_of(grid, x, y, held_axes(at or []), "--at")

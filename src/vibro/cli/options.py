@@ -42,12 +42,13 @@ def typed_names(**values: object) -> list[str]:
 
 
 RegimesOnlyOption = Annotated[bool, rare("regimes-only", "Regimes, ratios and statuses alone, no speeds.")]
-CoexistOption = Annotated[
-    bool,
+StartsOption = Annotated[
+    int | None,
     rare(
-        "coexist",
-        "Search for other motions in which a hopping body could settle after a push; it takes several ms"
-        " per hopping cell, of tables and of pictures. In contact they are known without a search.",
+        "starts",
+        "Lay the part down at so many moments of the drive: which share of parts moves so, and the mean speed"
+        " of all; a start of a hopping cell takes up to 2 ms.",
+        "N",
     ),
 ]
 

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.options import (
     AllOption,
-    CoexistOption,
     Options,
     RegimesOnlyOption,
     option,
     rare,
-    refuse_without_flight,
     typed_names,
 )
 from vibro.cli.table_options import NEEDS_PART, ColumnsOption, MassOption, PitchOption, part_of, table_of
@@ -37,7 +35,6 @@ def solve_command(
     every: AllOption = False,
     hopping: Annotated[bool, rare("hopping", "With --speed: the part may hop.")] = False,
     regimes_only: RegimesOnlyOption = False,
-    coexist: CoexistOption = False,
     stand_ratio: Annotated[
         str | None,
         rare(
@@ -70,12 +67,10 @@ def solve_command(
     from vibro.sweeps.weighed import weighed
 
     output = Output.REGIMES if regimes_only else Output.EXACT
-    if coexist:
-        refuse_without_flight("--coexist", output)
     if speed is not None:
         unused = typed_names(
-            regimes_only=regimes_only, coexist=coexist, stand_ratio=stand_ratio, columns=columns,
-            pitch=pitch, mass=mass,
+            regimes_only=regimes_only, stand_ratio=stand_ratio, columns=columns, pitch=pitch,
+            mass=mass,
         )  # fmt: skip
         return _target(speed, options, unused, every=every, hopping=hopping)
     if hopping:
@@ -93,7 +88,7 @@ def solve_command(
     for own in [options.of(file) for file in options.files] or [options]:
         request = request_of(own, takes_axes=True)
         arrives = output is Output.EXACT and request.length is not None
-        grid = request.grid(output, coexistence=coexist, arrivals=arrives)
+        grid = request.grid(output, arrivals=arrives)
         table = table_of(grid, columns, extra, needed=_NEEDS, part=part)
         whole = (
             table_columns(grid, extra=(WITH_ARRIVAL, *more) if arrives else more)

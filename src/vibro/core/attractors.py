@@ -1,8 +1,8 @@
-"""All cycles in which bodies were found to settle: those that coexist on one trough.
+"""Motions in which bodies from many starts settle, and how many of the starts each takes.
 
-In contact they are the fixed points of the return map of one turn, Eq. (36). Of bodies that hop they are
-those along the flights from rest, and along the flights to which the starts of ``coexisting`` lead.
-Lengths in A, speeds in A w, normal speeds over n = cos(beta)/G [A w n], phases in radians.
+Bodies are laid down at rest on the trough, or dropped on it, at evenly spread phases. In contact all cycles
+are the fixed points of the return map of one turn, Eq. (36); of bodies that hop they are those to which the
+starts lead. Lengths in A, speeds in A w, normal speeds over n = cos(beta)/G [A w n], phases in radians.
 """
 
 from __future__ import annotations
@@ -10,162 +10,45 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.bounces import Bounces, Flights, bounces, normal_multiplier, rests_as_from_rest, single_bounce
-from vibro.core.cells import Event, behind
-from vibro.core.codes import Mode, Status
+from vibro.core.bounces import Bounces, Flights, normal_multiplier
+from vibro.core.codes import Mode, Regime, Status
 from vibro.core.contact import without_cycle
 from vibro.core.drive import Loads, phase_difference, proved_multiplier
-from vibro.core.flight import Bed, bed_of, lift_offs
-from vibro.core.hops import cycle_of, enter, entered
-from vibro.core.legs import next_onset, track_of
-from vibro.core.numbers import INF, MOST_THROW, NAN, PI, QUARTER, TURN, Doubles, Integers, wrap
+from vibro.core.flight import bed_of
+from vibro.core.history import Course, Launch, State, course_of, first_step, launched, step
+from vibro.core.hops import Settled, cycle_of, enter, settle, unsettled
+from vibro.core.legs import Track, next_onset, track_of
+from vibro.core.numbers import INF, MOST_THROW, NAN, TURN, Doubles, Integers, until, wrap, wrap_around
 from vibro.core.return_map import (
     HoppingCycle,
     Hops,
     Orbit,
+    Release,
     between,
     cycle_from,
     differ,
     has_stop,
     hopping_cycle,
-    no_hops,
+    in_contact,
+    laid,
     orbit_from,
-    others_on,
     return_map,
     stopping,
     stops_of,
+    write_hops,
 )
 from vibro.core.slides import Thresholds
-from vibro.core.waves import NORMAL, nodes_of
 
-# ------------------------------------------------------------------------------
-# Other motions of a body that hops than the one from rest: where a disturbed body can settle.
-#
-# Two kinds: it slides otherwise between the same flights, or it flies otherwise. Lengths in A, speeds in A w,
-# phases in radians.
-
-_OTHER: Final = 1e-6  # [A w n] difference of the largest landing speeds of two cycles of flights
-
-# Starts from which other flights are looked for: on the cycles of one bounce each that lasts up to so many
-# turns, and on a grid of phases and speeds.
-_LONGEST: Final = 16
-_PHASES: Final = 8
-_SPEEDS: Final = 6
-_MOST_FLIGHTS: Final = 64
-
-
-def coexisting(
-    loads: Loads, restitution: float, period: float, impact: float, flights: Flights, hops: Hops
-) -> bool:
-    """Return whether other motions than that from rest were found.
-
-    Parameters
-    ----------
-    loads : Loads
-        Groups of a scene that hops.
-    restitution : float
-        e.
-    period, impact : float
-        Drive cycles of the motion from rest, NaN where it does not repeat, and its largest landing speed
-        [A w].
-    flights, hops : Flights, Hops
-        Scratch memory.
-
-    Returns
-    -------
-    bool
-        True where other relative velocities repeat with the same flights (all of them are found), or where
-        other flights repeat, of those that 64 starts lead to within 64 flights.
-    """
-    if not math.isnan(period) and _slides_otherwise(loads, restitution, flights, hops):
-        return True
-    track_of(loads, restitution)  # the zeros of the normal load
-    return _flies_otherwise(bed_of(loads), restitution, period, impact / loads.weight_normal, flights)
-
-
-def _flies_otherwise(bed: Bed, restitution: float, period: float, impact: float, flights: Flights) -> bool:
-    """Return whether other flights repeat than those from rest, whose largest landing speed is ``impact``."""
-    most = 0
-    for i in range(_number_of_starts(bed)):
-        start = _start_at(bed, restitution, i, most)
-        most += 1 if start.bounces else 0
-        leaves = not math.isnan(start.phase)
-        if leaves and _leads_elsewhere(bed, restitution, start.phase, start.speed, period, impact, flights):
-            return True
-    return False
-
-
-class _SearchStart(NamedTuple):
-    """A take-off from which other flights are looked for.
-
-    Attributes
-    ----------
-    phase, speed : float
-        Of the take-off [rad, A w n]; NaN where there is none.
-    bounces : bool
-        Whether it is on a cycle of one bounce.
-    """
-
-    phase: float
-    speed: float
-    bounces: bool
-
-
-def _number_of_starts(bed: Bed) -> int:
-    """Return how many starts there are: the lift-offs, those of one bounce, and a grid of the others."""
-    return lift_offs(bed) + _LONGEST + _PHASES * _SPEEDS
-
-
-def _start_at(bed: Bed, restitution: float, index: int, most: int) -> _SearchStart:
-    """Return one of the starts; ``most`` is how many before it are on cycles of one bounce."""
-    i = index
-    if i < lift_offs(bed):  # bodies that rest until another lift-off
-        lifts = behind(bed.waves, NORMAL, i)
-        return _SearchStart(bed.waves.number[nodes_of(bed.waves, NORMAL) + i] if lifts else NAN, 0.0, False)
-    i -= lift_offs(bed)
-    if i < _LONGEST:
-        bounce = single_bounce(bed, restitution, i + 1, 0)
-        # where there is no such bounce a start from the crest, with its speed, is as good as any
-        speed = TURN * (i + 1) * restitution / (1.0 + restitution)
-        return _SearchStart(bounce.phase if bounce.exists else QUARTER, speed, bounce.exists)
-    i -= _LONGEST
-    speed = (float(i // _PHASES) + 0.5) / _SPEEDS * (max(most, 1) + 0.5) * PI
-    return _SearchStart(TURN * (i % _PHASES) / _PHASES, speed, False)
-
-
-def _leads_elsewhere(
-    bed: Bed,
-    restitution: float,
-    phase: float,
-    speed: float,
-    period: float,
-    impact: float,
-    flights: Flights,
-) -> bool:
-    """Return whether a take-off leads to flights that repeat and are not those from rest."""
-    motion = bounces(bed, restitution, flights, _MOST_FLIGHTS, phase, speed, False)
-    if not motion.repeats or rests_as_from_rest(bed, motion):
-        return False  # a contact leads to the motion from rest, where there is one lift-off
-    largest = 0.0
-    for row in range(motion.first, motion.first + motion.count):
-        largest = max(largest, flights.impact[row])
-    return motion.cycles != period or abs(largest - impact) > _OTHER * (1.0 + largest)
-
-
-def _slides_otherwise(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> bool:
-    """Return whether other velocities repeat with the flights from rest."""
-    track = track_of(loads, restitution)
-    entry = enter(track, restitution, flights, hops)
-    motion = entry.motion
-    if not motion.repeats:
-        return False
-    cycle = cycle_of(track, motion)
-    home = orbit_from(cycle, hops, entry.velocity)
-    return others_on(cycle, hops, entry.velocity, home)
+# [1] Landing speeds, displacements and peak velocities of one motion differ by less, relative to them, from
+# start to start.
+_SAME: Final = 1e-6
+_MOST_BOUNCES: Final = 1024  # flights of a body that was dropped on a trough that throws none
+_LONGEST: Final = 64  # flights of a cycle of such a body
+_CLOSED: Final = 1e-9  # [rad, A w n] distance at which it is closed
 
 
 class Attractors(NamedTuple):
-    """Buffers of the cycles found, one a row.
+    """Buffers of the motions found, one a row.
 
     Attributes
     ----------
@@ -182,11 +65,17 @@ class Attractors(NamedTuple):
     multiplier : Doubles
         The largest, by modulus.
     impact, impacts : Doubles
-        The largest landing speed, and the sum of all: they tell cycles of flights apart [A w n].
+        The largest landing speed, and the sum of all [A w n].
     flights : Doubles
         Their number.
+    peak : Doubles
+        Largest speed along the trough.
     pattern : Integers
         Legs, as ``Return`` has them.
+    regime : Integers
+        ``Regime``.
+    starts : Integers
+        How many starts have led there.
     """
 
     phase: Doubles
@@ -198,88 +87,189 @@ class Attractors(NamedTuple):
     impact: Doubles
     impacts: Doubles
     flights: Doubles
+    peak: Doubles
     pattern: Integers
+    regime: Integers
+    starts: Integers
 
 
-class _Survey(NamedTuple):
-    """What a search has found.
+class Survey(NamedTuple):
+    """What starts have led to.
 
     Attributes
     ----------
     number : int
-        Cycles: rows written.
-    from_rest : bool
-        Whether the first of them is that of a body from rest.
-    starts, lost : int
-        Starts that were followed, that from rest included, and those of them whose flights did not repeat.
+        Motions that repeat: rows written.
+    home : int
+        Row of the motion of a body laid down at phase 0; -1 if that does not repeat.
+    irregular : int
+        Starts whose motion does not repeat.
+    displacement, deviation : float
+        Mean displacement per drive cycle of these, and its standard error; NaN if there are none [A].
+    lost : int
+        Starts that run away or were not solved.
     runs_away : bool
         Whether a body that is pushed hard enough down the trough never stops.
+    mean : float
+        Mean displacement per drive cycle of all starts; NaN if any is lost [A].
     """
 
     number: int
-    from_rest: bool
-    starts: int
+    home: int
+    irregular: int
+    displacement: float
+    deviation: float
     lost: int
     runs_away: bool
+    mean: float
 
 
-def list_attractors(
-    loads: Loads, at: Thresholds, restitution: float, flights: Flights, hops: Hops, out: Attractors, room: int
-) -> _Survey:
-    """List the cycles of a scene, the one from rest first; ``flights`` and ``hops`` are scratch memory."""
+class _Sample(NamedTuple):
+    """Means of quarters of irregular motions: their number, mean and sum of squared deviations [A]."""
+
+    number: float
+    mean: float
+    squares: float
+
+
+def survey(
+    loads: Loads, at: Thresholds, restitution: float, starts: int, height: float, flights: Flights,
+    hops: Hops, out: Attractors, room: int,
+) -> Survey:  # fmt: skip
+    """Follow bodies from evenly spread phases, and tell their motions apart.
+
+    Parameters
+    ----------
+    loads, at, restitution : Loads, Thresholds, float
+        The scene.
+    starts : int
+        How many: at the phases 2 pi i / ``starts`` of the trough's motion along itself.
+    height : float
+        From which they are dropped, at rest relative to the trough; 0 where they are laid down [A].
+    flights, hops : Flights, Hops
+        Scratch memory.
+    out, room : Attractors, int
+        Rows for the motions; in contact all that are known come first, also those that no start leads to.
+    """
     n, t = loads.weight_normal, abs(loads.weight_tangential)
     away = t > loads.kinetic_friction * n
     if not at.hops:
         if without_cycle(loads, at).status != Status.OK:
-            return _Survey(0, False, 1, 0, away)
-        return _in_contact(loads, at, out, room, away)
+            return _nothing(starts, away)
+        return _on_the_trough(loads, at, restitution, starts, height, flights, hops, out, room, away)
     held = loads.kinetic_friction <= loads.static_friction and t < loads.static_friction * n
     if loads.static_friction == 0.0 or not held or loads.drive_normal > MOST_THROW * n:
-        return _Survey(0, False, 1, 0, away)
-    track, bed = track_of(loads, restitution), bed_of(loads)
-    entry = enter(track, restitution, flights, hops)
-    number, most, starts, lost = 0, 0, 1, 0
-    if entry.motion.repeats:
-        cycle = cycle_of(track, entry.motion)
-        normal = normal_multiplier(bed, restitution, flights, entry.motion)
-        home = orbit_from(cycle, hops, entry.velocity)
-        number = _along(cycle, entry.motion, entry.velocity, home, normal, flights, hops, out, 0, room)
-        from_rest = home.status <= Status.BOUNDARY
-    else:
-        from_rest = False
-        lost = 1
-    for i in range(_number_of_starts(bed)):
-        start = _start_at(bed, restitution, i, most)
-        most += 1 if start.bounces else 0
-        if math.isnan(start.phase):
-            continue
-        starts += 1
-        motion = bounces(bed, restitution, flights, _MOST_FLIGHTS, start.phase, start.speed, False)
+        return _nothing(starts, away)
+    return _of_hops(loads, restitution, starts, height, flights, hops, out, room, away)
+
+
+def _nothing(starts: int, away: bool) -> Survey:
+    return Survey(0, -1, 0, NAN, NAN, starts, away, NAN)
+
+
+def _start(starts: int, i: int, height: float) -> Launch:
+    return Launch(TURN * i / starts, 0.0, height, 0.0)
+
+
+def _of_hops(
+    loads: Loads, restitution: float, starts: int, height: float, flights: Flights, hops: Hops,
+    out: Attractors, room: int, away: bool,
+) -> Survey:  # fmt: skip
+    """Survey a trough that throws bodies."""
+    course = course_of(loads, restitution)
+    track = track_of(loads, restitution)
+    number, home, lost, irregular = 0, -1, 0, 0
+    sample = _Sample(0.0, 0.0, 0.0)
+    for i in range(starts):
+        settled = unsettled(0.0)
+        if i == 0 and height == 0.0:  # as ``solve`` does it
+            entry = enter(track, restitution, flights, hops)
+            settled = settled._replace(motion=entry.motion, velocity=entry.velocity)
+        if not settled.motion.repeats:
+            settled = _followed(course, track, starts, i, height, flights, hops)
+        motion = settled.motion
         if not motion.repeats:
-            lost += 1
+            fastest = loads.drive_tangential + loads.kinetic_friction * loads.weight_normal * settled.impact
+            runs = away and abs(settled.velocity) > 2.0 * fastest
+            if runs or not (settled.third_time > 0.0 and settled.fourth_time > 0.0):
+                lost += 1
+            else:
+                irregular += 1
+                sample = _with(sample, TURN * settled.third_path / settled.third_time)
+                sample = _with(sample, TURN * settled.fourth_path / settled.fourth_time)
             continue
-        if rests_as_from_rest(bed, motion):
-            lost += 0 if entry.motion.repeats else 1
-            continue  # there is one lift-off: a contact leads to the flights from rest
-        if _is_listed(motion, flights, out, number):
-            continue
-        mine = entered(track, motion, 0.0, flights, hops)
         cycle = cycle_of(track, motion)
-        normal = normal_multiplier(bed, restitution, flights, motion)
-        home = orbit_from(cycle, hops, mine.velocity)
-        number = _along(cycle, motion, mine.velocity, home, normal, flights, hops, out, number, room)
-    return _Survey(number, from_rest, starts, lost, away)
+        found = orbit_from(cycle, hops, settled.velocity)
+        row = -1
+        if found.status <= Status.BOUNDARY:
+            row = _row_of(motion, found, flights, out, number)
+            if row < 0 and number < room:
+                row = number
+                normal = normal_multiplier(bed_of(loads), restitution, flights, motion)
+                _write(cycle, motion, found, normal, flights, hops, out, row)
+                number += 1
+        home = row if i == 0 and height == 0.0 else home
+        if row < 0:
+            lost += 1
+        else:
+            out.starts[row] += 1
+    return _summed(out, number, home, irregular, sample, lost, starts, away)
 
 
-def _is_listed(motion: Bounces, flights: Flights, out: Attractors, number: int) -> bool:
-    """Return whether flights are those of a row: of one period, with the same landing speeds."""
-    largest, total = _impacts(motion, flights)
+def _followed(
+    course: Course, track: Track, starts: int, i: int, height: float, flights: Flights, hops: Hops
+) -> Settled:
+    """Follow one of the bodies on a trough that throws them."""
+    start = _start(starts, i, height)
+    first, friction = launched(course, start), track.loads.static_friction
+    if height > 0.0:
+        first, friction = first_step(course, start, first).after, track.landed_friction
+    begin = Release(True, first.phase, first.velocity)
+    if first.mode != Mode.FLIGHT:
+        begin = laid(track, first.phase, first.velocity, friction)
+    return settle(track, course.restitution, begin, first.rate, i, flights, hops)
+
+
+def _with(sample: _Sample, value: float) -> _Sample:
+    """Add a value, by Welford's formula."""
+    number, off = sample.number + 1.0, value - sample.mean
+    mean = sample.mean + off / number
+    return _Sample(number, mean, sample.squares + off * (value - mean))
+
+
+def _summed(
+    out: Attractors, number: int, home: int, irregular: int, sample: _Sample, lost: int, starts: int,
+    away: bool,
+) -> Survey:  # fmt: skip
+    """Average over all starts."""
+    mean, deviation, total = NAN, NAN, 0.0
+    if irregular > 0:
+        mean, deviation = sample.mean, math.sqrt(sample.squares / (sample.number - 1.0) / sample.number)
+        total = irregular * mean
     for row in range(number):
-        near = _OTHER * (1.0 + total)
-        same = abs(largest - out.impact[row]) <= near and abs(total - out.impacts[row]) <= near
-        if same and out.period[row] == motion.cycles:
-            return True
-    return False
+        total += out.starts[row] * out.displacement[row]
+    return Survey(
+        number, home, irregular, mean, deviation, lost, away, NAN if lost > 0 else total / starts
+    )  # fmt: skip
+
+
+def _row_of(motion: Bounces, found: Orbit, flights: Flights, out: Attractors, number: int) -> int:
+    """Return the row of a motion; -1 if it is none of them.
+
+    Motions have one period, and the same landing speeds, displacement and largest speed.
+    """
+    largest, total = _impacts(motion, flights)
+    displacement, peak = found.cycle.displacement / max(motion.cycles, 1), found.cycle.peak
+    for row in range(number):
+        lands = _near(largest, out.impact[row], largest) and _near(total, out.impacts[row], total)
+        slides = _near(displacement, out.displacement[row], peak) and _near(peak, out.peak[row], peak)
+        if lands and slides and out.period[row] == motion.cycles:
+            return row
+    return -1
+
+
+def _near(one: float, other: float, scale: float) -> bool:
+    return abs(one - other) <= _SAME * scale
 
 
 def _impacts(motion: Bounces, flights: Flights) -> tuple[float, float]:
@@ -289,103 +279,190 @@ def _impacts(motion: Bounces, flights: Flights) -> tuple[float, float]:
     return largest, total
 
 
-def _along(
-    cycle: HoppingCycle, motion: Bounces, start: float, home: Orbit, normal: float, flights: Flights,
-    hops: Hops, out: Attractors, number: int, room: int,
+def _write(
+    cycle: HoppingCycle, motion: Bounces, found: Orbit, normal: float, flights: Flights, hops: Hops,
+    out: Attractors, row: int,
+) -> None:  # fmt: skip
+    """Write a row, to which no start has led yet."""
+    now, velocity = found.cycle, found.velocity
+    phase, rate, flies = cycle.landing, 0.0, cycle.last > cycle.first
+    if flies and cycle.rest == 0.0:
+        phase, rate = flights.phase[motion.first], flights.speed[motion.first]
+    elif flies:  # the row begins at the landing before the contact
+        velocity = return_map(cycle.track, hops, cycle.first, cycle.last, 0.0, 0.0, velocity).velocity
+    out.phase[row] = wrap(phase - phase_difference(cycle.track.loads))
+    out.rate[row] = rate
+    out.velocity[row] = velocity
+    out.displacement[row] = now.displacement / motion.cycles
+    out.period[row] = motion.cycles
+    out.multiplier[row] = proved_multiplier(cycle.track.loads, max(now.slope, normal))
+    out.impact[row], out.impacts[row] = _impacts(motion, flights)
+    out.flights[row] = motion.count
+    out.peak[row] = now.peak
+    out.pattern[row] = now.pattern
+    out.regime[row] = Regime.HOPPING
+    if not flies:
+        out.regime[row] = Regime.BACK_SLIP if now.back else Regime.FORWARD_SLIP
+        if not (now.back or now.forward):
+            out.regime[row] = Regime.NO_SLIP
+    out.starts[row] = 0
+
+
+# ------------------------------------------------------------------------------
+# Troughs that throw no body.
+
+
+def _on_the_trough(
+    loads: Loads, at: Thresholds, restitution: float, starts: int, height: float, flights: Flights,
+    hops: Hops, out: Attractors, room: int, away: bool,
+) -> Survey:  # fmt: skip
+    """Survey a trough that throws no body: all cycles in contact, and what the starts lead to."""
+    course, track = course_of(loads, restitution), track_of(loads, 0.0)
+    begin, slid = phase_difference(loads), Bounces(True, 0, 0, 0, 1, 0.0, 0.0, 0.0)
+    slips = at.forward or at.back
+    phase, wait = begin, 0.0
+    if slips:
+        ahead, behind = next_onset(track, 1.0, begin), next_onset(track, -1.0, begin)
+        onset = ahead if loads.line or ahead.wait <= behind.wait else behind
+        onset = behind if not onset.wait < INF else onset
+        if onset.wait < INF:  # else rounding hides it, and the body rests
+            phase, wait = onset.phase, onset.wait
+    cycle = hopping_cycle(track, 0, 0, phase, TURN, TURN)
+    velocity = return_map(track, hops, 0, 0, begin, wait, 0.0).velocity if wait > 0.0 else 0.0
+    home = orbit_from(cycle, hops, velocity)
+    number = 0
+    if slips:
+        number = _fixed_points(cycle, slid, velocity, home, flights, hops, out, room)
+    elif room > 0:
+        _write(cycle, slid, home, 0.0, flights, hops, out, 0)
+        out.phase[0], out.multiplier[0], out.regime[0], number = 0.0, 0.0, Regime.NO_SLIP, 1
+    first, lost, irregular, sample = -1, 0, 0, _Sample(0.0, 0.0, 0.0)
+    for i in range(starts):
+        now = launched(course, _start(starts, i, height))
+        friction = loads.static_friction
+        if height > 0.0:
+            now = first_step(course, _start(starts, i, height), now).after
+            friction = course.track.landed_friction
+            for _ in range(_MOST_BOUNCES):
+                if now.mode != Mode.FLIGHT:
+                    break
+                now = step(course, now).after
+        settled = unsettled(now.velocity)
+        row, found, here = -1, home, cycle
+        if now.mode == Mode.FLIGHT:
+            settled = _bounced(course, now, flights, hops)
+            if not settled.motion.repeats and settled.fourth_time > 0.0:
+                irregular += 1
+                sample = _with(sample, TURN * settled.third_path / settled.third_time)
+                sample = _with(sample, TURN * settled.fourth_path / settled.fourth_time)
+                continue
+            here = cycle_of(course.track, settled.motion) if settled.motion.repeats else cycle
+        elif not slips:
+            here = cycle._replace(landing=now.phase)
+        motion = settled.motion if now.mode == Mode.FLIGHT else slid
+        if i > 0 or height > 0.0:
+            enters = now.velocity
+            if now.mode != Mode.FLIGHT and here.landing != now.phase:
+                wait = until(here.landing, now.phase)
+                enters = in_contact(track, now.phase, wait, now.velocity, friction).velocity
+            found = orbit_from(here, hops, enters)
+        if found.status <= Status.BOUNDARY and motion.repeats:
+            row = _row_of(motion, found, flights, out, number)
+            if row < 0 and number < room:
+                row = number
+                normal = 0.0
+                if motion.count > 0:
+                    normal = normal_multiplier(course.bed, restitution, flights, motion)
+                _write(here, motion, found, normal, flights, hops, out, row)
+                number += 1
+        first = row if i == 0 and height == 0.0 else first
+        if row < 0:
+            lost += 1
+        else:
+            out.starts[row] += 1
+    return _summed(out, number, first, irregular, sample, lost, starts, away)
+
+
+def _bounced(course: Course, start: State, flights: Flights, hops: Hops) -> Settled:
+    """Look for the cycle of a body that still bounces, else follow it for two samples of its flights."""
+    now, time, settled = start, 0.0, unsettled(start.velocity)
+    for row in range(_LONGEST):
+        leg = step(course, now)
+        flights.phase[row], flights.speed[row] = now.phase, now.rate
+        flights.length[row], flights.impact[row] = leg.length, leg.impact
+        flights.impulse[row], flights.before[row] = (1.0 + course.restitution) * leg.impact, time
+        flights.landing[row], flights.rest[row] = 0.0, 0.0
+        time, now = time + leg.length, leg.after
+        if now.mode != Mode.FLIGHT:
+            return settled
+        apart = abs(wrap_around(now.phase - start.phase)) + abs(now.rate - start.rate)
+        if apart <= _CLOSED * (1.0 + start.rate):
+            cycles = int(math.floor(time / TURN + 0.5))
+            write_hops(course.track.loads, flights, hops, 0, row + 1)
+            return settled._replace(motion=Bounces(True, 0, row + 1, 0, cycles, 0.0, 0.0, start.phase))
+    middle = _some_flights(course, now)
+    end = _some_flights(course, middle)
+    return settled._replace(
+        third_time=_elapsed(now, middle), third_path=middle.position - now.position,
+        fourth_time=_elapsed(middle, end), fourth_path=end.position - middle.position,
+    )  # fmt: skip
+
+
+def _some_flights(course: Course, now: State) -> State:
+    for _ in range(_MOST_BOUNCES // 4):
+        if now.mode == Mode.FLIGHT:
+            now = step(course, now).after
+    return now
+
+
+def _elapsed(one: State, other: State) -> float:
+    return TURN * (other.cycle - one.cycle) + (other.phase - one.phase)
+
+
+def _fixed_points(
+    cycle: HoppingCycle, motion: Bounces, start: float, home: Orbit, flights: Flights, hops: Hops,
+    out: Attractors, room: int,
 ) -> int:  # fmt: skip
-    """Write all cycles along the same flights, or in contact; return the number of rows then.
+    """Write all cycles in contact; return their number.
 
     ``home`` is the one to which a body leads that enters with the velocity ``start``.
     """
-    begun = number
-    if home.status <= Status.BOUNDARY:
-        number = _write(cycle, motion, home, normal, flights, hops, out, number, room)
+    number = 0
+    solved = home.status <= Status.BOUNDARY
+    if solved:
+        number = _listed(cycle, motion, home, flights, hops, out, number, room)
         if cycle.neutral and not has_stop(home.cycle):
             return number  # every other velocity repeats too
     begin = cycle_from(cycle, hops, start)
-    low, high, slides = cycle.bound, -cycle.bound, home.status <= Status.BOUNDARY and not has_stop(home.cycle)
-    if home.status <= Status.BOUNDARY:
+    low, high, slides = cycle.bound, -cycle.bound, solved and not has_stop(home.cycle)
+    if solved:
         low, high = min(low, home.velocity), max(high, home.velocity)
     for index in range(stops_of(cycle)):
         found = stopping(cycle, hops, start, begin, 0.0, index)
         if found.status == Status.OK:
             low, high = min(low, found.velocity), max(high, found.velocity)
-            if not _is_known(cycle, found, hops, out, begun, number, motion):
-                number = _write(cycle, motion, found, normal, flights, hops, out, number, room)
+            number = _listed(cycle, motion, found, flights, hops, out, number, room)
     for side in range(2):
         if slides or not cycle.bounded:
             continue
         bound, near = (-cycle.bound, low) if side == 0 else (cycle.bound, high)
         found = between(cycle, hops, bound, near)
-        if found.status == Status.OK and not _is_known(cycle, found, hops, out, begun, number, motion):
-            number = _write(cycle, motion, found, normal, flights, hops, out, number, room)
+        if found.status == Status.OK:
+            number = _listed(cycle, motion, found, flights, hops, out, number, room)
     return number
 
 
-def _begin(cycle: HoppingCycle, hops: Hops, velocity: float) -> float:
-    """Return the velocity where a row's cycle begins: at the landing before its contact, if it has one."""
-    if cycle.rest > 0.0 and cycle.last > cycle.first:
-        return return_map(cycle.track, hops, cycle.first, cycle.last, 0.0, 0.0, velocity).velocity
-    return velocity
-
-
-def _is_known(
-    cycle: HoppingCycle, found: Orbit, hops: Hops, out: Attractors, begun: int, number: int, motion: Bounces
-) -> bool:
-    """Return whether a fixed point is one of the rows from ``begun`` on, which have the same flights."""
-    velocity = _begin(cycle, hops, found.velocity)
-    for row in range(begun, number):
-        displacement = found.cycle.displacement / motion.cycles
-        beside = Orbit(out.velocity[row], found.cycle, found.status)
-        same = abs(out.displacement[row] - displacement) <= _OTHER
-        if same and not differ(cycle, found._replace(velocity=velocity), beside):
-            return True
-    return False
-
-
-def _write(
-    cycle: HoppingCycle, motion: Bounces, found: Orbit, normal: float, flights: Flights, hops: Hops,
-    out: Attractors, row: int, room: int,
+def _listed(
+    cycle: HoppingCycle, motion: Bounces, found: Orbit, flights: Flights, hops: Hops, out: Attractors,
+    number: int, room: int,
 ) -> int:  # fmt: skip
-    """Write a row, if there is room; return the number of rows then."""
-    if row == room:
-        return row
-    phase, rate = cycle.landing, 0.0
-    if cycle.last > cycle.first and cycle.rest == 0.0:
-        phase, rate = flights.phase[motion.first], flights.speed[motion.first]
-    out.phase[row] = wrap(phase - phase_difference(cycle.track.loads))
-    out.rate[row] = rate
-    out.velocity[row] = _begin(cycle, hops, found.velocity)
-    out.displacement[row] = found.cycle.displacement / motion.cycles
-    out.period[row] = motion.cycles
-    out.multiplier[row] = proved_multiplier(cycle.track.loads, max(found.cycle.slope, normal))
-    largest, total = _impacts(motion, flights)
-    out.impact[row], out.impacts[row], out.flights[row] = largest, total, motion.count
-    out.pattern[row] = found.cycle.pattern
-    return row + 1
-
-
-def _in_contact(loads: Loads, at: Thresholds, out: Attractors, room: int, away: bool) -> _Survey:
-    """List the cycles of one turn without flights."""
-    track, hops, start = track_of(loads, 0.0), no_hops(), phase_difference(loads)
-    none = Bounces(True, 0, 0, 0, 1, 0.0, 0.0, 0.0)
-    if not (at.forward or at.back):
-        out.phase[0], out.rate[0], out.velocity[0], out.displacement[0] = 0.0, 0.0, 0.0, 0.0
-        out.period[0], out.multiplier[0], out.impact[0], out.impacts[0] = 1.0, 0.0, 0.0, 0.0
-        out.flights[0] = 0.0
-        out.pattern[0] = Mode.REST
-        return _Survey(1, True, 1, 0, away)
-    ahead, behind = next_onset(track, 1.0, start), next_onset(track, -1.0, start)
-    onset = ahead if loads.line or ahead.wait <= behind.wait else behind
-    if not onset.wait < INF:
-        onset = behind if behind.wait < INF else Event(start, 0.0)  # rounding hides it, and the body rests
-    cycle = hopping_cycle(track, 0, 0, onset.phase, TURN, TURN)
-    velocity = return_map(track, hops, 0, 0, start, onset.wait, 0.0).velocity
-    home = orbit_from(cycle, hops, velocity)
-    number = _along(cycle, none, velocity, home, 0.0, _no_flights(hops), hops, out, 0, room)
-    return _Survey(number, home.status <= Status.BOUNDARY, 1, 0, away)
-
-
-def _no_flights(hops: Hops) -> Flights:
-    none = hops.gain
-    return Flights(none, none, none, none, none, none, none, none)
+    """Write a fixed point that is no row yet, if there is room; return the number of rows then."""
+    if number == room:
+        return number
+    for row in range(number):
+        beside = Orbit(out.velocity[row], found.cycle, found.status)
+        near = _near(found.cycle.displacement, out.displacement[row], found.cycle.peak)
+        if near and not differ(cycle, found, beside):
+            return number
+    _write(cycle, motion, found, 0.0, flights, hops, out, number)
+    return number + 1

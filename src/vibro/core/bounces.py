@@ -270,8 +270,8 @@ class Bounces(NamedTuple):
     Attributes
     ----------
     repeats : bool
-        Whether a cycle was found before rounding could choose it. If not, all else is 0 but where a contact
-        came too late: then the approach and the take-off after it are those until there.
+        Whether a cycle was found before rounding could choose it. If not, all else is 0 but the approach: the
+        flights until a contact that came too late, and the take-off after it, else all flights and NaN.
     first, count : int
         Its flights are the rows first ... first + count - 1 of ``Flights``.
     approach : int
@@ -329,16 +329,18 @@ def bounces(
         return Bounces(True, 0, 1, 0, 1, 0.0, 0.0, bed.lift_off)
     phase, speed, lifted, rested = start_phase, start_speed, from_rest, from_rest
     before, since, errors = 0.0, 0.0, Covariance(0.0, 0.0, 0.0)
-    events, look_back = 0, _LOOK_BACK
+    events, look_back, rows = 0, _LOOK_BACK, 0
     for row in range(MOST_BOUNCES):
         flown = fly(bed, phase, speed, lifted)
         if math.isnan(flown.length):
+            rows = 0
             break
         touch = phase + flown.length
         after = after_landing(bed, touch, flown.impact, restitution, ACCUMULATED)
         length = flown.length + after.length
         end = at_break(bed.waves, touch + after.length)
         _write(flights, row, phase, speed, Flight(length, flown.impact), after.impulse, before)
+        rows = row + 1
         before, since = before + length, since + length
         short = rested and since <= _SHORT
         errors = propagate(bed, restitution, phase, speed, flown, after.length, errors)
@@ -375,7 +377,7 @@ def bounces(
         if events >= most:
             break
         phase, speed, lifted = end, after.take_off, False
-    return Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
+    return Bounces(False, 0, 0, rows, 0, 0.0, 0.0, NAN)
 
 
 def rests_as_from_rest(bed: Bed, motion: Bounces) -> bool:

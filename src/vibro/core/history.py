@@ -228,7 +228,7 @@ class Launch(NamedTuple):
     rate: float
 
 
-def _launched(course: Course, start: Launch) -> State:
+def launched(course: Course, start: Launch) -> State:
     """Place a body at its start: in flight, or on the trough as ``starting`` does."""
     if start.height == 0.0 and start.rate == 0.0:
         return starting(course, start.phase, start.velocity)
@@ -237,7 +237,7 @@ def _launched(course: Course, start: Launch) -> State:
     return State(0, phase, Mode.FLIGHT, 0.0, start.velocity, start.rate)
 
 
-def _first_step(course: Course, start: Launch, now: State) -> Step:
+def first_step(course: Course, start: Launch, now: State) -> Step:
     """Follow a body through its first leg: from a height, or with an impact where it starts downwards."""
     if start.height > 0.0:
         return _landed(course, now, _fall(course, now, start.height))
@@ -481,9 +481,9 @@ def sections_from(course: Course, start: Launch, flights: Flights) -> Sections:
     Several normal motions may coexist. A body that the trough cannot bear at its start leaves at once, and
     may come to another one than from a lift-off; so may one that is thrown.
     """
-    at = _launched(course, start)
+    at = launched(course, start)
     if start.height > 0.0 or start.rate < 0.0:
-        at = _first_step(course, start, at).after
+        at = first_step(course, start, at).after
     if at.mode == Mode.FLIGHT and math.isfinite(course.track.lift_off):
         cycle = bounces(course.bed, course.restitution, flights, MOST_FLIGHTS, at.phase, at.rate, False)
         if cycle.repeats:
@@ -545,7 +545,7 @@ def follow_legs(
     last : LastStarts
         Buffers of ``places(course, sections)`` elements.
     """
-    at = _launched(course, start)
+    at = launched(course, start)
     origin = at.phase
     thrown = start.height > 0.0 or start.rate < 0.0
     _forget(last, places(course, sections))
@@ -569,7 +569,7 @@ def follow_legs(
                     _forget(last, _KINDS)
             last.row[place] = count
             last.change[place] = change
-        leg = _first_step(course, start, at) if thrown else step(course, at)
+        leg = first_step(course, start, at) if thrown else step(course, at)
         thrown = False
         idle += 1
         if leg.length > _SHORTEST:
@@ -737,7 +737,7 @@ def arrival_cycles(course: Course, sections: Sections, length: float, start: Lau
     1e-7 of it the rest of the transient is summed in closed form. Only the way there is followed. In a
     steady cycle without net advance no later cycle gets farther than the last: it never arrives.
     """
-    at = _launched(course, start)
+    at = launched(course, start)
     origin, thrown = at.phase, start.height > 0.0 or start.rate < 0.0
     memory = _Memory(at._replace(mode=0), 0, 1.0, 0.0)
     errors, last = Covariance(0.0, 0.0, 0.0), -1
@@ -758,7 +758,7 @@ def arrival_cycles(course: Course, sections: Sections, length: float, start: Lau
                 at, never = _compare(course, length, steady, at, memory)
             if due or (stale and not same):
                 memory = _Memory(at, 0, 1.0, at.position)
-        leg = _first_step(course, start, at) if thrown else step(course, at)
+        leg = first_step(course, start, at) if thrown else step(course, at)
         thrown = False
         reach = _reach(course, length, at, leg)
         if at.cycle >= MOST_CYCLES:

@@ -25,7 +25,7 @@ from vibro.core.bounces import (
     within,
 )
 from vibro.core.codes import IRREGULAR, Status
-from vibro.core.drive import Loads, trough_along
+from vibro.core.drive import Loads, free_along, trough_along
 from vibro.core.flight import Bed, Flight, bed_of, fly, next_take_off
 from vibro.core.legs import Track, track_of
 from vibro.core.numbers import (
@@ -38,14 +38,17 @@ from vibro.core.numbers import (
     Bytes,
     Doubles,
     Integers,
+    braked,
     doubles,
     integers,
 )
 from vibro.core.return_map import (
     HoppingCycle,
     Hops,
+    Release,
     has_stop,
     hopping_cycle,
+    in_contact,
     orbit_from,
     release,
     return_map,
@@ -203,14 +206,156 @@ def kick(count: int, body: int) -> float:
 
 
 # ------------------------------------------------------------------------------
-# Stable cycles that capture a body after long irregular motion.
+# Bodies from any start, followed until their flights repeat.
 #
-# Chaos may be a transient: a mean over its first flights is not that of the cycle in which the body ends. So
-# bodies are followed on, along the normal motion alone, until their flights repeat. Lengths in A, speeds in A
-# w, phases in radians.
+# Chaos may be a transient: a mean over its first flights is not that of the cycle in which the body ends.
+# Where rounding has chosen the flights before a contact, the body is kicked at the lift-off after it, so that
+# nothing repeats which the least disturbance would end. Lengths in A, speeds in A w, phases in radians.
+
+_FLIGHTS: Final = 1024  # flights of each body, of which a chain of short bounces counts as one
+_HALF: Final = 512  # flights after which the sample of a motion that does not repeat begins
+_LAST_QUARTER: Final = 768
+_NUDGE: Final = 1e-12  # [A w n] largest kick: far above rounding, and far below what a real trough does
+_LEAST_NUDGE: Final = 1e-18  # [A w n] leaves the lift-off, and changes no flight after it
+# [1] Contacts one after the other to which kicked bodies come by the same flights: they make a cycle.
+_HOLDS: Final = 3
+_ALIKE: Final = 1e-3  # [1] relative difference of the sums of landing speeds of such flights
+
+
+class Settled(NamedTuple):
+    """Where a body has got to.
+
+    Attributes
+    ----------
+    motion : Bounces
+        The cycle of its normal motion, whose flights are in ``Flights`` and, in the same rows, in ``Hops``;
+        it does not repeat where none was found.
+    velocity : float
+        Along the trough, relative to it, where the cycle begins, else at the end.
+    flown : int
+        Flights until then, of a body without a cycle.
+    impact : float
+        The largest of their landing speeds [A w n].
+    third_time, third_path, fourth_time, fourth_path : float
+        Durations of their last two quarters [rad], and displacements in them.
+    """
+
+    motion: Bounces
+    velocity: float
+    flown: int
+    impact: float
+    third_time: float
+    third_path: float
+    fourth_time: float
+    fourth_path: float
+
+
+def settle(
+    track: Track, restitution: float, start: Release, speed: float, seed: int, flights: Flights, hops: Hops
+) -> Settled:
+    """Follow a body until its flights repeat.
+
+    Parameters
+    ----------
+    track : Track
+        Scene that hops.
+    restitution : float
+        e.
+    start : Release
+        Its first take-off.
+    speed : float
+        Normal speed there, 0 from contact [A w n].
+    seed : int
+        Bodies of other seeds are kicked otherwise.
+    flights, hops : Flights, Hops
+        Scratch memory.
+    """
+    bed = bed_of(track.loads)
+    phase, lifted, kicks = start.phase, not start.aloft and speed == 0.0, 0
+    now, alike, impacts = unsettled(start.velocity), 0, 0.0
+    before = now.motion
+    for _ in range(2 * _FLIGHTS):
+        motion = bounces(bed, restitution, flights, _FLIGHTS - now.flown, phase, speed, lifted)
+        # a contact of a trough with one lift-off closes no cycle, unless the body has begun there
+        comes = motion.repeats and not lifted and rests_as_from_rest(bed, motion)
+        if motion.repeats and not comes:
+            entry = entered(track, motion, now.velocity, flights, hops)
+            return now._replace(motion=motion, velocity=entry.velocity)
+        if lifted:  # rounding chooses what follows a rest
+            lifted, kicks, speed = False, 1, _nudge(0, seed)
+            continue
+        rows = motion.count if comes else motion.approach
+        lands = rows > 0 and not math.isnan(motion.approach_end)
+        landing, rest, last = 0.0, 0.0, rows - 1
+        if lands:
+            landing = at_break(bed.waves, flights.phase[last] + flights.length[last])
+            rest = next_take_off(bed, landing).wait
+        if rows > 0:
+            now = _sampled(track, now, rows, landing, rest, flights)
+        if not lands or now.flown >= _FLIGHTS:
+            break
+        elapsed = flights.before[last] + flights.length[last] + rest
+        cycles, sum_of_impacts = int(math.floor(elapsed / TURN + 0.5)), 0.0
+        for row in range(rows):
+            sum_of_impacts += flights.impact[row]
+        begins = kicks > 0 and motion.approach_end == phase and rest > 0.0
+        same = rows == before.count and cycles == before.cycles
+        near = abs(sum_of_impacts - impacts) <= _ALIKE * sum_of_impacts
+        alike = alike + 1 if begins and same and near else 0
+        before = Bounces(True, 0, rows, 0, cycles, landing, rest, motion.approach_end)
+        if alike > _HOLDS:
+            flights.speed[0] = 0.0
+            write_hops(track.loads, flights, hops, 0, rows)
+            hops.rest[last] = 0.0  # it is that of the cycle's end
+            return now._replace(motion=before)
+        impacts, phase = sum_of_impacts, motion.approach_end
+        lifted = kicks == 0
+        speed = 0.0
+        if not lifted:
+            speed, kicks = _nudge(kicks, seed) if alike < _HOLDS else _LEAST_NUDGE, kicks + 1
+    return now
+
+
+def unsettled(velocity: float) -> Settled:
+    """Begin with a body that has not flown yet."""
+    return Settled(Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0), velocity, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def _nudge(count: int, seed: int) -> float:
+    return _NUDGE * _spread(count, 97 * seed)
+
+
+def _sampled(track: Track, now: Settled, rows: int, landing: float, rest: float, flights: Flights) -> Settled:
+    """Follow a body along the trough over flights, and the contact after them, and add up what it does."""
+    loads, velocity, flown, impact = track.loads, now.velocity, now.flown, now.impact
+    friction = loads.kinetic_friction * loads.weight_normal
+    times, paths = doubles(3), doubles(3)
+    for i in range(3):
+        times[i], paths[i] = 0.0, 0.0
+    for row in range(rows):
+        part = 0 if flown < _HALF else (1 if flown < _LAST_QUARTER else 2)
+        at = free_along(loads, flights.phase[row], velocity, flights.length[row])
+        velocity = braked(at.velocity, friction * flights.impulse[row])
+        times[part], paths[part] = times[part] + flights.length[row], paths[part] + at.path
+        impact = max(impact, flights.impact[row])
+        ends = row == rows - 1
+        waits = rest if ends else flights.rest[row]
+        if waits > 0.0:
+            begin = landing if ends else flights.landing[row]
+            slid = in_contact(track, begin, waits, velocity, track.landed_friction)
+            velocity = slid.velocity
+            times[part], paths[part] = times[part] + waits, paths[part] + slid.displacement
+        flown += 1 if flights.length[row] > BOUNCE or waits > 0.0 else 0
+    return Settled(
+        now.motion, velocity, flown, impact, now.third_time + times[1], now.third_path + paths[1],
+        now.fourth_time + times[2], now.fourth_path + paths[2],
+    )  # fmt: skip
+
+
+# ------------------------------------------------------------------------------
+# Stable cycles that capture a body after long irregular motion.
 
 _BODIES: Final = 8  # followed of each scene
-_FLIGHTS: Final = 512  # flights of each body, short bounces not counted
 
 
 class Captures(NamedTuple):
@@ -251,20 +396,19 @@ def captures(
     irregular : float
         Mean displacement per drive cycle of irregular motion [A].
     start : float
-        Velocity along the trough with which the cycles are entered [A w].
+        Velocity along the trough at the first lift-off [A w].
     flights, hops : Flights, Hops
         Scratch memory.
     """
-    loads, bed = track.loads, bed_of(track.loads)
+    loads, begin = track.loads, Release(True, track.lift_off, start)
     number, total, squares, aloft, impact, peak = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(_BODIES):
-        motion = _followed(bed, restitution, i, flights)
+        settled = settle(track, restitution, begin, kick(i, 0), i, flights, hops)
+        motion = settled.motion
         if not motion.repeats:
             continue
         last, turns = motion.first + motion.count, float(motion.cycles)
-        write_hops(loads, flights, hops, motion.first, last)
-        hops.rest[last - 1] = 0.0  # it is that of the cycle's end
-        orbit = orbit_from(cycle_of(track, motion), hops, start)
+        orbit = orbit_from(cycle_of(track, motion), hops, settled.velocity)
         if orbit.status > Status.BOUNDARY:
             continue
         number += 1
@@ -274,25 +418,6 @@ def captures(
             aloft += flights.length[row] / (TURN * turns)
             impact = max(impact, loads.weight_normal * flights.impact[row])
     return Captures(number, total, squares, aloft, impact, peak)
-
-
-def _followed(bed: Bed, restitution: float, body: int, flights: Flights) -> Bounces:
-    """Follow a body, kicked whenever it leaves the trough, until its flights repeat.
-
-    A contact of a trough with one lift-off closes no cycle here: that from rest was looked for before.
-    """
-    left, phase, speed = _FLIGHTS, bed.lift_off, kick(body, 0)
-    motion = Bounces(False, 0, 0, 0, 0, 0.0, 0.0, phase)
-    for _ in range(_FLIGHTS):  # each search takes one at least
-        motion = bounces(bed, restitution, flights, left, phase, speed, False)
-        if motion.repeats and not rests_as_from_rest(bed, motion):
-            return motion
-        flown = motion.approach + motion.count
-        left -= flown
-        if flown == 0 or left <= 0:
-            break
-        phase, speed = motion.approach_end, kick(body + left, 0)
-    return motion._replace(repeats=False)
 
 
 # ------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.attractors import Attractors, coexisting, list_attractors
+from vibro.core.attractors import Attractors, survey
 from vibro.core.bounces import Bounces, Flights, fly_round
 from vibro.core.boxes import cover, evolve
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Regime, Status
@@ -170,24 +170,30 @@ def history(
     return found.number
 
 
-def attractors(
-    scenes: Scenes, place: Place, flights: Flights, hops: Hops, out: Attractors, search: Integers, room: int
-) -> int:
-    """List the cycles that coexist in the first cell; return their number.
+class Found(NamedTuple):
+    """What a survey says beside its motions: the fields of ``Survey``, one element each.
 
-    ``search`` is written with four numbers: whether the first is that from rest, starts that were followed,
-    those of them that did not lead to a cycle, and whether a body may run away. Normal speeds in A w.
+    ``counts`` holds number, home, irregular, lost and, as 1 or 0, runs_away; ``means`` displacement and
+    deviation of irregular motion, and the mean of all starts.
     """
+
+    counts: Integers
+    means: Doubles
+
+
+def attractors(
+    scenes: Scenes, place: Place, starts: int, height: float, flights: Flights, hops: Hops, out: Attractors,
+    found: Found, room: int,
+) -> None:  # fmt: skip
+    """Survey the first cell; a height in m, normal speeds in A w."""
     point = _point(scenes, place, 0)
-    at = thresholds(point.loads)
-    found = list_attractors(point.loads, at, point.restitution, flights, hops, out, room)
-    for row in range(found.number):
-        out.rate[row] *= point.loads.weight_normal
-    search[0] = 1 if found.from_rest else 0
-    search[1] = found.starts
-    search[2] = found.lost
-    search[3] = 1 if found.runs_away else 0
-    return found.number
+    at, n = thresholds(point.loads), point.loads.weight_normal
+    here = survey(point.loads, at, point.restitution, starts, height / point.scale, flights, hops, out, room)
+    for row in range(here.number):
+        out.rate[row] *= n
+    found.counts[0], found.counts[1], found.counts[2] = here.number, here.home, here.irregular
+    found.counts[3], found.counts[4] = here.lost, 1 if here.runs_away else 0
+    found.means[0], found.means[1], found.means[2] = here.displacement, here.deviation, here.mean
 
 
 class Turn(NamedTuple):
@@ -324,6 +330,8 @@ class _Answers(NamedTuple):
     period_cycles: Doubles
     mean_velocity_error: Doubles
     coexists: Bytes
+    share: Doubles
+    mean_velocity_over_starts: Doubles
     model_code: Bytes
     status: Bytes
     largest_multiplier: Doubles
@@ -395,18 +403,28 @@ def solve_hops(
             out.model_code[i] = Model.FLIGHT
 
 
-def find_others(
-    scenes: Scenes, place: Place, out: _Answers, cells: Integers, flights: Flights, hops: Hops, begin: int,
-    end: int,
+def share_starts(
+    scenes: Scenes, place: Place, out: _Answers, cells: Integers, starts: int, flights: Flights, hops: Hops,
+    motions: Attractors, room: int, begin: int, end: int,
 ) -> None:  # fmt: skip
-    """Look whether other motions coexist with those that ``solve_hops`` has found."""
+    """Write the share of bodies that move as one from phase 0, the mean of all, and ``coexists`` of hops.
+
+    ``motions`` of ``room`` rows, ``flights`` and ``hops`` are scratch memory.
+    """
     for k in range(begin, end):
         i = cells[k]
-        seek(scenes, place, i)
-        point = point_at(scenes, place)
-        impact = out.impact_velocity[i] / (TURN * point.frequency * point.scale)
-        others = coexisting(point.loads, point.restitution, out.period_cycles[i], impact, flights, hops)
-        out.coexists[i] = 1 if others else 0
+        point = _point(scenes, place, i)
+        if not _is_followed(point.loads):
+            continue
+        at = thresholds(point.loads)
+        here = survey(point.loads, at, point.restitution, starts, 0.0, flights, hops, motions, room)
+        alike = here.irregular
+        if here.home >= 0:
+            alike = motions.starts[here.home]
+        out.share[i] = alike / starts
+        out.mean_velocity_over_starts[i] = point.scale * point.frequency * here.mean
+        if at.hops and out.coexists[i] < 0:
+            out.coexists[i] = 1 if here.number + (1 if here.irregular > 0 else 0) > 1 else 0
 
 
 def write_letters(
@@ -630,7 +648,6 @@ DOORS: Final = (
     cover,
     cycle_legs,
     evolve,
-    find_others,
     flights_along,
     followed,
     history,
@@ -642,6 +659,7 @@ DOORS: Final = (
     prepare,
     return_of_flights,
     sample,
+    share_starts,
     slips_back,
     solve_contact,
     solve_hops,

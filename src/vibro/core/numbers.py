@@ -303,6 +303,10 @@ MOST_HOPS: Final = 10_000
 MOST_BOUNCES: Final = 8192
 #: Flights in a cycle that never rests on the trough.
 LONGEST_CYCLE: Final = 64
+#: Starts of a scene that are followed where nothing else is asked for.
+STARTS: Final = 64
+#: Rows for cycles in contact that no start leads to.
+KNOWN: Final = 64
 #: [1] Throw number above which the phase of a landing is lost to rounding.
 MOST_THROW: Final = 1e6
 #: [1] Of so many cycles doubles hold the phase.

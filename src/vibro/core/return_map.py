@@ -327,8 +327,8 @@ def _append(pattern: int, digit: int) -> int:
     return -(5 * (1 + _RADIX * (abs(pattern) % _MARKS) % _MARKS) + digit)
 
 
-class _Release(NamedTuple):
-    """How a body that is released at rest, at phase 0 of the trough's motion along itself, first takes off.
+class Release(NamedTuple):
+    """How a body that was put on the trough first takes off.
 
     Attributes
     ----------
@@ -345,12 +345,10 @@ class _Release(NamedTuple):
     velocity: float
 
 
-def release(track: Track) -> _Release:
-    """Follow a body from its release until it takes off; K > 1.
+def release(track: Track) -> Release:
+    """Follow a body at rest, at phase 0 of the trough's motion along itself, until it takes off; K > 1.
 
-    Along a line phase 0 is followed by a rest until the forward onset, and by the slide of Eq. (35). On an
-    elliptical trough the body may slide either way, and more than once. Where K sin(phi) > 1 it takes off at
-    once, with the trough's velocity; the flight of one at the lift-off phase itself begins there.
+    Along a line phase 0 is followed by a rest until the forward onset, and by the slide of Eq. (35).
     """
     loads, at = track.loads, track.forward
     if loads.line:
@@ -360,15 +358,29 @@ def release(track: Track) -> _Release:
             # from the rates at the start, as the slide of a steep drive is short: nothing of order 1 cancels
             sine, cosine = math.sin(start), math.cos(start)
             velocity = free_motion(at.amplitude, at.drag, sine, cosine, 0.0, end - start).velocity
-        return _Release(False, end, velocity)
-    phase = phase_difference(loads)
+        return Release(False, end, velocity)
+    return laid(track, phase_difference(loads), 0.0, loads.static_friction)
+
+
+def laid(track: Track, phase: float, velocity: float, friction: float) -> Release:
+    """Follow a body in contact, from a phase of the normal motion, until it takes off; K > 1.
+
+    It may slide either way, and more than once; ``friction`` holds it where it stands at first. Where the
+    trough cannot bear it, it takes off at once, with the trough's velocity; the flight of one at the lift-off
+    phase itself begins there.
+    """
     begins = next_lift_off(track, phase)
     if begins.wait == 0.0:
-        return _Release(False, begins.phase, 0.0)
-    if normal_load(loads, phase) < 0.0:
-        return _Release(True, wrap(phase), 0.0)
-    slid = _contact(track, _begun(0.0), phase, begins.wait, loads.static_friction, _NO_LETTERS, 0)
-    return _Release(False, begins.phase, slid.velocity)
+        return Release(False, begins.phase, velocity)
+    if normal_load(track.loads, phase) < 0.0:
+        return Release(True, wrap(phase), velocity)
+    slid = in_contact(track, phase, begins.wait, velocity, friction)
+    return Release(False, begins.phase, slid.velocity)
+
+
+def in_contact(track: Track, phase: float, length: float, velocity: float, friction: float) -> Return:
+    """Follow a body in contact for a phase ``length``; ``friction`` holds it where it stands at first."""
+    return _contact(track, _begun(velocity), phase, length, friction, _NO_LETTERS, 0)
 
 
 def with_same_ground_speed(loads: Loads, velocity: float, phase: float, other: float) -> float:

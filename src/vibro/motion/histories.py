@@ -96,7 +96,7 @@ def arrival_time(
     36.890432 s
     """
     lengths = lengths_of(length, scene.shape)
-    start = _start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
+    start = start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
     return _arrivals(scene, lengths, start)[()]
 
 
@@ -109,7 +109,7 @@ class Start(NamedTuple):
     normal_velocity: float
 
 
-def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_velocity: Any) -> Start:
+def start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_velocity: Any) -> Start:
     """Check how bodies start.
 
     Raises
@@ -119,10 +119,10 @@ def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloc
         so late that rounding loses the phase of the trough.
     """
     start = Start(
-        _number_of(START_PHASE, phase),
-        _number_of(START_VELOCITY, velocity),
-        _number_of(START_HEIGHT, height),
-        _number_of(START_NORMAL_VELOCITY, normal_velocity),
+        number_of(START_PHASE, phase),
+        number_of(START_VELOCITY, velocity),
+        number_of(START_HEIGHT, height),
+        number_of(START_NORMAL_VELOCITY, normal_velocity),
     )
     if scene.normal_acceleration is not None and (start.height or start.normal_velocity):
         name, given = ("start_height", f"{start.height:.15g} m")
@@ -150,7 +150,7 @@ def _start_of(scene: Scene, phase: Any, velocity: Any, height: Any, normal_veloc
     return start
 
 
-def _number_of(quantity: Quantity, value: Any) -> float:
+def number_of(quantity: Quantity, value: Any) -> float:
     """Convert an argument in SI units to a number in the range of its quantity."""
     unit = quantity.kind.si_unit
     try:
@@ -249,7 +249,7 @@ def simulate(
     _ 38.68329 ms to 66.66667 ms
     """
     given = {
-        quantity.name: _number_of(quantity, value)
+        quantity.name: number_of(quantity, value)
         for quantity, value in ((CYCLES, cycles), (DURATION, duration), (WAY, length))
         if value is not None
     }
@@ -257,7 +257,7 @@ def simulate(
         named = " and ".join(f"{name} = {value:.15g}" for name, value in given.items()) or "none"
         raise VibroError(f"give exactly one of cycles, duration and length; given: {named}")
     grid = grid_of(scene)
-    start = _start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
+    start = start_of(scene, start_phase, start_velocity, start_height, start_normal_velocity)
     frequency = float(scene.frequency)
     if "length" in given:
         end = float(_arrivals(scene, np.array(given["length"]), start))

@@ -31,7 +31,7 @@ _KEYS: Final = {"svg": ("Description", "Date"), "pdf": ("Subject", "CreationDate
 _COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in half the time
 
 
-def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
+def results_drawn(names: Iterable[str], *, has_limits: bool, of_starts: bool) -> tuple[str, ...]:
     """Name the results, attributes of ``SteadyCycle``, that pictures need; all others may be unknown.
 
     Parameters
@@ -40,9 +40,12 @@ def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
         The pictures.
     has_limits : bool
         Whether there are critical loads; without them, boundaries of regimes are read from the results.
+    of_starts : bool
+        Whether bodies from many starts were followed.
     """
     own = {SUBJECTS[name].result for name in names if name in SUBJECTS} - {*_DRAWN}
-    return (*_DRAWN, *own, *(() if has_limits else _IN_PLACE_OF_LIMITS))
+    more = () if has_limits else _IN_PLACE_OF_LIMITS
+    return (*_DRAWN, *own, *more, *(("share",) if of_starts else ()))
 
 
 @house_style()

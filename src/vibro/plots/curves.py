@@ -127,7 +127,7 @@ def bands_of(fields: Fields) -> list[frame.Band]:
     """Cut a range at each change of regime or status."""
     unanswered = {s: fields.unanswered(s) for s in style.NO_ANSWER_HATCH if s in fields.statuses}
     begun = {regime: fields.log_ratio[curve] for regime, curve in BEGINS_AT.items()}
-    marks = {style.COEXISTS_LABEL: fields.coexists, style.BACKWARDS_LABEL: fields.backwards}
+    marks = dict([fields.others, (style.BACKWARDS_LABEL, fields.backwards)])
     cuts = [x for _, x in _begins(fields, BEGINS_AT.values())]
     cuts += [x for field in (*unanswered.values(), *marks.values()) for x in zero_points(fields, field)]
     found = []

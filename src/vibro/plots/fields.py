@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
+from vibro.plots import style
 from vibro.plots.neighbours import dilate, erode, fill_unknown
 from vibro.quantities import scene_fields
 from vibro.scene import Scene
@@ -192,6 +193,18 @@ class Fields:
     def coexists(self) -> Floats:
         """Positive where another motion exists: a cycle, or running away."""
         return np.where(self.panel.cycle["coexists"] > 0, 0.5, -0.5)
+
+    @cached_property
+    def minority(self) -> Floats:
+        """Positive where fewer than half of all starts lead to the motion that is shown."""
+        return np.where(self.panel.cycle["share"] < 0.5, 0.5, -0.5)
+
+    @property
+    def others(self) -> tuple[str, Floats]:
+        """What marks other motions, and where: those that most parts have, if their shares are known."""
+        if np.isnan(self.panel.cycle["share"]).all():
+            return style.COEXISTS_LABEL, self.coexists
+        return style.MINORITY_LABEL, self.minority
 
     @cached_property
     def statuses(self) -> set[Status]:

@@ -106,7 +106,8 @@ class MapLayers:
 
     def hatch_doubtful(self) -> None:
         """Hatch, over the colours, where another motion exists and where a number is a mean."""
-        self._hatch_over(self.fields.coexists, style.COEXISTS_LABEL)
+        label, field = self.fields.others
+        self._hatch_over(field, label)
         if self._has_numbers:
             self._hatch_over(self.fields.averaged, style.AVERAGED_LABEL)
 

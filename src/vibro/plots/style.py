@@ -42,11 +42,13 @@ NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
 BACKWARDS_FACE: Final = "#F4A582"  # for bodies without a number: a colour of speeds below 0
 BACKWARDS_LABEL: Final = "moves backwards"
 COEXISTS_LABEL: Final = "another motion exists"
+MINORITY_LABEL: Final = "most parts move otherwise"
 AVERAGED_LABEL: Final = "irregular motion: mean over many flights"
 #: Hatches over colours, by their names.
 OVER: Final[Mapping[str, Mapping[str, Any]]] = {
     BACKWARDS_LABEL: {"facecolor": "none", "hatch": "|", "edgecolor": INK},
     COEXISTS_LABEL: {"facecolor": "none", "hatch": "...", "edgecolor": NO_ANSWER_INK},
+    MINORITY_LABEL: {"facecolor": "none", "hatch": "oo", "edgecolor": INK},
     AVERAGED_LABEL: {"facecolor": "none", "hatch": "/", "edgecolor": NO_ANSWER_INK},
 }
 ERROR_LABEL: Final = "standard error of this mean"

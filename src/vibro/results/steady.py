@@ -73,6 +73,7 @@ class Result:
     decode: Callable[[NDArray[Any], Mapping[int, str]], NDArray[np.object_]] | None = None
     in_contact: float | None = None
     on_request: bool = False
+    of_starts: bool = False
 
     @property
     def is_number(self) -> bool:
@@ -90,7 +91,8 @@ class SteadyCycle(Shown):
 
     Every attribute is an array of the scene's shape. A cell without an answer holds NaN, and its status says
     why. ``regime`` and ``status`` hold codes of the enums ``Regime`` and ``Status``; the properties
-    ``pattern`` and ``model`` give their codes as texts. ``coexists`` is -1 where no search was made.
+    ``pattern`` and ``model`` give their codes as texts. ``coexists`` is -1, and ``share`` NaN, where nothing
+    was looked for.
     """
 
     regime: Codes = _result(
@@ -161,6 +163,17 @@ class SteadyCycle(Shown):
         dtype=np.int8,
         texts=("0", "1", ""),
         is_flag=True,
+    )
+    share: Floats = _result(
+        "share",
+        "share of parts, laid down at rest at any moment, that move as one released at phase 0",
+        of_starts=True,
+    )
+    mean_velocity_over_starts: Floats = _result(
+        "mean_velocity_over_starts_mm_s",
+        "mean speed of parts laid down at rest at any moment",
+        kind=SPEED,
+        of_starts=True,
     )
     model_code: Codes = _result(
         "model", "simplest exact model that gave the answer", dtype=np.int8, texts=MODELS

@@ -90,6 +90,7 @@ def columns_of(
     drive: Collection[str] = LINEAR,
     made_with: Collection[str] = (),
     machine: bool = False,
+    of_starts: bool = False,
 ) -> tuple[Column, ...]:
     """Return the columns of a table.
 
@@ -106,12 +107,14 @@ def columns_of(
         As ``Grid.made_with``; their columns stand before the results of flights.
     machine : bool
         Whether the amplitude follows from a machine, whose columns stand before ``model``.
+    of_starts : bool
+        Whether bodies from many starts are followed.
     """
     left_out = {*DRIVES, *_WHERE_SWEPT}.difference(axes, drive)
     given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]
     columns: list[Column] = []
     for result in RESULTS:
-        if result.on_request:
+        if result.on_request or (result.of_starts and not of_starts):
             continue
         columns += [_MADE_WITH[name] for name in made_with] if result.name == "flight_fraction" else []
         if result.name == "model_code":
@@ -133,8 +136,9 @@ def table_columns(
 ) -> tuple[Column, ...]:
     """Return the columns of a grid's table: those named, or the usual ones with further ones."""
     usual = columns_of(
-        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None
-    )
+        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None,
+        of_starts=grid.starts is not None,
+    )  # fmt: skip
     return usual if names is None else chosen(names, usual)
 
 

@@ -96,7 +96,7 @@ def dataset(
         "Conventions": _CONVENTIONS,
         "accuracy": grid.output.value,
         "flight": int(grid.flight),
-        "coexistence": int(grid.coexistence),
+        **({} if grid.starts is None else {"starts": grid.starts}),
         **({} if grid.motion is None else {"motion": json.dumps(dict(grid.motion.table))}),
         **({} if grid.machine is None else {"machine": json.dumps(dict(grid.machine.table))}),
         **(more or {}),

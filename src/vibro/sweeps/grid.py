@@ -47,7 +47,7 @@ class Grid:
         Every other quantity of the scene by name, with gravity.
     length : float or None
         Length of the trough [mm].
-    output, flight, coexistence : optional
+    output, flight, starts : optional
         Arguments of ``vibro.solve`` for every cell.
     arrivals : bool, optional
         Whether bodies are followed from rest to their arrival.
@@ -65,7 +65,7 @@ class Grid:
     length: float | None
     output: Output = Output.EXACT
     flight: bool = True
-    coexistence: bool = False
+    starts: int | None = None
     arrivals: bool = False
     motion: GivenMotion | None = None
     in_stroke: bool = False
@@ -112,9 +112,9 @@ class Grid:
 
     @property
     def is_dear(self) -> bool:
-        """Whether bodies may bounce, or other motions are searched for: that takes up to some ms a cell."""
+        """Whether bodies may bounce, or start many times: that takes up to some ms a cell."""
         bounces = self.fixed.get("restitution", 1.0) > 0.0
-        return self.flight and (self.coexistence or bounces)
+        return self.flight and (self.starts is not None or bounces)
 
     def values(self, box: tuple[slice, ...] | None = None) -> dict[str, Floats]:
         """Return every quantity of a box of cells, in the user's units.
@@ -155,7 +155,7 @@ class Grid:
             scene_of(values),
             output=self.output,
             flight=self.flight,
-            coexistence=self.coexistence,
+            starts=self.starts,
             threads=threads,
             progress=progress,
         )

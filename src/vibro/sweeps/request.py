@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -202,7 +202,7 @@ class Request:
         count = count or default_count(len(self.varying))
         return {name: self.specs[name].axis(count) for name in self.varying}
 
-    def grid(self, output: Output = Output.EXACT, *, flight: bool = True, **how: bool) -> Grid:
+    def grid(self, output: Output = Output.EXACT, *, flight: bool = True, **how: Any) -> Grid:
         """Make the grid of all combinations; regimes alone need no flights."""
         return Grid(
             self.axes(),

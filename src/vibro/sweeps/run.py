@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _BLOCK: Final = BLOCK // 2
 # for each core: few enough that memory stays small (benchmarks/sweeps.py)
 _SOLVED: Final = 2 * BLOCK
-# if bodies are followed to their arrival, or other motions are searched for: a hundred times the work
+# if bodies are followed to their arrival, or from many starts: a hundred times the work
 _WALKED_BLOCK: Final = 8_192
 
 # [values of an axis] Resolution of a picture of one, two or three axes, independent of the table's axes.
@@ -60,7 +60,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
     Block
         Together the whole grid; the last axis runs fastest.
     """
-    walked = grid.arrivals or grid.coexistence
+    walked = grid.arrivals or grid.starts is not None
     for box in grid_blocks(grid.shape, _WALKED_BLOCK if walked else _SOLVED * cores()):
         values = grid.values(box)
         cycle = grid.solve(values)
@@ -97,8 +97,8 @@ class DrawnCells:
     def of(cls, grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> DrawnCells | None:
         """Choose the cells, if pictures need any; that depends on the grid alone.
 
-        They are needed on maps of bodies that bounce, or whose other motions are searched for, of tables that
-        are fine enough; ``drawn`` is that of ``sweep_picture``.
+        They are needed on maps of bodies that bounce, or start many times, of tables that are fine enough;
+        ``drawn`` is that of ``sweep_picture``.
         """
         ranges = [len(axis) for name, axis in grid.axes.items() if name not in drawn]
         facets = any(len(indices) > 1 for indices in drawn.values())
@@ -194,7 +194,10 @@ def solved_picture(
     indices = _solved_indices(grid, drawn)
     part = _grid_at(grid, indices)
     values = part.values()
-    found = cells(results_drawn(pictures, has_limits=limits_of(values) is not None), list(indices.values()))
+    names = results_drawn(
+        pictures, has_limits=limits_of(values) is not None, of_starts=grid.starts is not None
+    )
+    found = cells(names, list(indices.values()))
     results: dict[str, Any] = {
         r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS
     }

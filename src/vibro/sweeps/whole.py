@@ -17,7 +17,7 @@ from vibro.reals import shielded
 from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
-from vibro.steady import check_switch, output_of
+from vibro.steady import check_switch, checked_starts, output_of
 from vibro.sweeps.columns import arrow_table, frame_of, table_columns
 from vibro.sweeps.datasets import check_xarray, dataset, results_among, values_of
 from vibro.sweeps.request import RANGES, gather
@@ -168,7 +168,7 @@ def sweep(
     *,
     output: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
-    coexistence: bool = False,
+    starts: int | None = None,
     progress: Callable[[int, int], None] | None = None,
     **quantities: Any,
 ) -> Sweep:
@@ -178,7 +178,7 @@ def sweep(
     ----------
     scene_file : path, optional
         A scene file; its tables ``[scene]``, ``[machine]`` and ``[map]`` are read.
-    output, flight, coexistence, progress : optional
+    output, flight, starts, progress : optional
         As for ``vibro.solve``.
     **quantities
         Values by the keys of a scene file, whose values they override:
@@ -218,7 +218,7 @@ def sweep(
     ['_' 'F_' 'FB_'] [0.       0.016263 0.040591]
     """
     request = request_of_call(scene_file, quantities)
-    grid = grid_of_call(request, output, flight=flight, coexistence=coexistence)
+    grid = grid_of_call(request, output, flight=flight, starts=starts)
     check_memory(
         grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
     )
@@ -227,12 +227,12 @@ def sweep(
     return Sweep(grid, request.own, request.name or "", block)
 
 
-def grid_of_call(request: Request, output: str, *, flight: bool, coexistence: bool) -> Grid:
+def grid_of_call(request: Request, output: str, *, flight: bool, starts: int | None) -> Grid:
     """Make the grid of a request with the switches of a call, which are checked."""
     kept = output_of(output)
     check_switch("flight", flight)
-    check_switch("coexistence", coexistence)
-    return request.grid(kept, flight=flight, coexistence=coexistence)
+    number = None if starts is None else checked_starts(starts)
+    return request.grid(kept, flight=flight, starts=number)
 
 
 class Inputs(NamedTuple):

@@ -193,7 +193,7 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     length = scene.pop("trough_length", None)
     motion = motion_of(content["motion"]) if "motion" in content else None
     machine = machine_of(content["machine"]) if "machine" in content else None
-    solved = Output(content["accuracy"]), content["flight"], content["coexistence"]
+    solved = Output(content["accuracy"]), content["flight"], content.get("starts")
     in_stroke = content.get(GIVEN_IN) == QUANTITIES["stroke"].column
     grid = Grid(axes, scene, length, *solved, motion=motion, in_stroke=in_stroke, machine=machine)
     part = content.get("part", {})

@@ -38,7 +38,7 @@ def sweep_record(
         **({"part": dict(table.part)} if table.part else {}),
         "accuracy": grid.output.value,
         "flight": grid.flight,
-        "coexistence": grid.coexistence,
+        **({} if grid.starts is None else {"starts": grid.starts}),
         "cells": grid.size,
         **(counts or {}),
         "columns": {column.name: column.unit for column in table.columns},

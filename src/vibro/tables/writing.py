@@ -139,7 +139,7 @@ def write_sweep(
     force: bool = False,
     output: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
-    coexistence: bool = False,
+    starts: int | None = None,
     **quantities: Any,
 ) -> StoredSweep:
     """Solve all combinations of several axes into a folder of Parquet files, which may exceed memory.
@@ -150,7 +150,7 @@ def write_sweep(
     ----------
     folder : path
         The folder; it is created.
-    scene_file, output, flight, coexistence, **quantities
+    scene_file, output, flight, starts, **quantities
         As for ``vibro.sweep``.
     columns : sequence of str, optional
         Names of columns, as for ``--columns`` of ``vibro map``; by default its standard columns.
@@ -197,7 +197,7 @@ def write_sweep(
     workers, path = checked_workers(workers), Path(folder)
     check_switch("force", force)
     request = request_of_call(scene_file, quantities, write_sweep, repr(os.fspath(folder)))
-    grid = grid_of_call(request, output, flight=flight, coexistence=coexistence)
+    grid = grid_of_call(request, output, flight=flight, starts=starts)
     table = Table(table_columns(grid, columns))
     write_folder(path, Plan.of(grid, table, request.name or "", request.own), workers, sys.argv, force=force)
     return open_sweep(path)

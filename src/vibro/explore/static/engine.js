@@ -32,7 +32,6 @@ const TURN = 2.0 * Math.PI;
 function engineOf(doors, known) {
   const KINDS = { line: known.LINE, ellipse: known.ELLIPSE, harmonics: known.HARMONICS, pieces: known.PIECES };
   const MOST_LEGS = 2 ** 20;
-  const MOST_ATTRACTORS = 256;
   const OFF_JUMP = 1e-9; // [rad] from a jump to the moment whose forces are those on one side of it
 
   /** @param {readonly string[]} names @param {number} size @returns {Rows} */
@@ -217,16 +216,21 @@ function engineOf(doors, known) {
     return found;
   }
 
+  /** Whether the body of one scene can be followed. @param {ReturnType<typeof gridOf>} grid */
+  const isFollowed = (grid) => doors.followed(grid.scenes, grid.place, 0) > 0;
+
   /**
-   * The steady cycles that coexist in one scene, in units of the solver; none if its body cannot be followed.
+   * The motions of bodies that are laid down in one scene at evenly spread phases, in units of the solver, with the
+   * counts and means of core's Found.
    * @param {ReturnType<typeof gridOf>} grid
    */
   function attractors(grid) {
-    const found = rows(fields("attractors", 4), MOST_ATTRACTORS);
-    if (!doors.followed(grid.scenes, grid.place, 0)) return { number: 0, ...found };
-    const search = new Float64Array(4);
-    const number = doors.attractors(grid.scenes, grid.place, flights, hops, found, search, MOST_ATTRACTORS);
-    return { number, ...found };
+    const room = known.STARTS + known.KNOWN;
+    const motions = rows(fields("attractors", 6), room);
+    const found = { counts: new Float64Array(5), means: new Float64Array(3) };
+    doors.attractors(grid.scenes, grid.place, known.STARTS, 0.0, flights, hops, motions, found, room);
+    const [number, home, irregular, lost] = found.counts;
+    return { number, home, irregular, lost, mean: found.means[0], ...motions };
   }
 
   /**
@@ -284,7 +288,7 @@ function engineOf(doors, known) {
   }
 
   return {
-    gridOf, solve, spelt, pattern, history, sample, phases, steady, arrival, slides, attractors, limits, spans,
-    operate, scaleOf, known,
+    gridOf, solve, spelt, pattern, history, sample, phases, steady, arrival, slides, isFollowed, attractors, limits,
+    spans, operate, scaleOf, known,
   };
 }

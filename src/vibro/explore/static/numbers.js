@@ -24,6 +24,8 @@ import { generalText } from "./typed.js";
 
 const SAME = 1e-12; // [1] relative distance within which two loads are the same
 const LEAST_DIFFERENCE = 2 ** -26; // [A] where slides to and fro nearly cancel, their difference is rounding
+const MOST_KINDS = 5; // of motions in one line
+const DIGITS_OF_SHARES = 3;
 const LEAST_CERTAIN = 1.0 / 3.0; // error over the size of a mean whose sign is not in doubt
 const MILLI = 1000.0; // [mm/m]
 
@@ -96,7 +98,9 @@ export function answerOf(data, engine, state) {
     colour: regime.colour,
     speedText,
     warnings: [...doubtsOf(one), ...warningsOf(one)],
-    facts: [motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one), ...rareFacts(one)],
+    facts: [
+      ...sharesFacts(one), motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one), ...rareFacts(one),
+    ],
     tables: one.isLost ? [] : [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
     notes: notesOf(one),
   };
@@ -122,6 +126,30 @@ function filledTable(/** @type {string} */ title, /** @type {[string, string][]}
 
 // ------------------------------------------------------------------------------
 // Facts.
+
+/** What parts do that are laid down at any moment, where they do not all move as the one from rest. */
+function sharesFacts(/** @type {Solved} */ one) {
+  const { engine, says, grid, drive, cycle, speed, values, status, regime } = one;
+  const hops = regime.code === engine.known.Regime.HOPPING;
+  if (Number.isNaN(speed) || !(hops || cycle.coexists[0] > 0) || !engine.isFollowed(grid)) return [];
+  const { number, home, irregular, lost, mean, starts, displacement } = engine.attractors(grid);
+  const unit = MILLI * engine.scaleOf(drive) * values.frequency;
+  const rows = Array.from({ length: number }, (_, n) => n).filter((n) => starts[n] > 0);
+  const ordered = [...rows.filter((n) => n === home), ...rows.filter((n) => n !== home)];
+  const kinds = ordered.map((n) => ({ count: starts[n], text: says.share, speed: unit * displacement[n] }));
+  if (irregular) kinds.push({ count: irregular, text: says["share irregular"], speed: unit * mean });
+  if (lost) kinds.push({ count: lost, text: says["share lost"], speed: NaN });
+  const all = engine.known.STARTS;
+  if (status.name === "AVERAGED" ? irregular === all : kinds.length < 2) return [];
+  kinds.sort((a, b) => b.count - a.count);
+  const percent = (/** @type {number} */ count) => Math.floor((100.0 * count) / all + 0.5);
+  const texts = kinds.slice(0, MOST_KINDS).map(({ count, text, speed: own }) =>
+    filledText(text, { share: percent(count), speed: shownText(own, DIGITS_OF_SHARES) }));
+  const others = kinds.slice(MOST_KINDS).reduce((sum, { count }) => sum + count, 0);
+  if (others) texts.push(filledText(says["share of others"], { share: percent(others) }));
+  const note = filledText(says.released, { speed: shownText(speed, DIGITS_OF_SHARES) });
+  return [factOf(one, [says["laid down"], ""], texts.join(", "), note)];
+}
 
 function motionFact(/** @type {Solved} */ one) {
   const { says, regime, speed, error, values } = one;
@@ -380,19 +408,13 @@ function phasesTable(/** @type {Solved} */ one) {
 
 /** A sentence for a status, and for each doubt. @returns {string[]} */
 function notesOf(/** @type {Solved} */ one) {
-  const { engine, says, grid, drive, cycle, status, values } = one;
+  const { says, drive, cycle, status, values } = one;
   const { troughAngle, kineticFriction } = /** @type {any} */ (drive);
   const notes = status.name === "OK" ? [] : [status.message];
-  if (status.name === "AVERAGED") {
-    const found = engine.attractors(grid);
-    const unit = MILLI * engine.scaleOf(drive) * values.frequency;
-    const stable = Array.from({ length: found.number }, (_, n) => n).filter((n) => found.multiplier[n] < 1.0);
-    const speeds = stable.map((n) => unit * found.displacement[n]).sort((a, b) => a - b);
-    const ends = new Set([speeds[0], speeds[speeds.length - 1]].map((speed) => shownText(speed)));
-    if (speeds.length) notes.push(filledText(says["may be captured"], { speeds: [...ends].join(says.to) }));
-  } else if (cycle.coexists[0] > 0) {
+  if (cycle.coexists[0] > 0) {
     const isSteep = Math.abs(Math.tan(troughAngle)) > kineticFriction;
-    notes.push(says[isSteep ? "may run away" : "may settle elsewhere"]);
+    if (isSteep) notes.push(says["may run away"]);
+    else if (!sharesFacts(one).length) notes.push(says["may settle elsewhere"]);
   }
   if (cycle.flight_fraction[0] > 0.0 && values.restitution === 0.0) notes.push(says["no bounce"]);
   return notes;
