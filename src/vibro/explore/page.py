@@ -107,7 +107,7 @@ def page_data(scenes: Sequence[dict[str, Any]]) -> dict[str, Any]:
             kind: [
                 {"name": r.name, "column": r.column, "per_si": r.kind.per_si, "texts": r.texts}
                 for r in results
-                if not r.on_request
+                if not (r.on_request or r.of_starts)
             ]
             for kind, results in (("cycle", RESULTS), ("machine", MACHINE_RESULTS))
         },
