@@ -99,7 +99,8 @@ export function answerOf(data, engine, state) {
     speedText,
     warnings: [...doubtsOf(one), ...warningsOf(one)],
     facts: [
-      ...sharesFacts(one), motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one), ...rareFacts(one),
+      ...sharesFacts(one), motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one),
+      ...rareFacts(one),
     ],
     tables: one.isLost ? [] : [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
     notes: notesOf(one),
