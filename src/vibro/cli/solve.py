@@ -69,8 +69,8 @@ def solve_command(
     output = Output.REGIMES if regimes_only else Output.EXACT
     if speed is not None:
         unused = typed_names(
-            regimes_only=regimes_only, stand_ratio=stand_ratio, columns=columns, pitch=pitch,
-            mass=mass,
+            regimes_only=regimes_only, stand_ratio=stand_ratio, columns=columns,
+            pitch=pitch, mass=mass,
         )  # fmt: skip
         return _target(speed, options, unused, every=every, hopping=hopping)
     if hopping:
