@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from helpers.made_times import LENGTH, made_table, walked_speed
 
@@ -277,3 +278,30 @@ def test_the_length_is_needed_for_times_alone() -> None:
     with pytest.raises(vibro.InputError, match="trough length"):
         vibro.fit_speeds({"amplitude_mm": [1], "traverse_time_s": [3]}, **rest)
     assert vibro.fit_speeds({"amplitude_mm": [1], "mean_velocity_mm_s": [16]}, **rest).parameters
+
+
+def test_a_table_may_be_a_data_frame_and_may_have_times_alone() -> None:
+    times = nut_times(1.4, 1.4)
+    frame = pd.DataFrame({"traverse_time_s": times, "error_percent": [1.0, 1.0]})
+    found = vibro.fit_speeds(dict(frame), amplitude_mm=1.4, friction_ratio=0.77, **NUT)
+    assert holds(found.parameters[0], 0.57)
+    assert found.scene.shape == (2,)
+    with pytest.raises(vibro.InputError, match="table = 3: must be a path or columns"):
+        vibro.fit_speeds(3, **NUT)  # type: ignore[arg-type]
+
+
+def test_parts_that_slide_back_are_fitted_too() -> None:
+    speeds = [
+        walked_speed(1e-3 * a, 15.0, math.radians(5.0), 0.5, 0.4, trough=math.radians(10.0))
+        for a in (1.2, 1.6)
+    ]
+    assert max(speeds) < 0.0
+    rows = {
+        "amplitude_mm": [1.2, 1.6],
+        "mean_velocity_mm_s": [1e3 * v for v in speeds],
+        "error_percent": [1, 1],
+    }
+    rest: dict[str, Any] = {"frequency_hz": 15, "drive_angle_deg": 5, "trough_angle_deg": 10}
+    found = vibro.fit_speeds(rows, friction_ratio=0.8, **rest)
+    assert holds(found.parameters[0], 0.4)
+    assert not found.left_out

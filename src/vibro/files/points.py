@@ -347,7 +347,9 @@ def _cell(cells: list[str], place: int) -> str:
 
 def _sheet_of(table: Mapping[str, Any]) -> _Sheet:
     """Return columns in memory as the text that a file would hold."""
-    columns = {str(key): list(np.atleast_1d(np.asarray(column, object))) for key, column in table.items()}
+    columns = {
+        str(key): list(np.atleast_1d(np.asarray(column, object))) for key, column in dict(table).items()
+    }
     sizes = {key: len(column) for key, column in columns.items()}
     if len(set(sizes.values())) > 1:
         lengths = ", ".join(f"{key} {size}" for key, size in sizes.items())

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.special import chdtrc, ndtri, stdtrit
+from scipy.special import chdtrc, chdtri, fdtri, ndtri, stdtrit
 
 from vibro.axes import AxisSpec, one_value_of
 from vibro.errors import InputError, cut, shown
@@ -69,8 +69,8 @@ _MOST_SPLITS: Final = 60
 _AT_ONCE: Final = 20_000  # scenes in memory
 _STARTS: Final = 4  # of least squares
 _CLOSER: Final = 5  # refinements of an extreme speed, each by a factor of 4
+_DRAWS: Final = 3, 24  # rounds of points that are drawn around a start, and of these
 _STEP: Final = 1e-4  # of the values that are tried, for derivatives
-_QUANTILE: Final = 0.5 + 0.5 * TOL.confidence
 _ROUNDS: Final = 3  # of the search, where one finds a better fit than it began with,
 _BETTER: Final = 0.02  # of the threshold, by which it must be better
 _USUAL_STEPS: Final = 15  # of the search, for its progress
@@ -241,9 +241,12 @@ def fit_speeds(
     >>> [(p.name, round(p.value, 2)) for p in found.parameters]
     [('kinetic_friction', 0.56)]
     """
-    typed = repr(str(table)) if isinstance(table, str | PathLike) else "table"
-    inputs = inputs_of_call(scene_file, quantities, fit_speeds, typed)
-    rows = read_speeds(table if isinstance(table, Mapping) else Path(table))
+    is_path = isinstance(table, str | PathLike)
+    inputs = inputs_of_call(scene_file, quantities, fit_speeds, repr(str(table)) if is_path else "table")
+    if not is_path and not hasattr(table, "keys"):
+        hint = 'write it like "times.csv", or {"amplitude_mm": [1, 2], "traverse_time_s": [36, 9]}'
+        raise InputError(f"table = {shown(table)}: must be a path or columns by their headers", hint=hint)
+    rows = read_speeds(Path(table) if isinstance(table, str | PathLike) else table)
     names = (fit,) if isinstance(fit, str) else tuple(fit)
     return fit_question(speed_question(rows, inputs, names), progress)
 
@@ -379,14 +382,13 @@ class _Speeds:
     def __init__(self, question: SpeedQuestion) -> None:
         table, request = question.table, question.request
         own = {name: x for name, x in table.settings.items() if name != "trough_length"}
-        shape = (table.measured.size, max(len(own), 1))
-        rows = np.stack([*own.values()], axis=1) if own else np.zeros(shape)
+        rows = np.stack([np.zeros(table.measured.size), *own.values()], axis=1)
         distinct, self.which = np.unique(rows, axis=0, return_inverse=True)
         self.count = len(distinct)
         self.fixed = {name: np.float64(x) for name, x in request.fixed.items() if name != "restitution"}
         self.request, self.frictions = request, question.frictions
         self.bounce = float(request.fixed["restitution"])
-        self.columns = dict(zip(own, distinct.T, strict=True))
+        self.columns = dict(zip(own, distinct.T[1:], strict=True))
         self.fields = self.settings(self.columns)
         self.cost = self.price = 0.0
         self.axes: list[_Axis] = []
@@ -634,6 +636,8 @@ class _Search:
         squares = _squares(r * weight, d, scale)
         squares = squares if within is None else np.where(within, squares, np.inf)
         starts = self.points[np.argsort(squares, kind="stable")[: _STARTS if within is None else 1]]
+        if "restitution" in [axis.name for axis in self.speeds.axes]:
+            starts = np.array([self._nearby(start, weight, scale) for start in starts])
 
         def residual(point: Floats) -> Floats:
             one, error = self(np.clip(point, 0.0, 1.0)[None])
@@ -648,6 +652,16 @@ class _Search:
             ends.append(least_squares(residual, inner, bounds=bounds, diff_step=steps, max_nfev=30).x)
         values = [float(np.square(residual(end)).sum()) for end in ends]
         return np.asarray(ends[int(np.argmin(values))])
+
+    def _nearby(self, point: Floats, weight: Floats, scale: float) -> Floats:
+        """Return the best of points that are drawn closer and closer to a point, as hops have no slopes."""
+        random, widths = np.random.default_rng(0), 1.0 / self.speeds.cells
+        for _ in range(_DRAWS[0]):
+            drawn = point + widths * random.uniform(-1.0, 1.0, (_DRAWS[1], point.size))
+            points = np.concatenate([point[None], np.clip(drawn, 0.0, 1.0)])
+            r, d = self(points)
+            point, widths = points[np.argmin(_squares(r * weight, d, scale))], widths / 3.0
+        return point
 
     def squares(self, point: Floats, scale: float) -> float:
         """Return the misfit at a point."""
@@ -791,7 +805,7 @@ def fit_question(
         scale, error_is = _scale(search, best, free)
         if not names:
             break
-        root = float(stdtrit(free, _QUANTILE) if error_is in ("scatter", "widened") else ndtri(_QUANTILE))
+        root = _threshold(names, free if error_is in ("scatter", "widened") else 0)
         least = search.squares(best, scale)
         region = search.region(scale, least + root**2, report)
         if _squares(*search.found, scale).min() > least - _BETTER * root**2:
@@ -813,6 +827,18 @@ def fit_question(
         reach[speeds.which], ahead, (), speeds.of_rows(best),
     )  # fmt: skip
     return replace(found, statements=tuple(_statements(found, question, speeds, region)))
+
+
+def _threshold(names: Sequence[str], free: int) -> float:
+    """Return the root of the increase of the misfit at the ends of intervals.
+
+    Hops depend on restitution as irregularly as noise, so that the least misfit is one of many: there the
+    threshold is that of all quantities together. ``free`` is 0 where the error is known.
+    """
+    count = len(names) if "restitution" in names else 1
+    if free:
+        return math.sqrt(count * fdtri(count, free, TOL.confidence))
+    return math.sqrt(chdtri(count, 1.0 - TOL.confidence))
 
 
 def _chosen(question: SpeedQuestion, speeds: _Speeds) -> tuple[str, ...]:
@@ -1018,9 +1044,12 @@ def _statements(
     if {*_FRICTIONS} & {*names} and not {*_FRICTIONS} <= {*names} and not speeds.known:
         said.append(f"mu_d/mu_s is taken as {USUAL_RATIO:g}, which is usual; give mu_s, or the ratio")
     if found.error_is == "assumed" and names:
+        percent = f"{100.0 * found.error:.2g} % is assumed" + ", which rounding makes" * (
+            found.error > _ASSUMED
+        )
         said.append(
-            f"nothing tells the error of a {_measured(found)}: {100.0 * found.error:.2g} % is assumed; repeat"
-            " rows, or give a column error_percent"
+            f"nothing tells the error of a {_measured(found)}: {percent}; repeat rows, or give a column"
+            " error_percent"
         )
     if found.error_is == "widened":
         ratio = found.error / float(np.median(_relative(found)))
@@ -1032,9 +1061,8 @@ def _statements(
         if is_untold(parameter):
             said.append(f"these rows cannot tell {letter}: all values that are tried fit")
         elif parameter.open_low or parameter.open_high:
-            ends = [f"below {pieces[0][1]:.3g}"] * parameter.open_low
-            ends += [f"above {pieces[-1][0]:.3g}"] * parameter.open_high
-            said.append(f"these rows set no limit to {letter} {' and '.join(ends)}")
+            ends = ["lower"] * parameter.open_low + ["upper"] * parameter.open_high
+            said.append(f"these rows give {letter} no {' and no '.join(ends)} limit")
         if len(pieces) > 1:
             said.append(
                 f"{len(pieces)} separate ranges of {letter} fit, as the speed rises and falls with it"
