@@ -3,7 +3,7 @@ Speed of all parts
 ==================
 
 At the frequency and the angle of the chosen design: the slowest and the fastest part over the amplitude,
-with the nominal part between them. The grey window has the amplitudes at which the goal is guaranteed;
+with the nominal part between them. The grey window has the amplitudes that keep the goal;
 its width is the margin for setting the feeder. The command writes ``out/design-band.png``; Python finds
 the window of any scene; ``limit`` is the largest amplitude of the design's drive.
 
