@@ -338,3 +338,27 @@ def test_a_few_ulp_above_an_onset_a_body_slips_or_rounding_decides(harmonics: in
         assert set(cycle.status[cycle.pattern == "_"]) <= {Status.BOUNDARY}
         if ulps in (0, 64):
             assert set(cycle.status) == {Status.OK if ulps else Status.BOUNDARY}
+
+
+def test_an_interval_a_thousandth_wide_is_found_amid_a_step() -> None:
+    along = [
+        (0.00084053, -0.65019661), (0.00019971, 2.19125973), (9.12186168e-06, 2.0820522),
+        (4.2724601e-05, -1.14157344), (1.91164182e-05, 2.8320665), (1.07262116e-05, -1.52844219),
+        (2.01760851e-05, -3.07228796), (7.59881662e-06, -1.07080817),
+    ]  # fmt: skip
+    normal = [
+        (6.96200754e-06, 1.74286225), (1.49235296e-06, 2.34180824), (1.18309205e-06, 0.90958532),
+        (5.45651682e-07, -1.83783158), (9.11899814e-07, -1.50991417), (4.06431606e-07, -0.7194717),
+        (1.58207654e-07, 0.95494859), (2.68993237e-07, -2.68588552),
+    ]  # fmt: skip
+    friction = {"static_friction": 0.6773332963983565, "kinetic_friction": 0.6578788625919502}
+
+    def at(scale: float) -> Scene:
+        return Scene(
+            along_harmonics=along, normal_harmonics=normal, motion_scale=scale, frequency=20.0, **friction
+        )
+
+    spans = intervals(at(1.0))["continuous sliding"]
+    assert [low for low, _ in spans] == pytest.approx([1.2269, 3.2437, 3.9166], rel=1e-4)
+    assert spans[1][1] == pytest.approx(3.2462, rel=1e-4)
+    assert check_ends(at, 10.0) == 7

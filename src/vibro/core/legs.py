@@ -184,13 +184,17 @@ def _onward(now: Moved, s: float) -> Moved:
 
 
 class WaveSlide(NamedTuple):
-    """A slide: as ``_SlideEnd`` and, relative to its way, its path."""
+    """A slide: as ``_SlideEnd`` and, relative to its way, its path.
+
+    ``spare`` is the speed by which it would have to change to stop at another minimum of it [A w].
+    """
 
     length: float
     stopped: bool
     speed: float
     top: float
     path: float
+    spare: float
 
 
 def first_ahead(waves: Waves, row: int, phase: float) -> int:
@@ -238,7 +242,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         # rounding has put the onset in front of the phase from which the load exceeds friction
         index, rises = index + 1, False
     drop, noise = -TURN * mix.constant, _noise(waves)
-    low, top, least, minima = Left(0.0, speed, start.load, 0.0), speed, INF, 0
+    low, top, least, minima, spare = Left(0.0, speed, start.load, 0.0), speed, INF, 0, INF
     for _ in range(_FOLLOWED_TURNS * count):
         far = ahead(waves, row, phase, index)
         if far >= limit:
@@ -246,11 +250,13 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
             high = _speed_now(fall, limit, then)
             if not (high.value <= noise and rises):
                 end = max(high.value, 0.0)
-                return WaveSlide(limit, False, end, max(top, high.value), speed * limit + then.path)
+                return WaveSlide(limit, False, end, max(top, high.value), speed * limit + then.path, spare)
         else:
             high = _at_node(fall, row, index, far, start.integral)
+        if rises:
+            spare = min(spare, abs(high.value))
         if high.value <= noise and rises:
-            return _stopped(fall, crossing(fall, low, high), top)
+            return _stopped(fall, crossing(fall, low, high), top, spare)
         top = max(top, high.value)
         if rises:
             least = min(least, high.value)
@@ -259,13 +265,13 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         if minima >= count and rises and limit == INF:
             # all minima of a turn were passed, and all maxima: each turn takes as much from them
             if not drop > 0.0 or least / drop > _MOST_TURNS:
-                return WaveSlide(INF, False, NAN, NAN, NAN)
+                return WaveSlide(INF, False, NAN, NAN, NAN, INF)
             turns = float(math.floor(least / drop))
             if turns >= 1.0:
                 index += count * int(turns)
                 low = _at_node(fall, row, index - 1, ahead(waves, row, phase, index - 1), start.integral)
             least, minima = INF, 0
-    return WaveSlide(NAN, False, NAN, NAN, NAN)
+    return WaveSlide(NAN, False, NAN, NAN, NAN, INF)
 
 
 def _find(waves: Waves, row: int, mix: Mix) -> None:
@@ -290,20 +296,20 @@ def _monotone(fall: Fall, limit: float) -> WaveSlide:
     drop = -TURN * fall.mix.constant
     if limit == INF:
         if not drop > 0.0 or fall.value / drop > _MOST_TURNS:
-            return WaveSlide(INF, False, NAN, NAN, NAN)
+            return WaveSlide(INF, False, NAN, NAN, NAN, INF)
         limit = TURN * (math.floor(fall.value / drop) + 1.0)
     then = _fallen(fall, limit)
     high = _speed_now(fall, limit, then)
     if high.value > 0.0:
         path = fall.value * limit + then.path
-        return WaveSlide(limit, False, high.value, max(fall.value, high.value), path)
+        return WaveSlide(limit, False, high.value, max(fall.value, high.value), path, INF)
     if fall.value == 0.0:
-        return WaveSlide(0.0, True, 0.0, 0.0, 0.0)
-    return _stopped(fall, crossing(fall, left_after(fall, 0.0), high), fall.value)
+        return WaveSlide(0.0, True, 0.0, 0.0, 0.0, INF)
+    return _stopped(fall, crossing(fall, left_after(fall, 0.0), high), fall.value, INF)
 
 
-def _stopped(fall: Fall, stop: Crossing, top: float) -> WaveSlide:
-    return WaveSlide(stop.phase, True, 0.0, top, fall.value * stop.phase + stop.moved.path)
+def _stopped(fall: Fall, stop: Crossing, top: float, spare: float) -> WaveSlide:
+    return WaveSlide(stop.phase, True, 0.0, top, fall.value * stop.phase + stop.moved.path, spare)
 
 
 # [1] Loads beyond this stop a slide at once, and would overflow in the sums and products below.
@@ -628,6 +634,9 @@ class Leg(NamedTuple):
         Largest speed.
     settled : bool
         Whether its end was found to rounding.
+    spare : float
+        How much its phases and speeds, over the loads, may change until another leg follows; inf of one
+        harmonic [rad].
     """
 
     length: float
@@ -638,6 +647,7 @@ class Leg(NamedTuple):
     gain: float
     top: float
     settled: bool
+    spare: float
 
 
 def contact_leg(track: Track, mode: int, phase: float, velocity: float, limit: float) -> Leg:
@@ -665,7 +675,8 @@ def _rest(track: Track, phase: float, limit: float) -> Leg:
     """Rest until the nearer onset, which forgets the velocity before."""
     ahead, behind = next_onset(track, 1.0, phase).wait, next_onset(track, -1.0, phase).wait
     next_mode = Mode.FORWARD if ahead <= behind else Mode.BACK
-    return Leg(min(ahead, behind, limit), 0.0, 0.0, next_mode, 0.0, 0.0, 0.0, True)
+    wait = min(ahead, behind)
+    return Leg(min(wait, limit), 0.0, 0.0, next_mode, 0.0, 0.0, 0.0, True, wait)
 
 
 def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, limit: float) -> Leg:
@@ -675,13 +686,13 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
         slid = slide_over_waves(loads, way, phase, speed, limit)
         found = _SlideEnd(slid.length, slid.stopped, slid.speed, slid.top, math.isfinite(slid.length))
         if slid.length == INF:
-            return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
+            return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True, INF)
         before, then = ride(loads.waves, phase, 0.0), ride(loads.waves, phase, slid.length)
         pressed = loads.weight_normal * slid.length + (then.velocity - before.velocity)
-        return _lifted_off(loads, found, way, slid.path, pressed, then)
+        return _lifted_off(loads, found, way, slid.path, pressed, then)._replace(spare=slid.spare)
     end = slide_from_speed(at, phase, speed, limit)
     if end.length == INF:
-        return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
+        return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True, INF)
     sine, cosine = math.sin(phase), math.cos(phase)
     own_sine, own_cosine = sine, cosine
     if not loads.line:
@@ -708,4 +719,6 @@ def _lifted_off(loads: Loads, end: _SlideEnd, way: float, path: float, impulse: 
             against = way * (loads.weight_tangential - then.along)
             next_mode = Mode.BACK if way > 0.0 else Mode.FORWARD
             gain = (against - friction) / (against + friction)
-    return Leg(end.length, way * end.speed, way * path, next_mode, way * impulse, gain, end.top, end.settled)
+    return Leg(
+        end.length, way * end.speed, way * path, next_mode, way * impulse, gain, end.top, end.settled, INF
+    )

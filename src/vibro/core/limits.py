@@ -194,11 +194,19 @@ _NEAR: Final = 1e-12
 _COARSE: Final = 1e-5
 _FINE: Final = 4.0 * EPS  # [1] the same of a class that begins or ends
 _HALVINGS_OF_SCALES: Final = 80  # of a step; the longest takes 58
+# [1] A step is halved, down to this relative width, where what the pattern has to spare falls so fast that it
+# would be lost in the step: there may be another pattern amid it.
+_FINEST: Final = 1e-4
+_MOST_HALVED: Final = 1_000  # steps in place of one
 _MOST_CHANGES: Final = 1_000  # of the pattern; the most that were met are 40
 
 
 class _Scaled(NamedTuple):
-    """A scene, its thresholds at scale 1, both onsets, just above the later one, and the range to look at."""
+    """A scene, its thresholds at scale 1, both onsets, the range to look at, and the hop.
+
+    ``later`` is just above the later onset. Where kinetic friction holds gravity a body that slips one way
+    alone stops in every turn: between both onsets it has one class, and ``begin`` is ``later``.
+    """
 
     loads: Loads
     at: Thresholds
@@ -206,6 +214,7 @@ class _Scaled(NamedTuple):
     back: float
     later: float
     low: float
+    begin: float
     high: float
     hop: float
 
@@ -226,7 +235,9 @@ def _scaled(loads: Loads) -> _Scaled:
     forward, back = _onset(capacity + t, at.forward_load), _onset(capacity - t, at.back_load)
     low = min(forward, back)
     high = min(hop, _MOST_SCALE * low) if low < INF else low
-    return _Scaled(loads, at, forward, back, max(forward, back) * (1.0 + _NEAR), low, high, hop)
+    later = max(forward, back) * (1.0 + _NEAR)
+    held = loads.kinetic_friction * loads.weight_normal > abs(loads.weight_tangential)
+    return _Scaled(loads, at, forward, back, later, low, later if held else low, high, hop)
 
 
 def _classes_at(scaled: _Scaled, scale: float) -> Classes:
@@ -243,7 +254,7 @@ def _scale_at(scaled: _Scaled, index: int) -> float:
     if index >= _SCALES:
         return scaled.high
     share = 0.5 - 0.5 * math.cos(PI * index / _SCALES)
-    return scaled.low * math.exp(share * math.log(scaled.high / scaled.low))
+    return scaled.begin * math.exp(share * math.log(scaled.high / scaled.begin))
 
 
 def _first(scaled: _Scaled) -> _Stretch:
@@ -254,6 +265,11 @@ def _first(scaled: _Scaled) -> _Stretch:
 def _next(scaled: _Scaled, here: _Stretch) -> _Stretch:
     """Find the next scale from which on the pattern is another one; inf if there is none."""
     low = here.scale
+    if low < scaled.begin:
+        if not scaled.begin < scaled.high:
+            return _Stretch(INF, _SCALES, here.classes)
+        return _Stretch(scaled.begin, 1, _classes_at(scaled, scaled.begin))
+    before, spare, earlier = 0.0, here.classes.spare, 0.0
     for index in range(here.step, _SCALES + 1):
         high = _scale_at(scaled, index)
         if low < scaled.later < high:
@@ -261,11 +277,17 @@ def _next(scaled: _Scaled, here: _Stretch) -> _Stretch:
             if not _is_same(then, here.classes):
                 return _enclosed(scaled, here, index, low, scaled.later, then)
             low = scaled.later
-        if high > low:
+        for _ in range(_MOST_HALVED):
+            if not high > low:
+                break
             then = _classes_at(scaled, high)
             if not _is_same(then, here.classes):
                 return _enclosed(scaled, here, index, low, high, then)
-            low = high
+            falls = (before - spare) / (low - earlier)
+            if high > low * (1.0 + _FINEST) and falls * (high - low) > spare:
+                high = 0.5 * (low + high)
+                continue
+            before, spare, earlier, low, high = spare, then.spare, low, high, _scale_at(scaled, index)
     return _Stretch(INF, _SCALES, here.classes)
 
 
@@ -351,7 +373,7 @@ def write_spans(loads: Loads, out: Doubles, counts: Integers, room: int) -> None
     out[closed], out[closed + 1], out[closed + 2] = end, scaled.forward, scaled.back
     if scaled.low == 0.0:
         forward = loads.weight_tangential <= 0.0
-        _mark(Classes(1, forward, not forward, rest=False), 0.0, out, counts, room)
+        _mark(Classes(1, forward, not forward, rest=False, spare=INF), 0.0, out, counts, room)
     else:
         here = _first(scaled)
         for _ in range(_MOST_CHANGES):
@@ -359,7 +381,7 @@ def write_spans(loads: Loads, out: Doubles, counts: Integers, room: int) -> None
                 break
             _mark(here.classes, _told(scaled, here.scale), out, counts, room)
             here = _next(scaled, here)
-    _mark(Classes(1, forward=False, back=False, rest=True), end, out, counts, room)
+    _mark(Classes(1, forward=False, back=False, rest=True, spare=INF), end, out, counts, room)
 
 
 def _told(scaled: _Scaled, scale: float) -> float:

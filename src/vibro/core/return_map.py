@@ -104,6 +104,8 @@ class Return(NamedTuple):
         Whether there are slides forward, slides back, and rests among them.
     settled : bool
         Whether every slide was solved.
+    spare : float
+        The least of its legs in contact.
     """
 
     velocity: float
@@ -118,11 +120,12 @@ class Return(NamedTuple):
     back: bool
     rest: bool
     settled: bool
+    spare: float
 
 
 def _begun(velocity: float) -> Return:
     """Begin a cycle."""
-    return Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0.0, 0, 0, False, False, False, True)
+    return Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0.0, 0, 0, False, False, False, True, INF)
 
 
 def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: Hops, row: int) -> None:
@@ -265,6 +268,7 @@ def spell(
             out.back,
             out.rest,
             out.settled,
+            out.spare,
         )
         if hops.rest[row] > 0.0:
             out = _contact(
@@ -303,6 +307,7 @@ def _contact(
             out.back or mode == Mode.BACK,
             out.rest or mode == Mode.REST,
             out.settled and leg.settled,
+            min(out.spare, leg.spare),
         )
         if not leg.length < left - CLOSE:
             return out

@@ -48,12 +48,15 @@ class Classes(NamedTuple):
         Digits of ``Mode``, as ``canonical`` gives them, or a negative mark; 0 where the cycle is unknown.
     forward, back, rest : bool
         Whether the body slides forward, slides back, and rests; none of them where the cycle is unknown.
+    spare : float
+        How far it is from other legs: ``Return.spare``; inf where that is not known.
     """
 
     pattern: int
     forward: bool
     back: bool
     rest: bool
+    spare: float
 
 
 class _Settled(NamedTuple):
@@ -102,7 +105,7 @@ def wave_classes(loads: Loads, at: Thresholds) -> Classes:
     if _is_unbounded(at):
         return _unknown()
     if not (at.forward or at.back):
-        return Classes(Mode.REST, forward=False, back=False, rest=True)
+        return Classes(Mode.REST, forward=False, back=False, rest=True, spare=INF)
     if _is_heavy(loads):
         return _unknown()
     settled = _settle(loads, at)
@@ -118,7 +121,7 @@ def write_contact_letters(loads: Loads, at: Thresholds, out: Bytes, room: int) -
 
 
 def _unknown() -> Classes:
-    return Classes(0, forward=False, back=False, rest=False)
+    return Classes(0, forward=False, back=False, rest=False, spare=INF)
 
 
 def _is_loose(loads: Loads) -> bool:
@@ -199,8 +202,8 @@ def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
     now = home.cycle
     if home.status == Status.RUNAWAY:
         down = cycle.track.loads.weight_tangential > 0.0
-        return Classes(Mode.BACK if down else Mode.FORWARD, not down, down, rest=False)
-    return Classes(canonical(now.pattern), now.forward, now.back, now.rest)
+        return Classes(Mode.BACK if down else Mode.FORWARD, not down, down, rest=False, spare=INF)
+    return Classes(canonical(now.pattern), now.forward, now.back, now.rest, now.spare)
 
 
 def canonical(pattern: int) -> int:
