@@ -24,7 +24,8 @@ def test_json_has_the_keys_of_a_table(run: Run) -> None:
     answer = json.loads(result.stdout)
     extra = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_MULTIPLIER)
     columns = [column.name for column in columns_of((), *extra, made_with=["restitution"])]
-    assert list(answer) == [*columns, "beginnings", "sensitivities", "phases"]
+    assert list(answer) == [*columns, "over_restitution", "beginnings", "sensitivities", "phases"]
+    assert answer["over_restitution"] is None  # no part hops
     assert answer["mean_velocity_mm_s"] == pytest.approx(16.263456166287, rel=1e-13)
     assert answer["regime"] == "forward-slip"
     assert answer["pattern"] == "F_"

@@ -27,7 +27,7 @@ OVAL: dict[str, Any] = {
 
 
 def extreme(speed: float, scene: Scene | None = None) -> Extreme:
-    return Extreme(speed, np.zeros((5, 1)), scene or scene_with())
+    return Extreme(speed, np.zeros((6, 1)), scene or scene_with())
 
 
 def boxed(*proofs: float) -> Certificate:

@@ -37,6 +37,14 @@ def cycle(**fields: Any) -> Any:
     return SimpleNamespace(**{name: np.array(values) for name, values in fields.items()})
 
 
+def known(speeds: Any) -> Any:
+    """Cycles of bodies that hop, unresolved where the speed is NaN."""
+    status = np.where(np.isnan(speeds), Status.UNRESOLVED, Status.OK)
+    none = np.zeros(status.shape)
+    fields = {"mean_velocity": speeds, "mean_velocity_error": none, "coexists": none, "status": status}
+    return cycle(regime=np.full(status.shape, Regime.HOPPING), **fields)
+
+
 @pytest.mark.parametrize(
     ("status", "speed", "slow", "fast"),
     [
@@ -102,7 +110,7 @@ def test_a_landing_at_its_limit_is_allowed(impact: float, flight: float, exceeds
 def test_landings_of_a_load_are_those_of_the_fastest_body(banded: tuple[str, ...]) -> None:
     """Where amplitude and frequency both vary one load has harder landings than its slowest body's."""
     box = uncertainty_set(scene_with(amplitude=10e-3, frequency=13.0), {k: HOPPING[k] for k in banded})
-    points = box.points(np.full((5, 1), 0.5))
+    points = box.points(np.full((6, 1), 0.5))
     slow, fast = (vibro.solve(box.scene(points, fast=which)) for which in (False, True))
     soft, hard = float(slow.impact_velocity[0]), float(fast.impact_velocity[0])
     both = len(banded) == 2
@@ -119,14 +127,14 @@ def test_the_worst_landing_is_that_of_the_body_beyond_its_limit_by_most(name: st
     fast = vibro.solve(scene_with(amplitude=10e-3, frequency=12.0))
     hardest = float({"impact_speed": fast.impact_velocity, "flight_fraction": fast.flight_fraction}[name])
     worst = Landings(**{name: 0.9 * hardest}).worst(box)
-    assert worst.tolist() == [[1.0], [0.0], [0.0], [0.0], [0.0]]
-    assert Landings(**{name: hardest}).worst(box).shape == (5, 0)  # at the limit is not beyond it
-    assert ANY_LANDING.worst(box).shape == (5, 0)
+    assert worst.tolist() == [[1.0], [0.0], [0.0], [0.0], [0.0], [0.0]]
+    assert Landings(**{name: hardest}).worst(box).shape == (6, 0)  # at the limit is not beyond it
+    assert ANY_LANDING.worst(box).shape == (6, 0)
 
 
 def test_a_box_in_contact_has_no_landings() -> None:
     box = uncertainty_set(scene_with(), {"static_friction": (0.6, 0.74)})
-    assert Landings(1e-9, 1e-9).worst(box).shape == (5, 0)
+    assert Landings(1e-9, 1e-9).worst(box).shape == (6, 0)
 
 
 def test_the_hardest_landing_may_lie_inside_a_band() -> None:
@@ -137,7 +145,7 @@ def test_the_hardest_landing_may_lie_inside_a_band() -> None:
     assert inside > ends * 1.02  # or the test shows nothing
     box = uncertainty_set(scene_with(amplitude=10e-3), {"frequency": (14.0, 18.0)})
     worst = Landings(impact_speed=0.5 * (inside + ends)).worst(box)
-    assert worst.shape == (5, 1)
+    assert worst.shape == (6, 1)
     assert 0.0 < worst[0, 0] < 1.0
 
 
@@ -148,7 +156,7 @@ def test_of_the_frequencies_of_a_load_the_extreme_one_is_taken(conveys: str, fas
     back: dict[str, Any] = {"drive_angle": 0.05, "trough_angle": 0.3, "kinetic_friction": 0.5}
     scene = scene_with(**({} if conveys == "forward" else back))
     box = uncertainty_set(scene, {"amplitude": (1.4e-3, 2.2e-3), "frequency": (12.0, 15.0)})
-    share = np.array([[0.5], [0.0], [0.0], [0.0], [0.0]])
+    share = np.array([[0.5], [0.0], [0.0], [0.0], [0.0], [0.0]])
     weight = float(box.points(share).load[0]) * 9.81 / (2.0 * math.pi) ** 2
     frequency = np.linspace(math.sqrt(weight / 2.2e-3), 15.0, 9)
     speeds = vibro.solve(replaced(scene, amplitude=weight / frequency**2, frequency=frequency)).mean_velocity
@@ -156,7 +164,7 @@ def test_of_the_frequencies_of_a_load_the_extreme_one_is_taken(conveys: str, fas
     found = taken(box, share, fast=fast, flight=False, seen=Seen())
     assert found.speed == pytest.approx(np.max(speeds) if fast else np.min(speeds), rel=1e-9)
     assert float(np.ravel(vibro.solve(found.scene).mean_velocity)[0]) == found.speed
-    every = np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    every = np.array([[0.0, 1.0], *[[0.0, 0.0]] * 5])
     best, _ = searched(box, fast=fast, boxes=BRIEF, seen=Seen())
     ends = [taken(box, every[:, [i]], fast=fast, flight=False, seen=Seen()).speed for i in range(2)]
     extreme = max(found.speed, *ends) if fast else min(found.speed, *ends)
@@ -195,37 +203,39 @@ def test_parts_run_away_where_the_trough_is_steeper_than_kinetic_friction(
 
 @pytest.mark.parametrize("fast", [False, True])
 def test_hops_without_a_speed_are_excluded_and_counted(fast: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every sampled call in which all bodies hop has one unknown speed here."""
+    """Every sampled call in which all bodies hop has one unknown speed; both extremes share the first."""
     calls = []
 
-    def speeds(scene: Scene, **_: Any) -> Any:
-        values = np.linspace(1.0, 2.0, int(np.prod(scene.shape)))
-        if values.size > 1:
-            calls.append(values.size)
-            values[0] = NAN
-        return values
+    def solved(scene: Scene, **_: Any) -> Any:
+        size = int(np.prod(scene.shape))
+        calls.append(size)
+        return known([NAN] * (size > 1) + [1.0] * (size - (size > 1)))
 
-    monkeypatch.setattr(guarantees, "speeds_of", speeds)
+    monkeypatch.setattr(guarantees, "solve", solved)
     seen = Seen()
     box = uncertainty_set(scene_with(amplitude=6e-3), {"static_friction": (0.6, 0.74)})
-    found = sampled(box, fast=fast, seen=seen)
-    assert seen.excluded == len(calls) == 4
-    assert calls == [2 + 2**11, 2**7, 2**7, 2**7]
+    found = sampled(box, fast=fast, seen=seen, brief=True)
+    assert seen.excluded == 5
+    assert calls == [2 + 2**11, *[2**6] * 4, 1, 1]
     assert math.isfinite(found.speed)
+    calls.clear()
+    sampled(box, fast=not fast, seen=seen, brief=True)
+    assert calls == [*[2**6] * 4, 1, 1]
 
 
-def test_bouncing_bodies_are_sampled_less(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_bodies_are_sampled_than_where_a_slower_one_is_sought(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
 
-    def speeds(scene: Scene, **_: Any) -> Any:
+    def solved(scene: Scene, **_: Any) -> Any:
         calls.append(int(np.prod(scene.shape)))
-        return np.full(calls[-1], NAN)
+        return known([NAN] * calls[-1])
 
-    monkeypatch.setattr(guarantees, "speeds_of", speeds)
+    monkeypatch.setattr(guarantees, "solve", solved)
     scene = scene_with(amplitude=6e-3, restitution=0.3)
-    found = sampled(uncertainty_set(scene, {"static_friction": (0.6, 0.74)}), fast=False, seen=Seen())
+    box = uncertainty_set(scene, {"static_friction": (0.6, 0.74)})
+    found = sampled(box, fast=False, seen=Seen(), brief=False)
     assert math.isnan(found.speed)
-    assert calls == [2 + 2**9, 2**7, 2**7, 2**7]
+    assert calls == [2 + 2**12, *[2**6] * 8]
 
 
 @pytest.mark.parametrize("fast", [False, True])
@@ -245,13 +255,14 @@ def test_samples_are_even_bodies_that_hop_and_whose_speed_is_known(monkeypatch: 
     """Of others nothing is known, and the chance of a slower one is told by those that are."""
     box = uncertainty_set(scene_with(amplitude=4e-3), {"static_friction": (0.7, 0.78)})
     seen = Seen()
-    sampled(box, fast=False, seen=seen)
+    sampled(box, fast=False, seen=seen, brief=True)
     assert (seen.samples, seen.excluded) == (2**11, 0)
 
     def half(scene: Scene, **_: Any) -> Any:
         friction = np.asarray(scene.static_friction)
-        return np.where(friction < 0.74, np.nan, friction)
+        return known(np.where(friction < 0.74, np.nan, friction))
 
-    monkeypatch.setattr(guarantees, "speeds_of", half)
-    sampled(box, fast=False, seen=seen)
+    monkeypatch.setattr(guarantees, "solve", half)
+    seen.hops = None
+    sampled(box, fast=False, seen=seen, brief=True)
     assert seen.samples == pytest.approx(2**10, abs=4)

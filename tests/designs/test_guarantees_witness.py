@@ -153,10 +153,10 @@ def test_hops_are_sampled_and_never_guaranteed() -> None:
     scene = scene_with(amplitude=4e-3)
     found = vibro.guarantee(scene, static_friction=(0.7, 0.74))
     assert found.proof_min == found.proof_max == "sampled"
-    assert found.samples == 2048
+    assert found.samples == 4096
     assert math.isnan(found.proved_min)
     assert math.isnan(found.proved_max)
     assert (found.speed_min, found.speed_max) == (found.found_min, found.found_max)
     table = found._repr_html_()
     assert ">guaranteed<" not in table
-    assert "2048 hopping bodies" in table
+    assert "4096 hopping bodies" in table

@@ -118,7 +118,7 @@ def test_no_sampled_body_is_beyond_a_guarantee(seed: int) -> None:
 def test_bodies_that_hop_are_sampled() -> None:
     hops = vibro.Scene(motion=WAVE, motion_scale=2.0, frequency=22.0, **REST)
     found = vibro.guarantee(hops, static_friction=(0.35, 0.45))
-    assert (found.proof_min, found.proof_max, found.samples) == ("sampled", "sampled", 2048)
+    assert (found.proof_min, found.proof_max, found.samples) == ("sampled", "sampled", 4096)
     assert found.regimes == {Regime.HOPPING}
     one = vibro.guarantee(hops)
     assert one.speed_min == one.speed_max == float(vibro.solve(hops).mean_velocity)

@@ -258,9 +258,9 @@ def test_a_body_joins_that_is_slower_than_the_scenarios(surplus: float, slower: 
     search = line_search(drift={"amplitude_percent": 2})
     setting = on_line(search, 1e-3)
     least = guarantee_of(search._question.box(setting)).found_min
-    search.scenarios = np.full((5, 1), 0.5)
+    search.scenarios = np.full((6, 1), 0.5)
     assert search.confirmed(Optimum(setting, least * (1.0 + surplus)))[1] is slower
-    assert search.scenarios.shape == (5, 1 + slower)
+    assert search.scenarios.shape == (6, 1 + slower)
     assert not search.confirmed(Optimum(setting, least * (1.0 + surplus)))[1]
 
 
@@ -269,8 +269,9 @@ def test_bodies_that_are_slow_to_solve_are_searched_less(
     kind: type[LineOptimiser | EllipseOptimiser],
 ) -> None:
     question = row_question("fastest-05") if kind is LineOptimiser else asked(LOOSE)
-    bouncing = replace(question, spec=replace(question.spec, restitution=0.3))
-    asks = (bouncing, replace(question, highest=Regime.HOPPING), replace(bouncing, highest=Regime.HOPPING))
+    bouncing = replace(question, spec=replace(question.spec, restitution=(0.0, 0.3)))
+    plastic = replace(question, spec=replace(question.spec, restitution=(0.0, 0.0)))
+    asks = (bouncing, replace(plastic, highest=Regime.HOPPING), replace(bouncing, highest=Regime.HOPPING))
     assert tuple(kind(one)._effort for one in asks) == kind._efforts
 
 

@@ -51,7 +51,7 @@ def setting_of(search: LineOptimiser, load: float) -> Setting:
 
 
 HOP = 1.0 / math.sin(ANGLE)
-CLIMB = {"static_friction": 0.45, "kinetic_friction": 0.2, "trough_angle_deg": 10}
+CLIMB = {"static_friction": 0.45, "kinetic_friction": 0.2, "trough_angle_deg": 10, "restitution": 0}
 SLIP = float(critical_loads_of_lines(ANGLE, 0.7, 0.5, 0.0).back_slip)
 
 
@@ -165,7 +165,7 @@ def test_what_limits_a_setting(load: float, highest: Regime, changes: dict[str, 
 @pytest.mark.parametrize(("share", "expected"), [(0.97, "speed"), (0.99, "limit")])
 def test_a_landing_near_its_limit_limits_a_setting(share: float, expected: str) -> None:
     """98 % of a limit on landings count, which are sampled."""
-    single = {"static_friction": 0.74, "kinetic_friction": 0.57}
+    single = {"static_friction": 0.74, "kinetic_friction": 0.57, "restitution": 0}
     free = optimiser(Regime.HOPPING, {"amplitude_mm": "0.5:20"}, scene=single)
     setting = setting_of(free, 6.0)
     scene = free._question.nominal_scene(setting)

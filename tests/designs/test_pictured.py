@@ -134,7 +134,7 @@ def test_a_part_that_hops_has_passed_the_lower_regimes() -> None:
 def test_landings_are_shown_where_they_have_a_limit(limits: tuple[str, ...]) -> None:
     """Of the drift of a load the lowest frequency lands hardest."""
     goal = {"speed_mm_s": 5, "highest_regime": "hopping"} | dict.fromkeys(limits, 0.5)
-    single = {"static_friction": 0.5, "kinetic_friction": 0.4}
+    single = {"static_friction": 0.5, "kinetic_friction": 0.4, "restitution": 0}
     spec, choice = chosen(
         scene=single, goal=goal, drift={"amplitude_percent": 8, "frequency_percent": 5},
         drive=[{**DRIVE, "amplitude_mm": "1:12", "frequency_hz": 15}],
@@ -189,7 +189,7 @@ def test_parts_tip_or_hop(ratio: float, by_hop: bool) -> None:
 
 @pytest.mark.parametrize(("bands", "count"), [(0, 1), (1, 3), (2, 9), (4, 81), (5, 32)])
 def test_bodies_are_corners_and_middles_of_few_bands(bands: int, count: int) -> None:
-    scene: dict[str, Any] = {"static_friction": 0.5, "friction_ratio": 0.7}
+    scene: dict[str, Any] = {"static_friction": 0.5, "friction_ratio": 0.7, "restitution": 0.2}
     drift: dict[str, Any] = {}
     for (table, key), value in [
         ((scene, "static_friction"), "0.4:0.5"), ((scene, "friction_ratio"), "0.7:0.8"),
@@ -200,7 +200,7 @@ def test_bodies_are_corners_and_middles_of_few_bands(bands: int, count: int) -> 
     box = box_of(scene, drift)
     assert box.varies.sum() == bands
     bodies = _bodies(box)
-    assert bodies.shape == (5, count)
+    assert bodies.shape == (6, count)
     assert len({tuple(column) for column in bodies.T}) == count
     assert set(bodies[box.varies].ravel()) == (
         set() if not bands else {0.0, 1.0} | ({0.5} if bands < 5 else set())
@@ -210,7 +210,7 @@ def test_bodies_are_corners_and_middles_of_few_bands(bands: int, count: int) -> 
 
 @pytest.mark.parametrize(("restitution", "points"), [(0.0, 801), (0.3, 81)])
 def test_both_sides_of_every_jump_are_drawn(restitution: float, points: int) -> None:
-    spec = replace(chosen()[0], restitution=restitution)
+    spec = replace(chosen()[0], restitution=(0.0, restitution))
     begins = {Regime.FORWARD_SLIP: (0.5, 1.0), Regime.BACK_SLIP: (3.3, 8.0), Regime.HOPPING: (9.0, math.inf)}
     values = _with_jumps(1.0, 8.0, begins, spec)
     assert values.size == points + 2  # ends and what lies beyond are no jumps within

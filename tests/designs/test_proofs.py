@@ -46,7 +46,7 @@ drawn = boxes(drifts=True)
 def grid_of(box: UncertaintySet) -> Any:
     """All combinations of values of angles and frictions, the ends of the bands among them."""
     shares = np.linspace(0.0, 1.0, COUNT)
-    grid = np.array(np.meshgrid([0.0], *[shares] * 4, indexing="ij")).reshape(5, -1)
+    grid = np.array(np.meshgrid([0.0], *[shares] * 4, [0.0], indexing="ij")).reshape(6, -1)
     return box.points(grid)
 
 

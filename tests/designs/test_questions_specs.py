@@ -66,7 +66,8 @@ def test_what_is_left_out_of_a_question() -> None:
     assert (LINE.space, OVAL.space) == (SPACES[Line], SPACES[Ellipse])
     assert Goal(0.1) == Goal(0.1, Regime.BACK_SLIP, math.inf, math.inf)
     spec = Spec({}, (LINE,), Goal(0.1))
-    assert (spec.gravity, spec.restitution, spec.stand_ratio, spec.length) == (9.81, 0.0, math.inf, None)
+    assert (spec.gravity, spec.restitution, spec.stand_ratio, spec.length) == (9.81, None, math.inf, None)
+    assert (spec.bounces, spec.has_bands) == ((0.0, 0.5), False)
     assert spec.drift == Drift(0.0, 0.0, 0.0, 0.0, 0.0)
 
 

@@ -99,8 +99,11 @@ def test_bodies_that_hop_smoothly_have_costs(pattern: str, changes: dict[str, fl
     scene = scene_with(**changes)
     assert vibro.solve(scene).pattern == pattern
     costs = numbers(scene)
-    assert list(costs) == NAMES
+    assert list(costs) == [*NAMES, "restitution"]
     speed = float(vibro.solve(scene).mean_velocity)
+    bounces = [scene_speed(scene, restitution=1e-4 * k) for k in range(5)]
+    slope = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) @ bounces / 12e-4
+    assert costs.pop("restitution") == pytest.approx(slope / speed, rel=1e-3, abs=1e-5)
     for name, cost in costs.items():
         field = name.removesuffix("_deg")
         value = float(getattr(scene, field))
@@ -124,7 +127,7 @@ def test_at_equal_frictions_the_side_that_can_be_is_taken() -> None:
 def test_irregular_hops_have_no_costs() -> None:
     irregular = scene_with(amplitude=10.7e-3, restitution=0.5)
     assert vibro.solve(irregular).status == vibro.Status.AVERAGED
-    assert speed_costs(irregular) == dict.fromkeys(NAMES, "hops: irregular")
+    assert speed_costs(irregular) == dict.fromkeys([*NAMES, "restitution"], "hops: irregular")
 
 
 def hops_at(amplitude: Any, restitution: float = 0.0) -> vibro.Scene:

@@ -89,7 +89,7 @@ def test_a_box_has_the_values_of_the_scene_and_of_its_bands() -> None:
         (0.5, 0.6),
         (0.0, 0.0),
     )
-    assert (box.gravity, box.restitution) == (1.62, 0.1)
+    assert (box.gravity, box.restitution) == (1.62, (0.1, 0.1))
     line = uncertainty_set(scene_with(), {"amplitude": (1e-3, 2e-3), "kinetic_friction": (0.5, 0.6)})
     assert (line.factor, line.is_ratio, line.second_friction) == ((1e-3, 2e-3), False, (0.5, 0.6))
 

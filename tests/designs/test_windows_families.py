@@ -92,7 +92,7 @@ class Known(_Scan):
 
 
 def scan(speed: Callable[[Floats], Floats], target: float, *changes: float) -> Known:
-    return Known(family(), np.zeros((5, 1)), target, False, speed, changes)
+    return Known(family(), np.zeros((6, 1)), target, False, speed, changes)
 
 
 def test_ends_of_parts_are_where_the_speed_crosses_the_target() -> None:
@@ -157,7 +157,7 @@ def test_what_lies_beyond_the_cap_does_not_count() -> None:
 
 def test_bodies_that_land_too_hard_are_slowest() -> None:
     """Of two parts of the published example, thrown at 6 mm."""
-    bodies = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
+    bodies = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 1.0], *[[0.0, 0.0]] * 2])
     hardest = float(solve(scene_with(amplitude=6e-3)).impact_velocity)
     bands: dict[str, Any] = {"static_friction": (0.6, 0.74)}
     for share, allowed in ((1.001, True), (0.999, False)):
@@ -206,10 +206,10 @@ def test_only_the_part_around_an_amplitude_is_returned(near: float, index: int |
 
 
 def extreme(speed: float) -> Extreme:
-    return Extreme(speed, np.zeros((5, 1)), scene_with())
+    return Extreme(speed, np.zeros((6, 1)), scene_with())
 
 
-NONE = np.empty((5, 0))
+NONE = np.empty((6, 0))
 
 
 def slowest_of(
@@ -238,7 +238,7 @@ def test_a_jump_is_named_by_the_regimes_beside_it(
     slowest_of(monkeypatch, lambda _: 0.0)
     assert family().set_by(inside, outside, 1.0, 1e-6 if expected == "speed" else 0.0) == expected
     assert family().set_by(inside, outside, 0.0) == "unconfirmed"
-    slowest_of(monkeypatch, lambda _: 0.0, np.zeros((5, 1)))
+    slowest_of(monkeypatch, lambda _: 0.0, np.zeros((6, 1)))
     assert family().set_by(inside, outside, 0.0) == "limit"
 
 
@@ -278,7 +278,7 @@ def test_parts_of_an_interval_are_confirmed(monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize(
     ("speed", "landing", "holds"),
-    [(1.0, NONE, True), (1.0 - 5e-10, NONE, True), (1.0 - 2e-9, NONE, False), (2.0, np.zeros((5, 1)), False)],
+    [(1.0, NONE, True), (1.0 - 5e-10, NONE, True), (1.0 - 2e-9, NONE, False), (2.0, np.zeros((6, 1)), False)],
 )
 def test_a_range_holds_that_is_fast_enough_and_lands_softly(
     speed: float, landing: Any, holds: bool, monkeypatch: pytest.MonkeyPatch
@@ -323,7 +323,7 @@ def test_bodies_that_are_slow_to_solve_are_scanned_less(
     monkeypatch.setattr(_Scan, "parts", parts)
     monkeypatch.setattr(Family, "_confirmed", lambda *_: [whole._replace(low=2e-3)])
     made = family(**bands)
-    made = replace(made, template=replace(made.template, restitution=restitution))
+    made = replace(made, template=replace(made.template, restitution=(restitution,) * 2))
     found = made.intervals(0.01, highest, 2.5e-3, near=7.0)
     onset = one_load("forward_onset", static_friction=0.8 if bands else 0.74)
     assert details == [(pytest.approx(onset), 2.5e-3, points, highest is Regime.HOPPING, 7.0)]

@@ -46,7 +46,8 @@ def answers() -> dict[str, Any]:
 def _known(grid: Grid) -> tuple[OneScene, dict[str, Any]]:
     (block,) = sweep_blocks(grid)
     one = OneScene(block)
-    answer = scene_answer(one, grid, {}, {}, every=True)
+    assumes = one.given["restitution"] == 0.0
+    answer = scene_answer(one, grid, {}, {}, every=True, assumes_plastic=assumes)
     return one, {
         "facts": [{"label": fact.label, "text": fact.text} for fact in answer.facts],
         "tables": [

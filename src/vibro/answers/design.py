@@ -50,7 +50,7 @@ _PROOFS: Final[Mapping[str, str]] = {
 # What people call the columns of designs: the usual ones, others, those where no drive meets the goal.
 _USUAL: Final = {
     "amplitude_empty_mm": "empty", "speed_min_mm_s": "guaranteed", "speed_found_mm_s": "found",
-    "margin": "margin", "set_by": "set by", "proof": "proof",
+    "margin": "margin", "set_by": "set by", "proof": "proof", "restitution": "restitution",
 }  # fmt: skip
 _RARE: Final = {
     "acceleration_g": "acceleration", "amplitude_least_mm": "least", "amplitude_most_mm": "most",
@@ -60,12 +60,16 @@ _REACHED: Final = {
     "speed_min_mm_s": "guaranteed", "speed_found_mm_s": "found", "set_by": "set by",
     "frequency_needed_hz": "nearest",
     "amplitude_needed_mm": "amplitude", "stroke_needed_mm": "stroke", "motion_scale_needed": "scale",
+    "restitution": "restitution",
 }  # fmt: skip
 _UNITS: Final = {column.name: column.unit for column in DESIGN_COLUMNS}
 _IS_UPPER: Final = {
     "acceleration_g": True, "speed_max_mm_s": True, "speed_min_mm_s": False, "speed_found_mm_s": False,
     "margin": False,
 }  # fmt: skip
+_ASSUMED: Final = (
+    "restitution: none is given, so parts that hop are computed over 0 to 0.5; give your own band in [scene]"
+)
 _FILLED: Final = (
     "filling: speeds hold from the least to the most amplitude; that no voltage and filling makes others, and"
     " that the goal is kept with the second harmonic, is sampled, not proved"
@@ -144,6 +148,8 @@ def _chosen(spec: Spec, result: DesignResult, chosen: Chosen | None) -> Iterator
     else:
         rate = bound(METRES_PER_MINUTE * speed, "m/min", upper=False, digits=_DIGITS)
         least = bound(speed, "mm/s", upper=False, digits=_DIGITS)
+        bounces = f"restitution {design.restitution}" if design.restitution else ""
+        rate = "; ".join(filter(None, [rate, bounces]))
         if design.is_guaranteed:
             yield Fact("every part", f"at least {least}", note=rate)
         else:
@@ -194,7 +200,8 @@ def _margin(design: Design) -> Fact:
     may = "may be that many times as wide" if design.margin >= 1.0 else "would have to shrink to this share"
     least = bound(min(design.margin, _MOST_MARGIN), upper=False, digits=_DIGITS)
     more = " or more" if design.margin >= _MOST_MARGIN else ""
-    return Fact("margin", f"{least}{more}", note=f"all bands and drifts {may}")
+    but = " but that of restitution" if design.restitution else ""
+    return Fact("margin", f"{least}{more}", note=f"all bands and drifts{but} {may}")
 
 
 def _designs(spec: Spec, result: DesignResult) -> Iterator[Table]:
@@ -225,7 +232,7 @@ def _table(
     title: str, columns: Mapping[str, str], designs: Mapping[str, Design], *, is_rare: bool = False
 ) -> Table:
     """Make a table of some columns of designs, by what people call them; JSON has them already."""
-    heads = [("design", ""), *((label, _UNITS[column]) for column, label in columns.items())]
+    heads = [("design", ""), *((label, _UNITS.get(column, "")) for column, label in columns.items())]
     rows = [
         (name, *(_cell(column, _value(design, column, is_rare=is_rare)) for column in columns))
         for name, design in designs.items()
@@ -267,7 +274,8 @@ def _costs(chosen: Chosen) -> Table:
         for field, cost in chosen.costs.items()
     ]
     columns = [("input", ""), ("nominal speed", "%")]
-    return Table("costs", columns, rows, "Each input 1 % larger, angles by 1 deg", is_rare=True)
+    bounces = ", restitution by 0.01" * ("restitution" in chosen.costs)
+    return Table("costs", columns, rows, f"Each input 1 % larger, angles by 1 deg{bounces}", is_rare=True)
 
 
 def _notes(result: DesignResult) -> list[str]:
@@ -281,6 +289,8 @@ def _notes(result: DesignResult) -> list[str]:
             lines.append(f"{design.drive}, {_ALLOWED[design.highest_regime]}: {why}{by}")
     proofs = {d.proof for d in result.designs}
     lines += [f"{name}: {text}" for name, text in _PROOFS.items() if name in proofs]
+    if any(d.restitution_assumed for d in result.designs):
+        lines.append(_ASSUMED)
     if samples := min((d.samples for d in result.designs if d.samples), default=0):
         lines.append(
             f"samples: of {samples} hopping parts, spread evenly, none is slower: one drawn at random is "

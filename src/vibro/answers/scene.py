@@ -23,7 +23,7 @@ from vibro.answers.answer import (
     uncertain,
 )
 from vibro.core.codes import PHASE_NAMES, Output, Regime, Status
-from vibro.designs.sensitivities import changed_cycles
+from vibro.designs.sensitivities import LARGEST, RESTITUTIONS, changed_cycles, speeds_over_restitution
 from vibro.drives import PiecewiseMotion
 from vibro.errors import VibroError
 from vibro.limits import HOP, LOADS, MOTIONS, transitions
@@ -61,6 +61,7 @@ _WHERE_ASKED: Final = (
 _MOST_KINDS: Final = 5  # of motions in one line
 _DIGITS_OF_SHARES: Final = 3
 _QUANTILES: Final = (0.1, 0.5, 0.9)  # of times over the trough
+_STEPS: Final = {"drive": "some more", "restitution": "bounced"}
 _ROUNDING: Final = 1e-9  # [%] change of a speed that is rounding alone
 
 # What an answer says, with places for its numbers: vibro explore fills in the same texts in its page.
@@ -68,6 +69,9 @@ _SAYS: Final = {
     "none": "none",
     "runs away": "gains speed every cycle",
     "speed": "{speed} mm/s ({rate} m/min), {advance} mm a cycle",
+    "to": " to ",
+    "assumed": "0 assumed: {speeds} mm/s over 0 to 0.5",
+    "sampled": "{count} values; between them may lie more",
     "over": "s over {length} mm",
     "from rest": "{time} s from rest",
     "from rest unknown": "from rest unknown",
@@ -84,6 +88,7 @@ _SAYS: Final = {
     "some more": "10 %",
     "more": "1 %",
     "turned": "1 deg",
+    "bounced": "0.01",
     "pieces": "motion of {count} pieces, {given}",
     "harmonic": "motion of {count} harmonic, {given}",
     "harmonics": "motion of {count} harmonics, {given}",
@@ -101,6 +106,7 @@ _SAYS: Final = {
 # Labels and units of facts, and heads of tables.
 _FACTS: Final = {
     "traverse": ("traverse time", ""),
+    "restitution": ("restitution", ""),
     "peak": ("peak speed", "mm/s"),
     "flight": ("in flight", "% of the time"),
     "throw": ("throw number", ""),
@@ -146,6 +152,7 @@ def page_texts() -> dict[str, Any]:
         "hop": HOP,
         "listed": [name for name in QUANTITIES if is_listed(name)],
         "most phases": _MOST_PHASES,
+        "restitutions": (RESTITUTIONS, LARGEST),
         "machine": machine_texts(),
         "short trough": SHORT_TROUGH,
     }
@@ -255,6 +262,7 @@ def scene_answer(
     record: Mapping[str, Any],
     *,
     every: bool,
+    assumes_plastic: bool = False,
     title: str = "",
 ) -> Answer:
     """Make the answer about one solved scene.
@@ -271,10 +279,16 @@ def scene_answer(
         What JSON says.
     every : bool
         Whether all is printed: phases, sensitivities, the scene.
+    assumes_plastic : bool
+        Whether no restitution was given, so that one of 0 was assumed.
     title : str
         Of its page.
     """
-    moves = [*_shares(one), _motion(one), *_traverse(one)]
+    # with a filling restitution changes the amplitude too
+    is_filled = OPERATING in one.block.values and one.given["filling"] > 0.0
+    is_open = assumes_plastic and one.cycle.flight_fraction > 0.0 and not is_filled
+    over = _over_restitution(one) if is_open else None
+    moves = [*_shares(one), _motion(one), *_assumed(over), *_traverse(one)]
     if grid.output is Output.REGIMES:
         moves = [Fact(one.regime.label or _SAYS["none"], "no speed is computed")]
     facts = [*moves, *_speeds(one), *_asked(one, part)]
@@ -287,12 +301,13 @@ def scene_answer(
     if every:
         facts += _rare(one)
         if grid.output is Output.EXACT:
-            # with a filling friction and angles change the amplitude too: vibro drive tells how much
-            is_filled = OPERATING in one.block.values and one.given["filling"] > 0.0
+            # so do friction and angles: vibro drive tells how much
             tables += [] if is_filled else [_sensitivities(one)]
             tables.append(_phases(one))
     record = {**record, **_starts_record(one)} if record else record
-    return Answer(facts, [table for table in tables if table.rows], _notes(one), record, title)
+    record = {**record, "over_restitution": over}
+    notes = _notes(one, is_said=over is not None)
+    return Answer(facts, [table for table in tables if table.rows], notes, record, title)
 
 
 def _starts_record(one: OneScene) -> dict[str, Any]:
@@ -447,6 +462,22 @@ def _motion(one: OneScene) -> Fact:
     return Fact(label, _SAYS["speed"].format(speed=speed, rate=rate, advance=advance))
 
 
+def _over_restitution(one: OneScene) -> dict[str, float]:
+    """Return between which speeds a part that hops may be where no restitution is given."""
+    low, high = (float(SPEED.from_si(speed)) for speed in speeds_over_restitution(one.scene))
+    ends = {"restitution_low": 0.0, "restitution_high": LARGEST}
+    return {**ends, "values": RESTITUTIONS, "speed_low_mm_s": low, "speed_high_mm_s": high}
+
+
+def _assumed(over: Mapping[str, float] | None) -> list[Fact]:
+    if over is None or math.isnan(over["speed_low_mm_s"]):
+        return []
+    low, high = (shown(over[f"speed_{end}_mm_s"]) for end in ("low", "high"))
+    note = _SAYS["sampled"].format(count=over["values"])
+    speeds = _SAYS["to"].join(dict.fromkeys((low, high)))
+    return [Fact(_FACTS["restitution"][0], _SAYS["assumed"].format(speeds=speeds), note=note)]
+
+
 def _traverse(one: OneScene) -> list[Fact]:
     """Tell the time over the trough at the mean speed, and exactly from rest."""
     if math.isnan(one.length):
@@ -545,7 +576,7 @@ def _sensitivities(one: OneScene) -> Table:
     for cell, name in enumerate(names, 1):
         if name == "frequency" and OPERATING in one.block.values:  # with which a machine's amplitude changes
             continue
-        step = _SAYS["some more" if name == "drive" else "turned" if name.endswith("_deg") else "more"]
+        step = _SAYS[_STEPS.get(name, "turned" if name.endswith("_deg") else "more")]
         own = one.size[0] if name in ("amplitude", "drive") else QUANTITIES[name.removesuffix("_deg")].label
         change = 100.0 * (speeds[cell] / speeds[0] - 1.0) if speeds[0] and errors[0] == 0.0 else math.nan
         change = None if math.isnan(change) else 0.0 if abs(change) < _ROUNDING else float(change)
@@ -567,15 +598,15 @@ def _phases(one: OneScene) -> Table:
     return Table("phases", columns, rows, _TITLES["phases"])
 
 
-def _notes(one: OneScene) -> list[str]:
-    """Return a sentence for a status, and for each doubt."""
+def _notes(one: OneScene, *, is_said: bool = False) -> list[str]:
+    """Return a sentence for a status, and for each doubt; ``is_said``: of restitution facts do."""
     notes = [] if one.status is Status.OK else [one.status.message]
     if one.cycle.coexists > 0:
         if abs(math.tan(float(one.scene.trough_angle))) > float(one.scene.kinetic_friction):
             notes.append(_SAYS["may run away"])
         elif not _shares(one):
             notes.append(_SAYS["may settle elsewhere"])
-    if one.cycle.flight_fraction > 0.0 and one.given["restitution"] == 0.0:
+    if one.cycle.flight_fraction > 0.0 and one.given["restitution"] == 0.0 and not is_said:
         notes.append(NO_BOUNCE)
     return notes
 

@@ -122,7 +122,10 @@ def answer_one(
         if make is not None:
             return make(one, record)
         title = run.request.name or "Scene"
-        return scene_answer(one, grid, run.table.part, record, every=whole, title=title)
+        assumes = run.request.assumes_plastic
+        return scene_answer(
+            one, grid, run.table.part, record, every=whole, assumes_plastic=assumes, title=title
+        )
 
     def page(_: Any) -> str:
         from vibro.answers.scene_pictures import scene_pictures

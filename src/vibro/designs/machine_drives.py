@@ -102,7 +102,7 @@ def amplitudes_met(question: Question, setting: Setting) -> Met:
         kinetic_friction=points.kinetic_friction,
         trough_angle=points.trough_angle,
         gravity=question.spec.gravity,
-        restitution=question.spec.restitution,
+        restitution=points.restitution,
         setting=scale,
         voltage=voltage,
         filling=filling,

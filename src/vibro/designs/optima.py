@@ -115,7 +115,7 @@ class Optimiser(ABC):
 
     def __init__(self, question: Question) -> None:
         self._question = question
-        self._effort = self._efforts[question.flies * (2 if question.spec.restitution else 1)]
+        self._effort = self._efforts[question.flies * (2 if question.spec.bounces[1] > 0.0 else 1)]
         #: Unit-cube coordinates, (axes, n), of the bodies for which settings are optimised.
         self.scenarios = corners(question.box(_at_ends(question.drive, 1)).varies)
         #: Bodies in a higher regime than this count as the slowest.
@@ -422,7 +422,7 @@ class LineOptimiser(Optimiser):
     _efforts = (
         Effort(population=6, generations=20, polish=50, margins=33, margin=1e-6, scale=1e-4, exchanges=8),
         Effort(population=8, generations=8, polish=0, margins=33, margin=1e-3, scale=1e-2, exchanges=2),
-        Effort(population=7, generations=2, polish=0, margins=9, margin=3e-2, scale=3e-2, exchanges=1),
+        Effort(population=7, generations=2, polish=0, margins=9, margin=3e-2, scale=1e-1, exchanges=1),
     )
     surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
     _least_set_by = "onset"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
@@ -40,6 +41,7 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
 
     Pictures take the slowest of some bodies of the box; tables have the slowest that a search found.
     """
+    spec = _drawn(spec)
     question, setting = Question(spec, chosen.drive, Regime.HOPPING), chosen.setting
     limits, amplitude = span_of(question, setting), float(question.space.amplitude(setting))
     amplitudes = min(_LEAST * limits[1], _BELOW * amplitude), _BEYOND * limits[1]
@@ -77,15 +79,16 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
 def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     """Return the speeds of the slowest, the middle and the fastest part over the amplitude.
 
-    They are the bodies of ``setting_fields``.
+    They are the bodies of ``setting_fields``. Unknown where a part hops and the goal forbids it.
     """
+    forbids_hops, spec = spec.goal.highest_regime is not Regime.HOPPING, _drawn(spec)
     question, setting = Question(spec, chosen.drive, Regime.HOPPING), chosen.setting
     amplitude = float(question.space.amplitude(setting))
     box = question.box(setting)
     begins = {regime: (first * amplitude, last * amplitude) for regime, (first, last) in _begins(box).items()}
     low = min(_BELOW * amplitude, 0.8 * begins[Regime.FORWARD_SLIP][0])
     high = max(span_of(question, setting)[1], amplitude)
-    if spec.goal.highest_regime is not Regime.HOPPING:
+    if forbids_hops:
         high = max(min(high, begins[Regime.HOPPING][0]), amplitude)
     high *= _BEYOND
     amplitudes = _with_jumps(low, high, begins, spec)
@@ -93,11 +96,14 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (counted(solve(boxes.scene(points, fast=which)), fast=which) for which in (False, True))
     middle = question.nominal_scene(setting.scaled(amplitudes / amplitude))
+    found = (_least(slow), np.asarray(solve(middle).mean_velocity), _most(fast))
+    unknown = forbids_hops & (amplitudes > begins[Regime.HOPPING][0])
+    least, nominal, most = (SPEED.from_si(np.where(unknown, np.nan, speed)) for speed in found)
     return SpeedBand(
         amplitude=chosen.drive.size(setting).printed(amplitudes),
-        speed_min=SPEED.from_si(_least(slow)),
-        speed_nominal=SPEED.from_si(solve(middle).mean_velocity),
-        speed_max=SPEED.from_si(_most(fast)),
+        speed_min=least,
+        speed_nominal=nominal,
+        speed_max=most,
         window=chosen.design.window,
     )
 
@@ -115,7 +121,12 @@ def _with_jumps(low: float, high: float, begins: Begins, spec: Spec) -> Floats:
     """Return values between two ends, with both sides of every load at which a regime begins."""
     jumps = [value for pair in begins.values() for value in pair if low < value < high]
     beside = np.outer(jumps, (1.0 - TOLERANCES.either_side, 1.0 + TOLERANCES.either_side)).ravel()
-    return np.union1d(np.geomspace(low, high, _POINTS[spec.restitution > 0.0]), beside)
+    return np.union1d(np.geomspace(low, high, _POINTS[spec.bounces[1] > 0.0]), beside)
+
+
+def _drawn(spec: Spec) -> Spec:
+    """Return a question with plastic landings where the goal forbids hops: no speed of theirs is drawn."""
+    return spec if spec.goal.highest_regime is Regime.HOPPING else replace(spec, restitution=(0.0, 0.0))
 
 
 def _most(values: Floats) -> Floats:

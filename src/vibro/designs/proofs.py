@@ -168,7 +168,7 @@ def extreme_ratio(
     ratio, coordinates : float, (axes, 1) array
         The ratio, and where it is.
     """
-    free = box.varies
+    free = box.in_contact.varies  # no critical load depends on restitution
     side = -1.0 if largest else 1.0
 
     def ratios(coordinates: Floats) -> Floats:
@@ -414,7 +414,8 @@ def _points(box: UncertaintySet, x: Floats) -> Points:
     """Return the bodies at rows of the solver's coordinates."""
     load, *shape = x.T[: 1 + len(box.shape)]
     beta, mu_s, mu_d = x.T[BETA:]
-    return Points(load, tuple(shape), beta, mu_s, np.clip(mu_d, *box.kinetic_span(mu_s)))
+    mu_d = np.clip(mu_d, *box.kinetic_span(mu_s))
+    return Points(load, tuple(shape), beta, mu_s, mu_d, np.full(mu_s.shape, box.restitution[0]))
 
 
 def _may_run_away(box: UncertaintySet) -> bool:

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 # Questions of inverse design: bands of parts and trough, the choices of the drives, the goal.
 
 
+#: [1] Band of restitution of parts that hop where none is given: most parts on most troughs
+#: (docs/guide/restitution.md).
+ASSUMED_RESTITUTION: Final = (0.0, 0.5)
 #: Digits that reproduce every value that a user gives.
 MOST_DIGITS: Final = 15
 # [1] Distance from an end that is none: above the rounding of an optimum there, below all digits chosen.
@@ -361,8 +364,10 @@ class Spec:
         Deviations of drive and trough.
     length : float or None
         Of the trough [m].
-    gravity, restitution : float
+    gravity : float
         As in ``Scene``.
+    restitution : pair of float, or None
+        Band of the restitution of parts that hop [1]; None where none is given.
     stand_ratio : float
         Half base over height of the centre of mass of a part that must stay upright; inf where it need not.
     name : str
@@ -375,7 +380,7 @@ class Spec:
     drift: Drift = field(default_factory=Drift)
     length: float | None = None
     gravity: float = STANDARD_GRAVITY
-    restitution: float = 0.0
+    restitution: Span | None = None
     stand_ratio: float = math.inf
     name: str = ""
 
@@ -391,8 +396,13 @@ class Spec:
         return [text for text in dict.fromkeys(doubts) if text]
 
     @property
+    def bounces(self) -> Span:
+        """Band of restitution over which designs that hop are computed."""
+        return ASSUMED_RESTITUTION if self.restitution is None else self.restitution
+
+    @property
     def has_bands(self) -> bool:
-        """Whether any band has a width or any quantity drifts."""
+        """Whether any band has a width or any quantity drifts; that of restitution is none of a margin."""
         machines = [drive.machine for drive in self.drives if drive.machine is not None]
         return (
             self.drift != Drift()
@@ -457,7 +467,8 @@ class Question:
         setting : AnySetting
             Nominal values.
         scale : float or array
-            Factor on all bands and drifts about their middles; bands are cut at impossible values.
+            Factor on all bands and drifts about their middles; bands are cut at impossible values. That of
+            restitution is not scaled: speeds go up and down along it.
         """
         bands, drift = self.spec.bands, self.drift
         is_ratio = "friction_ratio" in bands
@@ -479,8 +490,8 @@ class Question:
             static_friction=cut(_scaled(bands["static_friction"], scale), 0.0, math.inf),
             second_friction=cut(second, 0.0, most),
             is_ratio=is_ratio,
+            restitution=self.spec.bounces if self.flies else (0.0, 0.0),
             gravity=self.spec.gravity,
-            restitution=self.spec.restitution,
         )
 
     def load(self, setting: AnySetting) -> Floats:

@@ -101,7 +101,7 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems, folder: Pat
         drift=Drift(**drift.values),
         length=scene.values.get("trough_length"),
         gravity=scene.values.get("gravity", Spec.gravity),
-        restitution=scene.values.get("restitution", Spec.restitution),
+        restitution=scene.values.get("restitution"),
         stand_ratio=_stand_ratio(part) if "part" in content else Spec.stand_ratio,
         name=name,
     )

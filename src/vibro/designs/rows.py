@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any, Final
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from vibro.designs.optima import Optimiser, Optimum
     from vibro.designs.questions import Drive, Met, Question
     from vibro.designs.spaces import AnySetting
-    from vibro.results.designs import Guarantee
+    from vibro.results.designs import Guarantee, Interval
 
 # ------------------------------------------------------------------------------
 # Round settings to few digits in users' units.
@@ -148,6 +148,8 @@ class Finder:
         Of printed settings; there are more where a setting with fewer does not hold.
     refused : frozenset of str
         Designs of a machine that are left out, as its filling makes unknown or other amplitudes there.
+    windows : dict
+        Windows of amplitudes that are known, by their settings: those of bodies that bounce take seconds.
     """
 
     question: Question
@@ -155,6 +157,7 @@ class Finder:
     found: Mapping[str, Rounded]
     digits: int = DIGITS
     refused: frozenset[str] = frozenset()
+    windows: dict[AnySetting, Interval | None] = field(default_factory=dict, compare=False)
 
     @property
     def target(self) -> float:
@@ -204,12 +207,19 @@ class Finder:
         needed = self._nearest_drive(found, row.nominal or 0.0, settings["frequency_hz"])
         sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{stem}_needed{unit}": needed[1]}
         # what voltage and filling make of another amplitude is not covered
-        if (drive.machine is None or not drive.machine.is_filled) and (
-            window := window_of(question, found.setting, found.guarantee)
-        ):
+        is_covered = drive.machine is None or not drive.machine.is_filled
+        if is_covered and (window := self._window(found)) is not None:
             low, high = (float(size.printed(end)) for end in window[:2])
             sizes |= {f"{stem}_low{unit}": low, "low_set_by": window.low_set_by}
             sizes |= {f"{stem}_high{unit}": high, "high_set_by": window.high_set_by}
+        throw, (least, most) = question.box(found.setting).throw_number, question.spec.bounces
+        if throw > 1.0:
+            row = replace(
+                row,
+                restitution_low=least,
+                restitution_high=most,
+                restitution_assumed=question.spec.restitution is None,
+            )
         return replace(
             row,
             **sizes,
@@ -221,12 +231,18 @@ class Finder:
             speed_max_mm_s=_mm(g.speed_max),
             traverse_time_max_s=length / speed if length is not None and speed > 0.0 else None,
             margin=found.margin,
-            throw_number_max=question.box(found.setting).throw_number,
+            throw_number_max=throw,
             proof=g.proof_min,
             coexists=g.coexists,
             samples=g.samples,
             excluded=g.excluded,
         )
+
+    def _window(self, found: Rounded) -> Interval | None:
+        """Return the amplitudes around a design that keep its goal, as ``window_of`` does."""
+        if found.setting not in self.windows:
+            self.windows[found.setting] = window_of(self.question, found.setting, found.guarantee)
+        return self.windows[found.setting]
 
     def _of_machine(self, found: Rounded) -> dict[str, Any]:
         """Return the columns of a machine: its spring pack, and its amplitudes at a setting."""

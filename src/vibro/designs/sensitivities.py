@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
+from vibro.designs.guarantees import counted
 from vibro.designs.spaces import space_of
+from vibro.quantities import QUANTITIES
 from vibro.scene import Scene, check_single
 from vibro.steady import solve
 
@@ -27,6 +29,10 @@ _SMOOTH: Final = 1e-5
 _JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
 _PARTS: Final = ("static_friction", "kinetic_friction", "trough_angle")
 _ANGLES: Final = ("normal_phase", "trough_angle")  # of which 1 % may be too small a change
+_BOUNCE: Final = "restitution"  # likewise, and only bodies that hop depend on it
+#: Restitutions of ``speeds_over_restitution``: their number, and the largest; the least is 0 [1].
+RESTITUTIONS: Final = 33
+LARGEST: Final = 0.5
 
 
 def speed_costs(scene: Scene) -> dict[str, float | str]:
@@ -43,7 +49,8 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
         ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
         1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
         instead of amplitude and drive angle, given motions ``motion_scale``. ``trough_angle_deg`` and
-        ``normal_phase_deg``: change for 1 deg more, since 1 % of an angle near 0 is nothing. Positive
+        ``normal_phase_deg``: change for 1 deg more, since 1 % of an angle near 0 is nothing; likewise
+        ``restitution``, which bodies that hop have: for 0.01 more. Positive
         values mean faster, also for a body that is conveyed backwards [%]. A text says why there is no
         number: the body rests, is not conveyed, runs away or hops irregularly, or its speed jumps or bends at
         the scene.
@@ -56,13 +63,28 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     Notes
     -----
     Differences of third order, to 1e-6; there is a number where those below and above the scene agree. At
-    mu_d = mu_s, where one side alone can be, it is that of this side.
+    mu_d = mu_s and e = 0, where one side alone can be, it is that of this side.
     """
     inputs = _inputs(scene)
     cycle = solve(scene)
     if why := _why_none(cycle):
         return dict.fromkeys(inputs.values(), why)
     return {key: _difference(scene, name) for name, key in inputs.items()}
+
+
+def speeds_over_restitution(scene: Scene) -> tuple[float, float]:
+    """Return the least and the largest mean speed of one scene over restitutions of 0 to 0.5 [m/s].
+
+    Speeds are solved at ``RESTITUTIONS`` values, an even spread: between two of them there may be others.
+    Means of irregular motion count with three standard errors. NaN where no speed is known.
+    """
+    fields = _fields(scene) | {_BOUNCE: np.linspace(0.0, LARGEST, RESTITUTIONS)}
+    cycle = solve(Scene.computed(**fields))
+    slow, fast = (counted(cycle, fast=which) for which in (False, True))
+    known = np.isfinite(slow) & np.isfinite(fast)
+    if not known.any():
+        return math.nan, math.nan
+    return float(slow[known].min()), float(fast[known].max())
 
 
 def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
@@ -79,8 +101,8 @@ def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
     Returns
     -------
     names : list of str
-        Inputs that are changed, as ``speed_costs`` names them: by 1 %, those that end in ``_deg`` by 1 deg.
-        The last one is ``drive``: its amplitudes are 10 % larger.
+        Inputs that are changed, as ``speed_costs`` names them: by 1 %, those that end in ``_deg`` by 1 deg,
+        restitution by 0.01. The last one is ``drive``: its amplitudes are 10 % larger.
     cycle : SteadyCycle
         Of shape (1 + len(names),): the scene itself is first. Cells that cannot be are infeasible.
 
@@ -92,7 +114,8 @@ def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
     inputs, given, sizes = _inputs(scene), _fields(scene), space_of(scene).sizes
     changed = {name: np.full(len(inputs) + 2, given[name]) for name in inputs}
     for cell, name in enumerate(inputs, 1):
-        changed[name][cell] += math.radians(1.0) if name in _ANGLES else _CHANGED * given[name]
+        size = math.radians(1.0) if name in _ANGLES else _CHANGED * (1.0 if name == _BOUNCE else given[name])
+        changed[name][cell] += size
     for name in sizes:
         changed[name][-1] *= 1.0 + _RAISED
     return [*inputs.values(), "drive"], solve(Scene.computed(**{**given, **changed}))
@@ -101,7 +124,9 @@ def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:
 def _inputs(scene: Scene) -> dict[str, str]:
     """Return the names of a drive's and a part's inputs as ``speed_costs`` writes them."""
     check_single(scene)
-    return {name: name + "_deg" * (name in _ANGLES) for name in (*space_of(scene).knobs, *_PARTS)}
+    hops = bool(solve(scene, output="regimes").regime == Regime.HOPPING)
+    names = (*space_of(scene).knobs, *_PARTS, *[_BOUNCE] * hops)
+    return {name: name + "_deg" * (name in _ANGLES) for name in names}
 
 
 def _fields(scene: Scene) -> dict[str, Any]:
@@ -128,11 +153,14 @@ def _difference(scene: Scene, name: str) -> float | str:
     fields = _fields(scene)
     value = fields[name]
     is_angle = name in _ANGLES
-    step = _STEP if is_angle else _STEP * value
-    cycle = solve(Scene.computed(**{**fields, name: value + step * np.arange(-3.0, 4.0)}))
-    status, speed = np.asarray(cycle.status), np.asarray(cycle.mean_velocity)
+    step = _STEP if is_angle or name == _BOUNCE else _STEP * value
+    values = value + step * np.arange(-3.0, 4.0)
+    possible = (name != _BOUNCE) | QUANTITIES[_BOUNCE].allows(values)
+    cycle = solve(Scene.computed(**{**fields, name: np.where(possible, values, value)}))
+    status = np.where(possible, cycle.status, Status.INFEASIBLE)
+    speed = np.asarray(cycle.mean_velocity)
     sides = {1.0: slice(3, None), -1.0: slice(3, None, -1)}
-    # at mu_d = mu_s there is one side alone
+    # at mu_d = mu_s and e = 0 there is one side alone
     sides = {way: side for way, side in sides.items() if not np.any(status[side] == Status.INFEASIBLE)}
     if any(np.any(status[side] == Status.AVERAGED) for side in sides.values()):
         return "hops: irregular"

@@ -8,7 +8,7 @@ drives differ in the quantities that set them (knobs), which the three spaces be
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, cast
 
 import numpy as np
@@ -383,8 +383,8 @@ class Points(NamedTuple):
         By ``Space.shape`` [SI].
     trough_angle : array
         [rad].
-    static_friction, kinetic_friction : array
-        mu_s and mu_d [1].
+    static_friction, kinetic_friction, restitution : array
+        mu_s, mu_d and e [1].
     """
 
     load: Floats
@@ -392,6 +392,7 @@ class Points(NamedTuple):
     trough_angle: Floats
     static_friction: Floats
     kinetic_friction: Floats
+    restitution: Floats
 
     def kept(self, which: NDArray[np.bool_]) -> Points:
         """Return some of the points."""
@@ -424,7 +425,9 @@ class UncertaintySet:
         Band of kinetic friction, or of its ratio to the static one [1].
     is_ratio : bool
         Which of the two it is.
-    gravity, restitution : float
+    restitution : pair
+        Band [1]; without effect on bodies in contact.
+    gravity : float
         As in ``Scene``.
     """
 
@@ -436,13 +439,13 @@ class UncertaintySet:
     static_friction: Ends
     second_friction: Ends
     is_ratio: bool
+    restitution: Ends
     gravity: float
-    restitution: float
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of the coordinates, in order; frictions are last."""
-        return ("load", *self.shape, "trough_angle", "static_friction", "second_friction")
+        """Names of the coordinates, in order."""
+        return ("load", *self.shape, "trough_angle", "static_friction", "second_friction", "restitution")
 
     @property
     def load(self) -> tuple[Floats, Floats]:
@@ -475,6 +478,7 @@ class UncertaintySet:
         """Bands of ``axes``; that of the second friction is not cut at static friction."""
         return (
             self.load, *self.shape.values(), self.trough_angle, self.static_span, self.second_friction,
+            self.restitution,
         )  # fmt: skip
 
     @property
@@ -483,9 +487,14 @@ class UncertaintySet:
         return np.array([bool(low < high) for low, high in self.spans])
 
     @property
-    def constants(self) -> dict[str, float]:
-        """Quantities without a band, by the fields of ``Scene``."""
-        return {"gravity": self.gravity, "restitution": self.restitution}
+    def bounces(self) -> bool:
+        """Whether some landing of a single box is not plastic."""
+        return float(self.restitution[1]) > 0.0
+
+    @property
+    def in_contact(self) -> UncertaintySet:
+        """The box of bodies in contact, whose restitution has no effect, so that its band has no width."""
+        return replace(self, restitution=(self.restitution[0],) * 2)
 
     @property
     def static_span(self) -> Ends:
@@ -510,18 +519,19 @@ class UncertaintySet:
 
         The coordinate of kinetic friction spans its band up to static friction.
         """
-        *spans, static, _ = self.spans
-        load, *shape, beta = (inside(span, share) for span, share in zip(spans, coordinates, strict=False))
-        mu_s = inside(static, coordinates[-2])
-        return Points(load, tuple(shape), beta, mu_s, inside(self.kinetic_span(mu_s), coordinates[-1]))
+        *spans, _, restitution = self.spans
+        load, *shape, beta, mu_s = (
+            inside(span, share) for span, share in zip(spans, coordinates[:-2], strict=True)
+        )
+        mu_d = inside(self.kinetic_span(mu_s), coordinates[-2])
+        return Points(load, tuple(shape), beta, mu_s, mu_d, inside(restitution, coordinates[-1]))
 
     def coordinates(self, points: Points) -> Floats:
         """Return the unit-cube coordinates of points, of shape (axes, ...): the inverse of ``points``."""
-        load, shape, beta, mu_s, mu_d = points
-        spans = (*self.spans[:-1], self.kinetic_span(mu_s))
-        return np.array(
-            [share(x, span) for x, span in zip((load, *shape, beta, mu_s, mu_d), spans, strict=True)]
-        )
+        load, shape, *others = points
+        *spans, _, restitution = self.spans
+        spans += [self.kinetic_span(points.static_friction), restitution]
+        return np.array([share(x, span) for x, span in zip((load, *shape, *others), spans, strict=True)])
 
     def scene(self, points: Points, *, fast: bool) -> Scene:
         """Return scenes at the points: of the frequencies that a load allows the fastest, or the slowest."""
@@ -534,7 +544,8 @@ class UncertaintySet:
             static_friction=points.static_friction,
             kinetic_friction=points.kinetic_friction,
             trough_angle=points.trough_angle,
-            **self.constants,
+            restitution=points.restitution,
+            gravity=self.gravity,
         )
 
 
@@ -565,7 +576,7 @@ def off(value: Any, share: Any) -> Ends:
 # ------------------------------------------------------------------------------
 # Check the bands that a caller passes with a scene, and build the uncertainty set that they span.
 
-_PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "trough_angle")
+_PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "restitution")
 
 
 def _one_point(scene: object) -> None:
@@ -632,8 +643,8 @@ def uncertainty_set(
         static_friction=spans["static_friction"],
         second_friction=spans["friction_ratio" if is_ratio else "kinetic_friction"],
         is_ratio=is_ratio,
+        restitution=spans["restitution"],
         gravity=fields["gravity"],
-        restitution=fields["restitution"],
     )
     if not is_ratio and spans["kinetic_friction"][0] > spans["static_friction"][1]:
         limit = f"<= static_friction = {spans['static_friction'][1]:.15g} somewhere in its band"

@@ -25,7 +25,7 @@ from vibro.designs.guarantees import (
     speeds_of,
 )
 from vibro.designs.proofs import change_loads, corners, first_ratio, last_ratio, tip_ratio
-from vibro.designs.search import close_in
+from vibro.designs.search import close_in, sobol
 from vibro.designs.spaces import TOLERANCES, uncertainty_set
 from vibro.errors import InputError, Problem, SceneError, shown
 from vibro.quantities import AMPLITUDES, SCALE
@@ -84,7 +84,7 @@ _ONE_HOPS: Final = {
 # For a box in contact, for plastic hops, and for bounces, which are slow to solve.
 _BOX: Final = _Detail(257, 3, 0.0, 33)
 _FLYING: Final = _Detail(129, 1, 1e-9, 5)
-_BOUNCING: Final = _Detail(33, 0, 1e-4, 3)
+_BOUNCING: Final = _Detail(33, 0, 1e-2, 3)
 _NARROW: Final = 1e-9  # [1] relative width to which ends are found by the slowest body of an interval
 
 
@@ -169,7 +169,7 @@ def feasible_amplitudes(
 
     The speed of hopping bodies jumps as the amplitude changes, and for irregular motion it does so
     everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, and ends are found to
-    1e-5; the corners of a box are solved at 129 amplitudes, or at 33 if they bounce, with ends to 1e-4.
+    1e-5; the corners of a box are solved at 129 amplitudes, or at 33 if they bounce, with ends to 1e-2.
     Intervals or gaps between two of these amplitudes may be missed: of boxes with bouncing bodies an
     interval is a sample, and ``vibro.guarantee`` says more of one amplitude. Three standard errors are
     subtracted from a mean of irregular motion. With ``highest_regime="forward-slip"`` an interval ends
@@ -203,6 +203,8 @@ def feasible_amplitudes(
     if highest is Regime.HOPPING and math.isinf(largest):
         raise InputError("limit = inf: must be finite where bodies may hop", hint="give limit=")
     box = _of_amplitudes(uncertainty_set(scene, bands, leaves_out=(*AMPLITUDES, SCALE)))
+    if highest is not Regime.HOPPING:
+        box = box.in_contact
     return Family(box, percent / 100.0).intervals(target, highest, largest)
 
 
@@ -325,7 +327,7 @@ class Family:
         caps = self.caps(highest, largest, others or {})
         top_by = min(caps, key=lambda name: caps[name])
         top, one, flies = caps[top_by], self.across(1.0, 1.0), highest is Regime.HOPPING
-        wide, bounces = bool(one.varies.any()), flies and one.restitution > 0.0
+        wide, bounces = bool(one.varies.any()), flies and one.bounces
         if wide:
             detail = _BOUNCING if bounces else _FLYING if flies else _BOX
         else:
@@ -615,6 +617,8 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     highest = _regime_of(highest_regime)
     target = _positive("speed", speed, "m/s")
     box = uncertainty_set(scene, bands)
+    if highest is not Regime.HOPPING:
+        box = box.in_contact
     shares: list[float] = []
     error = math.inf
     for logarithm in range(_FIRST, _LAST + 1):
@@ -629,24 +633,25 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
 
 def _share(box: UncertaintySet, target: float, highest: Regime, logarithm: int, seed: int) -> float:
     """Return the share of one scramble."""
-    from scipy.stats import qmc  # late: it takes a fifth of a second to load
-
     spans = (
         box.factor, box.frequency, *box.shape.values(), box.trough_angle, box.static_span,
-        box.second_friction,
+        box.second_friction, box.restitution,
     )  # fmt: skip
     low, high = (np.array(ends, np.float64)[:, None] for ends in zip(*spans, strict=True))
-    points = qmc.Sobol(len(spans), rng=np.random.default_rng(seed)).random_base2(logarithm).T
-    factor, frequency, *shape, beta, mu_s, mu_d = low + points * (high - low)
+    bounces_vary = box.restitution[0] < box.restitution[1]  # an axis without a width is none of the sequence
+    points = np.zeros((len(spans), 2**logarithm))
+    drawn = sobol(len(spans) - (not bounces_vary), logarithm, seed)
+    points[: len(drawn)] = drawn
+    factor, frequency, *shape, beta, mu_s, mu_d, restitution = low + points * (high - low)
     if box.is_ratio:
         mu_d = np.minimum(mu_d * mu_s, mu_s)
     else:
-        mu_s, mu_d = _cut(box, points[-2], points[-1])
+        mu_s, mu_d = _cut(box, points[-3], points[-2])
     motion = box.space.motion(factor, tuple(shape))
     cycle = solve(
         Scene.computed(
             **motion, frequency=frequency, trough_angle=beta, static_friction=mu_s, kinetic_friction=mu_d,
-            **box.constants,
+            restitution=restitution, gravity=box.gravity,
         )
     )  # fmt: skip
     reaches = (cycle.mean_velocity >= target) & (cycle.regime <= highest)

@@ -300,6 +300,8 @@ def _boundary(regime: Regime, last: bool) -> tuple[str, style.CurveStyle]:
 def _head(figure: Figure, settings: Settings, heading: str, **more: tuple[float, float]) -> None:
     """Write the heading; below, parts, trough, further quantities, and goal in two lines."""
     design, spans = settings.chosen.design, {**settings.spec.bands, **more}
+    if settings.spec.goal.highest_regime is Regime.HOPPING:
+        spans["restitution"] = settings.spec.bounces
     angle = math.radians(design.drive_angle_deg or design.normal_phase_deg or 0.0)
     if design.motion_scale is None:
         shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"

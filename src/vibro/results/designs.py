@@ -230,7 +230,9 @@ class Design:
     motion_scale_high: float | None = _motion("", "upper end of the window of scales")
     low_set_by: str | None = _optional("", "constraint at the lower end")
     high_set_by: str | None = _optional("", "constraint at the upper end")
-    margin: float | None = _optional("", "factor by which all bands and drifts may grow about their middles")
+    margin: float | None = _optional(
+        "", "factor by which all bands and drifts, but that of restitution, may grow about their middles"
+    )
     throw_number_max: float | None = _optional("", "largest throw number in the box")
     set_by: str | None = _optional("", "active constraint of the design")
     frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
@@ -238,6 +240,9 @@ class Design:
     stroke_needed_mm: float | None = _stroke("mm", "its stroke")
     motion_scale_needed: float | None = _motion("", "its scale")
     proof: str | None = _optional("", "corners, proved, searched or sampled")
+    restitution_low: float | None = _optional("", "least restitution of its parts, where some hop")
+    restitution_high: float | None = _optional("", "largest restitution of its parts, where some hop")
+    restitution_assumed: bool | None = _optional("", "whether that band is assumed, as none is given")
     coexists: bool | None = _optional("", "whether a disturbed part can settle in another cycle")
     samples: int | None = _optional(
         "", "number of sampled parts that hop, spread evenly; none of them is slower"
@@ -248,6 +253,15 @@ class Design:
     def is_guaranteed(self) -> bool:
         """Whether ``speed_min_mm_s`` is proved for every part."""
         return self.proof in GUARANTEED
+
+    @property
+    def restitution(self) -> str | None:
+        """Band of restitution of its numbers, and whether it is assumed; None where no part hops."""
+        low, high = self.restitution_low, self.restitution_high
+        if low is None or high is None:
+            return None
+        band = f"{low:.15g}" if low == high else f"{low:.15g}:{high:.15g}"
+        return f"{band} assumed" if self.restitution_assumed else band
 
     @property
     def nominal(self) -> float | None:

@@ -96,6 +96,8 @@ class Request:
         Whether the amplitude of a drive along a line was given as its stroke.
     machine : GivenMachine or None
         From which the amplitude follows, which is not among ``specs``.
+    assumes_plastic : bool
+        Whether no restitution was given, so that one of 0 is assumed.
     """
 
     name: str | None
@@ -104,6 +106,7 @@ class Request:
     motion: GivenMotion | None = None
     in_stroke: bool = False
     machine: GivenMachine | None = None
+    assumes_plastic: bool = False
 
     @property
     def varying(self) -> tuple[str, ...]:
@@ -336,7 +339,8 @@ def gather(
     specs = {name: named[name] for name in QUANTITIES if name in named}
     in_stroke = any(spec.quantity.name == "stroke" for spec in (*merged.values(), *dropped))
     motion = file.motion if drive is MOVED else None
-    return Request(file.name or None, specs, values, motion, in_stroke and drive is LINEAR, machine)
+    plastic = not any("restitution" in layer for layer in (typed, swept, own))
+    return Request(file.name or None, specs, values, motion, in_stroke and drive is LINEAR, machine, plastic)
 
 
 def _merged(

@@ -99,8 +99,8 @@ export function answerOf(data, engine, state) {
     speedText,
     warnings: [...doubtsOf(one), ...warningsOf(one)],
     facts: [
-      ...sharesFacts(one), motionFact(one), ...traverseFacts(one), ...speedFacts(one), ...machineFacts(one),
-      ...rareFacts(one),
+      ...sharesFacts(one), motionFact(one), ...restitutionFacts(one), ...traverseFacts(one), ...speedFacts(one),
+      ...machineFacts(one), ...rareFacts(one),
     ],
     tables: one.isLost ? [] : [...beginningsTable(one), ...sensitivitiesTable(one), ...phasesTable(one)],
     notes: notesOf(one),
@@ -159,6 +159,29 @@ function motionFact(/** @type {Solved} */ one) {
   const [mean, rate, advance] = [[1.0, 4], [0.06, 3], [1.0 / values.frequency, 4]].map(([by, digits]) =>
     uncertainText(by * speed, by * error, digits));
   return factOf(one, [label, ""], filledText(says.speed, { speed: mean, rate, advance }));
+}
+
+const ERRORS = 3.0; // standard errors with which a mean counts
+
+/** Whether restitution is the usual one, and decides the speed alone: with a filling it changes the amplitude too. */
+const assumesPlastic = (/** @type {Solved} */ { cycle, values }) =>
+  cycle.flight_fraction[0] > 0.0 && values.restitution === 0.0 && !(values.filling > 0.0);
+
+/** Between which speeds a part that hops may be. @returns {Fact[]} */
+function restitutionFacts(/** @type {Solved} */ one) {
+  const { engine, drive, says, texts } = one;
+  if (!assumesPlastic(one)) return [];
+  const [count, largest] = texts.restitutions;
+  const values = Array.from({ length: count }, (_, n) => (n * largest) / (count - 1));
+  const found = engine.solve(engine.gridOf({ ...drive, restitution: { values, strides: [1] } }, [count]));
+  const ends = [-1.0, 1.0].map((side) => values.map((_, n) => {
+    const error = found.status[n] === engine.known.Status.AVERAGED ? found.mean_velocity_error[n] : 0.0;
+    return MILLI * (found.mean_velocity[n] + side * ERRORS * error);
+  }).filter(Number.isFinite));
+  if (!ends[0].length) return [];
+  const speeds = [...new Set([shownText(Math.min(...ends[0])), shownText(Math.max(...ends[1]))])].join(says.to);
+  return [factOf(one, texts.facts.restitution, filledText(says.assumed, { speeds }),
+    filledText(says.sampled, { count }))];
 }
 
 /** The time over the trough at the mean speed, and exactly from rest. */
@@ -328,7 +351,7 @@ const OF_PATH = {
 /** @type {Record<string, string>} */
 const OF_BODY = {
   frequency: "frequency", static_friction: "staticFriction", kinetic_friction: "kineticFriction",
-  trough_angle: "troughAngle",
+  trough_angle: "troughAngle", restitution: "restitution",
 };
 
 /** The drive with more of one quantity. @returns {Drive} */
@@ -343,13 +366,17 @@ function sensitivitiesTable(/** @type {Solved} */ one) {
   const { data, engine, says, texts: { heads, titles }, drive, cycle, size, values, machine } = one;
   const { quantities, regimes, statuses } = data;
   if (machine && values.filling > 0.0) return []; // with a filling friction and angles change the amplitude too
-  const names = [...KNOBS[drive.kind], ...PARTS].filter((name) => !(machine && name === "frequency")); // as it does
+  const bounced = cycle.regime[0] === engine.known.Regime.HOPPING ? ["restitution"] : [];
+  const names = [...KNOBS[drive.kind], ...PARTS, ...bounced]
+    .filter((name) => !(machine && name === "frequency")); // as it does
   const sizes = drive.kind === "ellipse" ? names.slice(0, 2) : names.slice(0, 1);
   const changes = names.map((name) => {
     const isTurned = name === "normal_phase" || name === "trough_angle";
     const label = name === "amplitude" ? size.label : quantities[name].label;
-    const more = (/** @type {number} */ x) => x + (isTurned ? TURNED : MORE * x);
-    return { label, step: isTurned ? says.turned : says.more, changed: changedDrive(drive, name, more) };
+    const isBounced = name === "restitution";
+    const more = (/** @type {number} */ x) => x + (isTurned ? TURNED : isBounced ? MORE : MORE * x);
+    const step = isTurned ? says.turned : isBounced ? says.bounced : says.more;
+    return { label, step, changed: changedDrive(drive, name, more) };
   });
   const whole = sizes.reduce((so, name) => changedDrive(so, name, (x) => x * (1.0 + SOME_MORE)), drive);
   changes.push({ label: size.label, step: says["some more"], changed: whole });
@@ -417,7 +444,8 @@ function notesOf(/** @type {Solved} */ one) {
     if (isSteep) notes.push(says["may run away"]);
     else if (!sharesFacts(one).length) notes.push(says["may settle elsewhere"]);
   }
-  if (cycle.flight_fraction[0] > 0.0 && values.restitution === 0.0) notes.push(says["no bounce"]);
+  const isPlastic = cycle.flight_fraction[0] > 0.0 && values.restitution === 0.0;
+  if (isPlastic && !assumesPlastic(one)) notes.push(says["no bounce"]);
   return notes;
 }
 
