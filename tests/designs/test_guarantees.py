@@ -316,6 +316,7 @@ def test_means_count_with_three_errors_to_their_disadvantage() -> None:
     mean, error = float(cycle.mean_velocity), float(cycle.mean_velocity_error)
     assert error > 0
     assert (found.speed_min, found.speed_max) == (mean - 3 * error, mean + 3 * error)
+    assert (found.proof_min, found.proof_max) == ("sampled", "sampled")
 
 
 def test_yields_of_certain_things() -> None:

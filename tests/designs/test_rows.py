@@ -541,6 +541,17 @@ def test_a_higher_target_is_rounded_where_none_holds(monkeypatch: pytest.MonkeyP
     assert finder(Optimiser())._least_acceleration() is None
 
 
+@pytest.mark.parametrize(("share", "raised"), [(1.0, 1.0), (0.99991, 1.0), (0.8, 1.25), (0.0, 1.0)])
+def test_a_goal_is_raised_until_the_target_is_proved(
+    share: float, raised: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is proved is a share of the speed of the slowest part found; without a proof nothing is raised."""
+    monkeypatch.setattr(Finder, "_bound", lambda _, optimum: share * optimum.speed)
+    search = finder()
+    goal = search._raised(lambda speed: Optimum(found_at().setting, speed))
+    assert goal == pytest.approx(raised * search.target, rel=1e-12)
+
+
 def test_a_target_is_raised_by_about_the_rounding_before_digits_are_added(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
