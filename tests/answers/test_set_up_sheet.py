@@ -195,17 +195,19 @@ def test_several_operating_points_are_all_told(tmp_path: Path) -> None:
     _, full = states(sheet)
     found = full["all_amplitudes_mm"]
     assert full["operating_points"] == len(found) == 3
-    assert full["amplitude_mm"] == pytest.approx(found[0], rel=1e-12)
+    # the list is that under a sine, from which the second harmonic takes the amplitude away
+    assert full["amplitude_mm"] == pytest.approx(found[0], rel=0.05)
+    assert full["amplitude_mm"] != found[0]
     assert any(text.startswith("with 2.7 kg: 3 operating points") for text in sheet.doubts)
     low, high = sheet_of(tmp_path, feeder(), 47.0, filling=(2.6, 2.8)).record["bounds"][0]["amplitude_mm"]
     assert low <= found[0] < found[-1] <= high
 
 
 def test_the_speed_with_the_second_harmonic(tmp_path: Path) -> None:
-    """Followed in time the worked feeder with 4 kg is 49.0 % slower, docs/theory; the sine says 55.8 %."""
+    """Followed in time the worked feeder with 4 kg is 49.0 % slower, docs/theory; the sine says 55.3 %."""
     sheet = sheet_of(tmp_path, feeder(), filling=4.0)
     empty, full = states(sheet)
-    assert change(sheet) == pytest.approx(-55.8, abs=0.3)
+    assert change(sheet) == pytest.approx(-55.3, abs=0.3)
     assert 100.0 * (full[BENT] / empty[SPEED] - 1.0) == pytest.approx(-49.0, abs=2.5)
     assert math.isnan(empty[BENT])
     _, light = states(sheet_of(tmp_path, feeder(1.1), filling=0.01))

@@ -68,8 +68,9 @@ _STEADY: Final = (
     "flight_fraction", "impact_velocity", "period_cycles", "mean_velocity_error", "largest_multiplier",
 )  # fmt: skip
 _OPERATED: Final = (
-    "amplitude", "amplitude_empty", "amplitude_low", "amplitude_high", "phase", "relative_amplitude",
-    "frequency_ratio", "filled_frequency_ratio", "added_mass_share", "added_damping_share", "second_harmonic",
+    "amplitude", "amplitude_sine", "amplitude_empty", "amplitude_low", "amplitude_high", "phase",
+    "relative_amplitude", "frequency_ratio", "filled_frequency_ratio", "added_mass_share",
+    "added_damping_share", "second_harmonic",
 )  # fmt: skip
 _SCALED: Final = ("amplitude", "along_amplitude", "normal_amplitude", "motion_scale")
 _CYCLES: Final = 6.0  # drive cycles of a history

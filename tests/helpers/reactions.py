@@ -63,12 +63,16 @@ def _measured(history: History, phases: Sequence[Phase], begin: float, period: i
     frequency, e = float(scene.frequency), float(scene.restitution)
     w, end = TURN * frequency, begin + period / frequency
     drive = scene.arrays()
-    assert isinstance(drive, Line | Ellipse)
-    lead, x = float(drive.phase), float(drive.along)
-    if isinstance(drive, Line):
-        y = float(drive.amplitude * np.sin(drive.drive_angle))
+    if scene.along_harmonics is not None and scene.normal_harmonics is not None:
+        # the first harmonics are to have the phase 0
+        lead, x, y = 0.0, float(scene.along_harmonics[0][0]), float(scene.normal_harmonics[0][0])
     else:
-        y = float(drive.normal_amplitude)
+        assert isinstance(drive, Line | Ellipse)
+        lead, x = float(drive.phase), float(drive.along)
+        if isinstance(drive, Line):
+            y = float(drive.amplitude * np.sin(drive.drive_angle))
+        else:
+            y = float(drive.normal_amplitude)
     force = np.zeros((2, 2), complex)  # harmonic, axis
     moved = float(history.sample(end).position - history.sample(begin).position)
     losses = float(scene.gravity) * math.sin(float(scene.trough_angle)) * moved

@@ -86,6 +86,34 @@ def drawn(count: int, seed: int) -> Iterator[Case]:
             yield Case(name, machine, frequency, share * trough, body)
 
 
+def drawn_widely(count: int, seed: int) -> Iterator[Case]:
+    """Draw machines nearer to resonance with 5 to 67 % of filling, on slopes too, that may bounce."""
+    random = np.random.default_rng(seed)
+    for number in range(count):
+        kind = KINDS[number % len(KINDS)]
+        frequency = float(random.choice([16.0, 25.0, 50.0, 60.0, 100.0]))
+        trough = random.uniform(2.0, 20.0)
+        if kind == "unbalance":
+            ratio = random.uniform(3.0, 5.0)
+        else:
+            ratio = random.uniform(0.8, 0.97) if random.random() < 0.5 else random.uniform(1.03, 1.2)
+        throw, angle = random.uniform(0.35, 2.8), math.radians(random.uniform(15.0, 40.0))
+        friction = random.uniform(0.2, 0.8)
+        body = {
+            "drive_angle": angle,
+            "static_friction": friction,
+            "kinetic_friction": friction * random.uniform(0.6, 1.0),
+            "trough_angle": math.radians(random.choice([0.0, random.uniform(-5.0, 5.0)])),
+            "restitution": float(random.choice([0.0, 0.0, random.uniform(0.0, 0.3)])),
+        }
+        amplitude = throw * 9.81 / math.sin(angle) / (TURN * frequency) ** 2
+        counter, damping = trough * random.uniform(1.2, 4.0), random.uniform(0.01, 0.05)
+        machine = _machine(kind, trough, counter, frequency / ratio, damping, amplitude, frequency)
+        share = random.uniform(0.05, 0.67)
+        name = f"{seed}.{number} {kind} {ratio:.2f}, {100 * share:.0f} %, K {throw:.2f}"
+        yield Case(name, machine, frequency, share * trough, body)
+
+
 def _machine(
     kind: str,
     trough: float,

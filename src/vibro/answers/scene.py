@@ -296,7 +296,7 @@ def scene_answer(
         from vibro.answers.machine import machine_facts  # late: few scenes have a machine
 
         facts += machine_facts(grid.machine, one.block.values)
-        facts += [_fact(one, WITH_BENT_SPEED)] * bent(one.block)
+        facts += [_fact(one, WITH_BENT_SPEED)] * bent(one.block).number
     tables = [_beginnings(one, every=every)]
     if every:
         facts += _rare(one)

@@ -43,7 +43,7 @@ _CURVE_BEYOND: Final = 0.12  # of the frequencies of interest, on either side
 _AMPLITUDES: Final = ("amplitude", "amplitude_low", "amplitude_high")
 _OF_POINTS: Final = (
     "frequency_ratio", "filled_frequency_ratio", "added_mass_share", "added_damping_share", "at_jump",
-    "strikes",
+    "strikes", "uncertain",
 )  # fmt: skip
 _SLIDES: Final = (Regime.FORWARD_SLIP.label, Regime.BACK_SLIP.label)
 

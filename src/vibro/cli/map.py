@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from vibro.cli.console import Console
     from vibro.cli.sweeps import Pictures
     from vibro.plots.view import View
+    from vibro.results.operating import Bent
     from vibro.results.sweep import Block, Peak, SweepResult
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
@@ -80,7 +81,7 @@ def map_command(
     from vibro.cli.sweeps import conclude, write_sweep
     from vibro.cli.target_speed import TargetSpeed
     from vibro.quantities import LEAST_SPEED, checked_number
-    from vibro.results.operating import bent
+    from vibro.results.operating import Bent, bent
     from vibro.steady import checked_starts
     from vibro.sweeps.derived import throughput
     from vibro.sweeps.request import RANGES
@@ -117,11 +118,11 @@ def map_command(
         cells = None if outputs.folder else DrawnCells.of(grid, view.drawn)
         pictures = _pictures(request, grid, view, names, target_speed, cells)
     target = None if target_speed is None else TargetSpeed(grid.given_axes, target_speed)
-    bends = 0
+    bends = Bent(0, 0)
 
     def look(block: Block) -> None:
         nonlocal bends
-        bends += bent(block)
+        bends = Bent(*(x + y for x, y in zip(bends, bent(block), strict=True)))
         if target:
             target.add(block)
         if cells:
@@ -162,17 +163,22 @@ def _pictures(
     return Pictures(names, view, speed, solved)
 
 
-def _tell_doubts(grid: Grid, tally: Tally, bends: int, console: Console) -> None:
+def _tell_doubts(grid: Grid, tally: Tally, bends: Bent, console: Console) -> None:
     """Tell how many troughs do not move as a sine, and if nothing moves, what would."""
     from vibro.results.operating import BENT_SPEED, WARNED_HARMONIC
     from vibro.results.sweep import where_motion_begins
     from vibro.sweeps.run import limits_of
 
-    if bends:
+    if bends.number:
         console.warn(
-            f"{bends} of {grid.size} cells: the filling adds a second harmonic above"
+            f"{bends.number} of {grid.size} cells: the filling adds a second harmonic above"
             f" {100.0 * WARNED_HARMONIC:g} % of the amplitude; {BENT_SPEED.column} of --columns has the"
             " speed with it"
+        )
+    if bends.uncertain:
+        console.warn(
+            f"{bends.uncertain} of {grid.size} cells: the filling bends the motion much; their amplitude and"
+            " speed are uncertain, as the column uncertain says"
         )
     if tally.at_rest:
         limits = limits_of(grid.values())

@@ -13,13 +13,35 @@ from typing import Final, NamedTuple
 from vibro.core.bounces import ACCUMULATED, Flights, after_landing, single_bounce
 from vibro.core.codes import Mode, Status
 from vibro.core.contact import SlideLeg, cycle_slides
-from vibro.core.drive import Loads, free_along, free_normal, phase_difference, trough_along
+from vibro.core.drive import (
+    Loads,
+    beyond_friction,
+    free_along,
+    free_normal,
+    mix_of,
+    phase_difference,
+    trough_along,
+)
 from vibro.core.flight import bed_of, flight
-from vibro.core.hops import CAPTURED, MOST_TURNS, Bodies, cycle_of, enter, kick, means_of, spread_of, start_of
+from vibro.core.hops import (
+    CAPTURED,
+    MOST_TURNS,
+    Bodies,
+    cycle_of,
+    enter,
+    kick,
+    means_of,
+    repeating,
+    spread_of,
+    start_of,
+)
 from vibro.core.legs import Track, contact_leg, mode_of, track_of
-from vibro.core.numbers import BODIES, INF, NAN, TURN, braked, circle, doubles, hypotenuse, integers
+from vibro.core.machines import Complex
+from vibro.core.numbers import BODIES, INF, NAN, TURN, braked, circle, doubles, hypotenuse, integers, wrap
 from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, hopping_cycle, landed, orbit_from, write_hop
-from vibro.core.waves import at_break
+from vibro.core.slides import thresholds
+from vibro.core.wave_cycle import Begin, cycle_begin
+from vibro.core.waves import FORCE, NORMAL, SINE, Mix, at_break, depart, moved
 
 # [rad] Legs up to this length are integrated by Gauss's rule of eight nodes, whose terms all are as small as
 # the leg, within 4e-16 (tests/test_fillings.py). Longer ones have closed forms.
@@ -128,6 +150,18 @@ def reaction_of_hops(loads: Loads, restitution: float, flights: Flights, hops: H
 
     ``flights`` and ``hops`` are scratch memory.
     """
+    cycle = _hopping_cycle(loads, restitution, flights, hops)
+    return _reaction(loads, cycle.walk, cycle.duration)
+
+
+class _WholeCycle(NamedTuple):
+    """A steady cycle, and how long it lasts [rad]."""
+
+    walk: _Walk
+    duration: float
+
+
+def _hopping_cycle(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> _WholeCycle:
     track, bed = track_of(loads, restitution), bed_of(loads)
     entry = enter(track, restitution, flights, hops)
     cycle = cycle_of(track, entry.motion)
@@ -143,7 +177,54 @@ def reaction_of_hops(loads: Loads, restitution: float, flights: Flights, hops: H
         walk = _with_flight(loads, restitution, hop, landed(hops, row, walk.velocity), walk)
         if rest > 0.0:
             walk = _with_contact(track, landing, rest, walk)
-    return _reaction(loads, walk, TURN * entry.motion.cycles)
+    return _WholeCycle(walk, TURN * entry.motion.cycles)
+
+
+class Share(NamedTuple):
+    """What a body weighs, its status, and how far it advances in a drive cycle [A]; 0 where it is unknown."""
+
+    reaction: Reaction
+    status: int
+    displacement: float
+
+
+def reaction_on_harmonics(
+    loads: Loads, line: Loads, second: Complex, restitution: float, flights: Flights, hops: Hops
+) -> Share:
+    """Solve the steady cycle on a trough that moves along a line with two harmonics, and sum over it.
+
+    Parameters
+    ----------
+    loads : Loads
+        Groups of the scene; lengths in the amplitude of the first harmonic.
+    line : Loads
+        Those of a drive along the same line with one harmonic.
+    second : Complex
+        The second harmonic; the trough is at Im(e^ip + second e^2ip).
+    restitution : float
+        Of the scene.
+    flights, hops : Flights, Hops
+        Scratch memory.
+    """
+    at, cycle = thresholds(loads), _WholeCycle(_from_rest(), TURN)
+    hopping = at.hops and loads.kinetic_friction <= loads.static_friction
+    begin = Begin(0.0, 0.0, 0, 0.0)
+    if hopping:
+        hop = repeating(loads, restitution, flights, hops)
+        begin = begin._replace(status=hop.status, displacement=hop.displacement)
+    else:
+        begin = cycle_begin(loads, at)
+    if begin.status != Status.OK and begin.status != Status.BOUNDARY:
+        return Share(Reaction(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), begin.status, 0.0)
+    if hopping:
+        cycle = _hopping_cycle(loads, restitution, flights, hops)
+    elif at.forward or at.back:
+        walk = _from_rest()._replace(velocity=begin.velocity)
+        cycle = _WholeCycle(_with_contact(track_of(loads, 0.0), begin.phase, TURN, walk), TURN)
+    found = _reaction(line, cycle.walk, cycle.duration)
+    own_real, own_imaginary = found.second_real + 4.0 * second.real, 4.0 * second.imaginary
+    found = found._replace(second_real=own_real, second_imaginary=found.second_imaginary + own_imaginary)
+    return Share(found, begin.status, begin.displacement)
 
 
 class _Hop(NamedTuple):
@@ -163,13 +244,18 @@ def _with_flight(loads: Loads, restitution: float, hop: _Hop, after: float, walk
     and none normal to it.
     """
     phase, length, n = hop.phase, hop.length, loads.weight_normal
-    a, b = loads.drive_tangential, loads.drive_normal
-    at = trough_along(loads, phase)
-    ahead = _Motion(walk.velocity, a * at.velocity, a * at.path, loads.weight_tangential)
-    off = _Motion(n * hop.speed, b * math.cos(phase), b * math.sin(phase), n)
     flown = free_along(loads, phase, walk.velocity, length)
-    along = _plus(walk.along, _integrals(ahead, phase, length, flown.path))
-    normal = _plus(walk.normal, _integrals(off, phase, length, 0.0))
+    if loads.waves.kind == SINE:
+        a, b = loads.drive_tangential, loads.drive_normal
+        at = trough_along(loads, phase)
+        ahead = _Motion(walk.velocity, a * at.velocity, a * at.path, loads.weight_tangential)
+        off = _Motion(n * hop.speed, b * math.cos(phase), b * math.sin(phase), n)
+        along = _integrals(ahead, phase, length, flown.path)
+        normal = _integrals(off, phase, length, 0.0)
+    else:
+        along = _over_waves(loads, mix_of(loads, FORCE), phase, walk.velocity, length)
+        normal = _over_waves(loads, mix_of(loads, NORMAL), phase, n * hop.speed, length)
+    along, normal = _plus(walk.along, along), _plus(walk.normal, normal)
     if hop.bounced > 0.0:
         left = braked(flown.velocity, loads.kinetic_friction * n * hop.impact * (1.0 + restitution))
         chain = _Motion(left, 0.0, 0.0, 0.0)
@@ -184,8 +270,13 @@ def _with_contact(track: Track, landing: float, rest: float, walk: _Walk) -> _Wa
     for _ in range(MOST_LEGS):
         leg = contact_leg(track, mode, phase, velocity, left)
         if mode != Mode.REST:
-            motion = _sliding(loads, phase, velocity, 1.0 if mode == Mode.FORWARD else -1.0)
-            along = _plus(along, _integrals(motion, phase, leg.length, leg.displacement))
+            way = 1.0 if mode == Mode.FORWARD else -1.0
+            if loads.waves.kind == SINE:
+                slide = _integrals(_sliding(loads, phase, velocity, way), phase, leg.length, leg.displacement)
+            else:
+                braked_by = beyond_friction(loads, loads.kinetic_friction, way)
+                slide = _scaled(_over_waves(loads, braked_by, phase, way * velocity, leg.length), way)
+            along = _plus(along, slide)
         velocity = leg.velocity
         if not leg.length < left - CLOSE:
             break
@@ -406,6 +497,36 @@ def _long(motion: _Motion, phase: float, length: float) -> _Integrals:
         y1 * at_cosine - x1 * at_sine,
         x2 * twice_cosine + y2 * twice_sine,
         y2 * twice_cosine - x2 * twice_sine,
+    )
+
+
+def _over_waves(loads: Loads, mix: Mix, phase: float, start: float, length: float) -> _Integrals:
+    """Integrate a leg on a trough with several harmonics, from its velocity on, by Gauss's rule."""
+    waves, begin, out = loads.waves, wrap(phase), _nothing()
+    value = depart(waves, mix, begin).load
+    parts = int(math.ceil(length / _SHORT))
+    half = 0.5 * length / max(parts, 1)
+    for part in range(parts):
+        for i in range(8):
+            node, share = _NODE_1, _SHARE_1
+            if i % 4 == 1:
+                node, share = _NODE_2, _SHARE_2
+            elif i % 4 == 2:
+                node, share = _NODE_3, _SHARE_3
+            elif i % 4 == 3:
+                node, share = _NODE_4, _SHARE_4
+            s = half * (2.0 * part + 1.0 + (node if i < 4 else -node))
+            velocity = start + moved(waves, mix, begin, value, s).velocity
+            out = _with_impulse(out, begin + s, 2.0 * half * share * velocity)
+    return out
+
+
+def _scaled(one: _Integrals, factor: float) -> _Integrals:
+    return _Integrals(
+        factor * one.first_real,
+        factor * one.first_imaginary,
+        factor * one.second_real,
+        factor * one.second_imaginary,
     )
 
 

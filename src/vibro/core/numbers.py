@@ -431,7 +431,9 @@ class Operated(NamedTuple):
     added_damping_share: Doubles
     second_real: Doubles
     second_imaginary: Doubles
+    amplitude_sine: Doubles
     number: Integers
     at_jump: Bytes
     strikes: Bytes
+    uncertain: Bytes
     status: Bytes

@@ -15,7 +15,8 @@ from vibro.core.bounces import Flights
 from vibro.core.codes import Status
 from vibro.core.contact import steady_cycle
 from vibro.core.drive import Loads
-from vibro.core.filling import Reaction, reaction_in_contact, reaction_of_hops
+from vibro.core.feedback import Body, Fed, feed_back, loads_at
+from vibro.core.filling import Reaction, Share, reaction_in_contact, reaction_of_hops
 from vibro.core.hops import repeating
 from vibro.core.limits import CriticalLoads, critical_loads
 from vibro.core.machines import (
@@ -53,6 +54,11 @@ _FARTHEST: Final = 1e-2
 _CLOSING: Final = 200  # steps; smooth zeros take ten
 _ZERO: Final = 4.0 * EPS  # [1] residual over A_0 that is rounding
 _JUMP: Final = 1e-9  # [1] residual over A_0 that only a jump leaves in a closed bracket
+# An operating point is uncertain where the second harmonic over the amplitude exceeds this, of bodies that
+# bounce this, or where it changes the speed by more than this (benchmarks/filling.py) [1].
+_MOST_HARMONIC: Final = 0.015
+_MOST_BOUNCING_HARMONIC: Final = 0.005
+_MOST_CHANGE: Final = 0.075
 
 
 class Machine(NamedTuple):
@@ -89,29 +95,19 @@ class Feeder(NamedTuple):
         Without the body.
     still : Transfer
         Its motion.
-    unit : Loads
-        Of the body at G = 1.
-    length : float
-        Amplitude at which G is 1 [m].
-    restitution : float
-        Of the scene.
+    body : Body
+        The body.
     empty : float
         A_0 [m].
     pull : Complex
         m H [1].
-    flights, hops : Flights, Hops
-        Scratch memory.
     """
 
     machine: Machine
     still: Transfer
-    unit: Loads
-    length: float
-    restitution: float
+    body: Body
     empty: float
     pull: Complex
-    flights: Flights
-    hops: Hops
 
 
 def feeder_of(machine: Machine, one: Point, unit: Loads, flights: Flights, hops: Hops) -> Feeder:
@@ -119,7 +115,7 @@ def feeder_of(machine: Machine, one: Point, unit: Loads, flights: Flights, hops:
     still = transfer(machine.springs, machine.frequency, machine.natural_frequency, Complex(0.0, 0.0))
     length, empty = one.loads.weight_normal / unit.weight_normal, machine.force * size_of(still.trough)
     pull = scaled(still.compliance, machine.filling)
-    return Feeder(machine, still, unit, length, one.restitution, empty, pull, flights, hops)
+    return Feeder(machine, still, Body(unit, length, one.restitution, flights, hops), empty, pull)
 
 
 class OperatingPoint(NamedTuple):
@@ -195,7 +191,7 @@ def operating_point(feeder: Feeder, step: float, most: int, found: Doubles, room
     room : int
         Their number at most.
     """
-    loads, length, critical = feeder.unit, feeder.length, critical_loads(feeder.unit)
+    loads, length, critical = feeder.body.unit, feeder.body.length, critical_loads(feeder.body.unit)
     onset = length * _first_onset(critical) if loads.static_friction > 0.0 else 0.0
     stuck, reach = _shrunk(feeder, Complex(1.0, 0.0)), _reach(feeder)
     low = max(feeder.empty * (1.0 - _ROUNDING) - reach, onset * (1.0 - _BEFORE))
@@ -286,41 +282,30 @@ def _shrunk(feeder: Feeder, share: Complex) -> float:
 
 def _reach(feeder: Feeder) -> float:
     """Return an upper bound of m abs(H) A abs(lambda - i delta) for all amplitudes, Eq. (89) [m]."""
-    loads = feeder.unit
+    loads = feeder.body.unit
     pressed = loads.drive_normal + loads.static_friction * loads.drive_tangential
-    return size_of(feeder.pull) * 2.0 * pressed * loads.weight_normal * feeder.length
+    return size_of(feeder.pull) * 2.0 * pressed * loads.weight_normal * feeder.body.length
 
 
-class _Share(NamedTuple):
-    """What a body weighs at an amplitude, nothing where that is unknown, and its status there."""
-
-    reaction: Reaction
-    status: int
-
-
-def _share_at(feeder: Feeder, amplitude: float) -> _Share:
-    unit = feeder.unit
-    weight = feeder.length / amplitude  # 1/G
-    loads = unit._replace(
-        weight_normal=weight * unit.weight_normal,
-        weight_tangential=weight * unit.weight_tangential,
-        weight_across=weight * unit.weight_across,
-    )
+def _share_at(feeder: Feeder, amplitude: float) -> Share:
+    """Return what a body weighs under a sine."""
+    body = feeder.body
+    loads = loads_at(body, amplitude)
     at = thresholds(loads)
-    found, status = Reaction(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0
+    found, status, displacement = Reaction(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0, 0.0
     if at.hops and loads.kinetic_friction <= loads.static_friction:
-        hop = repeating(loads, feeder.restitution, feeder.flights, feeder.hops)
-        status = hop.status
+        hop = repeating(loads, body.restitution, body.flights, body.hops)
+        status, displacement = hop.status, hop.displacement
         if _is_known(status):
-            found = reaction_of_hops(loads, feeder.restitution, feeder.flights, feeder.hops)
+            found = reaction_of_hops(loads, body.restitution, body.flights, body.hops)
     else:
         cycle = steady_cycle(loads, at)
-        status = cycle.status
+        status, displacement = cycle.status, cycle.displacement
         if _is_known(status):
             found = reaction_in_contact(loads, cycle.pattern)
     if status == Status.UNRESOLVED:
         status = int(Status.AVERAGED)
-    return _Share(found, status)
+    return Share(found, status, displacement)
 
 
 def _trial(feeder: Feeder, amplitude: float) -> _Trial:
@@ -408,17 +393,35 @@ def _next_share(last: _Trial, other: _Trial, before: _Trial) -> float:
 
 
 def all_amplitudes(feeder: Feeder, found: Doubles, room: int) -> int:
-    """List the amplitudes of all operating points, as far as there is room; return their number."""
+    """List the amplitudes of all operating points under a sine, if there is room; return their number."""
     return operating_point(feeder, _FINE_STEP, _MOST_FINE_STEPS, found, room).number
 
 
+def _fed_back(feeder: Feeder, amplitude: float, sine: Share) -> Fed:
+    """Feed the second harmonic back, from the operating point under a sine on."""
+    second_pull = _second_pull(feeder.machine)
+    return feed_back(feeder.body, feeder.empty, feeder.pull, second_pull, Fed(amplitude, sine, False))
+
+
+def _second_pull(machine: Machine) -> Complex:
+    """Return m H of the empty machine at twice the frequency [1]."""
+    still, frequency = Complex(0.0, 0.0), 2.0 * machine.frequency
+    moved = transfer(machine.springs, frequency, machine.natural_frequency, still)
+    return scaled(moved.compliance, machine.filling)
+
+
 class _Filled(NamedTuple):
-    """An operating point, whether the share jumps there, and it with its second harmonic; NaN if unknown."""
+    """An operating point, whether the share jumps there, and it with its second harmonic; NaN if unknown.
+
+    ``sine`` is the amplitude without that harmonic [m], ``uncertain`` whether that changes the motion much.
+    """
 
     point: OperatingPoint
     jumps: bool
     share: Complex
     second: Complex
+    sine: float
+    uncertain: bool
 
 
 def _settled(feeder: Feeder) -> _Filled:
@@ -435,10 +438,34 @@ def _settled(feeder: Feeder) -> _Filled:
         if not stiff and not known:
             point = point._replace(amplitude=NAN, low=NAN, high=NAN, number=0)
     if not known or math.isnan(point.amplitude):
-        return _Filled(point, jumps, nothing, nothing)
+        return _Filled(point, jumps, nothing, nothing, point.amplitude, False)
+    sine, uncertain = point.amplitude, False
+    if _is_known(point.status):
+        fed = _fed_back(feeder, sine, found)
+        uncertain, found = _is_uncertain(feeder, fed), fed.share
+        if fed.agrees and fed.amplitude != sine:
+            a, jumps = fed.amplitude, False
+            point = OperatingPoint(a, a, a, a, point.number, found.status)
     reaction = found.reaction
     share = Complex(reaction.added_mass, -reaction.added_damping)
-    return _Filled(point, jumps, share, Complex(reaction.second_real, reaction.second_imaginary))
+    second = Complex(reaction.second_real, reaction.second_imaginary)
+    return _Filled(point, jumps, share, second, sine, uncertain)
+
+
+def _is_uncertain(feeder: Feeder, fed: Fed) -> bool:
+    """Return whether the second harmonic changes the motion of the body much, or no agreement was found."""
+    body, reaction = feeder.body, fed.share.reaction
+    force = Complex(reaction.second_real, reaction.second_imaginary)
+    harmonic = 0.25 * size_of(_second_pull(feeder.machine)) * size_of(force)
+    if harmonic == 0.0:
+        return False
+    loads = loads_at(body, fed.amplitude)
+    bounces = body.restitution > 0.0 and loads.drive_normal > loads.weight_normal
+    if not fed.agrees or harmonic > (_MOST_BOUNCING_HARMONIC if bounces else _MOST_HARMONIC):
+        return True
+    sine = _share_at(feeder, fed.amplitude)
+    change = abs(fed.share.displacement - sine.displacement)
+    return not (_is_known(sine.status) and change <= _MOST_CHANGE * abs(sine.displacement))
 
 
 def write_operated(feeder: Feeder, out: Operated, row: int) -> None:
@@ -453,7 +480,7 @@ def write_operated(feeder: Feeder, out: Operated, row: int) -> None:
     if mass > 0.0 and not math.isnan(machine.share.real):
         amplitude = _shrunk(feeder, machine.share)
     start = OperatingPoint(amplitude, amplitude, amplitude, amplitude, 1, Status.OK)
-    at = _Filled(start, False, machine.share, Complex(NAN, NAN))
+    at = _Filled(start, False, machine.share, Complex(NAN, NAN), amplitude, False)
     if allowed and mass > 0.0 and math.isnan(machine.share.real):
         at = _settled(feeder)
     point, share = at.point, at.share
@@ -464,8 +491,7 @@ def write_operated(feeder: Feeder, out: Operated, row: int) -> None:
     frequency, natural = machine.frequency, machine.natural_frequency
     added, moved, harmonic = Complex(0.0, 0.0), feeder.still, Complex(0.0, 0.0)
     if mass > 0.0:
-        twice = transfer(springs, 2.0 * frequency, natural, added)
-        harmonic = times(scaled(at.second, -0.25 * mass), twice.compliance)  # Eq. (90)
+        harmonic = times(scaled(at.second, -0.25), _second_pull(machine))  # Eq. (90)
         if not math.isnan(share.real):
             added = scaled(share, mass)
             moved = transfer(springs, frequency, natural, added)
@@ -489,8 +515,10 @@ def write_operated(feeder: Feeder, out: Operated, row: int) -> None:
     out.phase[row], out.relative_amplitude[row], out.filled_frequency_ratio[row] = phase, relative, ratio
     out.added_mass_share[row], out.added_damping_share[row] = share.real, 0.0 - share.imaginary
     out.second_real[row], out.second_imaginary[row] = harmonic.real, harmonic.imaginary
+    out.amplitude_sine[row] = NAN if strikes else at.sine
     out.number[row], out.status[row] = point.number, point.status
     out.strikes[row], out.at_jump[row] = 1 if strikes else 0, 1 if at.jumps else 0
+    out.uncertain[row] = 1 if at.uncertain else 0
 
 
 def _most_relative(feeder: Feeder, high: float) -> float:

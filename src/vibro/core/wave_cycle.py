@@ -120,6 +120,35 @@ def write_contact_letters(loads: Loads, at: Thresholds, out: Bytes, room: int) -
     return write_letters(settled.cycle, no_hops(), settled.home.velocity, out, room)
 
 
+class Begin(NamedTuple):
+    """Where a steady cycle begins, the velocity there, its status and its displacement.
+
+    A body at rest begins anywhere.
+    """
+
+    phase: float
+    velocity: float
+    status: int
+    displacement: float
+
+
+def cycle_begin(loads: Loads, at: Thresholds) -> Begin:
+    """Solve the steady contact cycle from rest, of which no more is wanted than where it begins."""
+    none = without_cycle(loads, at)
+    if none.status != Status.OK:
+        return Begin(0.0, 0.0, none.status, 0.0)
+    if _is_unbounded(at) or _is_heavy(loads):
+        return Begin(0.0, 0.0, int(Status.UNRESOLVED), 0.0)
+    status = int(Status.BOUNDARY) if at.edge else int(Status.OK)
+    if not (at.forward or at.back):
+        return Begin(0.0, 0.0, status, 0.0)
+    settled = _settle(loads, at)
+    if settled.home.status != Status.OK:
+        status = settled.home.status
+    home = settled.home
+    return Begin(settled.cycle.landing, home.velocity, status, home.cycle.displacement)
+
+
 def _unknown() -> Classes:
     return Classes(0, forward=False, back=False, rest=False, spare=INF)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -147,6 +147,14 @@ MACHINE_RESULTS: Final = (
         kind=PERCENT,
         column="second_harmonic_percent",
     ),
+    Result(
+        name="uncertain",
+        meaning="whether that harmonic changes the motion so much that the speed may be far off: 1 yes, 0 no",
+        column="uncertain",
+        dtype=np.int8,
+        texts=("0", "1", ""),
+        is_flag=True,
+    ),
 )
 #: A column only on request: it takes far longer than the speed under the sine.
 BENT_SPEED: Final = Result(
@@ -159,7 +167,7 @@ BENT_SPEED: Final = Result(
 #: how many operating points exist.
 FIELDS: Final = np.dtype(
     [
-        *((result.name, np.float64) for result in MACHINE_RESULTS),
+        *((result.name, result.dtype) for result in MACHINE_RESULTS),
         ("second_phasor", np.complex128),
         ("status", np.int8),
         ("number", np.int8),
@@ -167,10 +175,17 @@ FIELDS: Final = np.dtype(
 )
 
 
-def bent(block: Block) -> int:
-    """Count the cells of a block whose trough does not move as a sine, because of its filling."""
+class Bent(NamedTuple):
+    """Numbers of cells whose filling bends the motion of the trough, and of uncertain ones."""
+
+    number: int
+    uncertain: int
+
+
+def bent(block: Block) -> Bent:
+    """Count the cells of a block whose filling bends the motion of the trough."""
     if OPERATING not in block.values:
-        return 0
-    found: Any = block.values[OPERATING]
-    second = np.broadcast_to(found["second_harmonic"], block.shape)
-    return int(np.count_nonzero(second > WARNED_HARMONIC))
+        return Bent(0, 0)
+    found: Any = np.broadcast_to(block.values[OPERATING], block.shape)
+    number = np.count_nonzero(found["second_harmonic"] > WARNED_HARMONIC)
+    return Bent(int(number), int(np.count_nonzero(found["uncertain"])))

@@ -68,8 +68,9 @@ def _found(result: Result, block: Block) -> NDArray[Any]:
 
 
 def _operating(result: Result, block: Block) -> NDArray[Any]:
-    found: NDArray[Any] = block.values[OPERATING]
-    return np.asarray(result.kind.from_si(found[result.name]))
+    cells: NDArray[Any] = block.values[OPERATING]
+    found = cells[result.name]
+    return np.asarray(result.kind.from_si(found) if result.is_number else found)
 
 
 _WHERE_SWEPT: Final = (*MACHINE, "friction_ratio", "normal_acceleration", "restitution")

@@ -482,7 +482,9 @@ function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) 
   if (!machine) return [];
   const { doubts, "warned harmonic": warned } = texts.machine;
   const { BOUNDARY, AVERAGED } = engine.known.Status;
-  const { status: [status], number: [number], second_harmonic: [second], strikes: [strikes] } = operated;
+  const { status: [status], number: [number], strikes: [strikes], uncertain: [isUncertain] } = operated;
+  const [second] = operated.second_harmonic;
+  const bent = isUncertain ? doubts.uncertain : doubts.bent;
   const near = 2.0 * machine.fields.damping_ratio;
   const ratios = [operated.frequency_ratio, operated.filled_frequency_ratio];
   const isNear = near > 0.0 && ratios.some(([ratio]) => Math.abs(ratio - 1.0) <= near);
@@ -491,7 +493,7 @@ function warningsOf(/** @type {Solved} */ { texts, engine, machine, operated }) 
     ...(number > 1 ? [filledText(doubts.several, { number })] : []),
     ...(status === BOUNDARY && machine.fields.kind !== "crank" ? [doubts.jumps] : []),
     ...(status === AVERAGED ? [doubts.irregular] : []),
-    ...(second > warned ? [filledText(doubts.bent, { percent: generalText(100.0 * second, 2) })] : []),
+    ...(second > warned || isUncertain ? [filledText(bent, { percent: generalText(100.0 * second, 2) })] : []),
     ...(strikes ? [doubts.strikes] : []),
   ];
 }

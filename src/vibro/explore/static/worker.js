@@ -22,7 +22,7 @@
 const CELL_CODES = ["regime", "status", "coexists", "model_code"]; // results that are small whole numbers
 const OF_MACHINES = [ // results of operating points
   "amplitude", "frequency_ratio", "amplitude_empty", "added_mass_share", "added_damping_share", "relative_amplitude",
-  "second_harmonic",
+  "second_harmonic", "uncertain",
 ];
 const LOG_RATIOS = ["hop", "forward_onset", "back_slip", "continuous_sliding"];
 
