@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgba
 
 from vibro import Status
 from vibro.plots import map_figures
-from vibro.plots.style import AVERAGED_LABEL, COEXISTS_LABEL, ERROR_LABEL, NO_ANSWER_HATCH
+from vibro.plots.style import AVERAGED_LABEL, COEXISTS_LABEL, ERROR_LABEL, MINORITY_LABEL, NO_ANSWER_HATCH
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -76,6 +76,24 @@ def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
         points = np.column_stack([amplitude[columns], angle[rows]])
         assert found.get_path().contains_points(points).mean() > 0.98  # those on its edge are cut in half
         assert COEXISTS_LABEL in legend(figure)
+
+
+def test_cells_where_most_parts_move_otherwise_are_hatched_in_place_of_other_cycles(nut: SweepResult) -> None:
+    for share, hatched in ((0.5, False), (np.nextafter(0.5, 0.0), True), (0.0, True)):
+        shares, coexists = np.ones(nut.shape), np.ones(nut.shape, np.int8)
+        shares[:, 200:210] = share
+        cycle = dataclasses.replace(nut.cycle, coexists=coexists, share=shares)
+        figures = pictures_of(dataclasses.replace(nut, cycle=cycle, length=None))
+        for figure in figures.values():
+            found = patch(only_map(figure), MINORITY_LABEL)
+            assert (found is not None) == (MINORITY_LABEL in legend(figure)) == hatched
+            assert patch(only_map(figure), COEXISTS_LABEL) is None
+            if found is not None:
+                amplitude, frequency = (axis.values for axis in nut.axes.values())
+                inside = found.get_path().contains_points(
+                    [(frequency[205], amplitude[150]), (20.0, amplitude[150])]
+                )
+                assert inside.tolist() == [True, False]
 
 
 def test_a_hatch_too_narrow_to_be_seen_is_not_explained(nut: SweepResult) -> None:
