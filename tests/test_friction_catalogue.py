@@ -10,6 +10,7 @@ from helpers.cases import each
 
 from vibro.errors import InputError
 from vibro.friction import Row, band_text, find, rows, static_row
+from vibro.inverse_friction import LEAST_FRICTION, MOST_FRICTION, USUAL_RATIO
 
 
 def test_every_row_has_a_source_and_bands_that_can_be() -> None:
@@ -83,6 +84,22 @@ def test_what_a_refusal_lists_names_each_row() -> None:
     named = [static_row(match[1]) for match in written if match]
     assert named == [row for row in find("steel on steel") if row.static_friction]
     assert [match[2] for match in written if match] == [band_text(row.static_friction) for row in named]
+
+
+def test_the_usual_ratio_and_the_frictions_that_are_searched_are_those_of_the_catalogue() -> None:
+    pairs = [row for row in rows() if row.static_friction and row.kinetic_friction and row.condition == "dry"]
+    metals = [row for row in pairs if re.fullmatch("(steel|copper|brass|aluminium) on steel", row.pair)]
+    ratios = [
+        round(kinetic / static, 2)
+        for row in metals
+        for kinetic, static in zip(row.kinetic_friction or (), row.static_friction or (), strict=True)
+    ]
+    assert (min(ratios), max(ratios)) == (0.67, 0.89)
+    assert min(ratios) < USUAL_RATIO < max(ratios)
+    kinetic_frictions = [mu for row in rows() for mu in row.kinetic_friction or ()]
+    assert LEAST_FRICTION < min(kinetic_frictions) < max(kinetic_frictions) < MOST_FRICTION
+    with_steel = [mu for row in rows() if "steel" in row.pair for mu in row.kinetic_friction or ()]
+    assert max(with_steel) < 1.71  # docs/tasks/friction.md
 
 
 def test_one_row_needs_no_more_than_its_pair() -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Status, is_answered
+from vibro.core.codes import Regime, Status, is_answered
 from vibro.errors import InputError
 from vibro.reals import NotRealError, real_number, shielded
 from vibro.scene import Scene, check_single
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
 
 
-#: [1] Kinetic frictions that are searched, beyond any pair of materials.
+#: [1] Kinetic frictions that are searched: all pairs of the catalogue lie between.
 LEAST_FRICTION: Final = 1e-6
-MOST_FRICTION: Final = 2.0
-#: [1] Kinetic over static friction where nobody has measured it.
+MOST_FRICTION: Final = 3.0
+#: [1] Kinetic over static friction where nobody has measured it: dry metals on steel have 0.67 to 0.89.
 USUAL_RATIO: Final = 0.8
 
 # Frictions of the first grid: of drives of one harmonic, of other motions, which take up to 1.5 ms each, and
@@ -36,6 +36,12 @@ _GRID_OF_MOTIONS: Final = 1025
 _GRID_OF_MEANS: Final = 129
 _SLIPPERY: Final = 0.01
 _PROBES: Final = (0.03, 0.1, 0.3, 1.0)  # which show whether motions are irregular
+
+# Places at which the curve is refined at a time, those first where the speed changes most: a filling whose
+# amplitude hovers about a threshold has thousands, and each of its cells takes 1 to 10 ms.
+_MOST_PLACES: Final = 64
+_MOST_PLACES_FED: Final = 8
+_GRID_FED: Final = 257
 
 _CLOSER: Final = 33  # frictions of each refinement around an extremum of the speed
 _ROUNDS: Final = 4  # of refinement: down to 1e-7 of the friction, where the speed changes by its rounding
@@ -67,6 +73,8 @@ class Frictions(NamedTuple):
         Mean speeds at both ends [m/s].
     error : float
         Largest standard error of the speed in it, where motion is irregular; else 0 [m/s].
+    regime : Regime
+        Of the motion at the low end.
     """
 
     low: float
@@ -76,6 +84,7 @@ class Frictions(NamedTuple):
     speed_low: float
     speed_high: float
     error: float
+    regime: Regime
 
 
 class Unanswered(NamedTuple):
@@ -192,7 +201,7 @@ def friction_for_speed(
     Returns
     -------
     FrictionForSpeed
-        All solutions with a kinetic friction from 1e-6 to 2, or up to the scene's static friction; the
+        All solutions with a kinetic friction from 1e-6 to 3, or up to the scene's static friction; the
         fastest and the slowest friction; jumps of the speed past the given one.
 
     Raises
@@ -229,19 +238,8 @@ def friction_for_speed(
     """
     check_single(scene)
     wanted = _in_range("speed", speed, math.inf, "finite and > 0 m/s", " m/s")
-    top = MOST_FRICTION
-    if ratio is None:
-        held = float(scene.static_friction)
-        top = min(top, held)
-        if not top > LEAST_FRICTION:
-            allowed = f"> {LEAST_FRICTION:g}, the least kinetic friction that is searched"
-            raise InputError(f"static_friction = {held:.15g}: must be {allowed}")
-    else:
-        share = _in_range("ratio", ratio, 1.0, "in (0, 1]")
-
-    def static_of(kinetic: Floats) -> Floats:
-        return np.full_like(kinetic, held) if ratio is None else np.maximum(kinetic / share, kinetic)
-
+    if ratio is not None:
+        ratio = _in_range("ratio", ratio, 1.0, "in (0, 1]")
     given = _given(scene)
 
     def cycles(static: Floats, kinetic: Floats) -> SteadyCycle:
@@ -249,16 +247,18 @@ def friction_for_speed(
         return solve(scenes, flight=flight)
 
     grid = _GRID if scene.motion is None else _GRID_OF_MOTIONS
-    return matching_friction(cycles, static_of, wanted, top=top, grid=grid)
+    static = float(scene.static_friction)
+    return matching_friction(cycles, wanted, ratio, static, grid=grid, most=_MOST_PLACES)
 
 
 def matching_friction(
     cycles: Callable[[Floats, Floats], SteadyCycle],
-    static_of: Callable[[Floats], Floats],
     speed: float,
+    ratio: float | None,
+    static_friction: float,
     *,
-    top: float = MOST_FRICTION,
-    grid: int = _GRID,
+    grid: int = _GRID_FED,
+    most: int = _MOST_PLACES_FED,
 ) -> FrictionForSpeed:
     """Return what ``friction_for_speed`` does of any function from static and kinetic frictions to cycles.
 
@@ -266,15 +266,32 @@ def matching_friction(
     ----------
     cycles : callable
         From static and kinetic frictions, arrays of one shape (n,), to their steady cycles.
-    static_of : callable
-        From kinetic to static frictions.
     speed : float
         To be reached [m/s].
-    top : float, optional
-        Largest kinetic friction [1].
+    ratio : float or None
+        Kinetic over static friction; None where static friction is known [1].
+    static_friction : float
+        If it is known [1].
     grid : int, optional
-        Number of frictions of the first grid.
+        Number of frictions of the first grid; without it, of machines with a filling.
+    most : int, optional
+        Number of changes of the pattern, or extrema, that are refined at a time.
+
+    Raises
+    ------
+    InputError
+        If static friction is known, and smaller than all kinetic frictions that are searched.
     """
+    top = MOST_FRICTION if ratio is not None else min(MOST_FRICTION, static_friction)
+    if not top > LEAST_FRICTION:
+        allowed = f"> {LEAST_FRICTION:g}, the least kinetic friction that is searched"
+        raise InputError(f"static_friction = {static_friction:.15g}: must be {allowed}")
+
+    def static_of(kinetic: Floats) -> Floats:
+        if ratio is None:
+            return np.full_like(kinetic, static_friction)
+        return np.maximum(kinetic / ratio, kinetic)
+
     curve = _Curve(cycles, static_of)
     curve.add(np.append(top * np.array(_PROBES), [LEAST_FRICTION, top]))
     if curve.irregular.any():
@@ -282,9 +299,9 @@ def matching_friction(
     knee = min(_SLIPPERY, math.sqrt(LEAST_FRICTION * top))
     few = grid // 10
     curve.add(np.append(np.geomspace(LEAST_FRICTION, knee, few), np.geomspace(knee, top, grid - few)))
-    curve.part()
-    curve.refine()
-    curve.part()
+    curve.part(most)
+    curve.refine(most)
+    curve.part(most)
     return curve.matches(speed)
 
 
@@ -321,8 +338,8 @@ class _Curve:
         Kinetic frictions [1], mean speeds, NaN where there is none, and their standard errors [m/s].
     kind : (n,) array of int
         Code of the pattern; one of the status where there is no speed, or the mean of irregular motion.
-    status : (n,) array of int
-        Codes of ``Status``.
+    status, regime : (n,) array of int
+        Codes of ``Status`` and ``Regime``.
     """
 
     def __init__(
@@ -330,7 +347,8 @@ class _Curve:
     ) -> None:
         self.cycles, self.static_of = cycles, static_of
         self.x, self.speed, self.error = np.empty((3, 0))
-        self.kind, self.status = np.empty(0, np.int64), np.empty(0, np.int8)
+        self.kind = np.empty(0, np.int64)
+        self.status, self.regime = np.empty((2, 0), np.int8)
 
     @property
     def irregular(self) -> Bools:
@@ -352,11 +370,12 @@ class _Curve:
             "error": np.where(means, np.nan_to_num(cycle.mean_velocity_error), 0.0),
             "kind": np.where(known & ~means, cycle.pattern_code, _NO_PATTERN - status),
             "status": status,
+            "regime": cycle.regime,
         }
         for name, values in new.items():
             setattr(self, name, np.insert(getattr(self, name), places, values))
 
-    def part(self) -> None:
+    def part(self, most: int) -> None:
         """Enclose every change of the pattern between neighbouring doubles, and solve frictions beside it."""
         for _ in range(_ROUNDS):
             means = self.irregular
@@ -364,25 +383,31 @@ class _Curve:
             at = np.flatnonzero(change)
             if not at.size:
                 return
+            leaps = np.abs(self.speed[at + 1] - self.speed[at])  # NaN, of lost cells, counts as the largest
+            at = at[np.argsort(leaps)[-most:]]
             low, high = self._enclosed(at, at + 1, lambda kind, _: kind)
             ends = self.x[0], self.x[-1]
             beside = np.append(low[:, None] * (1.0 - _BESIDE), high[:, None] * (1.0 + _BESIDE))
             beside = beside[(beside > ends[0]) & (beside < ends[1])]
             self.add(np.concatenate([low, high, beside]))
 
-    def refine(self) -> None:
+    def refine(self, most: int) -> None:
         """Solve frictions around every extremum of the speed within a pattern."""
         for _ in range(_ROUNDS):
             before, middle, after = self.speed[:-2], self.speed[1:-1], self.speed[2:]
             one = (self.kind[:-2] == self.kind[1:-1]) & (self.kind[2:] == self.kind[1:-1])
             one &= ~self.irregular[1:-1]
-            least, most = np.minimum(before, after), np.maximum(before, after)
+            lowest, highest = np.minimum(before, after), np.maximum(before, after)
             rounding = _EQUAL * np.abs(middle)
-            top = (middle >= most) & (least < middle - rounding)
-            dip = (middle <= least) & (most > middle + rounding)
-            cells = np.flatnonzero(one & (top | dip)) + 1
+            top = (middle >= highest) & (lowest < middle - rounding)
+            dip = (middle <= lowest) & (highest > middle + rounding)
+            cells = np.flatnonzero(one & (top | dip))
             if not cells.size:
                 return
+            cells = (
+                cells[np.argsort((np.maximum(highest, middle) - np.minimum(lowest, middle))[cells])[-most:]]
+                + 1
+            )
             self.add(np.linspace(self.x[cells - 1], self.x[cells + 1], _CLOSER)[1:-1].ravel())
 
     def _enclosed(
@@ -475,7 +500,8 @@ class _Curve:
     def _extreme(self, side: float) -> Frictions:
         """Return where the speed is largest, or smallest if the side is -1."""
         if np.isnan(self.speed).all():
-            return Frictions(*[math.nan] * 7)
+            nan = math.nan
+            return Frictions(nan, nan, nan, nan, nan, nan, nan, Regime.UNDEFINED)
         best = int(np.nanargmax(side * self.speed))
         speed = float(self.speed[best])
         level = (np.abs(self.speed - speed) <= _EQUAL * abs(speed)) & ~self.irregular
@@ -493,10 +519,15 @@ class _Curve:
         return self.speed[np.searchsorted(self.x, x)]
 
     def _between(self, low: float, high: float) -> Frictions:
-        self.add(np.array([low, high]))
         ends = np.array([low, high])
-        error = self.error[(self.x >= low) & (self.x <= high)].max()
-        return Frictions(*map(float, (*ends, *self.static_of(ends), *self._speeds(ends), error)))
+        self.add(ends)
+        (static_low, static_high), (speed_low, speed_high) = (
+            x.tolist() for x in (self.static_of(ends), self._speeds(ends))
+        )
+        error = float(self.error[(self.x >= low) & (self.x <= high)].max())
+        regime = Regime(int(self.regime[np.searchsorted(self.x, low)]))
+        low, high = ends.tolist()
+        return Frictions(low, high, static_low, static_high, speed_low, speed_high, error, regime)
 
 
 def _runs(keys: NDArray[Any]) -> list[tuple[Any, int, int]]:

@@ -110,6 +110,16 @@ def designed(run: Run, file: Path) -> str:
     return command("design")(run, question)
 
 
+def timed(run: Run, file: Path) -> str:
+    """Return what ``vibro solve --time`` answers about a scene without friction."""
+    text = re.sub(".*_friction.*\n", "", file.read_text(encoding="utf-8"))
+    left_out = file.with_name("frictionless.toml")
+    left_out.write_text(text, encoding="utf-8")
+    result = run("solve", left_out, "--time", "20", "--hopping")
+    assert result.exit_code in (0, 4), result.stderr  # 4: no friction gives the time
+    return "yes"
+
+
 BANDS = {"static_friction": (0.38, 0.4)}
 ASKED = {
     "`vibro solve`: regime, speed, phases": command("solve"),
@@ -118,6 +128,7 @@ ASKED = {
     "`vibro solve --speed`: amplitudes that reach a speed, of motions their scale": command(
         "solve", "--speed", "5"
     ),
+    "`vibro solve --time`: friction of parts that take a time": timed,
     "`vibro simulate`: history, and its picture": command("simulate", "--cycles", "3", "-o", "{}-history"),
     "`vibro simulate start_height=`: a part that is dropped, or thrown": command(
         "simulate", "start_height=2"

@@ -31,8 +31,11 @@ class _CommandLine(NamedTuple):
     @property
     def takes_one_value(self) -> tuple[str, str]:
         command, *options = self.argv
-        if command == "solve" and any(option.startswith("--speed") for option in options):
-            return "vibro solve --speed takes one value", "ask for each by itself; decimals have a point"
+        if command == "solve":  # which takes lists, unless it finds what is left out
+            target = [name for name in ("--speed", "--time") if any(o.startswith(name) for o in options)]
+            which = f"vibro solve {target[0]} takes one value" if target else ""
+            why = which or "vibro solve takes one value where a quantity is left out"
+            return why, "ask for each by itself; decimals have a point"
         return f"vibro {command} takes one value", "vibro map takes axes; decimals have a point"
 
     def name(self, quantity: Quantity) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 from vibro.cli.options import (
     AllOption,
@@ -16,24 +16,18 @@ from vibro.cli.table_options import NEEDS_PART, ColumnsOption, MassOption, Pitch
 from vibro.core.codes import Output
 from vibro.errors import InputError
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 _MOST_CELLS: Final = 50  # of lists: a screen; more are a map's
-_NO_MACHINE: Final = (
-    "--speed asks for an amplitude, which follows from the machine; vibro map FILE setting=10:100 --speed X"
-    " shows the settings that reach a speed"
-)
 _NEEDS: Final = {**NEEDS_PART, **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6")}
 
 
 def solve_command(
     options: Options,
     speed: Annotated[
-        str | None, option("speed", "Find the amplitudes that convey so fast [mm/s].", "X")
+        str | None, option("speed", "Find the amplitudes, or the friction, for a speed [mm/s].", "X")
     ] = None,
+    time: Annotated[str | None, option("time", "The same for the time over the length [s].", "X")] = None,
     every: AllOption = False,
-    hopping: Annotated[bool, rare("hopping", "With --speed: the part may hop.")] = False,
+    hopping: Annotated[bool, rare("hopping", "With --speed or --time: the part may hop.")] = False,
     regimes_only: RegimesOnlyOption = False,
     stand_ratio: Annotated[
         str | None,
@@ -49,10 +43,12 @@ def solve_command(
 ) -> int:
     """Solve a scene: regime, speed, time over the trough, and what begins next.
 
-    A list, such as -A 1,1.5,2, or several files give a table. With --speed it finds the amplitude.
+    A list, such as -A 1,1.5,2, or several files give a table. If an amplitude, a frequency or friction is
+    left out, it tells where motions begin; with --speed or --time, which amplitude or friction it is.
     """
     from vibro.cli.answer import Run, answer_cells, answer_one
     from vibro.cli.request import request_of
+    from vibro.cli.unknowns import begins, sought, target
     from vibro.quantities import QUANTITIES, STAND_RATIO, checked_number
     from vibro.sweeps.columns import table_columns
     from vibro.sweeps.derived import (
@@ -67,14 +63,15 @@ def solve_command(
     from vibro.sweeps.weighed import weighed
 
     output = Output.REGIMES if regimes_only else Output.EXACT
-    if speed is not None:
-        unused = typed_names(
-            regimes_only=regimes_only, stand_ratio=stand_ratio, columns=columns,
-            pitch=pitch, mass=mass,
-        )  # fmt: skip
-        return _target(speed, options, unused, every=every, hopping=hopping)
+    unused = typed_names(
+        regimes_only=regimes_only, stand_ratio=stand_ratio, columns=columns, pitch=pitch, mass=mass,
+    )  # fmt: skip
+    if speed is not None or time is not None:
+        return target(speed, time, options, unused, every=every, hopping=hopping)
     if hopping:
-        raise InputError("--hopping needs --speed", hint="add --speed 5m/min, or leave it out")
+        raise InputError("--hopping needs --speed or --time", hint="add --speed 5m/min, or leave it out")
+    if (name := sought(options)) and not unused:
+        return begins(name, options, every=every)
     part = part_of(pitch, mass)
     extra = throughput(part)
     options, load = _with_filling(options)
@@ -106,32 +103,6 @@ def solve_command(
             hint=f"give fewer, such as {fewer}, or use vibro map",
         )
     return answer_cells(runs, options, "vibro-solve", every=every)
-
-
-def _target(text: str, options: Options, unused: Sequence[str], *, every: bool, hopping: bool) -> int:
-    """Find the amplitudes that reach a speed, and print them."""
-    from vibro.answers.target import target_answer
-    from vibro.cli.exit_codes import ExitCode
-    from vibro.cli.outputs import Outputs
-    from vibro.cli.request import request_of
-    from vibro.quantities import LEAST_SPEED, LOAD, SCALE, checked_number, exact_number, given_unit
-
-    if len(options.files) > 1:
-        raise InputError(
-            f"--speed with {len(options.files)} files: it takes one", hint="leave the others out"
-        )
-    if unused := [*unused, *(["filling="] if "filling" in options.given else [])]:
-        raise InputError(f"--speed finds amplitudes: {', '.join(unused)} cannot be used with it")
-    speed = checked_number(text, LEAST_SPEED)
-    request = request_of(options, (LOAD.name,), asked_for=("amplitude", SCALE), without_machine=_NO_MACHINE)
-    unit, size = given_unit(text, LEAST_SPEED)
-    asked = f"{float(exact_number(text, LEAST_SPEED) / size):.15g} {unit}"
-    with Outputs(options, request.name or "vibro-solve", forms=("json", "html"), pictures=()) as outputs:
-        with options.console.progress("searching", None):
-            answer = target_answer(request, speed, asked, hopping=hopping)
-        outputs.write_answer(answer)
-    outputs.print_answer(answer, every=every)
-    return ExitCode.DONE if answer.record["met"] else ExitCode.NOT_MET
 
 
 def _with_filling(options: Options) -> tuple[Options, dict[str, float]]:
