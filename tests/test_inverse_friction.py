@@ -205,6 +205,10 @@ def test_all_of_a_level_stretch_is_one_solution() -> None:
 def test_the_fastest_friction_is_a_solution_and_beyond_it_is_none() -> None:
     scene = Scene(along_amplitude=2e-3, normal_amplitude=3e-4, normal_phase=-1.0, frequency=25.0, **ANY)
     fastest = vibro.friction_for_speed(scene, 0.01).fastest
+    near = fastest.low * np.linspace(0.99, 1.01, 20_001)
+    most = float(solve(_with(scene, near / 0.8, near)).mean_velocity.max())
+    assert fastest.speed_low == pytest.approx(most, rel=2e-10)
+    assert len(vibro.friction_for_speed(scene, most * (1.0 - 1e-9)).solutions) == 2
     (touching,) = vibro.friction_for_speed(scene, fastest.speed_low).solutions
     assert touching.low == pytest.approx(fastest.low, rel=1e-4)
     assert len(vibro.friction_for_speed(scene, fastest.speed_low * (1.0 - 1e-6)).solutions) == 2

@@ -71,6 +71,7 @@ def test_the_fastest_and_the_slowest_friction_are_told_where_none_gives_the_spee
         LINE,
         ("along=2", "normal=0.3", "phase=-60", "-f", "25"),
         ("-A", "0.4", *LINE[2:], "--trough-angle", "-10"),
+        ("-A", "0.2", *LINE[2:], "--trough-angle", "10"),
         (*FEEDER, "setting=30"),
     ],
 )
