@@ -6,19 +6,15 @@ import math
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.answers.answer import Answer, Fact, Table, given_text, shown
-from vibro.answers.measurement import scene_table
 from vibro.errors import printable
 from vibro.files.csv_tables import columns_of
-from vibro.files.points import ACCELERATION, MEAN_VELOCITY, TRAVERSE_TIME
-from vibro.quantities import QUANTITIES, SIZES
-from vibro.records.speeds import is_untold, next_text
+from vibro.files.points import MEAN_VELOCITY, TRAVERSE_TIME
+from vibro.quantities import QUANTITIES
+from vibro.records.speeds import next_text
 from vibro.units import SPEED
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from vibro.files.csv_tables import TableColumns
-    from vibro.quantities import Quantity
     from vibro.records.speeds import SpeedFit, SpeedParameter, SpeedQuestion
 
 _DIGITS: Final = 3
@@ -28,7 +24,6 @@ _ERROR_IS: Final = {
     "scatter": "from the scatter of the rows",
     "assumed": "assumed",
 }
-_SETTINGS: Final[Mapping[str, Quantity]] = {**QUANTITIES, ACCELERATION.name: ACCELERATION}
 
 
 def speeds_answer(found: SpeedFit, question: SpeedQuestion) -> Answer:
@@ -42,23 +37,15 @@ def speeds_answer(found: SpeedFit, question: SpeedQuestion) -> Answer:
         The rest of the scene.
     """
     table, request = found.table, question.request
-    columns = {name: _SETTINGS[name] for name in table.settings}
-    settings = len({*zip(*(x.tolist() for x in table.settings.values()), strict=True)}) if columns else 1
-    size = f"{len(table.rows)} rows, {settings} settings".replace("1 rows", "1 row").replace(
-        "1 settings", "1 setting"
-    )
-    varied = [
-        f"{columns[name].label} {x.min():.6g} to {x.max():.6g} {columns[name].unit}".rstrip()
-        for name, x in table.settings.items()
-        if x.min() < x.max()
-    ]
-    taken = {*columns, "amplitude", "restitution"} if {*columns} & {*SIZES} else {*columns, "restitution"}
+    taken = {*table.settings, *(["amplitude"] if "stroke" in table.settings else [])}
+    taken |= {parameter.name for parameter in found.parameters}
     others = {name: x for name, x in request.given_values.items() if name not in taken}
-    others |= dict(question.frictions)
+    others |= {name: x for name, x in question.frictions.items() if name not in taken}
+    count = f"{len(table.rows)} row" + "s" * (len(table.rows) > 1)
     what = "time" if table.is_time else "speed"
     error = f"{100.0 * found.error:.2g} % of a {what}, {_ERROR_IS[found.error_is]}"
     facts = [
-        Fact("table", f"{printable(table.where)}: {', '.join([size, *varied])}"),
+        Fact("table", f"{printable(table.where)}: {count}"),
         Fact("scene", ": ".join(filter(None, (printable(request.name or ""), given_text(others))))),
         *map(_fact, found.parameters),
         Fact("error", error),
@@ -67,7 +54,7 @@ def speeds_answer(found: SpeedFit, question: SpeedQuestion) -> Answer:
         facts.append(Fact("measure next", ahead))
     rows = _rows(found)
     measured = TRAVERSE_TIME if table.is_time else MEAN_VELOCITY
-    heads = [("row", ""), *((q.label, q.unit) for q in columns.values())]
+    heads = [("row", ""), *((QUANTITIES[name].label, QUANTITIES[name].unit) for name in table.settings)]
     heads += [("measured", measured.unit), ("computed", measured.unit), ("difference", "errors"), ("", "")]
     cells = [[str(row["row"]), *_shown([*row.values()][1:])] for row in rows]
     notes = list(found.statements)
@@ -75,18 +62,12 @@ def speeds_answer(found: SpeedFit, question: SpeedQuestion) -> Answer:
         notes.append("nothing is fitted, as all is given: name what is to be found, such as --fit mu_d")
     record: dict[str, Any] = {
         "table": table.where,
-        "scene": {
-            key: x
-            for key, x in scene_table(request).items()
-            if key not in {QUANTITIES[n].column for n in taken if n != "restitution"}
-        }
-        | {QUANTITIES[name].column: x for name, x in question.frictions.items()},
+        "scene": {**{QUANTITIES[n].column: x for n, x in others.items()}, "trough_length_mm": request.length},
         "fit": {parameter.name: _record(parameter) for parameter in found.parameters},
         "error_percent": 100.0 * found.error,
         "error_is": found.error_is,
         "rows": rows,
         "left_out": [table.rows[i] for i in found.left_out],
-        "doubtful": [table.rows[i] for i in found.doubtful],
         "next_point": _next_record(found),
     }
     title = " – ".join(filter(None, (table.where.rpartition("/")[2], request.name)))
@@ -99,31 +80,24 @@ def speed_tables(found: SpeedFit) -> dict[str, TableColumns]:
 
 
 def _fact(parameter: SpeedParameter) -> Fact:
-    """Write estimates with their intervals."""
-    label = QUANTITIES[parameter.name].label
-    if is_untold(parameter):
+    """Write an estimate with its intervals."""
+    label, pieces = QUANTITIES[parameter.name].label, []
+    if parameter.is_untold:
         return Fact(label, None, note="all values that are tried fit")
-    pieces = []
-    for i, (low, high) in enumerate(parameter.intervals):
-        value = " or ".join(shown(x, _DIGITS) for x in parameter.values[i])
-        ends = [shown(low, _DIGITS), shown(high, _DIGITS)]
-        interval = f"{ends[0]} to {ends[1]}"
-        if parameter.open_low and i == 0:
-            interval = f"up to {ends[1]}"
-        if parameter.open_high and i == len(parameter.intervals) - 1:
-            interval = f"from {ends[0]}"
-        pieces.append(f"{value} (95 %: {interval})")
-    return Fact(label, ", or ".join(pieces) or None)
+    for interval in parameter.intervals:
+        low, high = (shown(x, _DIGITS) for x in interval)
+        pieces.append(f"{low} to {high}")
+        if parameter.open_low and interval is parameter.intervals[0]:
+            pieces[-1] = f"up to {high}"
+        if parameter.open_high and interval is parameter.intervals[-1]:
+            pieces[-1] = f"from {low}"
+    return Fact(label, f"{shown(parameter.value, _DIGITS)} (95 %: {' or '.join(pieces)})")
 
 
 def _record(parameter: SpeedParameter) -> dict[str, Any]:
-    pieces = parameter.intervals
     return {
-        "estimate": None if is_untold(parameter) else parameter.value,
-        "estimates": [list(values) for values in parameter.values],
-        "intervals": [list(pair) for pair in pieces],
-        "low": pieces[0][0] if pieces else math.nan,
-        "high": pieces[-1][1] if pieces else math.nan,
+        "estimate": None if parameter.is_untold else parameter.value,
+        "intervals": [list(pair) for pair in parameter.intervals],
         "open_low": parameter.open_low,
         "open_high": parameter.open_high,
     }
@@ -135,15 +109,13 @@ def _rows(found: SpeedFit) -> list[dict[str, Any]]:
     quantity = TRAVERSE_TIME if table.is_time else MEAN_VELOCITY
     for i, number in enumerate(table.rows):
         row: dict[str, Any] = {"row": number}
-        row |= {_SETTINGS[name].column: float(x[i]) for name, x in table.settings.items()}
+        row |= {QUANTITIES[name].column: float(x[i]) for name, x in table.settings.items()}
         speed = float(found.computed[i])
         computed = float(SPEED.from_si(speed))
         if table.is_time:
-            computed = (
-                float(found.length[i]) / speed if speed > 0.0 else math.nan if math.isnan(speed) else math.inf
-            )
+            computed = found.length / speed if speed > 0.0 else math.nan if math.isnan(speed) else math.inf
         measured = float(quantity.from_si(table.measured[i]))
-        remark = "left out" if i in found.left_out else "in doubt" if i in found.doubtful else ""
+        remark = "left out" if i in found.left_out else ""
         rows.append({
             **row, quantity.column: measured, f"computed_{quantity.column}": computed,
             "difference_errors": float(found.errors[i]), "remark": remark,
@@ -163,7 +135,7 @@ def _next_record(found: SpeedFit) -> dict[str, Any] | None:
     if point is None:
         return None
     return {
-        **{_SETTINGS[name].column: value for name, value in point.setting.items()},
+        **{QUANTITIES[name].column: value for name, value in point.setting.items()},
         "mean_velocity_low_mm_s": float(SPEED.from_si(point.low)),
         "mean_velocity_high_mm_s": float(SPEED.from_si(point.high)),
         "errors_apart": point.errors,

@@ -140,8 +140,6 @@ def _measure_speeds(options: Options, data: Path, names: list[str], *, every: bo
     from vibro.records.speeds import fit_question, speed_question
 
     console, table = options.console, read_speeds(data)
-    if table.ignored:
-        console.echo(f"{data.name}: not used: {', '.join(map(shown, table.ignored))}")
     asked = speed_question(table, inputs_of(options), names)
     with Outputs(options, f"{data.stem}-fitted", forms=_FORMS_OF_SPEEDS, reads=[data]) as outputs:
         question(asked.request, console, {LOAD.name, "static_friction", "kinetic_friction"})

@@ -5,19 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.errors import InputError, Problems, did_you_mean, shown
+from vibro.errors import InputError, Problems, shown
 from vibro.files.reading import read_text, rows_of
 from vibro.quantities import (
-    DURATION,
     EITHER_WAY,
-    LEAST_SPEED,
-    LOAD,
     POSITIVE,
     QUANTITIES,
     Quantity,
@@ -33,14 +29,14 @@ if TYPE_CHECKING:
 _EXAMPLE: Final = "frequency_hz,amplitude_mm"
 #: Relative standard error of an amplitude.
 AMPLITUDE_ERROR: Final = Quantity("amplitude_error", PERCENT, allowed=Range(0.0, 100.0, with_low=False))
-# Columns, and how people call them; the first is needed, and one of the next two.
-_COLUMNS: Final = {
-    "frequency": "frequency|frequenz|freq|f",
-    "amplitude": "amplitude|amp|a",
-    "stroke": "stroke|peak[ -]to[ -]peak|hub",
-    AMPLITUDE_ERROR.name: "amplitude[ _]error|error|fehler",
+# Columns, as people call them, and their quantities.
+_Columns = Mapping[str, tuple[str, Quantity]]
+_POINTS: Final[_Columns] = {
+    "frequency": ("frequency|frequenz|freq|f", QUANTITIES["frequency"]),
+    "amplitude": ("amplitude|amp|a", QUANTITIES["amplitude"]),
+    "stroke": ("stroke|peak[ -]to[ -]peak|hub", QUANTITIES["stroke"]),
+    AMPLITUDE_ERROR.name: ("amplitude[ _]error|error|fehler", AMPLITUDE_ERROR),
 }
-_QUANTITIES: Final = {name: QUANTITIES.get(name, AMPLITUDE_ERROR) for name in _COLUMNS}
 
 
 class _Sheet(NamedTuple):
@@ -52,9 +48,7 @@ class _Sheet(NamedTuple):
     rows: list[tuple[int, list[str]]]
     separator: str = ","
 
-    def values(
-        self, columns: Mapping[str, tuple[int, str]], quantities: Mapping[str, Quantity]
-    ) -> dict[str, list[float]]:
+    def values(self, columns: Mapping[str, tuple[int, str]], known: _Columns) -> dict[str, Floats]:
         """Read columns, given by their places and units; return them in the units outside.
 
         Raises
@@ -73,9 +67,9 @@ class _Sheet(NamedTuple):
                 cell = cells[place] if place < len(cells) else ""
                 with problems.taken(f"row {row}, "):
                     text = cell.replace(",", ".") if self.separator != "," else cell
-                    found[name].append(_value(text, unit, quantities[name]))
+                    found[name].append(_value(text, unit, known[name][1]))
         problems.settle()
-        return found
+        return {name: np.array(values) for name, values in found.items()}
 
 
 def _sheet(path: Path) -> _Sheet:
@@ -135,10 +129,14 @@ def read_points(path: Path) -> MeasuredPoints:
         If a column is missing or given twice, or a cell is no number that it may hold.
     """
     sheet = _sheet(path)
-    columns = sheet.values(_found(path, sheet.row, sheet.header), _QUANTITIES)
+    found = _found(sheet, _POINTS)
+    if "frequency" not in found or found.keys().isdisjoint(("amplitude", "stroke")):
+        lacks = "amplitude_mm or stroke_mm" if "frequency" in found else "frequency_hz"
+        raise _lacking(sheet, lacks, _EXAMPLE)
     if not sheet.rows:
         raise InputError(f"{path}: no rows under the header row", hint="give a row for each frequency")
-    frequency, *others = (_QUANTITIES[name].to_si(np.array(values)) for name, values in columns.items())
+    columns = sheet.values(found, _POINTS)
+    frequency, *others = (_POINTS[name][1].to_si(values) for name, values in columns.items())
     stroke = "stroke" in columns
     error = others[1] if AMPLITUDE_ERROR.name in columns else None
     return MeasuredPoints(frequency, others[0] / 2.0 if stroke else others[0], error, stroke)
@@ -171,25 +169,28 @@ def _unit_in(text: str, names: str, quantity: Quantity) -> str | None:
     return spelled[match[1]] if match else None
 
 
-def _found(path: Path, row: int, header: list[str]) -> dict[str, tuple[int, str]]:
+def _found(sheet: _Sheet, known: _Columns) -> dict[str, tuple[int, str]]:
     """Find the columns: for each quantity its place and unit."""
     found: dict[str, tuple[int, str]] = {}
-    for name, names in _COLUMNS.items():
-        for place, text in enumerate(header):
-            unit = _unit_in(text, names, _QUANTITIES[name])
+    for name, (names, quantity) in known.items():
+        for place, text in enumerate(sheet.header):
+            unit = _unit_in(text, names, quantity)
             if unit and name in found:
-                label = _QUANTITIES[name].label
-                raise InputError(f"{path}: row {row} names {label} twice", hint="leave one column")
+                twice = f"{sheet.where}: row {sheet.row} names {quantity.label} twice"
+                raise InputError(twice, hint="leave one column")
             if unit:
                 found[name] = place, unit
     if "amplitude" in found and "stroke" in found:
-        problem = f"{path}: amplitude and stroke are both given"
+        problem = f"{sheet.where}: amplitude and stroke are both given"
         raise InputError(problem, hint="leave one column: stroke = 2 A")
-    if "frequency" not in found or found.keys().isdisjoint(("amplitude", "stroke")):
-        lacks = "amplitude_mm or stroke_mm" if "frequency" in found else "frequency_hz"
-        hint = f"name the columns with their units in the first row: {_EXAMPLE}"
-        raise InputError(f"{path}: no column {lacks} among {', '.join(map(shown, header))}", hint=hint)
     return found
+
+
+def _lacking(sheet: _Sheet, column: str, example: str) -> InputError:
+    hint = f"name the columns with their units in the first row: {example}"
+    return InputError(
+        f"{sheet.where}: no column {column} among {', '.join(map(shown, sheet.header))}", hint=hint
+    )
 
 
 # ------------------------------------------------------------------------------
@@ -198,44 +199,15 @@ def _found(path: Path, row: int, header: list[str]) -> dict[str, tuple[int, str]
 #: What a row is about: the time over the trough's length, or the mean speed.
 TRAVERSE_TIME: Final = Quantity("traverse_time", TIME, allowed=POSITIVE)
 MEAN_VELOCITY: Final = Quantity("mean_velocity", SPEED, allowed=EITHER_WAY)
-#: Acceleration of the drive over that of gravity, which gives an amplitude.
-ACCELERATION: Final = replace(LOAD, allowed=POSITIVE)
-_SETTINGS: Final = {
-    "amplitude": "amplitude|amp",
-    "stroke": _COLUMNS["stroke"],
-    "frequency": "frequency|frequenz|freq",
-    **{
-        name: name.replace("_", "[ _]")
-        for name in (
-            "setting", "voltage", "along_amplitude", "normal_amplitude", "normal_phase", "drive_angle",
-            "trough_angle", "trough_length",
-        )
-    },
-}  # fmt: skip
-_MEASURED: Final = {
-    TRAVERSE_TIME.name: "traverse[ _]time|time",
-    MEAN_VELOCITY.name: "mean[ _](?:velocity|speed)|velocity|speed",
+#: Quantities that a column may set.
+SETTINGS: Final = ("amplitude", "stroke", "frequency", "drive_angle", "trough_angle")
+_SPEEDS: Final[_Columns] = {
+    **{name: (name.replace("_", "[ _]"), QUANTITIES[name]) for name in SETTINGS},
+    TRAVERSE_TIME.name: ("(?:traverse[ _])?time", TRAVERSE_TIME),
+    MEAN_VELOCITY.name: ("(?:mean[ _])?(?:velocity|speed)", MEAN_VELOCITY),
+    "error": ("error", replace(AMPLITUDE_ERROR, name="error")),
 }
-_ERRORS: Final = {  # in the unit of what is measured, or relative
-    "traverse_time_error": ("(?:traverse[ _])?time[ _]error", replace(DURATION, name="time_error")),
-    "mean_velocity_error": (
-        "(?:mean[ _])?(?:velocity|speed)[ _]error",
-        replace(LEAST_SPEED, name="speed_error"),
-    ),
-    "error": (
-        "(?:(?:(?:traverse[ _])?time|(?:mean[ _])?(?:velocity|speed))[ _])?error",
-        replace(AMPLITUDE_ERROR, name="error"),
-    ),
-}
-_OF_SPEEDS: Final[Mapping[str, tuple[str, Quantity]]] = {
-    **{name: (names, QUANTITIES[name]) for name, names in _SETTINGS.items()},
-    ACCELERATION.name: ("acceleration", ACCELERATION),
-    TRAVERSE_TIME.name: (_MEASURED[TRAVERSE_TIME.name], TRAVERSE_TIME),
-    MEAN_VELOCITY.name: (_MEASURED[MEAN_VELOCITY.name], MEAN_VELOCITY),
-    **_ERRORS,
-}
-_CERTAIN: Final = r"(?:traverse[ _]time|mean[ _](?:velocity|speed))\b.*"  # no signal is called so
-_NEVER: Final = frozenset(("inf", "infinity", "\u221e", "never"))  # a part that does not arrive
+_NEVER: Final = "never"  # of a part that does not arrive
 _SPEEDS_EXAMPLE: Final = "amplitude_mm,frequency_hz,traverse_time_s"
 _MOST_ROWS: Final = 1000
 _FEW_ROWS: Final = 50  # a record of signals has more
@@ -257,9 +229,7 @@ class MeasuredSpeeds(NamedTuple):
     measured : (n,) array
         Times, inf of a part that does not arrive [s], or speeds [m/s].
     error : (n,) array or None
-        Standard errors of them, if the table has them [s or m/s].
-    resolution : (n,) array
-        A unit in the last digit of each [s or m/s].
+        Relative standard errors of them [1], if the table has them.
     ignored : list of str
         Columns that are none of these.
     """
@@ -270,22 +240,17 @@ class MeasuredSpeeds(NamedTuple):
     is_time: bool
     measured: Floats
     error: Floats | None
-    resolution: Floats
     ignored: list[str]
 
 
 def has_speeds(path: Path) -> bool:
     """Tell a table of times or speeds over settings from a record of signals over time, by its columns."""
     sheet = _sheet(path)
-    header = sheet.header
-    if any(re.fullmatch(_CERTAIN, text.casefold().replace("_", " ")) for text in header):
-        return True
-    has_setting = any(_unit_in(text, n, QUANTITIES[name]) for name, n in _SETTINGS.items() for text in header)
-    measured = "|".join(_MEASURED.values())
-    return (
-        has_setting
-        and len(sheet.rows) <= _FEW_ROWS
-        and any(re.match(rf"(?:{measured})(?:[^a-z]|$)", text.casefold()) for text in header)
+    named = {name for name, (x, _) in _SPEEDS.items() for text in sheet.header if _named(text, x)}
+    if any(_named(text, "traverse[ _]time|mean[ _](?:velocity|speed)") for text in sheet.header):
+        return True  # no signal is called so
+    return bool(named & {*SETTINGS} and named & {TRAVERSE_TIME.name, MEAN_VELOCITY.name}) and (
+        len(sheet.rows) <= _FEW_ROWS
     )
 
 
@@ -296,9 +261,8 @@ def read_speeds(table: Path | Mapping[str, Any]) -> MeasuredSpeeds:
     ----------
     table : path or mapping of str to sequence
         A CSV as for ``read_points``, or its columns by their headers: settings such as ``amplitude_mm``,
-        ``stroke_mm``, ``acceleration_g``, ``frequency_hz``, ``drive_angle_deg`` or ``setting_percent``, and
-        ``traverse_time_s`` or ``mean_velocity_mm_s``; if known ``time_error_s``, ``speed_error_mm_s`` or
-        ``error_percent``, a standard error. A time may be ``never``.
+        ``stroke_mm``, ``frequency_hz`` or ``drive_angle_deg``, and ``traverse_time_s`` or
+        ``mean_velocity_mm_s``; if known ``error_percent``, a standard error. A time may be ``never``.
 
     Raises
     ------
@@ -308,111 +272,52 @@ def read_speeds(table: Path | Mapping[str, Any]) -> MeasuredSpeeds:
         If a column is missing, lacks its unit or is given twice, or a cell is no number that it may hold.
     """
     sheet = _sheet(table) if isinstance(table, Path) else _sheet_of(table)
-    columns = _speed_columns(sheet)
-    time = TRAVERSE_TIME.name in columns
-    quantity = TRAVERSE_TIME if time else MEAN_VELOCITY
-    place, unit = columns[quantity.name]
-    never = [time and _cell(cells, place).casefold() in _NEVER for _, cells in sheet.rows]
-    errors = [name for name in _ERRORS if name in columns]
-    for (_, cells), is_never in zip(sheet.rows, never, strict=True):
-        if is_never:  # any valid number stands for it, and for its error
-            for at in (place, *(columns[name][0] for name in errors)):
-                cells[at : at + 1] = ["1"]
-    values = sheet.values(columns, {name: quantity for name, (_, quantity) in _OF_SPEEDS.items()})
+    found = _found(sheet, _SPEEDS)
+    taken = {place for place, _ in found.values()}
+    for place, text in enumerate(sheet.header):
+        for names, quantity in _SPEEDS.values():
+            if place not in taken and _named(text, names):
+                hint = f"write it as {quantity.column}; its units are {', '.join(quantity.kind.sizes)}"
+                lacks = f"{sheet.where}: column {shown(text)}: a unit of {quantity.label} is missing"
+                raise InputError(lacks, hint=hint)
+    measured = [q for q in (TRAVERSE_TIME, MEAN_VELOCITY) if q.name in found]
+    if len(measured) > 1:
+        both = f"{sheet.where}: traverse time and mean velocity are both given"
+        raise InputError(both, hint="leave one column")
+    if not measured:
+        raise _lacking(sheet, f"{TRAVERSE_TIME.column} or {MEAN_VELOCITY.column}", _SPEEDS_EXAMPLE)
     if not 1 <= len(sheet.rows) <= _MOST_ROWS:
         wrong = f"{sheet.where}: {len(sheet.rows)} rows under the header row"
         raise InputError(wrong, hint=f"give a row for each time, at most {_MOST_ROWS}")
-    measured = np.where(never, np.inf, quantity.to_si(np.array(values.pop(quantity.name))))
-    error = None
-    for name in errors:
-        error = _ERRORS[name][1].to_si(np.array(values.pop(name)))
-        error = error * abs(measured) if name == "error" else error
-    ends = [_last_digit(_cell(cells, place), unit, quantity) for _, cells in sheet.rows]
-    taken = {place for place, _ in columns.values()}
+    place, is_time = found[measured[0].name][0], measured[0] is TRAVERSE_TIME
+    never = [is_time and _NEVER in cells[place : place + 1] for _, cells in sheet.rows]
+    rows = [
+        (row, [*cells[:place], "1", *cells[place + 1 :]] if out else cells)  # any valid time stands for it
+        for (row, cells), out in zip(sheet.rows, never, strict=True)
+    ]
+    values = sheet._replace(rows=rows).values(found, _SPEEDS)
     return MeasuredSpeeds(
         sheet.where,
-        [row for row, _ in sheet.rows],
-        {name: np.array(column) for name, column in values.items()},
-        time,
-        measured,
-        error,
-        np.array(ends),
+        [row for row, _ in rows],
+        {name: values[name] for name in SETTINGS if name in found},
+        is_time,
+        np.where(never, np.inf, measured[0].to_si(values[measured[0].name])),
+        values["error"] / 100.0 if "error" in found else None,
         [text for place, text in enumerate(sheet.header) if text and place not in taken],
     )
 
 
-def _cell(cells: list[str], place: int) -> str:
-    return cells[place] if place < len(cells) else ""
+def _named(text: str, names: str) -> bool:
+    """Whether a header begins with one of some names."""
+    return re.match(rf"(?:{names})(?:[\s_\[(/]|$)", text.casefold()) is not None
 
 
 def _sheet_of(table: Mapping[str, Any]) -> _Sheet:
     """Return columns in memory as the text that a file would hold."""
-    columns = {
-        str(key): list(np.atleast_1d(np.asarray(column, object))) for key, column in dict(table).items()
-    }
+    columns = {str(key): np.atleast_1d(np.asarray(column, object)) for key, column in dict(table).items()}
     sizes = {key: len(column) for key, column in columns.items()}
     if len(set(sizes.values())) > 1:
         lengths = ", ".join(f"{key} {size}" for key, size in sizes.items())
         raise InputError(f"table: columns of different lengths: {lengths}", hint="give a value for each row")
-    rows = [
-        (i, [str(cell) for cell in cells]) for i, cells in enumerate(zip(*columns.values(), strict=True), 1)
-    ]
+    rows = [(i, [*map(str, cells)]) for i, cells in enumerate(zip(*columns.values(), strict=True), 1)]
     return _Sheet("table", 0, [*columns], rows)
-
-
-def _speed_columns(sheet: _Sheet) -> dict[str, tuple[int, str]]:
-    """Find the columns of a table of times or speeds: for each quantity its place and unit."""
-    found: dict[str, tuple[int, str]] = {}
-    problems, taken = Problems(f"{sheet.where}: "), set[int]()
-    for place, text in enumerate(sheet.header):
-        for name, (names, quantity) in _OF_SPEEDS.items():
-            unit = _unit_in(text, names, quantity)
-            taken |= {place} if unit else set()
-            if unit and name in found:
-                problems.add(f"row {sheet.row} names {quantity.label} twice", "leave one column")
-            elif unit:
-                found[name] = place, unit
-    for place, text in enumerate(sheet.header):
-        lacking = [
-            q
-            for names, q in _OF_SPEEDS.values()
-            if place not in taken and re.match(rf"(?:{names})(?:[\s_\[(/]|$)", text.casefold())
-        ]
-        if lacking:
-            units = ", ".join(lacking[-1].kind.sizes)
-            example = f"write it as {lacking[-1].column}; its units are {units}"
-            problems.add(f"column {shown(text)}: a unit of {lacking[-1].label} is missing", example)
-    problems.settle()
-    both = [name for name in _MEASURED if name in found]
-    sizes = [name for name in ("amplitude", "stroke", ACCELERATION.name) if name in found]
-    for twice, hint in ((both, "leave one of them"), (sizes, "leave one of them: each gives the amplitude")):
-        if len(twice) > 1:
-            labels = " and ".join(name.replace("_", " ") for name in twice)
-            problems.add(f"{labels} are given", hint)
-    errors = [name for name in _ERRORS if name in found]
-    if len(errors) > 1:
-        problems.add(f"{len(errors)} columns of errors are given", "leave one of them")
-    elif errors and both and errors[0] not in (f"{both[0]}_error", "error"):
-        own = _ERRORS[f"{both[0]}_error"][1].column
-        what = f"the error of the {both[0].replace('_', ' ')} is not in its unit"
-        problems.add(what, f"give {own} or error_percent")
-    if not both:
-        listed = ", ".join(map(shown, sheet.header))
-        hint = f"name the columns with their units in the first row: {_SPEEDS_EXAMPLE}"
-        known = TRAVERSE_TIME.column, MEAN_VELOCITY.column
-        near = (did_you_mean(text, known, cutoff=0.7) for text in sheet.header)
-        problems.add(f"no column {' or '.join(known)} among {listed}", next(filter(None, near), hint))
-    problems.settle()
-    return found
-
-
-def _last_digit(cell: str, unit: str, quantity: Quantity) -> float:
-    """Return the size of a unit in the last digit of a number, in the SI unit."""
-    digits = re.match(r"[-+\u2212]?[0-9]*[.,]?[0-9]*(?:[eE][-+]?[0-9]+)?", cell)
-    text = digits[0].replace(",", ".").replace("\u2212", "-") if digits else ""
-    last = Decimal(1).scaleb(int(Decimal(text).as_tuple().exponent)) if text else Decimal(0)
-    return _in_si(f"{last}{cell[len(text) :].strip() or unit}", quantity)
-
-
-def _in_si(text: str, quantity: Quantity) -> float:
-    return float(quantity.to_si(float(exact_number(text, quantity))))
