@@ -64,6 +64,8 @@ def test_sources_that_contradict_each_other_are_all_there() -> None:
         ("  steel  on   plastic", {"steel on plastic"}),
         ("steel belt", {"plastic belt on steel"}),
         ("ptfe", {"PTFE on steel", "acetal with PTFE on steel"}),
+        ("Teflon", {"PTFE on steel", "acetal with PTFE on steel"}),
+        ("nylon aluminum", {"polyamide on aluminium"}),
         ("", {row.pair for row in rows()}),
     ],
 )

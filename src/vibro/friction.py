@@ -22,6 +22,12 @@ if TYPE_CHECKING:
 _Span = tuple[float, float]
 
 _TABLE: Final = "friction_catalogue.csv"
+#: Other names of materials that the catalogue has.
+_SYNONYMS: Final = {
+    "aluminum": "aluminium", "nylon": "polyamide", "pa": "polyamide", "pc": "polycarbonate",
+    "pe": "polyethylene", "pmma": "acrylic", "pom": "acetal", "pp": "polypropylene", "pu": "polyurethane",
+    "teflon": "ptfe",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -225,4 +231,4 @@ def _is_one(name: str, row: Row, several: Iterable[Row]) -> bool:
 
 
 def _folded(text: str) -> str:
-    return " ".join(text.casefold().split())
+    return " ".join(_SYNONYMS.get(word, word) for word in text.casefold().split())
