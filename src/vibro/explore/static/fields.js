@@ -38,7 +38,7 @@ const [ROUGH_ACROSS, ROUGH_AROUND] = [10, 8]; // [cells]
 const SEEN_SHARE = 0.02; // of a map: less of it does not decide on the colours
 const LISTED_HARMONICS = 2;
 const SAMPLED = "Sampled: bodies at the corners, at the middles of the sides and in the centre of the bands. "
-  + "vibro.guarantee proves bounds for all bodies.";
+  + "vibro.guarantee proves bounds for all bodies of lines and ellipses while none hops; of hops nothing is proved.";
 const OUTSIDE = "The operating point's own friction or restitution lies outside of its bands.";
 const NOT_SAMPLED = "Flights are those of the operating point's own friction and restitution.";
 
