@@ -16,6 +16,15 @@ def test_other_motions_are_looked_for_on_request(run: Run) -> None:
     assert flags == ["0", "1", "0", "1"]
 
 
+def test_cells_where_most_parts_move_otherwise_are_counted(run: Run) -> None:
+    scene = ("map", "-A", "0.5,1.65", "-f", "15", "-a", "40.3", "--mu-s", ".458", "--mu-d", ".043", "-o", "-")
+    told = "in 1 of 2 cells most parts move otherwise than the one released at phase 0"
+    found = run(*scene, "--starts", "16")
+    assert [float(row["share"]) < 0.5 for row in rows_of(found.stdout)] == [False, True]
+    assert told in found.stderr
+    assert "most parts" not in run(*scene).stderr
+
+
 def test_columns_and_sidecar_of_starts_are_there_where_they_were_asked_for(run: Run) -> None:
     scene = ("map", *other(NUT, "-A", "1, 3"), "--force")
     for more, starts in (((), None), (("--starts", "16"), 16)):

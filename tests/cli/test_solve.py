@@ -82,6 +82,25 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
     assert "60 scenes: at most 50" in run("solve", *ELLIPSE[1:], f"along={longer_than_a_name}").stderr
 
 
+def test_several_motions_are_noted_below_lists_and_what_is_found(run: Run) -> None:
+    drive = ("-f", "15", "-a", "40.3")
+    pair = (*drive, "--mu-s", ".458", "--mu-d", ".043")
+    note = (
+        "several motions exist {}; speeds are those of a part released at phase 0: solve of one scene, or map"
+    )
+    told = {
+        "in 2 of 3 scenes": ("-A", "0.5,1.4,1.65", *pair),
+        "at some of these amplitudes": ("--speed", "100", *pair),
+        "at some of these frictions": ("-A", "1.65", "--speed", "107", *drive, "--mu-s", ".458"),
+    }
+    for where, args in told.items():
+        found = run("solve", *args)
+        assert found.exit_code == 0
+        assert found.stdout.count(note.format(where)) == 1
+    for one in (("-A", "1,2", *NUT[2:]), ("--speed", "20", *NUT[2:]), ("--speed", "16.3", *NUT[:-4])):
+        assert "several motions" not in run("solve", *one).stdout
+
+
 @each(
     ("args", "upright", "ratio"),
     [

@@ -363,6 +363,11 @@ def test_resonance_and_the_second_harmonic_are_told() -> None:
     assert not vibro.operate(feeder(1.05), **SLIDER).remarks()
     full = vibro.operate(feeder(1.05), filling=2.0, **SLIDER)
     assert "0.74 %" in full.remarks()[0]
+    several = vibro.operate(feeder(1.05), filling=[0.0, *[2.0] * 5], **SLIDER)
+    assert several.remarks(["0", *"abcde"], "kg")[0].startswith("5 of 6: the filling adds")
+    few = vibro.operate(feeder(1.05), filling=[0.0, *[2.0] * 4], **SLIDER)
+    assert few.remarks(["0", *"abcd"], "kg")[0].startswith("4 of 5 (a, b, c, d kg): the filling adds")
+    assert few.remarks()[0].startswith("4 of 5: the filling adds")
 
 
 def test_an_infinite_amplitude_is_an_error_or_a_mark() -> None:

@@ -40,6 +40,8 @@ from vibro.units import LENGTH, SPEED
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from vibro.answers.answer import Value
     from vibro.results.attractors import Attractors
     from vibro.results.sweep import Block, Column
@@ -50,6 +52,10 @@ _NEXT: Final = ("forward slip", "back slip", HOP)  # what people ask for; the ot
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 _STANDS: Final[dict[Any, str]] = {True: "yes", False: "no", -1: "unknown"}  # in records None is unknown
+_SEVERAL: Final = (
+    "several motions exist {where}; speeds are those of a part released at phase 0:"
+    " solve of one scene, or map --starts 16, tells the shares"
+)
 # What tables of several scenes have where it was asked for.
 _WHERE_ASKED: Final = (
     ("traverse_time_s", "traverse time", "s"),
@@ -330,7 +336,6 @@ def _starts_record(one: OneScene) -> dict[str, Any]:
         for x in found
     ]
     return {
-        "coexists": int(len(found) + bool(found.irregular_share) > 1 or found.runs_away),
         "starts": found.starts,
         "share": next((x.share for x in found if x.from_rest), found.irregular_share),
         "mean_velocity_over_starts_mm_s": float(in_mm_s[0]),
@@ -419,11 +424,18 @@ def cells_answer(
     notes = [f"{x.label}: {x.message}" for x in Status if x is not Status.OK and x.label in statuses]
     if any(cell["regime"] == Regime.HOPPING.label and cell.get("restitution") == 0.0 for cell in cells):
         notes.append(NO_BOUNCE)
+    if several := sum((cell.get("coexists") or 0) > 0 for cell in cells):
+        notes.append(_SEVERAL.format(where=f"in {several} of {len(cells)} scenes"))
     if len(lengths) == 1 and any(cell.get("traverse_time_s") is not None for cell in cells):
         notes.append(f"traverse times are over {lengths.pop():.10g} mm")
     facts = [Fact(name, given_text(values), is_rare=True) for name, values in given.items()]
     table = Table("scenes", [(label, unit) for _, label, unit in columns], rows)
     return Answer(facts, [table], notes, title=", ".join(given))
+
+
+def several_motions(coexists: NDArray[np.int8], what: str) -> list[str]:
+    """Note that several motions exist in some of the scenes that were found, if they do."""
+    return [_SEVERAL.format(where=f"at some of these {what}")] if (coexists > 0).any() else []
 
 
 def _shares(one: OneScene) -> list[Fact]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.answers.answer import METRES_PER_MINUTE, Answer, Fact, Table, bound, shown
-from vibro.answers.scene import scene_record, scene_text
+from vibro.answers.scene import scene_record, scene_text, several_motions
 from vibro.core.codes import Regime
 from vibro.designs.guarantees import counted
 from vibro.designs.questions import MOST_DESIGN_THROW
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
+_LOOKED_AT: Final = 33  # amplitudes of an interval at which other motions are looked for
 _LEAST: Final = 1e-6  # of the largest of them, where parts start at once or hop
 _MOST: Final = 1e3  # times the largest critical load, where parts never hop
 _BELOW_HOP: Final = 1e-12
@@ -193,6 +194,9 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
     kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
     if len(kept) < len(found):
         notes.append(f"and {len(found) - len(kept)} narrower ones, where hops are irregular: --json has all")
+    ends = [(x.low, x.high if math.isfinite(x.high) else x.low) for x in found]
+    sizes = np.concatenate([np.linspace(*end, _LOOKED_AT) for end in ends])
+    notes += several_motions(solve(drive.scenes(sizes), flight=False).coexists, "amplitudes")
     least = _rounded(found[0], name, share)[0]
     facts = [Fact(quantity.label, f"{least} {quantity.unit}".rstrip(), note=f"the least for {asked} {where}")]
     if name == "amplitude":

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.answers.answer import METRES_PER_MINUTE, NO_BOUNCE, Answer, Fact, Table, shown
-from vibro.answers.scene import scene_record, scene_text
+from vibro.answers.scene import scene_record, scene_text, several_motions
 from vibro.core.codes import Regime, Status
 from vibro.errors import InputError
 from vibro.inverse_friction import (
@@ -120,6 +121,12 @@ def friction_answer(request: Request, speed: float, asked: str, ratio: Ratio, *,
             facts += [Fact("static friction", static, note=ratio.origin), Fact("motion", one.regime.label)]
     facts.append(Fact("scene", scene_text(scene, given), is_rare=True))
     notes = _notes(found, speed, ratio, restitution=request.fixed["restitution"])
+    if found.solutions:
+        ends = [
+            (getattr(x, f"static_{end}"), getattr(x, end)) for x in found.solutions for end in ("low", "high")
+        ]
+        cycles = _cycles(request, scene, *np.transpose(ends), flight=False)
+        notes += several_motions(cycles.coexists, "frictions")
     return Answer(facts, tables, notes, record, request.name or "Friction for a speed")
 
 
@@ -127,17 +134,22 @@ def _frictions(
     request: Request, scene: Scene, speed: float, ratio: Ratio, *, hopping: bool
 ) -> FrictionForSpeed:
     """Search frictions; with a machine its filling, and so the amplitude, changes with friction."""
-    machine, wanted = request.machine, SPEED.to_si(speed)
-    if machine is None or not request.fixed.get("filling"):
+    wanted = SPEED.to_si(speed)
+    if request.machine is None or not request.fixed.get("filling"):
         return friction_for_speed(scene, wanted, ratio=ratio.value, flight=hopping)
-
-    def cycles(static: Floats, kinetic: Floats) -> SteadyCycle:
-        values = {name: np.array([x]) for name, x in request.fixed.items() if name not in FRICTIONS}
-        values |= {"static_friction": static, "kinetic_friction": kinetic}
-        values |= operated(machine, values)
-        return withheld(solve(scene_of(values), flight=hopping), values)
-
+    cycles = partial(_cycles, request, scene, flight=hopping)
     return matching_friction(cycles, wanted, ratio.value, request.fixed["static_friction"])
+
+
+def _cycles(request: Request, scene: Scene, static: Floats, kinetic: Floats, *, flight: bool) -> SteadyCycle:
+    """Solve a scene with other frictions."""
+    frictions = {"static_friction": static, "kinetic_friction": kinetic}
+    if request.machine is None:
+        given = {name: getattr(scene, name) for name in scene.__dataclass_fields__}
+        return solve(Scene(**{**given, **frictions}), flight=flight)
+    values = {name: np.array([x]) for name, x in request.fixed.items() if name not in FRICTIONS} | frictions
+    values |= operated(request.machine, values)
+    return withheld(solve(scene_of(values), flight=flight), values)
 
 
 def _record(request: Request, sought: tuple[str, ...]) -> dict[str, Any]:

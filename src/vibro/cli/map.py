@@ -78,10 +78,11 @@ def map_command(
         return map_stored(options, x, y, at or [], show or [], speed, unused=unused)
     from vibro.cli.folders import write_stored
     from vibro.cli.request import request_of
-    from vibro.cli.sweeps import conclude, write_sweep
+    from vibro.cli.sweeps import conclude, count, write_sweep
     from vibro.cli.target_speed import TargetSpeed
     from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.results.operating import Bent, bent
+    from vibro.results.steady import MINORITY
     from vibro.steady import checked_starts
     from vibro.sweeps.derived import throughput
     from vibro.sweeps.request import RANGES
@@ -118,10 +119,11 @@ def map_command(
         cells = None if outputs.folder else DrawnCells.of(grid, view.drawn)
         pictures = _pictures(request, grid, view, names, target_speed, cells)
     target = None if target_speed is None else TargetSpeed(grid.given_axes, target_speed)
-    bends = Bent(0, 0)
+    bends, minorities = Bent(0, 0), 0
 
     def look(block: Block) -> None:
-        nonlocal bends
+        nonlocal bends, minorities
+        minorities += int((block.cycle.share < MINORITY).sum())
         bends = Bent(*(x + y for x, y in zip(bends, bent(block), strict=True)))
         if target:
             target.add(block)
@@ -137,6 +139,9 @@ def map_command(
     code = conclude(tally, grid, console)
     if target:
         console.echo(target.text(tally.peaks.get("fastest")))
+    if minorities:
+        share = f"{count(minorities)} of {count(grid.size)} cells"
+        console.echo(f"in {share} most parts move otherwise than the one released at phase 0")
     _tell_doubts(grid, tally, bends, console)
     return code
 

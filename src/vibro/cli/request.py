@@ -132,7 +132,9 @@ def warn_of_machine(grid: Grid, console: Console) -> None:
     from vibro.sweeps.machines import points_of
 
     if grid.machine is not None:
-        for text in points_of(grid.machine, grid.values()).remarks():
+        axes = [*grid.given_axes.values()]
+        named = ([f"{x:g}" for x in axes[0].values], axes[0].unit) if len(axes) == 1 else ()
+        for text in points_of(grid.machine, grid.values()).remarks(*named):
             console.warn(text)
 
 

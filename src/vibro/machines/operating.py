@@ -20,6 +20,8 @@ from vibro.steady import check_switch, solve
 from vibro.threads import Grid, Scratch, doors, lasting, over_cells
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from vibro.reals import Complexes, Floats
@@ -30,6 +32,7 @@ _ROWS: Final = Operated._fields[: Operated._fields.index("number")]  # that are 
 _RANGE: Final = 32  # [cells] so that an interrupt is noticed within a fraction of a second
 _UNSEARCHED: Final = 8192  # [cells] the same without a search
 _MOST_POINTS: Final = 64  # that are listed
+_MOST_NAMED: Final = 4  # cells of a remark
 #: What is in doubt about operating points, with places for numbers.
 DOUBTS: Final = {
     "near resonance": "the drive is within 2 zeta = {percent} % of resonance: the amplitude depends much on"
@@ -183,17 +186,30 @@ class OperatingPoints:
             (self.strikes, DOUBTS["strikes"]),
         ]
 
-    def remarks(self) -> list[str]:
+    def remarks(self, names: Sequence[str] = (), unit: str = "") -> list[str]:
         """Return warnings and remarks on the numbers.
+
+        Parameters
+        ----------
+        names : sequence of str, optional
+            What the cells are called, such as their fillings.
+        unit : str, optional
+            Printed behind names.
 
         Returns
         -------
         list of str
-            One sentence each; for arrays it begins with the number of cells concerned.
+            One sentence each; for arrays it begins with the number of cells concerned, of up to four with
+            their names.
         """
-        size = np.size(self.amplitude)
-        where = [(int(np.count_nonzero(cells)), text) for cells, text in self.doubts()]
-        return [text if size == 1 else f"{count} of {size}: {text}" for count, text in where if count]
+        found, size = [], np.size(self.amplitude)
+        for cells, text in self.doubts():
+            where: list[int] = np.flatnonzero(cells).tolist()
+            own = ", ".join(names[i] for i in where) if names and len(where) <= _MOST_NAMED else ""
+            if where:
+                at = f" ({f'{own} {unit}'.rstrip()})" if own else ""
+                found.append(text if size == 1 else f"{len(where)} of {size}{at}: {text}")
+        return found
 
 
 def with_second_harmonic(scene: Scene, phasor: Complexes) -> Scene:

@@ -17,6 +17,7 @@ from vibro.core.codes import Regime, Status
 from vibro.plots import style
 from vibro.plots.neighbours import dilate, erode, fill_unknown
 from vibro.quantities import scene_fields
+from vibro.results.steady import MINORITY
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -197,7 +198,7 @@ class Fields:
     @cached_property
     def minority(self) -> Floats:
         """Positive where fewer than half of all starts lead to the motion that is shown."""
-        return np.where(self.panel.cycle["share"] < 0.5, 0.5, -0.5)
+        return np.where(self.panel.cycle["share"] < MINORITY, 0.5, -0.5)
 
     @property
     def others(self) -> tuple[str, Floats]:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 #: What people read where a body has no regime.
 NO_REGIME: Final = "no regime"
+#: [1] Share of starts below which most parts move otherwise than the one released at phase 0.
+MINORITY: Final = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
