@@ -162,11 +162,12 @@ def _wrong_classes(fields: Fields, cycle: Any) -> dict[str, NDArray[np.bool_]]:
     rubs = mu_s > 0
     calm = stays & rests & rubs
     regime, status = cycle.regime, cycle.status
+    frictionless = np.where(tangential == 0, vibro.Status.INDETERMINATE, vibro.Status.RUNAWAY)
     still, ahead = vibro.Regime.NO_SLIP, vibro.Regime.FORWARD_SLIP
     return {
         "no hop": hops & (regime != vibro.Regime.HOPPING),
         "hops too soon": stays & (regime == vibro.Regime.HOPPING),
-        "without friction, but not said": stays & (mu_s == 0) & (status != vibro.Status.INDETERMINATE),
+        "without friction, but not said": stays & (mu_s == 0) & (status != frictionless),
         "no runaway": stays & rubs & restless & (status != vibro.Status.RUNAWAY),
         "slips too soon": calm & not_forward & not_back & (regime != still),
         "does not slip": calm & (forward | (back & (along > mu_s * across))) & (regime == still),

@@ -278,7 +278,7 @@ def test_next_to_a_vertical_drive_every_motion_follows_the_drive_s_small_share_a
                 along_amplitude=share * size, normal_amplitude=size, normal_phase=phase, frequency=FREQUENCY,
                 static_friction=mu_s, kinetic_friction=mu_s * ratio, restitution=0.3,
             )  # fmt: skip
-            found = vibro.attractors(scene)
+            found = vibro.attractors(scene, drops=size)
             told.append([float(motion.mean_velocity) / share for motion in found])
         several += len(told[0]) > 1
         assert told[1] == pytest.approx(told[0], rel=1e-7)

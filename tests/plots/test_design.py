@@ -259,7 +259,7 @@ def test_the_band_holds_the_speeds_of_all_parts(
 def test_further_limits_narrow_what_meets_the_goal(nut: tuple[Spec, Chosen]) -> None:
     spec, chosen = nut
     goal = replace(spec.goal, highest_regime=Regime.HOPPING, impact_speed=0.2, flight_fraction=0.4)
-    limited = replace(spec, goal=goal)
+    limited = replace(spec, goal=goal, restitution=(0.0, 0.0))
     data = setting_fields(limited, chosen)
     steps = {"impact_speed": 200.0 * 20.0 / 0.9, "flight_fraction": 0.4 / 0.9}
     for name, above in steps.items():

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from vibro.answers.target import target_answer
 from vibro.answers.unknowns import FRICTIONS, USUAL, Ratio, friction_answer, onset_answer, rest_answer
 from vibro.cli.exit_codes import ExitCode
 from vibro.cli.outputs import Outputs
@@ -113,6 +112,8 @@ def target(
     hopping: bool,
 ) -> int:
     """Find the amplitudes, or the frictions, for a speed, and print them."""
+    from vibro.answers.target import target_answer
+
     if speed_text is not None and time_text is not None:
         raise InputError("--speed and --time are given", hint="give one of them")
     option = "--speed" if time_text is None else "--time"

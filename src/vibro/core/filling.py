@@ -24,8 +24,6 @@ from vibro.core.drive import (
 )
 from vibro.core.flight import bed_of, flight
 from vibro.core.hops import (
-    CAPTURED,
-    MOST_TURNS,
     Bodies,
     cycle_of,
     enter,
@@ -54,6 +52,12 @@ _SHARE_1: Final = 0.18134189168918099148
 _SHARE_2: Final = 0.15685332293894364367
 _SHARE_3: Final = 0.11119051722668723527
 _SHARE_4: Final = 0.050614268145188129576
+
+# [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
+# cycles; above it their basins are narrow.
+_CAPTURED: Final = 2.0
+# Drive cycles of the longest of these.
+_MOST_TURNS: Final = 64
 
 
 class Reaction(NamedTuple):
@@ -358,7 +362,7 @@ def mean_reaction(loads: Loads, restitution: float, flights: Flights, hops: Hops
         path[i] = gain[i]
     damping_error = scale * math.sqrt(spread_of(bodies, -found.added_damping / scale, total, lands).variance)
     found = found._replace(mass_error=mass_error, damping_error=damping_error)
-    if loads.drive_normal < CAPTURED * loads.weight_normal:
+    if loads.drive_normal < _CAPTURED * loads.weight_normal:
         return _with_single_bounces(track, restitution, found, hops)
     return found
 
@@ -390,7 +394,7 @@ def _with_single_bounces(track: Track, restitution: float, found: Reaction, hops
     motions, mass, damping = 1, found.added_mass, found.added_damping
     mass_squares, damping_squares = mass * mass, damping * damping
     real, imaginary = found.second_real, found.second_imaginary
-    for turns in range(1, MOST_TURNS + 1):
+    for turns in range(1, _MOST_TURNS + 1):
         bounce = single_bounce(bed, restitution, turns, 0)
         if not (bounce.exists and bounce.stable):
             continue

@@ -21,7 +21,6 @@ from vibro.core.bounces import (
     normal_multiplier,
     propagate,
     rests_as_from_rest,
-    single_bounce,
     within,
 )
 from vibro.core.codes import IRREGULAR, Status
@@ -355,7 +354,7 @@ def _sampled(track: Track, now: Settled, rows: int, landing: float, rest: float,
 # ------------------------------------------------------------------------------
 # Stable cycles that capture a body after long irregular motion.
 
-_BODIES: Final = 8  # followed of each scene
+_BODIES: Final = 4  # followed of each scene
 
 
 class Captures(NamedTuple):
@@ -406,6 +405,8 @@ def captures(
         settled = settle(track, restitution, begin, kick(i, 0), i, flights, hops)
         motion = settled.motion
         if not motion.repeats:
+            if i == 0:
+                break  # others would take as long, to end nowhere too in nearly all scenes
             continue
         last, turns = motion.first + motion.count, float(motion.cycles)
         orbit = orbit_from(cycle_of(track, motion), hops, settled.velocity)
@@ -436,12 +437,6 @@ _PARTED: Final = 8.0
 # [1] Square of Student's t, of first halves against second ones: above it bodies drift or run side by side.
 _TOGETHER: Final = 5.0
 _STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
-
-#: [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
-#: cycles; above it their basins are narrow.
-CAPTURED: Final = 2.0
-#: Drive cycles of the longest of these.
-MOST_TURNS: Final = 64
 
 _FIRST_REACH: Final = 0.25  # [A w cos alpha] first step in search of the velocity of balance
 _BALANCED: Final = 0.1  # [1] imbalance left, over its statistical error
@@ -550,7 +545,7 @@ def averages(
     """
     loads = track.loads
     unresolved = Means(Status.UNRESOLVED, NAN, NAN, NAN, NAN, NAN)
-    throw, start = loads.drive_normal / loads.weight_normal, start_of(track)
+    start = start_of(track)
     total, aloft, impact, lands = 0.0, 0.0, 0.0, False
     row = 0
     for i in range(BODIES):
@@ -605,11 +600,7 @@ def averages(
         impact=loads.weight_normal * impact,
         peak=slid.peak,
     )
-    if loads.waves.kind != SINE:
-        means = _with_captures(track, restitution, means, start, flights, hops)
-    if throw < CAPTURED:
-        return _with_single_bounces(track, restitution, means, start, hops, flights.speed)
-    return means
+    return _with_captures(track, restitution, means, start, flights, hops)
 
 
 def start_of(track: Track) -> float:
@@ -752,68 +743,26 @@ def _balance(track: Track, hops: Hops, bodies: Bodies) -> _Slid:
 def _with_captures(
     track: Track, restitution: float, means: Means, start: float, flights: Flights, hops: Hops
 ) -> Means:
-    """Average over the irregular motion, as one body, and the cycles in which bodies have ended.
+    """Average over the cycles in which bodies have ended, and the irregular motion unless all have.
 
-    Nobody knows which of them it will be, so that the error is the scatter of these motions.
+    Nobody knows which of them it will be, so that the error is the scatter of these motions. Bodies that have
+    not ended yet count as one: most will be captured later.
     """
     found = captures(track, restitution, means.displacement, start, flights, hops)
     if found.number == 0:
         return means
-    # Bodies that have not ended yet do not count: most will be captured later.
-    shift = found.displacement / (found.number + 1)
-    variance = (found.squares - found.displacement * shift) / found.number
+    rest = 0.0 if found.number == _BODIES else 1.0
+    motions = found.number + rest
+    shift = found.displacement / motions
+    own = means.deviation / (found.number + 1)  # where all have ended, one body more may not
+    variance = max(found.squares - found.displacement * shift, 0.0) / (motions - 1)
     return Means(
         status=Status.AVERAGED,
         displacement=means.displacement + shift,
-        deviation=math.sqrt(means.deviation * means.deviation + variance),
-        flight_fraction=(means.flight_fraction + found.aloft) / (found.number + 1),
-        impact=max(means.impact, found.impact),
-        peak=max(means.peak, found.peak),
-    )
-
-
-def _with_single_bounces(
-    track: Track, restitution: float, means: Means, start: float, hops: Hops, found: Doubles
-) -> Means:
-    """Average over the irregular motion and the stable cycles of one bounce that may capture it, Eq. (37).
-
-    At low throw numbers they do so after some hundreds or thousands of cycles, nobody knows which of them and
-    when. The mean over all these motions is returned, with their scatter. ``start`` is the velocity of a body
-    from rest at its first lift-off, ``found`` scratch memory.
-    """
-    loads = track.loads
-    motions, total, impact, peak = 1, means.displacement, means.impact, means.peak
-    bed = bed_of(loads)
-    indices = 1 if loads.waves.kind == SINE else 2 * loads.waves.size
-    for i in range(MOST_TURNS * indices):
-        turns = 1 + i // indices
-        bounce = single_bounce(bed, restitution, turns, i % indices)
-        if not (bounce.exists and bounce.stable):
-            continue
-        length = TURN * turns
-        write_hop(loads, bounce.phase, length, length, hops, 0)
-        orbit = orbit_from(hopping_cycle(track, 0, 1, 0.0, 0.0, length), hops, start)
-        if orbit.status != Status.OK and orbit.status != Status.BOUNDARY:
-            return Means(orbit.status, NAN, NAN, NAN, NAN, NAN)
-        found[motions] = orbit.cycle.displacement / turns
-        total += found[motions]
-        motions += 1
-        impact = max(impact, loads.weight_normal * length / (1.0 + restitution))
-        peak = max(peak, orbit.cycle.peak)
-    if motions == 1:
-        return means
-    center = total / motions
-    found[0] = means.displacement
-    squares = 0.0
-    for i in range(motions):
-        squares += (found[i] - center) * (found[i] - center)
-    return Means(
-        status=Status.AVERAGED,
-        displacement=center,
-        deviation=math.sqrt(means.deviation * means.deviation + squares / (motions - 1)),
-        flight_fraction=1.0 + (means.flight_fraction - 1.0) / motions,
-        impact=impact,
-        peak=peak,
+        deviation=math.sqrt(own * own + variance),
+        flight_fraction=(rest * means.flight_fraction + found.aloft) / motions,
+        impact=max(rest * means.impact, found.impact),
+        peak=max(rest * means.peak, found.peak),
     )
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.designs.guarantees import counted
 from vibro.designs.spaces import space_of
 from vibro.quantities import QUANTITIES
 from vibro.scene import Scene, check_single
@@ -76,15 +75,12 @@ def speeds_over_restitution(scene: Scene) -> tuple[float, float]:
     """Return the least and the largest mean speed of one scene over restitutions of 0 to 0.5 [m/s].
 
     Speeds are solved at ``RESTITUTIONS`` values, an even spread: between two of them there may be others.
-    Means of irregular motion count with three standard errors. NaN where no speed is known.
+    NaN where no speed is known.
     """
     fields = _fields(scene) | {_BOUNCE: np.linspace(0.0, LARGEST, RESTITUTIONS)}
-    cycle = solve(Scene.computed(**fields))
-    slow, fast = (counted(cycle, fast=which) for which in (False, True))
-    known = np.isfinite(slow) & np.isfinite(fast)
-    if not known.any():
-        return math.nan, math.nan
-    return float(slow[known].min()), float(fast[known].max())
+    speed = np.asarray(solve(Scene.computed(**fields)).mean_velocity)
+    known = speed[np.isfinite(speed)]
+    return (float(known.min()), float(known.max())) if known.size else (math.nan, math.nan)
 
 
 def changed_cycles(scene: Scene) -> tuple[list[str], SteadyCycle]:

@@ -161,8 +161,6 @@ function motionFact(/** @type {Solved} */ one) {
   return factOf(one, [label, ""], filledText(says.speed, { speed: mean, rate, advance }));
 }
 
-const ERRORS = 3.0; // standard errors with which a mean counts
-
 /** Whether restitution is the usual one, and decides the speed alone: with a filling it changes the amplitude too. */
 const assumesPlastic = (/** @type {Solved} */ { cycle, values }) =>
   cycle.flight_fraction[0] > 0.0 && values.restitution === 0.0 && !(values.filling > 0.0);
@@ -174,12 +172,9 @@ function restitutionFacts(/** @type {Solved} */ one) {
   const [count, largest] = texts.restitutions;
   const values = Array.from({ length: count }, (_, n) => (n * largest) / (count - 1));
   const found = engine.solve(engine.gridOf({ ...drive, restitution: { values, strides: [1] } }, [count]));
-  const ends = [-1.0, 1.0].map((side) => values.map((_, n) => {
-    const error = found.status[n] === engine.known.Status.AVERAGED ? found.mean_velocity_error[n] : 0.0;
-    return MILLI * (found.mean_velocity[n] + side * ERRORS * error);
-  }).filter(Number.isFinite));
-  if (!ends[0].length) return [];
-  const speeds = [...new Set([shownText(Math.min(...ends[0])), shownText(Math.max(...ends[1]))])].join(says.to);
+  const known = Array.from(found.mean_velocity, (velocity) => MILLI * velocity).filter(Number.isFinite);
+  if (!known.length) return [];
+  const speeds = [...new Set([shownText(Math.min(...known)), shownText(Math.max(...known))])].join(says.to);
   return [factOf(one, texts.facts.restitution, filledText(says.assumed, { speeds }),
     filledText(says.sampled, { count }))];
 }
