@@ -761,8 +761,8 @@ def _with_captures(
         displacement=means.displacement + shift,
         deviation=math.sqrt(own * own + variance),
         flight_fraction=(rest * means.flight_fraction + found.aloft) / motions,
-        impact=max(rest * means.impact, found.impact),
-        peak=max(rest * means.peak, found.peak),
+        impact=max(means.impact, found.impact),
+        peak=max(means.peak, found.peak),
     )
 
 
