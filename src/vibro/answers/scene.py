@@ -84,7 +84,7 @@ _SAYS: Final = {
     "never": "never",
     "not steady": "none at a steady speed",
     "lands": "lands at {impact} mm/s, {again}",
-    "irregular": "never repeats",
+    "irregular": "irregular",
     "every cycle": "repeats every cycle",
     "every few cycles": "repeats every {period} cycles",
     "hops": "the part hops above 1",
@@ -459,7 +459,9 @@ def _shares(one: OneScene) -> list[Fact]:
     ]
     if others := sum(share for share, *_ in kinds[_MOST_KINDS:]):
         texts.append(_SAYS["share of others"].format(share=math.floor(100.0 * others + 0.5)))
-    note = _SAYS["released"].format(speed=shown(one.speed, _DIGITS_OF_SHARES))
+    # in the end the body from rest may repeat, where a mean is not that of a cycle
+    home = next((float(SPEED.from_si(x.mean_velocity)) for x in found if x.from_rest), one.speed)
+    note = _SAYS["released"].format(speed=shown(home, _DIGITS_OF_SHARES))
     return [Fact(_SAYS["laid down"], ", ".join(texts), note=note, is_line=True)]
 
 

@@ -148,7 +148,9 @@ function sharesFacts(/** @type {Solved} */ one) {
     filledText(text, { share: percent(count), speed: shownText(own, DIGITS_OF_SHARES) }));
   const others = kinds.slice(MOST_KINDS).reduce((sum, { count }) => sum + count, 0);
   if (others) texts.push(filledText(says["share of others"], { share: percent(others) }));
-  const note = filledText(says.released, { speed: shownText(speed, DIGITS_OF_SHARES) });
+  // in the end the body from rest may repeat, where a mean is not that of a cycle
+  const released = home >= 0 ? unit * displacement[home] : speed;
+  const note = filledText(says.released, { speed: shownText(released, DIGITS_OF_SHARES) });
   return [factOf(one, [says["laid down"], ""], texts.join(", "), note)];
 }
 
