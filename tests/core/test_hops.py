@@ -18,7 +18,7 @@ from vibro.core import hops as hopping_module
 from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import IRREGULAR, Status, spelt_text
 from vibro.core.drive import Loads, directions, line_loads, weight_over_load
-from vibro.core.flight import bed_of, sinusoidal
+from vibro.core.flight import sinusoidal
 from vibro.core.hops import (
     Bodies,
     Captures,
@@ -34,10 +34,11 @@ from vibro.core.hops import (
     fly_sample,
     hopping,
     kick,
+    settle,
 )
 from vibro.core.legs import Track, track_of
 from vibro.core.numbers import BODIES, MOST_HOPS, MOST_THROW, doubles, integers
-from vibro.core.return_map import Hops, hopping_cycle, orbit_from, release, return_map, write_hops
+from vibro.core.return_map import Hops, Release, hopping_cycle, orbit_from, release, return_map
 
 TURN = 2.0 * math.pi
 
@@ -585,30 +586,27 @@ CAPTURED_BODIES = 4
 
 def test_bodies_end_in_stable_cycles_of_which_each_is_measured_as_alone() -> None:
     loads, e, irregular = line(1.6, 30.0, 0.5, 0.4), 0.7, 0.25
-    track, bed = track_of(loads, e), bed_of(loads)
+    track = track_of(loads, e)
     off: list[float] = []
-    impact = peak = 0.0
+    aloft = impact = peak = 0.0
     for i in range(CAPTURED_BODIES):
-        motion = bounces(bed, e, FLIGHTS, 512, bed.lift_off, kick(i, 0), False)
-        if not motion.repeats or motion.rest > 0.0:
-            continue
-        last, turns = motion.first + motion.count, motion.cycles
-        write_hops(loads, FLIGHTS, HOPS, motion.first, last)
-        lengths = sum(FLIGHTS.length[row] for row in range(motion.first, last))
-        assert lengths == pytest.approx(TURN * turns, rel=1e-11)
-        orbit = orbit_from(hopping_cycle(track, motion.first, last, 0.0, 0.0, TURN * turns), HOPS, 0.0)
+        settled = settle(track, e, Release(False, track.lift_off, 0.0), 0.0, i, FLIGHTS, HOPS)
+        motion = settled.motion
+        assert motion.repeats
+        rows, turns = range(motion.first, motion.first + motion.count), motion.cycles
+        cycle = hopping_cycle(
+            track, motion.first, motion.first + motion.count, motion.landing, motion.rest, TURN * turns
+        )
+        orbit = orbit_from(cycle, HOPS, settled.velocity)
         off.append(orbit.cycle.displacement / turns - irregular)
+        aloft += sum(FLIGHTS.length[row] for row in rows) / (TURN * turns)
         peak = max(peak, orbit.cycle.peak)
-        impact = max(impact, *(FLIGHTS.impact[row] for row in range(motion.first, last)))
+        impact = max(impact, *(loads.weight_normal * FLIGHTS.impact[row] for row in rows))
     found = captures(track, e, irregular, 0.0, FLIGHTS, HOPS)
-    # those that come to contact before end in a cycle with contacts, of other numbers
-    assert found.number == CAPTURED_BODIES > len(off) > 0
-    others, number = found.displacement - sum(off), found.number - len(off)
-    squares = found.squares - sum(x * x for x in off)
-    assert squares == pytest.approx(others * others / number, rel=1e-9)  # all in the same
-    assert len(off) < found.aloft < found.number
-    assert found.impact >= loads.weight_normal * impact * (1.0 - 1e-9)
-    assert found.peak >= peak * (1.0 - 1e-9)
+    assert found.number == CAPTURED_BODIES
+    assert found.displacement == pytest.approx(sum(off), rel=1e-9)
+    assert found.squares == pytest.approx(sum(x * x for x in off), rel=1e-9)
+    assert (found.aloft, found.impact, found.peak) == pytest.approx((aloft, impact, peak), rel=1e-9)
 
 
 @pytest.mark.parametrize(("status", "counts"), [(Status.BOUNDARY, True), (Status.RUNAWAY, False)])

@@ -399,10 +399,10 @@ def captures(
     flights, hops : Flights, Hops
         Scratch memory.
     """
-    loads, begin = track.loads, Release(True, track.lift_off, start)
+    loads, begin = track.loads, Release(False, track.lift_off, start)
     number, total, squares, aloft, impact, peak = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(_BODIES):
-        settled = settle(track, restitution, begin, kick(i, 0), i, flights, hops)
+        settled = settle(track, restitution, begin, 0.0, i, flights, hops)
         motion = settled.motion
         if not motion.repeats:
             if i == 0:
