@@ -77,7 +77,7 @@ def output_of(command: list[str], page: Path, folder: Path, code: str = "0") -> 
     done = subprocess.run(
         command,
         cwd=folder,
-        env={**os.environ, "PATH": path, "PYTHONUNBUFFERED": ""},  # else head may close what is still written
+        env={**os.environ, "PATH": path},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         encoding="utf-8",
