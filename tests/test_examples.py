@@ -110,7 +110,10 @@ def test_every_nut_is_conveyed() -> None:
 
 
 def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets(tmp_path: Path) -> None:
-    precise = ("design", EXAMPLES / "design_feeder.toml", "--digits", 9, "--all")
+    # of parts that do not bounce: a band of restitution takes minutes
+    question, text = tmp_path / "feeder.toml", (EXAMPLES / "design_feeder.toml").read_text(encoding="utf-8")
+    question.write_text(text.replace("[scene]\n", "[scene]\nrestitution = 0\n"), encoding="utf-8")
+    precise = ("design", question, "--digits", 9, "--all")
     result = run(*precise)
     assert result.exit_code == 4, result.stderr
     said = result.stdout.split("\n\n")[1]
@@ -129,20 +132,8 @@ def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets(tmp_path: Path) -> 
     assert fastest["magnet", "back-slip"] == pytest.approx(6.22, abs=5e-3)
     assert fastest["unbalance motor", "forward-slip"] == pytest.approx(15.48, abs=5e-3)
     assert fastest["unbalance motor", "back-slip"] == pytest.approx(20.72, abs=5e-3)
-    # what sampled optimisers of hopping find may differ; what was published, of parts that do not bounce, is
-    # at least reached
-    before, magnet, after = (EXAMPLES / "design_feeder.toml").read_text(encoding="utf-8").split("[[drive]]\n")
-    plastic = before.replace("[scene]\n", "[scene]\nrestitution = 0\n")
-    goal = after[after.index("[goal]") :]
-    (tmp_path / "plastic.toml").write_text(f"{plastic}[[drive]]\n{magnet}{goal}", encoding="utf-8")
-    rows = json.loads(run("design", tmp_path / "plastic.toml", "--all", "--json").stdout)["designs"]
-    (speed,) = (
-        row["speed_min_mm_s"]
-        for row in rows
-        if (row["design"], row["highest_regime"]) == ("fastest", "hopping")
-    )
-    assert speed >= 228.0
-    assert 0.0 < fastest["magnet", "hopping"] < speed  # over restitutions of 0 to 0.5
+    # what sampled optimisers of hopping find may differ; what was published is at least reached
+    assert fastest["magnet", "hopping"] >= 228.0
 
 
 def test_a_full_feeder_is_slower_above_resonance_and_faster_below() -> None:
