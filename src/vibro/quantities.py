@@ -340,6 +340,8 @@ SHIFTED: Final = Quantity("displacement", LENGTH, allowed=Range(-_FAR, _FAR, wit
 
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS, allowed=POSITIVE)
+#: Sampling rate of a record.
+RATE: Final = Quantity("rate", FREQUENCY, allowed=POSITIVE)
 #: Mass of an empty trough and of what moves with it, beside the mass of its filling.
 TROUGH_MASS: Final = Quantity(
     "trough_mass", _MASS, "", "", ("trough_mass",), POSITIVE, "mass of the empty trough, beside a filling"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.cases import each
 
-from vibro.records.reading import Record, read_record, read_sensitivities
+from vibro.records.reading import Record, Table, read_record, read_sensitivities, record_of
 
 
 def read(folder: Path, header: str, row: str, *sensitivities: str, **columns: str) -> Record:
@@ -139,3 +139,43 @@ def test_the_sensitivity_of_a_column_goes_before_that_of_its_kind(tmp_path: Path
 def test_a_unit_alone_is_no_time(tmp_path: Path, header: str) -> None:
     record = read(tmp_path, f"clock [s];x [mm];{header}", "1;2")
     assert record.headers == {"time": "clock [s]", "displacement": "x [mm]"}
+
+
+# --- columns by number, with a unit of their own, and sampling rates -----------------------------------
+
+
+def test_a_column_by_number_with_a_unit_is_believed(tmp_path: Path) -> None:
+    header = "clock [ms];left [mm];right (g)"
+    record = read(tmp_path, header, "1;2", time="1 [s]", trough_along="3 [m/s^2]", displacement="left [mm]")
+    np.testing.assert_array_equal(record.time, [0.0, 1.0])
+    np.testing.assert_array_equal(record.trough["trough_along"], [2.0, 2.0])
+    assert record.believed == {"time", "trough_along"}  # the header alone says nothing new
+    assert read(tmp_path, header, "1;2", trough_along="RIGHT [m/s^2]").believed == {"trough_along"}
+    assert not read(tmp_path, header, "1;2", trough_along="3").believed
+
+
+def test_a_header_that_is_a_number_goes_before_the_number_of_a_column(tmp_path: Path) -> None:
+    record = read(tmp_path, "t [s];3 [mm];1 [mm]", "5;7", displacement="3")
+    assert record.headers["displacement"] == "3 [mm]"
+
+
+@each("rate", [250.0, "250", "0.25 kHz"])
+def test_a_rate_stands_for_a_column_of_time(tmp_path: Path, rate: float | str) -> None:
+    path = tmp_path / "data.csv"
+    path.write_text("n,x [mm]\n1,7\n2,8\n3,9\n", encoding="utf-8")
+    record = read_record(path, {"displacement": "x"}, rate=rate)
+    np.testing.assert_allclose(record.time, [0.0, 0.004, 0.008], rtol=1e-15)
+
+
+def test_a_third_axis_of_the_trough(tmp_path: Path) -> None:
+    record = read(tmp_path, "t [s];a [g];b [g]", "1;2", trough_along="a", trough_across="b")
+    np.testing.assert_allclose(record.trough["trough_across"], [2 * 9.80665] * 2)
+
+
+def test_a_table_of_another_format_needs_names_units_and_a_step() -> None:
+    columns = [np.array([1.0, 2.0, 4.0]), np.array([7, 8, 9])]
+    table = Table(Path("x.tdms"), ["Acc along", "count"], columns, ["g", ""], step=0.5)
+    record = record_of(table, {"trough_along": "acc along"}, body=False)
+    np.testing.assert_array_equal(record.time, [0.0, 0.5, 1.0])
+    np.testing.assert_allclose(record.trough["trough_along"], [9.80665, 19.6133, 39.2266], rtol=1e-15)
+    assert record.headers == {"trough_along": "Acc along [g]"}

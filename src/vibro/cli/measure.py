@@ -56,6 +56,9 @@ def measure_command(
     sensitivity: Annotated[
         list[str] | None, option("sensitivity", "Of sensors in volts; of one velocity=125mm/s/V.", "100mV/g")
     ] = None,
+    rate: Annotated[
+        str | None, rare("rate", "Sampling rate of a record without a column of time.", "HZ")
+    ] = None,
     mass: Annotated[str | None, rare("mass", "Mass of the part [kg].", "X")] = None,
     reverse: Annotated[
         bool, option("reverse", "The data's axis points against the conveying direction.")
@@ -88,12 +91,12 @@ def measure_command(
         "friction": friction, "trough_along": trough_along, "trough_normal": trough_normal,
     }  # fmt: skip
     columns = {name: text for name, text in given.items() if text is not None}
-    if not columns and not sensitivity and has_speeds(data):
+    if not columns and not sensitivity and rate is None and has_speeds(data):
         if mass or reverse or absolute:
             which = "--mass" if mass else "--reverse" if reverse else "--absolute"
             raise InputError(f"{which}: {data} is a table of times or speeds", hint="leave the option out")
         return _measure_speeds(options, data, _fitted_names(fit), every=every)
-    record = read_record(data, columns, read_sensitivities(sensitivity or ()))
+    record = read_record(data, columns, read_sensitivities(sensitivity or ()), rate=rate)
     console.echo_all(record.notes)
     scene = read_scene_file(options.scene).scene if options.scene else {}
     has_friction = not {*options.given, *scene}.isdisjoint(_FRICTIONS)

@@ -8,13 +8,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibro.errors import InputError, argument, cut, did_you_mean, shown
 from vibro.files.reading import read_text, rows_of
+from vibro.quantities import RATE, checked_number
 from vibro.units import LENGTH, SPEED
 
 if TYPE_CHECKING:
@@ -198,8 +199,8 @@ TOL: Final = _Tolerances()
 _Unit = tuple[str, float]
 #: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.
 _SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
-#: Motions of the trough that it may hold: along the trough's surface, and normal to it.
-_TROUGH: Final = ("trough_along", "trough_normal")
+#: Motions of the trough that it may hold: along the trough's surface, normal to it, and across both.
+_TROUGH: Final = ("trough_along", "trough_normal", "trough_across")
 #: Kinds of unit that a motion of the trough may have, with the derivatives from each to the acceleration.
 DERIVATIVES: Final[Mapping[str, int]] = {"acceleration": 0, "velocity": 1, "displacement": 2}
 #: Kind of unit of each column; of the trough's the usual one.
@@ -419,33 +420,44 @@ _OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
 
 
 class _Header(NamedTuple):
-    """Header of a column: its place and text, the name and the unit in that, and the unit's kind and size."""
+    """Header of a column: its place, text and names, and the kind and size of its unit."""
 
     place: int
     text: str
-    name: str
+    names: tuple[str, ...]
     stated: str
     unit: _Unit | None
+
+    @property
+    def name(self) -> str:
+        """Its name, without the unit."""
+        return self.names[0]
 
 
 class _Wanted(NamedTuple):
     """Columns that a user names: headers by the keys of ``_KINDS``, and the sensitivities of voltages.
 
-    Signals of the body are needed unless ``body`` is false: then motions of the trough are.
+    Signals of the body are needed unless ``body`` is false: then motions of the trough are. A sampling rate
+    stands for a column of time.
     """
 
     headers: Mapping[str, str]
     sensitivities: Sequence[_Sensitivity] = ()
     body: bool = True
+    rate: float | None = None
 
 
 class _Column(NamedTuple):
-    """Column of a signal: its header, kind and size of its unit in SI units, sensitivity of a voltage."""
+    """Column of a signal: its header, kind and size of its unit in SI units, sensitivity of a voltage.
+
+    ``typed`` is its unit, if the user gave it.
+    """
 
     header: _Header
     kind: str
     size: float
     sensitivity: _Sensitivity | None = None
+    typed: str = ""
 
 
 #: Columns by the keys of ``_KINDS``.
@@ -461,16 +473,17 @@ _NAME_THE_TROUGH: Final = (
 )
 
 
-def _headers(above: list[list[str]]) -> list[_Header]:
-    """Read the header row, the last one of ``above``, and a row of units under it if there is one."""
-    texts = above[-1]
-    units = [text.strip("[]()") for text in texts]
-    if len(above) > 1 and len(above[-2]) == len(units) and all(signal_unit(unit) for unit in units if unit):
-        texts = [f"{name} [{unit}]" if unit else name for name, unit in zip(above[-2], units, strict=True)]
+def _headers(table: Table) -> list[_Header]:
+    """Take the names and units of the columns apart."""
     headers = []
-    for place, text in enumerate(texts):
-        name, unit = _split(text)
-        headers.append(_Header(place, text, name, unit, signal_unit(unit) if unit else _unit_at_end(name)))
+    for place, texts in enumerate(zip(table.names, *table.also, strict=True)):
+        unit = table.units[place] if table.units else ""
+        split = [_split(text) for text in texts]
+        stated = unit or split[0][1]
+        text = f"{texts[0]} [{unit}]" if unit else texts[0]
+        names = tuple(dict.fromkeys([*(name for name, _ in split), *texts]))
+        size = signal_unit(stated) if stated else _unit_at_end(split[0][0])
+        headers.append(_Header(place, text, names, stated, size))
     return headers
 
 
@@ -508,15 +521,13 @@ def _unit_at_end(name: str) -> _Unit | None:
     return None
 
 
-def _columns_of(path: Path, above: list[list[str]], wanted: _Wanted) -> _Columns:
+def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
     """Find the columns of the signals.
 
     Parameters
     ----------
-    path : Path
-        Name of the file, for messages.
-    above : list of list of str
-        Rows above the first one of data; the last one is the header row, or a row of units under it.
+    table : Table
+        Their table; names and units are read.
     wanted : Wanted
         Columns that a user names. If no signal of the body is among them, every other column whose unit is
         unambiguous is taken too. Voltages and motions of the trough must be named, and so must a signal of
@@ -528,11 +539,12 @@ def _columns_of(path: Path, above: list[list[str]], wanted: _Wanted) -> _Columns
         If a column is missing, ambiguous, without a unit, or named twice; if a voltage lacks a sensitivity,
         or a sensitivity a voltage.
     """
-    headers = _headers(above)
+    path, headers = table.path, _headers(table)
     problems, hints, found = list[str](), list[str](), _Columns()
     # A user who names one signal wants no others; the time is always needed.
     named_one = any(role in wanted.headers for role in _SIGNALS)
-    sought = ("time",) if named_one or not wanted.body else ("time", *_SIGNALS)
+    clock = () if wanted.rate or table.step is not None else ("time",)
+    sought = clock if named_one or not wanted.body else (*clock, *_SIGNALS)
     named = [role for role in _KINDS if role in wanted.headers]
     for role in dict.fromkeys([*named, *sought]):
         try:
@@ -547,9 +559,10 @@ def _columns_of(path: Path, above: list[list[str]], wanted: _Wanted) -> _Columns
                 continue  # the trough alone is measured too
             problems += exc.raw[0]
             hints += [exc.raw[1]]
-    if not problems and "time" not in found:
+    if not problems and clock and "time" not in found:
         problems.append(f"{path}: no column of time found among {_list(headers)}")
-        hints.append(f"name it, with its unit: {argument('time', 't [s]')}")
+        rate = f"or give the sampling rate: {argument('rate', '1000')}"
+        hints.append(f"name it, with its unit: {argument('time', 't [s]')}; {rate}")
     if not problems and found.keys().isdisjoint((*_SIGNALS, *_TROUGH) if wanted.body else _TROUGH):
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
@@ -583,7 +596,8 @@ def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _C
     found = (
         [h for h in headers if h.text == key]
         or [h for h in headers if h.text.casefold() == key.casefold()]
-        or [h for h in headers if h.name.casefold() == name.casefold() and not (unit_text and h.stated)]
+        or [h for h in headers if name.casefold() in map(str.casefold, h.names)]
+        or [h for h in headers if name == str(h.place + 1)]
     )
     kind = _KINDS[role]
     if not found:
@@ -592,22 +606,24 @@ def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _C
         raise InputError(missing, hint=hint)
     if len(found) > 1:
         several = f"{path}: {len(found)} columns are called {shown(key)}"
-        raise InputError(several, hint="give them different names in the file")
+        number = argument(role, f"{found[0].place + 1}{f' [{unit_text}]' if unit_text else ''}")
+        raise InputError(several, hint=f"give the number of the one that is meant: {number}")
     (header,) = found
-    unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
+    typed = unit_text if key.casefold() != header.text.casefold() else ""
+    unit = signal_unit(typed) if typed else header.unit
     if unit is not None and unit[0] in _kinds_of(role):
-        return _Column(header, *unit)
+        return _Column(header, *unit, typed=typed)
     column, example = f"{path}: column {shown(header.text)} for {role}", _EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
         serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
         if serving:
             # A sensitivity of this column has priority over one of its kind.
             sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
-            return _Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity)
+            return _Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity, typed)
         own = argument("sensitivity", f"{role.replace('_', '-')}={example}")
         missing = f"{column}: the sensitivity of its sensor is missing"
         raise InputError(missing, hint=f"give a sensitivity of {_a(kind)}: {own}")
-    stated, kinds = unit_text or header.stated, " or ".join(_kinds_of(role))
+    stated, kinds = typed or header.stated, " or ".join(_kinds_of(role))
     problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
     named = argument(role, f"{header.name} [{usual}]")
@@ -660,13 +676,16 @@ class Record:
     trough : mapping of str to float array
         Motions of the trough [m/s^2, m/s or m] at these times, by their names in ``_TROUGH``.
     headers : mapping of str to str
-        The columns' headers in the file, by the same names and ``"time"``.
+        The columns' headers in the file, by the same names and ``"time"``, unless a rate gives the time.
     sensitivities : mapping of str to str
         Sensitivities of the columns that are voltages, as typed, by the same names.
     trough_kinds : mapping of str to str
         What each motion of the trough is, a key of ``DERIVATIVES``; without one an acceleration.
     notes : tuple of str
         How the file was read, for the user.
+    believed : frozenset of str
+        Names, ``"time"`` among them, of columns whose unit was typed: ``2 [g]``, ``ax [g]``; not if the text
+        is the header as it stands in the file. Their values are right, however absurd they look.
     """
 
     time: Floats
@@ -676,6 +695,7 @@ class Record:
     sensitivities: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     trough_kinds: Mapping[str, str] = field(default_factory=dict)
+    believed: frozenset[str] = frozenset()
 
     @property
     def trough_derivatives(self) -> dict[str, int]:
@@ -683,25 +703,63 @@ class Record:
         return {name: DERIVATIVES[self.trough_kinds.get(name, "acceleration")] for name in self.trough}
 
 
-class _Table(NamedTuple):
-    """A parsed file: the rows of data, each with its number in the file, and as wide as the header row."""
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of a file of any format, from which ``record_of`` takes the signals that are wanted.
+
+    A reader of a format returns one: ``Table(path, names, columns, units, step=1e-3)`` is all that a format
+    with channels, units and a sampling step has to give. Which column is which signal, sensitivities, rows
+    without a value and the clock are the business of ``record_of``.
+
+    Attributes
+    ----------
+    path : Path
+        The file, for messages.
+    names : sequence of str
+        Name of each column, which may hold its unit: ``Acc along`` or ``Acc along [g]``; all empty if the
+        file has none. Messages list them, and users choose by them, or by their numbers, from 1.
+    columns : sequence of array
+        Values of each column, as long as one another: floats, NaN where there is no value; whole numbers, as
+        of a clock of nanoseconds; or cells as text, if one of them is no number.
+    units : sequence of str
+        Unit of each column as the file spells it; empty for one without, whose name may hold it then.
+    rows : sequence of int
+        Number of each row in the file, for messages; from 1 if it is left out.
+    also : sequence of sequence of str
+        More names of the columns, such as a row of descriptions; users may choose by them too.
+    notes : sequence of str
+        How the file was read, for the user.
+    step : float or None
+        Time between two rows [s], of a file without a column of time.
+    """
 
     path: Path
-    rows: list[tuple[int, list[str]]]
-    decimal_comma: bool
-    separator: str
+    names: Sequence[str]
+    columns: Sequence[NDArray[Any]]
+    units: Sequence[str] = ()
+    rows: Sequence[int] = ()
+    also: Sequence[Sequence[str]] = ()
+    notes: Sequence[str] = ()
+    step: float | None = None
+
+    def row(self, index: int) -> int:
+        """Return the number in the file of a row."""
+        return int(self.rows[index]) if len(self.rows) else index + 1
 
     def numbers(self, header: _Header, unit: float) -> Floats:
         """Read a column in SI units; NaN for cells without a value."""
-        values = np.full(len(self.rows), np.nan)
-        bad = np.zeros(values.size, np.bool_)
-        for i, (_, cells) in enumerate(self.rows):
-            cell = cells[header.place]
-            if _DECIMAL.fullmatch(cell) and ("," in cell) <= self.decimal_comma:
-                values[i] = float(cell.replace(",", ".")) * unit
-                bad[i] = not abs(values[i]) <= TOL.largest
-            else:
-                bad[i] = bool(cell) and not _NO_VALUE.fullmatch(cell)
+        cells = self.columns[header.place]
+        values, bad = np.full(cells.size, np.nan), np.zeros(cells.size, np.bool_)
+        if cells.dtype != object:
+            values = np.asarray(cells * unit, np.float64)
+            bad = np.abs(values) > TOL.largest
+        else:
+            for i, cell in enumerate(cells):
+                if _DECIMAL.fullmatch(cell):
+                    values[i] = float(cell.replace(",", ".")) * unit
+                    bad[i] = not abs(values[i]) <= TOL.largest
+                else:
+                    bad[i] = bool(cell) and not _NO_VALUE.fullmatch(cell)
         if bad.any():
             raise InputError(*self.named(header, bad, values, TOL.largest / abs(unit)), hint=_DELETE)
         return values
@@ -710,11 +768,11 @@ class _Table(NamedTuple):
         """Describe the first bad cells of a column, and count the others; one with a value is too large."""
         problems, places, column = [], np.flatnonzero(bad).tolist(), f"column {shown(header.text)}"
         for i in places[: TOL.cells_named]:
-            row, cell = self.rows[i][0], self.rows[i][1][header.place]
+            cell = str(self.columns[header.place][i])
             what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
             if not math.isnan(values[i]):
                 what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
-            problems.append(f"{self.path}: row {row}, {column}: {what}")
+            problems.append(f"{self.path}: row {self.row(i)}, {column}: {what}")
         if (more := len(places) - TOL.cells_named) > 0:
             problems.append(f"{self.path}: {column}: {more} more such cell{'s' if more > 1 else ''}")
         return problems
@@ -726,8 +784,9 @@ def read_record(
     sensitivities: Sequence[_Sensitivity] = (),
     *,
     body: bool = True,
+    rate: float | str | None = None,
 ) -> Record:
-    """Read a record from a text file of columns.
+    """Read a record from a file.
 
     Parameters
     ----------
@@ -735,13 +794,15 @@ def read_record(
         CSV with a header row; separated by commas, semicolons or tabs, with decimal points or commas,
         in UTF-8 (with or without a byte order mark), UTF-16 or a Windows code page.
     columns : mapping of str to str, optional
-        Headers by ``"time"`` and the names of ``_SIGNALS`` and ``_TROUGH``. The unit of the header, in
-        brackets, may be left out; if the file has none, the one given here is used. If no signal of the body
-        is named, every column whose unit is unambiguous is read.
+        Headers by ``"time"`` and the names of ``_SIGNALS`` and ``_TROUGH``; or the columns' numbers, from 1.
+        The unit of the header, in brackets, may be left out; one that is given goes before the file's. If no
+        signal of the body is named, every column whose unit is unambiguous is read.
     sensitivities : sequence of Sensitivity
         Sensitivities of the sensors whose voltages the file holds.
     body : bool
         Whether a signal of the body is needed; else a motion of the trough is.
+    rate : float or str, optional
+        Sampling rate in place of a column of time: in Hz, or with its unit.
 
     Returns
     -------
@@ -756,14 +817,31 @@ def read_record(
         If a column is missing, ambiguous or without a unit; if a cell is no number, or too many are empty; if
         the time has gaps, repeats or goes back. Row and column are named.
     """
-    text, notes = read_text(path)
-    table, chosen = _take_apart(path, text, _Wanted(columns or {}, sensitivities, body))
-    if table.separator != "," or table.decimal_comma:
-        decimals = ", decimal commas" if table.decimal_comma else ""
-        notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")
-    values = {role: table.numbers(column.header, column.size) for role, column in chosen.items()}
+    table = _read_table(path, _Wanted(columns or {}, sensitivities, body))
+    return record_of(table, columns, sensitivities, body=body, rate=rate)
+
+
+def record_of(
+    table: Table,
+    columns: Mapping[str, str] | None = None,
+    sensitivities: Sequence[_Sensitivity] = (),
+    *,
+    body: bool = True,
+    rate: float | str | None = None,
+) -> Record:
+    """Take the wanted signals from a table; parameters, result and errors are those of ``read_record``."""
+    hertz = None if rate is None else checked_number(str(rate), RATE)
+    wanted = _Wanted(columns or {}, sensitivities, body, hertz)
+    if hertz is not None and "time" in wanted.headers:
+        both = f"{argument('time')} and {argument('rate')} are both given"
+        raise InputError(both, hint="leave one of them out")
+    chosen = _columns_of(table, wanted)
+    notes = [*table.notes]
+    values: dict[str, Floats] = {
+        role: table.numbers(column.header, column.size) for role, column in chosen.items()
+    }
     if not values.keys().isdisjoint(_TROUGH):  # a part that nobody named is not worth a record of the trough
-        unnamed = [role for role in values if role in _SIGNALS and role not in (columns or {})]
+        unnamed = [role for role in values if role in _SIGNALS and role not in wanted.headers]
         for role in unnamed:
             if np.isnan(values[role]).mean() > TOL.skipped:
                 notes.append(
@@ -771,22 +849,29 @@ def read_record(
                 )
                 del values[role]
     kept = _with_values(table, {chosen[role].header: column for role, column in values.items()})
+    step = 1.0 / wanted.rate if wanted.rate else table.step
+    if "time" not in values and step is not None:
+        values["time"] = np.arange(kept.size, dtype=np.float64) * step
+        notes.append(f"time: {1.0 / step:g} rows a second")
     values = {role: column[kept] for role, column in values.items()}
-    _check_time(table, chosen["time"].header, values["time"], np.flatnonzero(kept))
+    if "time" in chosen:
+        _check_time(table, chosen["time"].header, values["time"], np.flatnonzero(kept))
     if not kept.all():
-        rows = [str(table.rows[i][0]) for i in np.flatnonzero(~kept)]
+        rows = [str(table.row(i)) for i in np.flatnonzero(~kept).tolist()]
         named = ", ".join([*rows[: TOL.cells_named], *(["..."] if len(rows) > TOL.cells_named else [])])
         skipped = f"skipped rows without a value: {named} ({len(rows)} of {kept.size})"
-        notes.append(f"{path.name}: {skipped}")
+        notes.append(f"{table.path.name}: {skipped}")
     texts = {role: column.sensitivity.text for role, column in chosen.items() if column.sensitivity}
     headers = {role: column.header.text for role, column in chosen.items()}
     for role, header in headers.items():
         at = f" at {texts[role]}" if role in texts else ""
-        notes.append(f"{role.replace('_', ' ')}: column {shown(header)}{at}")
+        unit = f" in {chosen[role].typed}" if chosen[role].typed else ""
+        notes.append(f"{role.replace('_', ' ')}: column {shown(header)}{unit}{at}")
     kinds = {role: column.kind for role, column in chosen.items() if role in _TROUGH}
     signals = {role: x for role, x in values.items() if role in _SIGNALS}
     trough = {role: x for role, x in values.items() if role in _TROUGH}
-    return Record(values["time"], signals, trough, headers, texts, tuple(notes), kinds)
+    believed = frozenset(role for role, column in chosen.items() if column.typed)
+    return Record(values["time"], signals, trough, headers, texts, tuple(notes), kinds, believed)
 
 
 def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
@@ -797,8 +882,9 @@ def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
     return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
 
 
-def _take_apart(path: Path, text: str, wanted: _Wanted) -> tuple[_Table, _Columns]:
-    """Find separator, decimals and header row, and the columns of the signals."""
+def _read_table(path: Path, wanted: _Wanted) -> Table:
+    """Find separator, decimals and header row."""
+    text, notes = read_text(path)
     for separator in _SEPARATORS:
         rows = rows_of(path, text, separator)
         first = _first_data(rows)
@@ -810,7 +896,7 @@ def _take_apart(path: Path, text: str, wanted: _Wanted) -> tuple[_Table, _Column
     if first == 0:
         bare = f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it"
         raise InputError(bare, hint="name the columns in a first row, with units: Time [s],X [mm]")
-    place, chosen = _header_row(path, [cells for _, cells in rows[:first]], wanted)
+    place, names, units = _header_row(path, [cells for _, cells in rows[:first]], wanted)
     width, data = len(rows[place][1]), rows[place + 1 :]
     comma = any("," in cell for _, cells in data[: TOL.looked_at] for cell in cells)
     for row, cells in data:
@@ -818,26 +904,35 @@ def _take_apart(path: Path, text: str, wanted: _Wanted) -> tuple[_Table, _Column
             wide = f"{path}: row {row} has {len(cells)} cells, the header row {width}"
             raise InputError(wide, hint="decimal commas need semicolons between the cells")
         cells += [""] * (width - len(cells))
-    return _Table(path, data, comma, separator), chosen
+    columns = [np.array([cells[i] for _, cells in data], object) for i in range(width)]
+    if separator != "," or comma:
+        decimals = ", decimal commas" if comma else ""
+        notes.append(f"{path.name}: separated by {_SEPARATORS[separator]}s{decimals}")
+    return Table(path, names, columns, units, [row for row, _ in data], notes=notes)
 
 
-def _header_row(path: Path, above: list[list[str]], wanted: _Wanted) -> tuple[int, _Columns]:
-    """Find the row that names the columns, above the first row of numbers.
+def _header_row(path: Path, above: list[list[str]], wanted: _Wanted) -> tuple[int, list[str], list[str]]:
+    """Find the row that names the columns, above the first row of numbers; return names and units too.
 
     The lowest row may be data with a bad cell. It is no header if it does not name the columns, and holds a
     number or a text instead of one: try the row above it.
     """
-    *higher, lowest = above
+    *higher, names = above
+    units = [text.strip("[]()") for text in names]
+    if higher and len(higher[-1]) == len(units) and all(signal_unit(unit) for unit in units if unit):
+        names = higher[-1]
+    else:
+        units = [""] * len(names)
     try:
-        return len(higher), _columns_of(path, above, wanted)
+        _columns_of(Table(path, names, (), units), wanted)
     except InputError:
         patterns = (_DECIMAL, _NO_VALUE, _WRONG)
-        if not higher or not any(p.fullmatch(cell) for cell in lowest for p in patterns):
-            raise
-    return _header_row(path, higher, wanted)
+        if higher and any(p.fullmatch(cell) for cell in above[-1] for p in patterns):
+            return _header_row(path, higher, wanted)
+    return len(higher), names, units
 
 
-def _with_values(table: _Table, columns: Mapping[_Header, Floats]) -> _Flags:
+def _with_values(table: Table, columns: Mapping[_Header, Floats]) -> _Flags:
     """Return which rows hold a value in every column; refuse a table in which too many do not."""
     kept = np.asarray(~np.isnan(list(columns.values())).any(axis=0))
     count = int(np.count_nonzero(~kept))
@@ -849,7 +944,7 @@ def _with_values(table: _Table, columns: Mapping[_Header, Floats]) -> _Flags:
     return kept
 
 
-def _check_time(table: _Table, header: _Header, time: Floats, kept: NDArray[np.intp]) -> None:
+def _check_time(table: Table, header: _Header, time: Floats, kept: NDArray[np.intp]) -> None:
     """Refuse a time that repeats, goes back or jumps; ``kept`` holds the places of its rows in the table."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
@@ -861,7 +956,7 @@ def _check_time(table: _Table, header: _Header, time: Floats, kept: NDArray[np.i
         places = np.flatnonzero(bad)
         if places.size:
             i = int(places[0]) + 1
-            row = f"{table.path}: row {table.rows[kept[i]][0]}, column {shown(header.text)}"
+            row = f"{table.path}: row {table.row(int(kept[i]))}, column {shown(header.text)}"
             moves = f"time {what} {time[i]:.9g} s after {time[i - 1]:.9g} s, usual steps are {usual:.3g} s"
             lost = int(kept[i] - kept[i - 1]) - 1
             between = f"; rows without a value before it: {lost}" if lost else ""

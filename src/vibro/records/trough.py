@@ -515,6 +515,7 @@ def measured_motion(
     trough_along: str | None = None,
     trough_normal: str | None = None,
     time: str | None = None,
+    rate: float | str | None = None,
     sensitivity: str | Sequence[str] = (),
     reverse: bool = False,
     drive_angle: float | None = None,
@@ -531,6 +532,8 @@ def measured_motion(
         One of them may be left out.
     time : str, optional
         Header of the time column; by default the only column with a unit of time.
+    rate : float or str, optional
+        Sampling rate, in place of a column of time: in Hz, or with its unit.
     sensitivity : str or sequence of str
         Sensitivities of voltages: ``"100mV/g"`` for all columns, or ``"trough-along=101mV/g"`` for one.
     reverse : bool
@@ -576,7 +579,7 @@ def measured_motion(
     given = {_ALONG: trough_along, _NORMAL: trough_normal, "time": time}
     columns = {name: text for name, text in given.items() if text is not None}
     texts = [sensitivity] if isinstance(sensitivity, str) else sensitivity
-    record = read_record(Path(path), columns, read_sensitivities(texts), body=False)
+    record = read_record(Path(path), columns, read_sensitivities(texts), body=False, rate=rate)
     return motion_of(record, reverse=reverse, drive_angle=drive_angle)
 
 
