@@ -1,0 +1,67 @@
+"""Records as telephones, loggers, simulations and spreadsheets write them."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Final
+
+from helpers.commands import Run
+from helpers.exports import AMPLITUDE_MM, ANGLE_DEG, FREQUENCY, Export, text_exports
+
+#: Of these the motion is not found yet.
+REFUSED: Final = {
+    "phyphox, first row twice", "Physics Toolbox, clock times", "Klipper", "Klipper, a row of settings above",
+    "YADE saveDataTxt", "LIGGGHTS fix print", "LAMMPS fix ave/time", "gnuplot, aligned, blank lines",
+    "numpy.savetxt", "numpy.savetxt with names", "MATLAB writematrix", "LabVIEW .lvm, X_Columns One",
+    "LabVIEW .lvm, X_Columns No", "LabVIEW .lvm, X_Columns Multi", "TwinCAT Scope, EOF",
+    "TwinCAT Scope, rows of settings", "TwinCAT Scope, two rates, fill none",
+    "TwinCAT Scope, two rates, fill previous value", "enDAQ", "Witmotion",
+    "MEAS, three header rows, epoch ms", "clock of whole ms at 1600 Hz", "epoch in ns",
+    "times of day over midnight", "ISO dates with a zone", "dates without a zone, decimal commas",
+    "rows of mean, max and min", "thousands separators",
+    "Excel sep=;, byte order mark, mg, trailing separators", "inches a second", "mils", "no time",
+    "ARTS, no header, no time",
+}  # fmt: skip
+
+
+def misses(stdout: str) -> list[str]:
+    """Say what of the motion in an answer is wrong; a value with an error may be off by five of it."""
+    trough = json.loads(stdout)["trough"]
+
+    def measured(name: str) -> tuple[float, float]:
+        return trough[name]["measured"], trough[name]["standard_error"]
+
+    if "amplitude_mm" in trough:
+        found = {"amplitude": measured("amplitude_mm")}
+    else:
+        (along, error), (normal, other) = measured("along_amplitude_mm"), measured("normal_amplitude_mm")
+        found = {"amplitude": (math.hypot(along, normal), math.hypot(error, other))}
+    found["frequency"] = measured("frequency_hz")
+    if "drive_angle_deg" in trough:
+        found["angle"] = measured("drive_angle_deg")
+    wanted = {"amplitude": (AMPLITUDE_MM, 0.005), "frequency": (FREQUENCY, 0.01), "angle": (ANGLE_DEG, 0.3)}
+    return [
+        f"{name} {value} +- {error}"
+        for name, (value, error) in found.items()
+        if not abs(value - wanted[name][0]) <= max(wanted[name][1], 5.0 * error)
+    ]
+
+
+def failure(run: Run, export: Export) -> str:
+    """Measure an export; return why its motion is not found, or why it is not refused as it must be."""
+    Path(export.file).write_bytes(export.content)
+    result = run("measure", export.file, *export.typed, "--json")
+    if export.hint:
+        hints = [line for line in result.stderr.splitlines() if line.startswith("hint: ")]
+        said = result.exit_code == 2 and any(export.hint in hint for hint in hints)
+        return "" if said else f"exit {result.exit_code}, {hints}"
+    if result.exit_code:
+        return f"exit {result.exit_code}, {result.stderr}"
+    return ", ".join(misses(result.stdout))
+
+
+def test_every_export_of_a_motion_gives_the_motion(run: Run) -> None:
+    wrong = {export.name: why for export in text_exports() if (why := failure(run, export))}
+    assert not {name: why for name, why in wrong.items() if name not in REFUSED}
