@@ -1,4 +1,4 @@
-"""docs/theory/validation.md: a part on a vibrating finger, as a laboratory measured it."""
+"""docs/theory/validation.md: parts on a vibrating finger, as a laboratory measured them."""
 
 from __future__ import annotations
 
@@ -10,19 +10,37 @@ import pytest
 from helpers.cases import each
 from validation import (
     GRAVITY,
+    MASS,
     MM,
+    PAGE_FRICTION,
+    SCRIPT_FRICTION,
     STATIC_FRICTION,
+    VARIANTS,
+    Run,
     Trial,
+    closed_form,
+    compare_table,
     computed_advances,
+    computed_speeds,
     fine,
+    known_runs,
+    misses,
     read_table,
+    repeating,
     walk,
     walked_advances,
+    walked_speeds,
 )
 
+from vibro.errors import InputError
+
 PAGE = (Path(__file__).parents[1] / "docs" / "theory" / "validation.md").read_text(encoding="utf-8")
-ROWS = {int(row[1]): row[0] for row in re.finditer(r"^\| (\d+) \|.*\|$", PAGE, flags=re.MULTILINE)}
+ROWS = {
+    int(row[1]): row[0] for row in re.finditer(r"^\| (\d+) \|.*\|$", PAGE.split("## 67 runs")[0], flags=re.M)
+}
 TRIALS = read_table()
+RUNS = known_runs()
+MEASURED = np.array([run.speed for run in RUNS])
 
 
 def row(trial: Trial) -> str:
@@ -85,3 +103,133 @@ def test_a_part_on_a_finger_at_rest(static: float, kinetic: float, place: float)
 def test_a_pushed_part_stops_within_a_step_and_stays() -> None:
     places = walk(np.zeros(3), 0.1, 12.0, 11.0, start=1.0)
     assert places[1:] == pytest.approx([0.5 / (GRAVITY + 11.0)] * 2, rel=1e-13)
+
+
+# ------------------------------------------------------------------------------
+# The 67 runs.
+
+
+def setting_rows() -> list[str]:
+    """Rows of the page's table of settings."""
+    computed, rows = computed_speeds(RUNS, SCRIPT_FRICTION), []
+    settings = [run[:3] for run in RUNS]
+    for setting in dict.fromkeys(settings):
+        places = [i for i, other in enumerate(settings) if other == setting]
+        shown = [places[0], places[len(places) // 2], places[-1]]
+        frequency, rise, drop = setting
+        miss = misses(computed[places], MEASURED[places]).median
+        three = (
+            ", ".join(f"{x:.{digits}f}" for x in values)
+            for values, digits in (
+                ([RUNS[i].force for i in shown], 0),
+                (MEASURED[shown], 1),
+                (computed[shown], 1),
+            )
+        )
+        cells = (f"{frequency:.0f}", f"{rise}, {drop:.0f}", len(places), *three, f"{miss:+.0f} %")
+        rows.append("| " + " | ".join(map(str, cells)) + " |")
+    return rows
+
+
+def variant_rows() -> list[str]:
+    """Rows of the page's table of frictions and fingers."""
+    rows = []
+    for _, friction, repeats in VARIANTS:
+        runs = repeating(RUNS) if repeats else RUNS
+        finger = "as parts repeat" if repeats else "as commanded"
+        for name, formula in (("solver", computed_speeds), ("closed form", closed_form)):
+            median, absolute, rms, wrong, rest = misses(formula(runs, friction), MEASURED)
+            numbers = f"{median:+.1f} % | {absolute:.1f} % | {rms:.1f} | {wrong} | {rest}"
+            rows.append(f"| {friction[0]}, {friction[1]} | {finger} | {name} | {numbers} |")
+    return rows
+
+
+def test_the_page_shows_the_runs_as_the_benchmark_computes_them() -> None:
+    assert len(RUNS) == 67
+    for row in setting_rows() + variant_rows():
+        assert row in PAGE
+
+
+def test_what_the_page_says_of_the_runs() -> None:
+    computed, slower = (
+        computed_speeds(RUNS, SCRIPT_FRICTION),
+        computed_speeds(repeating(RUNS), SCRIPT_FRICTION),
+    )
+    formula = closed_form(RUNS, SCRIPT_FRICTION)
+    last = RUNS[-1]
+    assert f"without it both have {misses(computed[:-1], MEASURED[:-1]).rms:.1f}" in PAGE
+    assert np.flatnonzero(computed * MEASURED < 0.0).tolist() == [66]
+    assert computed[:-1] == pytest.approx(formula[:-1], rel=1e-12)
+    assert f"{last.speed:.1f} ± {last.error:.1f} mm/s" in PAGE
+    assert f"The closed form\n  gives {formula[-1]:.0f}" in PAGE
+    assert f"loses {-computed[-1]:.0f} mm/s" in PAGE
+    assert f"= {SCRIPT_FRICTION[0] * last.force / MASS / GRAVITY - 1.0:.2f} g" in PAGE
+    enough, short = (computed_speeds([last._replace(force=x)], SCRIPT_FRICTION)[0] for x in (31.93, 31.92))
+    assert enough == pytest.approx(58.0, abs=0.5)
+    assert short < 0.0
+    weak = np.array([run.drop == 5.0 for run in RUNS])
+    share = 100.0 * (computed[weak] / MEASURED[weak] - 1.0)
+    assert weak.sum() == 11
+    assert f"by {share.min():.0f} to {share.max():.0f} %" in PAGE
+    assert f"the drop of 5 g by {misses(slower[weak], MEASURED[weak]).median:.0f} % too fast" in PAGE
+    assert slower[-1] > 10.0 * MEASURED[-1]
+    strong = np.array([run.drop > 5.0 and run.force > 34.0 for run in RUNS])
+    assert strong.sum() == 44
+    assert (
+        f"44 runs, the median miss is {misses(computed[strong], MEASURED[strong]).median_absolute:.0f} %"
+        in PAGE
+    )
+    resting = computed_speeds(RUNS, PAGE_FRICTION) == 0.0
+    assert (resting & weak).sum() == resting.sum() == 10
+    assert f"at {MEASURED[weak].min():.1f} to {MEASURED[weak].max():.1f} mm/s" in PAGE
+    frequencies = sorted({run.frequency for run in repeating(RUNS)})
+    assert "{1:.2f} and {0:.2f} times a second".format(*frequencies) in PAGE
+
+
+@each(
+    ("friction", "runs"), [(SCRIPT_FRICTION, RUNS), (SCRIPT_FRICTION, repeating(RUNS)), (PAGE_FRICTION, RUNS)]
+)
+def test_the_solver_agrees_with_the_walk_on_the_runs(friction: tuple[float, float], runs: list[Run]) -> None:
+    assert computed_speeds(runs, friction) == pytest.approx(walked_speeds(runs, friction), rel=0.0, abs=1e-10)
+
+
+# ------------------------------------------------------------------------------
+# Tables of others.
+
+TABLE = f"""{re.findall("^amplitude_mm.*$", PAGE, re.MULTILINE)[0]}
+1.0,15,20,0.74,0.57,17.1,2,"A. Smith, bench 3"
+0.2,15,20,0.74,0.57,0,2,a
+"""
+
+
+def test_a_table_of_measured_speeds_stands_beside_the_model(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(TABLE)
+    miss = compare_table(path)
+    assert miss.median == pytest.approx(100.0 * (16.263 / 17.1 - 1.0), abs=0.01)  # vibro.sweep's own example
+    assert (
+        "  2    17.100 +-   0.342     16.263            -4.9      -2.4  A. Smith, bench 3"
+        in capsys.readouterr().out
+    )
+
+
+@each(
+    ("old", "new", "problem"),
+    [
+        ("static_friction", "friction", "no column static_friction"),
+        (",", ";", "no column static_friction, kinetic_friction, source"),
+        ("0.57,17.1", "x,17.1", "row 2, kinetic friction = 'x': not a number"),
+        (",a\n", ",\n", "row 3, source: the cell is empty"),
+        ("\n1.0", "\n9", "row 2, the part hops"),
+        ("\n1.0", "\n", "row 2, amplitude: the cell is empty"),
+        ("drive_angle_deg", "angle", "row 2, unknown argument 'angle'"),
+        (r"mean_velocity_mm_s(.*),0,2", r"traverse_time_s\1,9,2", "no column mean_velocity_mm_s"),
+    ],
+)
+def test_a_wrong_table_is_told(tmp_path: Path, old: str, new: str, problem: str) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(re.sub(old, new, TABLE, flags=re.DOTALL))
+    with pytest.raises(InputError, match=re.escape(problem)):
+        compare_table(path)
