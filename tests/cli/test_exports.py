@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Final
 
 from helpers.commands import Run
-from helpers.exports import AMPLITUDE_MM, ANGLE_DEG, FREQUENCY, Export, text_exports
+from helpers.exports import AMPLITUDE_MM, ANGLE_DEG, FREQUENCY, Export, binary_exports, text_exports
 
 #: Of these the motion is not found yet.
 REFUSED: Final = {
     "phyphox, first row twice", "Physics Toolbox, clock times", "Klipper", "Klipper, a row of settings above",
     "YADE saveDataTxt", "LIGGGHTS fix print", "LAMMPS fix ave/time", "gnuplot, aligned, blank lines",
-    "numpy.savetxt", "numpy.savetxt with names", "MATLAB writematrix", "LabVIEW .lvm, X_Columns One",
-    "LabVIEW .lvm, X_Columns No", "LabVIEW .lvm, X_Columns Multi", "TwinCAT Scope, EOF",
+    "numpy.savetxt", "numpy.savetxt with names", "MATLAB writematrix", "TwinCAT Scope, EOF",
     "TwinCAT Scope, rows of settings", "TwinCAT Scope, two rates, fill none",
     "TwinCAT Scope, two rates, fill previous value", "enDAQ", "Witmotion",
     "MEAS, three header rows, epoch ms", "clock of whole ms at 1600 Hz", "epoch in ns",
@@ -65,3 +64,8 @@ def failure(run: Run, export: Export) -> str:
 def test_every_export_of_a_motion_gives_the_motion(run: Run) -> None:
     wrong = {export.name: why for export in text_exports() if (why := failure(run, export))}
     assert not {name: why for name, why in wrong.items() if name not in REFUSED}
+
+
+def test_files_of_other_formats_give_the_motion(run: Run) -> None:
+    wrong = {export.name: why for export in binary_exports() if (why := failure(run, export))}
+    assert not wrong

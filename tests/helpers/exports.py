@@ -11,6 +11,7 @@ import io
 import math
 import os
 import tempfile
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -372,8 +373,9 @@ def _uff(t: Floats, channels: dict[str, Floats], *, binary: bool) -> bytes:
 
 
 def _saved(write: Callable[[Path], object]) -> bytes:
-    """Return what is written by a library that wants a path."""
-    with tempfile.TemporaryDirectory() as folder:
+    """Return what is written by a library that wants a path, and may leave it open."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
         path = Path(folder) / "record.mat"
         write(path)
         return path.read_bytes()

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vibro.errors import InputError, argument, cut, did_you_mean, shown
 from vibro.files.reading import read_text, rows_of
 from vibro.quantities import RATE, checked_number
+from vibro.records.formats import lvm_table, read_channels
 from vibro.units import LENGTH, SPEED
 
 if TYPE_CHECKING:
@@ -792,7 +793,8 @@ def read_record(
     ----------
     path : Path
         CSV with a header row; separated by commas, semicolons or tabs, with decimal points or commas,
-        in UTF-8 (with or without a byte order mark), UTF-16 or a Windows code page.
+        in UTF-8 (with or without a byte order mark), UTF-16 or a Windows code page; or LabVIEW's text, TDMS,
+        UFF58, MAT or WAV.
     columns : mapping of str to str, optional
         Headers by ``"time"`` and the names of ``_SIGNALS`` and ``_TROUGH``; or the columns' numbers, from 1.
         The unit of the header, in brackets, may be left out; one that is given goes before the file's. If no
@@ -817,7 +819,8 @@ def read_record(
         If a column is missing, ambiguous or without a unit; if a cell is no number, or too many are empty; if
         the time has gaps, repeats or goes back. Row and column are named.
     """
-    table = _read_table(path, _Wanted(columns or {}, sensitivities, body))
+    channels, wanted = read_channels(path), _Wanted(columns or {}, sensitivities, body)
+    table = Table(path, **channels._asdict()) if channels else _read_table(path, wanted)
     return record_of(table, columns, sensitivities, body=body, rate=rate)
 
 
@@ -885,6 +888,9 @@ def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
 def _read_table(path: Path, wanted: _Wanted) -> Table:
     """Find separator, decimals and header row."""
     text, notes = read_text(path)
+    if text.startswith("LabVIEW Measurement"):
+        text, left_out = lvm_table(path, text)
+        notes += left_out
     for separator in _SEPARATORS:
         rows = rows_of(path, text, separator)
         first = _first_data(rows)

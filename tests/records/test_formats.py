@@ -1,0 +1,147 @@
+"""Records of formats with libraries of their own, and LabVIEW's text: names, times, what is left out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.cases import each
+from helpers.exports import Sampled, library
+from numpy.typing import NDArray
+from scipy.io import savemat, wavfile
+
+from vibro.errors import InputError
+from vibro.records.formats import Channels, lvm_table, read_channels
+
+SLOW, FAST = Sampled.at(250.0), Sampled.at(1000.0)
+
+
+def read(path: Path) -> Channels:
+    table = read_channels(path)
+    assert table is not None
+    return table
+
+
+def tdms(path: Path, *channels: tuple[str, str, NDArray[Any], dict[str, Any]]) -> Channels:
+    nptdms = library("nptdms")
+    with nptdms.TdmsWriter(path) as writer:
+        writer.write_segment([nptdms.ChannelObject(*channel) for channel in channels])
+    return read(path)
+
+
+def waveform(step: float, **others: Any) -> dict[str, Any]:
+    return {"wf_increment": step, "wf_start_offset": 0.0, "wf_samples": 1, "unit_string": "g", **others}
+
+
+def test_slower_channels_have_empty_cells(tmp_path: Path) -> None:
+    table = tdms(
+        tmp_path / "a.tdms",
+        ("A", "fast", FAST.along, waveform(1e-3)),
+        ("A", "slow", SLOW.along, waveform(4e-3)),
+        ("B", "slow", SLOW.normal, waveform(4e-3)),
+        ("B", "text", np.array(["steady"] * 3), {}),
+    )
+    assert [*table.names] == ["Time", "fast", "A/slow", "B/slow"]
+    assert [*table.units] == ["s", "g", "g", "g"]
+    time, fast, slow, other = table.columns
+    np.testing.assert_allclose(time, FAST.time, atol=1e-12)
+    np.testing.assert_array_equal(fast, FAST.along)
+    np.testing.assert_array_equal(slow[::4], SLOW.along)
+    np.testing.assert_array_equal(other[::4], SLOW.normal)
+    assert np.isnan(np.delete(slow, np.s_[::4])).all()
+
+
+def test_channels_that_begin_later_are_later(tmp_path: Path) -> None:
+    began = np.datetime64("2031-01-02T10:00:00", "us")
+    table = tdms(
+        tmp_path / "a.tdms",
+        ("A", "x", SLOW.along, waveform(4e-3, wf_start_time=began)),
+        ("A", "y", SLOW.normal, waveform(4e-3, wf_start_time=began + np.timedelta64(8000, "us"))),
+    )
+    np.testing.assert_allclose(table.columns[0][[0, -1]], [0.0, 0.008 + SLOW.time[-1]])
+    np.testing.assert_array_equal(table.columns[2][2:], SLOW.normal)
+    with pytest.raises(InputError, match="sampled at different times"):
+        tdms(
+            tmp_path / "b.tdms",
+            ("A", "x", SLOW.along, waveform(4e-3, wf_start_time=began)),
+            ("A", "y", SLOW.normal, waveform(4e-3, wf_start_time=began + np.timedelta64(1000, "us"))),
+        )
+
+
+def test_times_of_day_of_tdms_are_seconds(tmp_path: Path) -> None:
+    began = np.datetime64("2031-01-02T23:59:59", "us")
+    stamps = began + (1e6 * SLOW.time).astype("timedelta64[us]")
+    table = tdms(tmp_path / "a.tdms", ("A", "Stamp", stamps, {}), ("A", "x", SLOW.along, {}))
+    np.testing.assert_allclose(table.columns[0], SLOW.time, atol=1e-9)
+
+
+def test_variables_of_mat(tmp_path: Path) -> None:
+    """Vectors, columns of matrices, fields of structures; those of another length are left out and named."""
+    content = {
+        "ax": SLOW.along,
+        "m": np.stack([SLOW.time, SLOW.normal], axis=1),
+        "s": {"deep": {"y": SLOW.normal}, "fs": 250.0},
+        "taps": np.ones(7),
+        "text": "steady",
+        "cell": np.array([1, "a"], object),
+    }
+    savemat(str(tmp_path / "a.mat"), content)
+    table = read(tmp_path / "a.mat")
+    assert [*table.names] == ["ax", "m(1)", "m(2)", "s.deep.y"]
+    np.testing.assert_array_equal(table.columns[2], SLOW.normal)
+    assert "left out, as their length is not 500: 'taps' (7)" in table.notes[0]
+    savemat(str(tmp_path / "old.mat"), {"ax": SLOW.along}, format="4")
+    np.testing.assert_array_equal(read(tmp_path / "old.mat").columns[0], SLOW.along)
+    savemat(str(tmp_path / "none.mat"), {"text": "steady", "f": 25.0})
+    with pytest.raises(InputError, match="no channel of numbers"):
+        read(tmp_path / "none.mat")
+
+
+@each("dtype", ["uint8", "int16", "int32", "float32"])
+def test_full_scale_of_wav_is_a_volt(tmp_path: Path, dtype: str) -> None:
+    wave = np.sin(np.arange(1000.0)) / 2.0
+    scaled = {"uint8": 128 + 128 * wave, "int16": 2**15 * wave, "int32": 2**31 * wave, "float32": wave}[dtype]
+    wavfile.write(tmp_path / "a.wav", 8000, scaled.astype(dtype))
+    table = read(tmp_path / "a.wav")
+    assert ([*table.names], [*table.units]) == (["Time", "Channel 1"], ["s", "V"])
+    assert np.abs(table.columns[1] - wave).max() <= {"uint8": 2.0**-7}.get(dtype, 2.0**-15)
+    np.testing.assert_allclose(table.columns[0], np.arange(1000.0) / 8000.0)
+
+
+def test_channels_of_uff_without_a_title_are_called_by_node_and_direction(tmp_path: Path) -> None:
+    path = tmp_path / "a.uff"
+    of: dict[str, object] = {"type": 58, "func_type": 1, "ref_node": 0, "ref_dir": 0}
+    of |= {"x": SLOW.time, "abscissa_spacing": 1, "abscissa_min": 0.0, "abscissa_inc": 4e-3}
+    of |= {"num_pts": 500, "binary": 0, "ord_data_type": 4, "version_num": 0, "z_axis_value": 0.0}
+    for kind in ("abscissa", "ordinate", "orddenom"):
+        of[f"{kind}_spec_data_type"] = 0
+    file = library("pyuff").UFF(str(path))
+    for node, way, x in ((1, 1, SLOW.along), (1, -3, SLOW.normal)):
+        file.write_sets(of | {"id1": "Record", "rsp_node": node, "rsp_dir": way, "data": x}, "add")
+    file.write_sets(of | {"func_type": 4, "rsp_node": 9, "rsp_dir": 1, "data": SLOW.along}, "add")
+    table = read(path)
+    assert ([*table.names], [*table.units]) == (["Time", "1:+X", "1:-Z"], ["s", "", ""])
+    np.testing.assert_allclose(table.columns[2], SLOW.normal, rtol=1e-9)
+
+
+HEADER = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nChannels\t2\n"
+CHANNELS = "Y_Unit_Label\tg\tmm\nX0\t0.5\t{0}\nDelta_X\t0.25\t0.25\n***End_of_Header***\nX_Value\ta\tb\n"
+
+
+def test_rows_of_labview_keep_their_numbers() -> None:
+    rows = "\t1\t2\n\t3\t4\n"
+    text, notes = lvm_table(Path("a.lvm"), HEADER + CHANNELS.format("0.5") + rows)
+    assert text.splitlines()[8:] == ["X_Value [s]\ta [g]\tb [mm]", "0.5\t1\t2", "0.75\t3\t4"]
+    assert not notes
+    text, notes = lvm_table(
+        Path("a.lvm"), HEADER + CHANNELS.format("0.5") + rows + CHANNELS.format("9") + rows
+    )
+    assert text.splitlines()[10] == "0.75\t3\t4"
+    assert notes
+    with pytest.raises(InputError, match="step differently"):
+        lvm_table(Path("a.lvm"), HEADER + CHANNELS.format("0.6") + rows)
+    for cut in (20, len(HEADER), len(HEADER) + len(CHANNELS.format("0.5")) - len("\nX_Value\ta\tb\n")):
+        with pytest.raises(InputError, match="without the end of its headers"):
+            lvm_table(Path("a.lvm"), (HEADER + CHANNELS.format("0.5"))[:cut])
