@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import QUANTITIES, Quantity, exact_number
+from vibro.quantities import QUANTITIES, Quantity, exact_number, quantity_meant
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
 _BARE: Final = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
+_UNITS: Final = "its units are"  # how a hint about a unit begins
 _REPEATED: Final = 40  # characters of a text that a hint repeats
 # Two numbers between which something stands that vibro does not read: 5..60, 5-60, 5 to 60, 5;60.
 _OTHERWISE: Final = re.compile(r".*[0-9]\S*\s*(?:\.\.|[-\u2013\u2014\u2026;]|to)\s*[+-]?\.?[0-9].*")
@@ -259,6 +260,37 @@ def one_value_of(value: object, quantity: Quantity) -> AxisSpec:
     if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
         return AxisSpec(quantity, (exact_number(value, quantity),))
     return axis_of(value, quantity)
+
+
+def drive_axis_of(
+    value: object, quantity: Quantity, read: Callable[[object, Quantity], AxisSpec] = axis_of
+) -> AxisSpec:
+    """Read what a drive is given by; the unit of an amplitude may make it an acceleration or a speed.
+
+    Parameters
+    ----------
+    value : object
+        As for ``read``.
+    quantity : Quantity
+        What the axis is of, unless the value is an amplitude, or a stroke, in other units.
+    read : callable
+        ``axis_of`` or ``one_value_of``.
+
+    Returns
+    -------
+    AxisSpec
+        Of the quantity, or of ``acceleration`` or ``drive_speed``: of a stroke half of what is given, as this
+        is from peak to peak.
+    """
+    items = value if isinstance(value, list | tuple) else [value]
+    meant = quantity_meant((item for item in items if isinstance(item, str)), quantity)
+    try:
+        spec = read(value, meant)
+    except InputError as exc:
+        is_size = meant.name in ("amplitude", "stroke")
+        more = "; of its acceleration g or m/s^2, of its speed mm/s" if is_size and _UNITS in exc.hint else ""
+        raise InputError(*exc.problems, hint=exc.hint + more) from None
+    return spec.halved(meant) if quantity.name == "stroke" and meant is not quantity else spec
 
 
 def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:

@@ -21,6 +21,7 @@ from vibro.units import (
     ANGLE,
     FORCE,
     FREQUENCY,
+    IN_G,
     IN_GRAVITIES,
     LENGTH,
     PERCENT,
@@ -32,7 +33,7 @@ from vibro.units import (
 from vibro.units import MASS as _MASS
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection, Iterable, Mapping
 
 
 @dataclass(frozen=True)
@@ -228,6 +229,7 @@ def _harmonic(n: int) -> tuple[Quantity, ...]:
     )
 
 
+_OF_SINE: Final = replace(LENGTH, of_sine=True)
 _LENGTHS: Final = ("for metres write {0}m", "for micrometres write {0}um")
 _FRICTIONS: Final = ("", "for {0} % write {1}")
 _PERCENT: Final = ("it is in percent: 100 is all of it", "100 is all of it")
@@ -243,12 +245,18 @@ _ALL: Final = (
     Quantity("natural", FREQUENCY, "f0", "f_0", ("natural",), POSITIVE,
              "natural frequency of the empty machine", usual=Range(high=1000.0),
              slips=("", "for cycles a minute write {0}rpm"), called="natural frequency"),
-    Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _SIZE,
+    Quantity("amplitude", _OF_SINE, "A", "A", ("-A", "--amplitude"), _SIZE,
              "amplitude of the trough's motion, half of its stroke",
              usual=Range(0.002, 100.0), slips=_LENGTHS),
     Quantity("stroke", LENGTH, "stroke", "2A", ("--stroke",), _SIZE,
              "stroke of the trough from peak to peak, twice the amplitude",
              usual=Range(0.004, 200.0), slips=_LENGTHS),
+    Quantity("drive_speed", replace(SPEED, of_sine=True), "drive_speed", r"A\omega", (), POSITIVE,
+             "largest speed of the trough's motion, where it gives the amplitude"),
+    Quantity("acceleration", IN_G, "acceleration", r"A\omega^2", (), POSITIVE,
+             "largest acceleration of the trough's motion in units of 9.80665 m/s^2, where it gives the"
+             " amplitude",
+             usual=Range(high=20.0), slips=("", "for m/s^2 write {0}m/s2")),
     Quantity("along_amplitude", LENGTH, "X", "X", ("along",), _SIZE_OR_NONE,
              "amplitude of an elliptical motion along the trough",
              usual=Range(high=100.0), slips=_LENGTHS),
@@ -297,10 +305,10 @@ MACHINE: Final = ("setting", "voltage", "filling", "natural")
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (
     "setting", "voltage", "filling", "natural",
-    "amplitude", "along_amplitude", "normal_amplitude", "frequency", "drive_angle", "normal_phase",
-    "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "motion_scale",
-    "static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "normal_acceleration",
-    "restitution",
+    "amplitude", "drive_speed", "acceleration", "along_amplitude", "normal_amplitude", "frequency",
+    "drive_angle", "normal_phase", "along_amplitude_2", "along_phase_2", "normal_amplitude_2",
+    "normal_phase_2", "motion_scale", "static_friction", "friction_ratio", "kinetic_friction", "trough_angle",
+    "normal_acceleration", "restitution",
 )  # fmt: skip
 #: Fields of a drive along a line, and of one along an ellipse, whose phase is 0 if it is not given.
 LINEAR: Final = ("amplitude", "drive_angle")
@@ -315,10 +323,15 @@ SCALE: Final = "motion_scale"
 DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC, SCALE)
 #: The amplitudes of a drive, with all of which its load grows.
 AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
+#: What gives the amplitude of a line together with the frequency, by the power of this.
+RATES: Final[Mapping[str, int]] = {"drive_speed": 1, "acceleration": 2}
 #: What the load of a drive grows with, as a drive's size may be given.
-SIZES: Final = ("stroke", *AMPLITUDES)
+SIZES: Final = ("stroke", *RATES, *AMPLITUDES)
 #: Two ways to give the same thing: the first fills the place of the second.
-STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
+STANDS_FOR: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("stroke", *RATES), "amplitude"),
+    "friction_ratio": "kinetic_friction",
+}
 #: Default values, in the units outside.
 DEFAULTS: Final[Mapping[str, float]] = {
     q.name: q.default for q in _ALL if q.default is not None and q.name not in (*DRIVES, *MACHINE)
@@ -427,8 +440,11 @@ def as_given(values: Mapping[str, Any], *, in_stroke: bool) -> dict[str, Any]:
     -------
     dict
         The same in the same order, with ``stroke`` in the place of ``amplitude``, or the other way round: one
-        is twice the other, which rounds nothing.
+        is twice the other, which rounds nothing. Without the amplitude where it follows from a speed or an
+        acceleration that was given.
     """
+    if not RATES.keys().isdisjoint(values):
+        return {name: value for name, value in values.items() if name != "amplitude"}
     wanted, other, factor = ("stroke", "amplitude", 2.0) if in_stroke else ("amplitude", "stroke", 0.5)
     return {
         wanted if name == other else name: factor * value if name == other else value
@@ -436,9 +452,35 @@ def as_given(values: Mapping[str, Any], *, in_stroke: bool) -> dict[str, Any]:
     }
 
 
+def millimetres(rate: str, frequency: Any) -> Any:
+    """Return the amplitude [mm] of a sine whose largest speed or acceleration is 1 in its unit outside.
+
+    Parameters
+    ----------
+    rate : str
+        A name of ``RATES``: ``A = v/(2 pi f)``, or ``a/(2 pi f)^2`` with g = 9.80665 m/s^2.
+    frequency : float or array
+        [Hz].
+    """
+    return 1e3 * QUANTITIES[rate].to_si(1.0) / (2.0 * math.pi * frequency) ** RATES[rate]
+
+
+def with_amplitude(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Add the amplitude of a line that follows from its speed or acceleration, and from the frequency.
+
+    Quantities are in the units outside, by name, as they are returned.
+    """
+    found = dict(values)
+    for name in RATES:
+        if {name, "frequency"} <= found.keys():
+            found["amplitude"] = found[name] * millimetres(name, found["frequency"])
+    return found
+
+
 def drive_of(names: Collection[str]) -> tuple[str, ...]:
     """Return the names among the given ones that describe the drive, in the order of a table's columns."""
-    return tuple(name for name in QUANTITIES if name in names and name in DRIVES)
+    given = {STANDS_FOR.get(name, name) for name in names}
+    return tuple(name for name in QUANTITIES if name in given and name in DRIVES)
 
 
 def counted_harmonics(names: Collection[str]) -> list[str]:
@@ -480,12 +522,12 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     values : mapping of str to float or array
-        By name; ``stroke`` may replace the amplitude, and ``friction_ratio`` the kinetic friction. A
-        trough length, the quantities of a machine and its results are left out. Under ``motion`` a ``Motion``
-        may stand, or an array of one.
+        By name; ``stroke``, or a speed or an acceleration, may replace the amplitude, and ``friction_ratio``
+        the kinetic friction. A trough length, the quantities of a machine and its results are left out. Under
+        ``motion`` a ``Motion`` may stand, or an array of one.
     """
-    given = as_given(values, in_stroke=False)
-    for name in ("trough_length", "operating", *MACHINE):
+    given = with_amplitude(as_given(values, in_stroke=False))
+    for name in ("trough_length", "operating", *MACHINE, *RATES):
         given.pop(name, None)
     if "friction_ratio" in given:
         ratio = given.pop("friction_ratio")
@@ -549,6 +591,45 @@ def exact_number(text: str, quantity: Quantity) -> Fraction:
     if abs(exact) > sys.float_info.max:
         raise _not_finite(text, quantity)
     return exact if float(exact) else Fraction(0)
+
+
+def quantity_meant(texts: Iterable[str], quantity: Quantity) -> Quantity:
+    """Return what numbers are of, by their units: an amplitude may be given by its acceleration or speed.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        As ``parse_axis`` takes them.
+    quantity : Quantity
+        What they are given as.
+
+    Raises
+    ------
+    InputError
+        If they are rms values from peak to peak, or one has no unit beside others than the usual one.
+    """
+    if quantity.name not in ("amplitude", "stroke"):
+        return quantity
+    for text in texts:
+        is_log = text.rstrip().casefold().endswith("log")
+        tokens = [  # without a count, and without a factor
+            token.strip().removeprefix("step=")
+            for place, token in enumerate(re.split("[:,]", text[:_LONGEST]))
+            if place < 2 or ":" not in text or ("step=" in token and not is_log)
+        ]
+        matches = filter(None, map(_NUMBER.fullmatch, map(_plain, tokens)))
+        units = {_AROUND_PER.sub("/", match[2] or "").casefold() for match in matches}
+        rates = (QUANTITIES[name] for name in RATES)
+        other = next((q for q in rates if not units.isdisjoint(q.kind.ratios)), None)
+        if quantity.name == "stroke" and any(unit.endswith("rms") for unit in units):
+            problem = f"stroke = {shown(text)}: a value from peak to peak is no rms value"
+            raise InputError(problem, hint="give it as the amplitude, not the stroke")
+        if other is not None:
+            if "" in units and units != {"", other.unit}:
+                problem = f"{quantity.label} = {shown(text)}: a number has no unit"
+                raise InputError(problem, hint="give each number its unit")
+            return other
+    return quantity
 
 
 def checked_number(text: str, quantity: Quantity) -> float:

@@ -26,6 +26,8 @@ class Kind:
         Every unit that a number may carry, in the unit outside.
     per_si, si : float
         Size of the SI unit in the unit outside, and the other way round: 1 where the other is the round one.
+    of_sine : bool
+        Whether it is the amplitude of a sine, whose numbers may be rms values: ``0.7mm rms``.
     """
 
     unit: str
@@ -34,11 +36,17 @@ class Kind:
     sizes: Mapping[str, Fraction]
     per_si: float = 1.0
     si: float = 1.0
+    of_sine: bool = False
+
+    @property
+    def units(self) -> dict[str, Fraction]:
+        """Every unit that a number may carry, with those of rms values."""
+        return {**self.sizes, **{f"{u} rms": _RMS * size for u, size in self.sizes.items() if self.of_sine}}
 
     @cached_property
     def ratios(self) -> dict[str, tuple[int, int]]:
         """Sizes as whole numbers, by the unit folded: users type hz and MM, and there are two micro signs."""
-        return {unit.casefold(): size.as_integer_ratio() for unit, size in self.sizes.items()}
+        return {unit.casefold(): size.as_integer_ratio() for unit, size in self.units.items()}
 
     def to_si(self, values: Any) -> Any:
         """Convert from the unit outside to SI units and radians."""
@@ -54,6 +62,8 @@ class Kind:
             return values * self.per_si
 
 
+_RMS: Final = Fraction(math.isqrt(2 * 10**80), 10**40)  # amplitude of a sine over its rms value
+_IN_G: Final = 1 / Fraction("9.80665")  # [g s^2/m] of the standard acceleration of gravity
 _MILLIMETRES: Final[Mapping[str, Fraction]] = {
     "mm": Fraction(1),
     "um": Fraction(1, 1000),
@@ -66,6 +76,10 @@ _MILLIMETRES: Final[Mapping[str, Fraction]] = {
 # fmt: off
 PURE: Final = Kind("", "", "", {"%": Fraction(1, 100)})
 PERCENT: Final = Kind("%", "", "_percent", {"%": Fraction(1)}, per_si=100.0)
+# of a drive that is given in g, wherever it stands: the standard one, whatever the gravity of the scene
+IN_G: Final = Kind("g", "m/s^2", "_g",
+                   {"g": Fraction(1), **dict.fromkeys(("m/s^2", "m/s2", "m/s\u00b2"), _IN_G)},
+                   per_si=float(_IN_G), si=9.80665, of_sine=True)
 IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration over that of gravity
 LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
 SPEED: Final = Kind("mm/s", "m/s", "_mm_s",

@@ -18,7 +18,7 @@ from vibro.axes import parse_axis
 from vibro.plots import map_figures
 from vibro.plots.style import _RC
 from vibro.plots.view import choose_view
-from vibro.quantities import QUANTITIES
+from vibro.quantities import QUANTITIES, STANDS_FOR
 from vibro.sweeps import run
 from vibro.sweeps.grid import Grid
 
@@ -77,8 +77,8 @@ def sweep(
     Axes are resolved into as many points as pictures have, or fewer where a test looks at no edges.
     """
     texts = {**NUT, "gravity": GRAVITY, "restitution": 0, **changes}
-    if "friction_ratio" in texts:
-        del texts["kinetic_friction"]
+    for name in STANDS_FOR.keys() & changes.keys():
+        del texts[STANDS_FOR[name]]
     specs = {name: parse_axis(str(texts[name]), QUANTITIES[name]) for name in QUANTITIES if name in texts}
     axes = {name: spec.axis(20) for name, spec in specs.items() if spec.varies}
     fixed = {name: spec.value for name, spec in specs.items() if not spec.varies}

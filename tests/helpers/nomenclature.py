@@ -26,12 +26,15 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.scene import Scene
-from vibro.units import IN_GRAVITIES, SPEED, TIME
+from vibro.units import SPEED, TIME
 
 UNITS = """\
 Options, axes of scene files and arguments of `vibro.sweep` take numbers with these units. Capital and small
 letters are the same; `um` may be written with either micro sign. Frictions and the restitution are pure
-numbers."""
+numbers. The amplitude of a line may have the unit of its largest acceleration or speed, from which it follows
+at the frequency: `-A 4g` (of 9.80665 m/s², whatever the gravity of the scene), `-A 110mm/s`; with `rms` after
+the unit it is the rms value of the sine: `"110mm/s rms"`, `"0.7mm rms"`. `--stroke 4g` is from peak to peak,
+an amplitude of 2 g."""
 STATUSES = """\
 Every cell has one status. [Chapter 7 of the theory](../theory/07-special-cases.md) says when each occurs."""
 EXIT_CODES = """\
@@ -98,7 +101,6 @@ def _units() -> list[str]:
     """Make a row a kind of unit: what takes it, the unit outside, and all that a number may carry."""
     takers = [(q.kind, q.label) for q in QUANTITIES.values() if q.kind.sizes and q.name not in HARMONIC]
     takers += [(SPEED, "speeds"), (MASS.kind, "mass"), (TIME, "durations")]
-    takers += [(IN_GRAVITIES, "acceleration of a drive, over gravity")]
     kinds = {kind.unit: kind for kind, _ in takers}
     return [
         f"| {', '.join(label for kind, label in takers if kind.unit == unit)} | `{unit}`"
@@ -127,7 +129,7 @@ def _columns() -> list[list[str]]:
             q.meaning,
         )
         for q in QUANTITIES.values()
-        if q.name not in HIGHER
+        if q.name not in HIGHER and q.column != ACCELERATION.column  # which the results have
     ]
     inputs.append(MOTION)
     results = []

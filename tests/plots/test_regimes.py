@@ -15,7 +15,7 @@ from vibro.core.codes import is_answered
 from vibro.plots import map_figures
 from vibro.plots.style import CURVES, REGIME_COLOURS
 from vibro.plots.view import choose_view
-from vibro.quantities import scene_fields
+from vibro.quantities import scene_fields, with_amplitude
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ def test_critical_curves_are_exact(pictures: dict[str, Figure], nut: SweepResult
     {"amplitude": "0.1:3", "trough_angle": "-25:25"},
     {"drive_angle": "1:60", "frequency": "5:60:log"},
     {"amplitude": 1.5, "static_friction": "0.1:1", "friction_ratio": "0.01:1"},
+    {"acceleration": "0.3:5", "frequency": "5:60"},
+    {"drive_speed": "20:300", "frequency": "5:60:log"},
 ], ids=str)  # fmt: skip
 def test_colours_agree_with_the_solver_anywhere(changes: dict[str, Any]) -> None:
     result = sweep(**changes)
@@ -51,7 +53,7 @@ def test_colours_agree_with_the_solver_anywhere(changes: dict[str, Any]) -> None
     x, y = rng.uniform(*axes.get_xlim(), 1500), rng.uniform(*axes.get_ylim(), 1500)
     view = choose_view(result.axes)
     assert view.y is not None
-    values: dict[str, Any] = {**result.fixed, view.x.name: x, view.y.name: y}
+    values = with_amplitude({**result.fixed, view.x.name: x, view.y.name: y})
     scene = Scene(**scene_fields(values))
     limits, cycle = critical_loads(scene), solve(scene)
     load = values["amplitude"] * 1e-3 * (2 * math.pi * values["frequency"]) ** 2 / GRAVITY

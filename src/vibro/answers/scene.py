@@ -29,7 +29,7 @@ from vibro.errors import VibroError
 from vibro.limits import HOP, LOADS, MOTIONS, transitions
 from vibro.motion.attractors import attractors
 from vibro.motion.settled import cycle_phases
-from vibro.quantities import QUANTITIES, SCALE, SIZES, as_given, scene_fields
+from vibro.quantities import QUANTITIES, RATES, SCALE, SIZES, as_given, scene_fields, with_amplitude
 from vibro.results.operating import OPERATING, bent
 from vibro.scene import Scene
 from vibro.steady import LEAST_DIFFERENCE
@@ -258,7 +258,12 @@ class OneScene:
     @property
     def frequency_counts(self) -> bool:
         """Whether the frequency changes the accelerations, and the amplitude stays as it is."""
-        return not isinstance(self.scene.motion, PiecewiseMotion) and OPERATING not in self.block.values
+        return not (isinstance(self.scene.motion, PiecewiseMotion) or self.frequency_moves)
+
+    @property
+    def frequency_moves(self) -> bool:
+        """Whether the amplitude changes with the frequency: of a machine, or at a given acceleration."""
+        return OPERATING in self.block.values or not RATES.keys().isdisjoint(self.given)
 
 
 def scene_answer(
@@ -588,7 +593,7 @@ def _sensitivities(one: OneScene) -> Table:
     columns = [_HEADS[name] for name in ("input", "speed", "change", "then")]
     rows = []
     for cell, name in enumerate(names, 1):
-        if name == "frequency" and OPERATING in one.block.values:  # with which a machine's amplitude changes
+        if name == "frequency" and one.frequency_moves:
             continue
         step = _SAYS[_STEPS.get(name, "turned" if name.endswith("_deg") else "more")]
         own = one.size[0] if name in ("amplitude", "drive") else QUANTITIES[name.removesuffix("_deg")].label
@@ -638,6 +643,7 @@ def scene_text(scene: Scene, given: Mapping[str, float]) -> str:
 
 def scene_record(request: Request) -> dict[str, Any]:
     """Return the quantities of a request by their columns, as given, with its motion or machine."""
-    given: dict[str, Any] = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
+    values = with_amplitude({name: spec.value for name, spec in request.specs.items()})
+    given: dict[str, Any] = {QUANTITIES[name].column: value for name, value in values.items()}
     moved = {} if request.motion is None else {"motion": dict(request.motion.table)}
     return given | moved | ({} if request.machine is None else {"machine": dict(request.machine.table)})

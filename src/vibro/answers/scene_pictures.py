@@ -13,7 +13,7 @@ from vibro.errors import VibroError
 from vibro.motion.histories import simulate, trace
 from vibro.plots import map_figures
 from vibro.plots.history import choose_panels, history_figure
-from vibro.quantities import SCALE, SWEPT
+from vibro.quantities import RATES, SCALE, SWEPT
 from vibro.sweeps.run import sweep_picture
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ _AROUND: Final = (0.25, 2.5)  # [1] ends of the map's axes over the scene's own 
 _CYCLES: Final = 3.0  # of the drive that are drawn
 _FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
 _SAMPLES: Final = 200  # a cycle
-_SIZES: Final = ("setting", "amplitude", "along_amplitude", "normal_amplitude", SCALE)
+_SIZES: Final = ("setting", "amplitude", *RATES, "along_amplitude", "normal_amplitude", SCALE)
 
 
 def scene_pictures(request: Request, grid: Grid, one: OneScene) -> dict[str, Figure]:

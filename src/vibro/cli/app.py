@@ -27,14 +27,14 @@ from vibro.cli.forms import HISTORIES, MAPS, TABLES
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.measure import FORMS, measure_command
-from vibro.cli.options import SHOW_VERSION, option, shares_options
+from vibro.cli.options import IN_ITS_UNIT, SHOW_VERSION, option, shares_options
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import STARTS, simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
 from vibro.errors import FileError, InputError, VibroError
 from vibro.interrupts import end_on_signals, ignore_signals
-from vibro.quantities import TROUGH_MASS, find_quantity
+from vibro.quantities import RATES, TROUGH_MASS, find_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -153,6 +153,8 @@ def _hint_of_option(option: str, argv: Sequence[str]) -> str:
         return _GONE[option]
     called = option.lstrip("-").replace("-", "_")
     own = (quantity for quantity in (*STARTS, TROUGH_MASS) if quantity.name == called)
+    if called in RATES:
+        return IN_ITS_UNIT
     if quantity := find_quantity(option) or next(own, None):
         if not quantity.typed().startswith(option):
             return f"write it as {quantity.typed()}"

@@ -243,7 +243,7 @@ def _measured_trough(
         return read_request(filled, without_machine=_NO_MACHINE, measured=measured)
 
     others = _others(with_drive(_ANY_DRIVE, {*MEASURED}))
-    own = {name: spec.values[0] for name, spec in scene.items() if name in MEASURED}
+    own = {name: spec.values[0] for name, spec in scene.items() if spec.quantity.name in MEASURED}
     own |= {name: checked_number(text, QUANTITIES[name]) for name, text in typed.items()}
     found = trough_drive(
         record,

@@ -16,7 +16,7 @@ from vibro.cli.console import Console
 from vibro.cli.forms import SERIES
 from vibro.core.codes import Output
 from vibro.errors import InputError, cut, did_you_mean, shown
-from vibro.quantities import QUANTITIES, find_quantity
+from vibro.quantities import QUANTITIES, RATES, find_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
@@ -158,6 +158,8 @@ class Options:
 
 
 _OF_ANSWER: Final = ("json", "decimal_comma")
+#: Hint where somebody names the acceleration, or the speed, of a drive.
+IN_ITS_UNIT: Final = "give the amplitude this unit: -A 4g, -A 110mm/s or -A '110mm/s rms'"
 _NAMED: Final = re.compile(r"([A-Za-z_][\w -]*?)\s*=\s*(.*)", re.DOTALL)
 _NUMBER: Final = re.compile(r"[+\N{MINUS SIGN}-]?\.?[0-9][0-9.,:eE+-]*\s*[\w/%\N{DEGREE SIGN}^ ]*")
 
@@ -195,9 +197,10 @@ def read_arguments(
         if not is_there and (found := _NAMED.fullmatch(text)):
             quantity = _own(found[1], more) or find_quantity(found[1])
             if quantity is None or not quantity.options:
-                names = [q.column for q in (*QUANTITIES.values(), *more.values())]
+                names = [q.column for q in (*QUANTITIES.values(), *more.values()) if q.options]
                 hint = did_you_mean(found[1], names) or "--help-all lists the quantities"
                 hint = f"write --{found[1]} {found[2]}" if f"--{found[1]}" in options else hint
+                hint = IN_ITS_UNIT if quantity and quantity.name in RATES else hint
                 raise InputError(f"{cut(text)}: {shown(found[1])} is no quantity", hint=hint)
             given.append((quantity, found[2]))
         else:
@@ -232,7 +235,7 @@ def _refuse_slip(text: str) -> None:
             f"{cut(text)}: a value without its option, such as -A or gravity=",
             hint="a number and its unit are one word, -A 1mm; in PowerShell quote a list, -A '1,2,3'",
         )
-    if quantity := find_quantity(text):
+    if (quantity := find_quantity(text)) and quantity.options:
         raise InputError(
             f"{text}: {quantity.label} without its value",
             hint=f"write {quantity.typed()}; several names are one word, such as mu_s,mu_d",

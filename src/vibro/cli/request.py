@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.errors import InputError, cut, shown
 from vibro.files.scene_files import read_scene_file
-from vibro.quantities import QUANTITIES, STANDS_FOR, Quantity, exact_number
-from vibro.sweeps.request import gather
+from vibro.quantities import QUANTITIES, RATES, STANDS_FOR, Quantity, exact_number
+from vibro.sweeps.request import amplitude_ends, gather
 from vibro.sweeps.whole import Inputs
 
 if TYPE_CHECKING:
@@ -118,6 +118,14 @@ def read_request(
         if "," in text and name in request.specs and not request.specs[name].varies:  # a decimal comma
             quantity = QUANTITIES[name]
             options.console.echo(f"{quantity.label}: {quantity.text(request.specs[name].value)}")
+    for name in RATES.keys() & request.specs.keys() - {*request.varying}:
+        frequencies = [float(request.specs["frequency"].values[i]) for i in (-1, 0)]
+        found, at = (
+            " ... ".join(dict.fromkeys(f"{x:.4g}" for x in ends))
+            for ends in (amplitude_ends(request.specs), frequencies)
+        )
+        given = f"{request.specs[name].value:.6g} {QUANTITIES[name].unit}"
+        options.console.echo(f"amplitude {given} ({found} mm at {at} Hz)")
     return request
 
 

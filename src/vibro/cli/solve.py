@@ -49,7 +49,7 @@ def solve_command(
     from vibro.cli.answer import Run, answer_cells, answer_one
     from vibro.cli.request import request_of
     from vibro.cli.unknowns import begins, sought, target
-    from vibro.quantities import QUANTITIES, STAND_RATIO, checked_number
+    from vibro.quantities import QUANTITIES, RATES, STAND_RATIO, STANDS_FOR, checked_number
     from vibro.sweeps.columns import table_columns
     from vibro.sweeps.derived import (
         WITH_ACCELERATION,
@@ -97,7 +97,9 @@ def solve_command(
         return answer_one(runs[0], options, "vibro-solve", every=every)
     if (size := sum(run.grid.size for run in runs)) > _MOST_CELLS:
         axis = next(iter(runs[0].grid.axes.values()))
-        fewer = QUANTITIES[axis.name].typed(f"{axis.values[0]:g}:{axis.values[-1]:g}:10")
+        unit = axis.unit if axis.name in RATES else ""
+        option = QUANTITIES[STANDS_FOR.get(axis.name, axis.name)]
+        fewer = option.typed(f"{axis.values[0]:g}{unit}:{axis.values[-1]:g}{unit}:10")
         raise InputError(
             f"{size} scenes: at most {_MOST_CELLS} are listed",
             hint=f"give fewer, such as {fewer}, or use vibro map",

@@ -12,16 +12,18 @@ from vibro.cli.request import request_of
 from vibro.errors import InputError
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import (
+    AMPLITUDES,
     DURATION,
     LEAST_SPEED,
     LOAD,
     QUANTITIES,
+    RATES,
     SCALE,
-    SIZES,
     STANDS_FOR,
     checked_number,
     exact_number,
     given_unit,
+    quantity_meant,
 )
 
 if TYPE_CHECKING:
@@ -65,7 +67,7 @@ class _Known(NamedTuple):
     def missing(self) -> set[str]:
         """What is not given of a line's amplitude and angle, of the frequency, and of friction."""
         moves = self.file.motion is not None or self.file.machine is not None
-        is_line = not moves and self.slots.isdisjoint({*SIZES} - {"stroke", "amplitude"})
+        is_line = not moves and self.slots.isdisjoint({*AMPLITUDES} - {"amplitude"})
         needed = {"frequency", *_PAIR, *(("amplitude",) if is_line else ())}
         return (needed | ({"drive_angle"} if is_line else set())) - self.slots
 
@@ -81,12 +83,16 @@ def sought(options: Options) -> str:
         return ""
     known = _Known.of(options)
     missing, machine, motion = known.missing, known.file.machine, known.file.motion
+    own = {name: spec.quantity for name, spec in known.file.scene.items()}
+    own |= {name: quantity_meant((text,), QUANTITIES[name]) for name, text in options.given.items()}
+    sizes = [q.name for name, q in own.items() if STANDS_FOR.get(name, name) == "amplitude"]
     has_list = any({",", ":"} & {*text} for text in options.given.values())
     if has_list or ("filling" in known.typed and machine is None):
         return ""
     if "static_friction" in known.frictions and missing <= _PAIR:
         return "friction"
-    if missing == {"amplitude"} or (missing == {"frequency"} and machine is None and motion is None):
+    is_free = machine is None and motion is None and RATES.keys().isdisjoint(sizes[-1:])
+    if missing == {"amplitude"} or (missing == {"frequency"} and is_free):
         return missing.pop()
     return ""
 

@@ -6,7 +6,7 @@ import math
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from vibro.quantities import LINEAR, MACHINE, QUANTITIES, SCALE, SWEPT
+from vibro.quantities import LINEAR, MACHINE, QUANTITIES, RATES, SCALE, SWEPT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -86,7 +86,7 @@ CONTROLS: Final = {
     "trough_length": Control(50.0, 5000.0, 10.0),
     "gravity": Control(1.0, 20.0, 0.01),
 }
-assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
+assert set(SWEPT) - RATES.keys() <= set(CONTROLS) <= set(QUANTITIES)
 
 #: Quantities that may be given as bands.
 BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio", "restitution")

@@ -28,7 +28,16 @@ from vibro.files.descriptions import EXAMPLES
 from vibro.files.motions import GivenMotion
 from vibro.files.scene_files import SceneFile
 from vibro.plots.style import visible
-from vibro.quantities import AMPLITUDES, DEFAULTS, MACHINE, QUANTITIES, SCALE, kinetic_friction
+from vibro.quantities import (
+    AMPLITUDES,
+    DEFAULTS,
+    MACHINE,
+    QUANTITIES,
+    RATES,
+    SCALE,
+    kinetic_friction,
+    with_amplitude,
+)
 from vibro.scene import check_single
 from vibro.sweeps.request import RANGES, Request
 
@@ -173,12 +182,13 @@ def _start_of(request: Request) -> _Start:
     point = request.fixed | ({} if request.length is None else {"trough_length": request.length})
     if not point.get("along_phase"):  # where phases are counted from
         point.pop("along_phase", None)
-    names = [n for n in (*request.drive, "normal_acceleration") if n in {*point, *request.varying}]
     for name in request.varying:
         values, usual = request.axes()[name].values, QUANTITIES[name].default
         if usual is None or not values[0] <= usual <= values[-1]:
             usual = float(values[len(values) // 2])
         point[name] = request.own.get(name, usual)
+    point = {name: value for name, value in with_amplitude(point).items() if name not in RATES}
+    names = [name for name in (*request.drive, "normal_acceleration") if name in point]
     if "friction_ratio" in point:
         mu_d = float(kinetic_friction(point.pop("friction_ratio"), point["static_friction"]))
         own = request.own if "friction_ratio" in request.varying else {}

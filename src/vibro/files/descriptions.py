@@ -54,7 +54,7 @@ _FORMS: Final = form.FORMS | {name: form.one_of(words) for name, words in _WORDS
 _RANGES: Final = {
     "finite": Range(), "> 0": POSITIVE, ">= 0": ZERO_OR_MORE, ">= 1": replace(POSITIVE, low=1.0)
 }  # fmt: skip
-_BY_KEY: Final = {quantity.column: quantity for quantity in QUANTITIES.values()}
+_BY_KEY: Final = {q.column: q for q in QUANTITIES.values() if q.name not in quantities.RATES}
 _SUFFIXES: Final = {kind.suffix: kind for kind in vars(units).values() if isinstance(kind, units.Kind)}
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.axes import axis_of, one_value_of, parse_axis
+from vibro.axes import drive_axis_of, one_value_of, parse_axis
 from vibro.drives import LEAST_SAMPLES, MOST_PIECES
 from vibro.errors import MOST_LISTED, InputError, Problems, did_you_mean, shown
 from vibro.quantities import MOST_HARMONICS, QUANTITIES, STANDS_FOR, SWEPT, exact_number
@@ -249,12 +249,13 @@ def _in_unit(word: object, known: Sequence[str]) -> str:
 
 
 def _axis(quantity: Quantity, value: Any) -> AxisSpec:
-    return axis_of(value, quantity)
+    return drive_axis_of(value, quantity)
 
 
 def _one(quantity: Quantity, value: Any) -> AxisSpec:
     """Read an axis of one value."""
-    spec = one_value_of(value, quantity) if type(value) in (int, float, str, list) else None
+    is_value = type(value) in (int, float, str, list)
+    spec = drive_axis_of(value, quantity, one_value_of) if is_value else None
     if spec is None or spec.varies:
         is_swept = STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
         axes = "; axes belong in the table [map]" if is_swept else ""

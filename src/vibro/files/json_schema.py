@@ -11,10 +11,13 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from vibro.quantities import QUANTITIES, RATES, STANDS_FOR
+
 if TYPE_CHECKING:
     from vibro.files.descriptions import FileKind
     from vibro.files.entries import Entry, TableKind
     from vibro.quantities import Quantity
+    from vibro.units import Kind
 
 #: Version of the schemas; it rises when files that were valid become invalid.
 VERSION: Final = 1
@@ -76,7 +79,10 @@ def _ways(entry: Entry) -> list[Schema]:
     form, quantity = entry.form, entry.quantity
     if form.table:
         return _tables(form.table, _table(form.table))
-    text = _number_text(quantity)
+    kinds = [quantity.kind]
+    if {"single", "axis"} & {*form.spellings} and STANDS_FOR.get(quantity.name, quantity.name) == "amplitude":
+        kinds += [QUANTITIES[name].kind for name in RATES]
+    text = _number_text(*kinds)
     texts = {
         "text": text,
         "ends": rf"{text}\s*:\s*{text}",
@@ -102,7 +108,7 @@ def _rows(entry: Entry) -> Schema:
     """Return the schema of a list of numbers, or of rows of them, with or without units."""
     (least, most), kinds = entry.form.rows, entry.form.columns or (entry.quantity.kind,)
     columns = [
-        {"anyOf": [_bounded(quantity), _matching([_number_text(quantity)])]}
+        {"anyOf": [_bounded(quantity), _matching([_number_text(quantity.kind)])]}
         for quantity in (replace(entry.quantity, kind=kind) for kind in kinds)
     ]
     row = {"type": "array", "prefixItems": columns, "items": False, "minItems": len(columns)}
@@ -125,9 +131,9 @@ def _bounded(quantity: Quantity) -> Schema:
     return schema
 
 
-def _number_text(quantity: Quantity) -> str:
+def _number_text(*kinds: Kind) -> str:
     """Return the pattern of a number that may carry a unit."""
-    units = "|".join(_folded(unit) for unit in quantity.kind.sizes)
+    units = "|".join(_folded(unit) for kind in kinds for unit in kind.units)
     return rf"{_DIGITS}(?:\s*(?:{units}))?" if units else _DIGITS
 
 

@@ -2,8 +2,9 @@
 
 A regime begins where the load G passes a critical one, so ``ln(G / G_critical)`` is a smooth function of the
 drawn quantities whose zero line is the boundary, between the grid's points too. Amplitude and frequency enter
-it through ln A + 2 ln f: contoured over their logarithms it is exact to rounding. The amplitudes of an
-ellipse change its critical loads too, and may be 0: over them it is contoured without a logarithm.
+it through ln A + 2 ln f, or ln v + ln f, or ln a: contoured over their logarithms it is exact to rounding.
+The amplitudes of an ellipse change its critical loads too, and may be 0: over them it is contoured without a
+logarithm.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.plots import style
 from vibro.plots.neighbours import dilate, erode, fill_unknown
-from vibro.quantities import scene_fields
+from vibro.quantities import RATES, scene_fields
 from vibro.results.steady import MINORITY
 from vibro.scene import Scene
 
@@ -56,7 +57,7 @@ _SMOOTH_AROUND: Final = 5
 _SEEN: Final = 0.01  # of the side of the map
 
 # The load grows with these quantities of the drive only.
-_LOADING: Final = ("amplitude", "stroke", "frequency", "setting", "voltage")
+_LOADING: Final = ("amplitude", "stroke", *RATES, "frequency", "setting", "voltage")
 
 _ROUNDING: Final = 1e-9  # of the largest speed: less counts as none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours

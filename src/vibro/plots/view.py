@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.errors import InputError
-from vibro.quantities import SIZES, as_given, kinetic_friction
+from vibro.quantities import SIZES, STANDS_FOR, as_given, kinetic_friction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -123,9 +123,9 @@ def choose_view(
         range here.
     x, y : str, optional
         Names of the axes to draw across and up; an amplitude may be called so where the axis is its stroke,
-        and the other way round, here and in ``at``. Without them x is the frequency and y the amplitude
-        where both are ranges, and no other amplitude is; else the first two ranges that are not held; of
-        discrete axes alone, x is the longest.
+        acceleration or speed, and the other way round; in ``at`` where it is its stroke. Without them x is
+        the frequency and y the amplitude where both are ranges, and no other amplitude is; else the first two
+        ranges that are not held; of discrete axes alone, x is the longest.
     at : mapping of str to float, optional
         Values, in the user's units, at which axes are held.
     fixed : mapping of str to float, optional
@@ -145,9 +145,8 @@ def choose_view(
         If a name is no axis of the sweep, or is used twice, a value is not one of its axis, or a discrete
         axis is asked for as an axis of a map.
     """
-    in_stroke = "stroke" in axes
-    x, y = (name and next(iter(as_given({name: 0.0}, in_stroke=in_stroke))) for name in (x, y))
-    at = as_given(at or {}, in_stroke=in_stroke)
+    x, y = (name and _called(name, axes) for name in (x, y))
+    at = as_given(at or {}, in_stroke="stroke" in axes)
     _check_names(axes, x, y, at)
     free = [name for name in axes if name not in at]
     if not free:
@@ -171,6 +170,13 @@ def choose_view(
     held |= _middles(axes, [name for name in axes if name in others], held, fixed or {})
     shown = np.round(np.linspace(0, len(facet) - 1, min(len(facet), MAX_FACETS))) if facet else [-1]
     return View(axes[x], axes[y] if y else None, curves, facet, tuple(map(int, shown)), held)
+
+
+def _called(name: str, axes: Mapping[str, Axis]) -> str:
+    """Return the name of the axis that gives what a name means: of an amplitude its stroke."""
+    meant = STANDS_FOR.get(name, name)
+    alike = (axis for axis in axes if STANDS_FOR.get(axis, axis) == meant)
+    return name if name in axes else next(alike, name)
 
 
 def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Mapping[str, float]) -> None:

@@ -18,7 +18,7 @@ from vibro.axes import AxisSpec, one_value_of
 from vibro.errors import InputError, cut, shown
 from vibro.files.points import MeasuredSpeeds, read_speeds
 from vibro.inverse_friction import USUAL_RATIO
-from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
+from vibro.quantities import QUANTITIES, RATES, STANDS_FOR, scene_fields
 from vibro.reals import shielded
 from vibro.records.fitting import merged
 from vibro.records.reading import TOL, rounded
@@ -658,6 +658,7 @@ def _next_point(rows: _Rows, region: Floats, error: float) -> NextPoint | None:
     Of rows with a single one, it lies between a half and one and a half times that.
     """
     size = "stroke" if "stroke" in rows.settings else "amplitude"
+    size = next((name for name in RATES if name in rows.request.fixed), size)
     given = rows.settings.get(size, np.atleast_1d(rows.request.fixed.get(size, np.nan)))
     if np.isnan(given).any():
         return None

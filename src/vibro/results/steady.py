@@ -325,7 +325,8 @@ STROKES: Final = Result(
 ACCELERATION: Final = Result(
     name="acceleration",
     column="acceleration_g",
-    meaning="peak acceleration of the drive over gravity: the load, which makers call the machine number",
+    meaning="peak acceleration of the drive over gravity: the load, which makers call the machine number;"
+    " as it was given, over 9.80665 m/s^2, of a drive in g",
     symbol=r"G=A\omega^2/g",
     kind=IN_GRAVITIES,
 )

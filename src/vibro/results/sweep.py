@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.quantities import QUANTITIES, SIZES, scene_fields
+from vibro.quantities import QUANTITIES, RATES, SIZES, scene_fields
 from vibro.scene import Scene
 from vibro.units import SPEED
 
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
 
 
-# The load grows with the first three; critical loads depend on none of these.
-_LAST_MOVES_FIRST: Final = ("amplitude", "stroke", "frequency", "restitution")
+# The load falls with none of these; critical loads depend on none.
+_LAST_MOVES_FIRST: Final = ("amplitude", "stroke", *RATES, "frequency", "restitution")
 _SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 _WAYS: Final = {"fastest": 1.0, "fastest_backwards": -1.0}
 
@@ -246,8 +245,8 @@ def where_motion_begins(
     -------
     str
         The amplitude at the frequency of the body that is nearest to moving, and the frequency at its
-        amplitude; of an ellipse the factor of both amplitudes, which grow together; of a drive with harmonics
-        neither.
+        amplitude, or the acceleration; of an ellipse the factor of both amplitudes, which grow together; of a
+        drive with harmonics neither.
     """
     if limits is None or {*axes, *fixed}.isdisjoint(SIZES):  # amplitudes that follow from a machine
         return "at rest everywhere"
@@ -264,14 +263,16 @@ def where_motion_begins(
     if not passed > 0.0:
         return "at rest everywhere"
     here = {name: float(np.broadcast_to(value, ratio.shape)[nearest]) for name, value in values.items()}
-    amplitudes = [here[name] for name in SIZES if name in here]
-    frequency, fast = here["frequency"], here["frequency"] / math.sqrt(passed)
+    name, *others = (name for name in SIZES if name in here)
+    power = 2 - RATES.get(name, 0)  # of the frequency, with which the load grows
+    frequency, fast = here["frequency"], here["frequency"] * passed ** (-1.0 / power if power else 0.0)
     begins = "at rest everywhere: motion begins at"
-    if len(amplitudes) > 1:
+    if others:
         return f"{begins} {fast:.4g} Hz, or at {frequency:.4g} Hz with {1.0 / passed:.4g} x both amplitudes"
-    (given,) = amplitudes
-    what = " stroke" if "stroke" in here else ""
+    given, unit = here[name], QUANTITIES[name].unit + " stroke" * (name == "stroke")
+    if not power:
+        return f"{begins} {given / passed:.4g} {unit}"
     return (
-        f"{begins} {given / passed:.4g} mm{what} with {frequency:.4g} Hz,"
-        f" or at {fast:.4g} Hz with {given:.4g} mm{what}"
+        f"{begins} {given / passed:.4g} {unit} with {frequency:.4g} Hz,"
+        f" or at {fast:.4g} Hz with {given:.4g} {unit}"
     )

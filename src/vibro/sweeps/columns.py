@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.arrow_arrays import number_array, text_array
-from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, SWEPT
+from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, MACHINE, QUANTITIES, RATES, SIZES, SWEPT
 from vibro.results.operating import MACHINE_RESULTS, OPERATING
 from vibro.results.steady import RESULTS, Result
 from vibro.results.sweep import Block, Column
@@ -73,9 +73,9 @@ def _operating(result: Result, block: Block) -> NDArray[Any]:
     return np.asarray(result.kind.from_si(found) if result.is_number else found)
 
 
-_WHERE_SWEPT: Final = (*MACHINE, "friction_ratio", "normal_acceleration", "restitution")
+_WHERE_GIVEN: Final = (*MACHINE, *RATES, "friction_ratio", "normal_acceleration", "restitution")
 # Inputs that do not follow from a machine, which may have no answer; without nulls they are written faster.
-_ALWAYS_KNOWN: Final = {QUANTITIES[name].column for name in SWEPT if name not in (*DRIVES, *MACHINE)}
+_ALWAYS_KNOWN: Final = {QUANTITIES[name].column for name in SWEPT if name not in (*DRIVES, *SIZES, *MACHINE)}
 # What a table was made with, by the names of ``Grid.made_with``.
 _MADE_WITH: Final = {"restitution": _given("restitution"), "trough_length": WITH_LENGTH}
 # Columns that every table can have, but has only on request or, of those above, where they matter.
@@ -99,9 +99,9 @@ def columns_of(
     ----------
     axes : collection of str
         Names of the axes: friction ratio, normal acceleration and restitution have a column among the inputs
-        only if they are swept.
+        only if they are swept; and of the speed or the acceleration that gives the amplitude.
     *extra : Column
-        Further columns of this table, before ``model``.
+        Further columns of this table, before ``model``, unless they are among these.
     drive : collection of str
         Names of the drive's quantities.
     made_with : collection of str
@@ -111,7 +111,7 @@ def columns_of(
     of_starts : bool
         Whether bodies from many starts are followed.
     """
-    left_out = {*DRIVES, *_WHERE_SWEPT}.difference(axes, drive)
+    left_out = {*DRIVES, *_WHERE_GIVEN}.difference(axes, drive)
     given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]
     columns: list[Column] = []
     for result in RESULTS:
@@ -119,7 +119,7 @@ def columns_of(
             continue
         columns += [_MADE_WITH[name] for name in made_with] if result.name == "flight_fraction" else []
         if result.name == "model_code":
-            columns += extra
+            columns += [column for column in extra if column.name not in {one.name for one in given}]
             columns += _of_machine(axes) if machine else []
         columns.append(column_of(result, partial(_found, result)))
         columns += [TRAVERSE] if result.name == "peak_velocity" else []
@@ -136,8 +136,9 @@ def table_columns(
     grid: Grid, names: Sequence[str] | None = None, extra: Iterable[Column] = ()
 ) -> tuple[Column, ...]:
     """Return the columns of a grid's table: those named, or the usual ones with further ones."""
+    axes = {*grid.axes, *(RATES.keys() & grid.fixed.keys())}
     usual = columns_of(
-        grid.axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None,
+        axes, *extra, drive=grid.drive, made_with=grid.made_with, machine=grid.machine is not None,
         of_starts=grid.starts is not None,
     )  # fmt: skip
     return usual if names is None else chosen(names, usual)
@@ -188,7 +189,8 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     InputError
         If there is no such column, or one is named twice.
     """
-    known = {column.name: column for column in (*columns, *_ON_REQUEST)}
+    known = {column.name: column for column in columns}
+    known |= {column.name: column for column in _ON_REQUEST if column.name not in known}
     if MACHINE_RESULTS[0].column in known:
         known[WITH_BENT_SPEED.name] = WITH_BENT_SPEED
     inputs, results = (", ".join(name for name in known if (name in BY_COLUMN) is of) for of in (True, False))

@@ -96,6 +96,8 @@ def _known(block: Block) -> Any:
 
 
 def _acceleration(block: Block) -> Floats:
+    if "acceleration" in block.values:  # as it was given, in units of the standard gravity
+        return block.values["acceleration"]
     return np.where(_known(block), scene_of(block.values).load, np.nan)
 
 

@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Output
-from vibro.quantities import LINEAR, QUANTITIES, as_given, drive_of, kinetic_friction, scene_fields
+from vibro.quantities import (
+    LINEAR,
+    QUANTITIES,
+    RATES,
+    STANDS_FOR,
+    as_given,
+    drive_of,
+    kinetic_friction,
+    millimetres,
+    scene_fields,
+    with_amplitude,
+)
 from vibro.results.operating import OPERATING
 from vibro.results.sweep import cell_values
 from vibro.scene import Scene
@@ -127,9 +138,10 @@ class Grid:
         Returns
         -------
         dict of str to array
-            By name; broadcastable to the box's shape. The kinetic friction is always among them, and the
-            motion is under ``motion``, an array of one object. With a machine the amplitude found is among
-            them, NaN where there is none, and under ``OPERATING`` its other results.
+            By name; broadcastable to the box's shape. The amplitude of a line and the kinetic friction are
+            always among them, whatever gives them, and the motion is under ``motion``, an array of one
+            object. With a machine the amplitude found is among them, NaN where there is none, and under
+            ``OPERATING`` its other results.
         """
         return self._completed(cell_values(self.axes, self.fixed, box))
 
@@ -203,11 +215,16 @@ class Grid:
 
     def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
         """Return the scene's value of every axis; None unless it gives all and is otherwise the same."""
-        if own is None or not self.axes.keys() <= own.keys():
+        here = with_amplitude(own or {})
+        for name in RATES.keys() & self.axes.keys() - here.keys():
+            if {"amplitude", "frequency"} <= here.keys():
+                here[name] = here["amplitude"] / millimetres(name, here["frequency"])
+        if own is None or not self.axes.keys() <= here.keys():
             return None
-        others = {name: value for name, value in own.items() if name not in (*self.axes, "trough_length")}
+        varying = {"trough_length", *(STANDS_FOR.get(name, name) for name in self.axes)}
+        others = {name: value for name, value in own.items() if STANDS_FOR.get(name, name) not in varying}
         elsewhere = any(self.fixed.get(name) != value for name, value in others.items())
-        return None if elsewhere else {name: own[name] for name in self.axes}
+        return None if elsewhere else {name: here[name] for name in self.axes}
 
     def describe(self, *, every_value: bool = False) -> dict[str, Any]:
         """Describe the grid: fixed quantities and axes, by their columns.
@@ -233,7 +250,8 @@ class Grid:
         return {"scene": scene, **motion, "axes": axes, **given}
 
     def _completed(self, values: dict[str, Any]) -> dict[str, Any]:
-        """Add the kinetic friction, where its ratio to the static one is given, and what the drive does."""
+        """Add what follows: amplitude, kinetic friction where its ratio is given, and what the drive does."""
+        values = with_amplitude(values)
         if "friction_ratio" in values:
             values["kinetic_friction"] = kinetic_friction(values["friction_ratio"], values["static_friction"])
         if self.motion is not None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
-from vibro.axes import AxisSpec, axis_of, default_count, one_value_of
+from vibro.axes import AxisSpec, axis_of, default_count, drive_axis_of, one_value_of
 from vibro.core.codes import Output
 from vibro.errors import Problems, argument, shown
 from vibro.files.descriptions import EXAMPLES
@@ -22,6 +22,7 @@ from vibro.quantities import (
     LOAD,
     MACHINE,
     QUANTITIES,
+    RATES,
     SCALE,
     SIZES,
     STANDS_FOR,
@@ -29,6 +30,7 @@ from vibro.quantities import (
     TWO_AXIS,
     as_given,
     drive_of,
+    millimetres,
     of_part,
     scene_fields,
 )
@@ -58,6 +60,8 @@ _REQUIRED: Final = (
     "frequency", "drive_angle", "static_friction", "kinetic_friction",
 )  # fmt: skip
 Specs = dict[str, AxisSpec]
+# An amplitude that follows from an acceleration or a speed.
+_FOLLOWS: Final = replace(QUANTITIES["amplitude"], slips=("is the frequency right?",) * 2)
 
 
 class Caller(Protocol):
@@ -155,8 +159,10 @@ class Request:
             for i in (0, -1)
         )
         doubts = {name: QUANTITIES[name].doubt(value, last[name]) for name, value in first.items()}
+        if not RATES.keys().isdisjoint(first) and not doubts["frequency"]:
+            doubts["amplitude"] = _FOLLOWS.doubt(*amplitude_ends(self.specs))
         explained = any(doubts.get(name) for name in (*SIZES, "frequency", "gravity"))
-        if not explained and LOAD.name not in found:
+        if not explained and LOAD.name not in {*found, *first}:
             doubts[LOAD.name] = self._doubted_load()
         doubts |= dict.fromkeys(found, "")
         if self.machine is not None:
@@ -176,13 +182,10 @@ class Request:
 
     def _short_trough(self) -> str:
         """Question a trough that is shorter than the largest stroke: people may expect metres."""
-        amplitude = self.specs.get("amplitude", self.specs.get("along_amplitude"))
-        if self.length is None or amplitude is None:
+        ends = amplitude_ends(self.specs)
+        if self.length is None or not ends or self.length >= 2 * ends[1]:
             return ""
-        stroke = 2 * amplitude.values[-1]
-        if self.length >= stroke:
-            return ""
-        largest = "largest " if amplitude.varies else ""
+        stroke, largest = 2 * ends[1], "largest " if ends[0] < ends[1] else ""
         return SHORT_TROUGH.format(
             length=f"{self.length:.15g}", largest=largest, stroke=f"{float(stroke):.15g}"
         )
@@ -218,6 +221,16 @@ class Request:
             machine=self.machine,
             **how,
         )
+
+
+def amplitude_ends(specs: Mapping[str, AxisSpec]) -> tuple[float, float] | tuple[()]:
+    """Return the least and the largest amplitude along a line, or along the trough [mm]; none of others."""
+    name = next((name for name in ("amplitude", *RATES, "along_amplitude") if name in specs), "")
+    if not name:
+        return ()
+    frequencies = specs["frequency"].values[:: len(specs["frequency"].values) - 1 or 1]
+    factors = [millimetres(name, float(f)) if name in RATES else 1 for f in frequencies]
+    return float(specs[name].values[0] * min(factors)), float(specs[name].values[-1] * max(factors))
 
 
 class _Problems(Problems):
@@ -327,6 +340,7 @@ def gather(
 
     for slot in merged:
         _check_values(slot, merged, caller, takes_axes, problems)
+    _check_amplitude(merged, problems)
     _check_combinations(merged, problems)
     _check_clamped(drive, merged, caller, problems)
     needless = {*ranges, *asked_for, *unused}
@@ -393,7 +407,7 @@ def _check_line(drive: tuple[str, ...], layers: Sequence[tuple[str, Specs]], pro
             label = specs["amplitude"].quantity.label
             problems.add(
                 f"{source} gives the {label} beside [machine], from which the amplitude follows",
-                "leave it out, or the table [machine]",
+                "leave it out, or the table [machine]; a machine's drive is set by setting=, in percent",
                 "amplitude",
             )
     if drive is not LINEAR:
@@ -409,7 +423,7 @@ def _understood(given: Mapping[str, object], problems: _Problems, *, takes_axes:
         with problems.taken(field=STANDS_FOR.get(name, name)):
             quantity = QUANTITIES[name]
             read = axis_of if takes_axes and STANDS_FOR.get(name, name) in SWEPT else one_value_of
-            specs[name] = read(value, quantity)
+            specs[name] = drive_axis_of(value, quantity, read)
     return specs
 
 
@@ -456,6 +470,21 @@ def _check_values(slot: str, specs: Specs, caller: Caller, takes_axes: bool, pro
     good = (quantity.swept if spec.varies else quantity).allows(quantity.to_si(values))
     for value in values[~good][:1]:
         problems.add(f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}", field=slot)
+
+
+def _check_amplitude(specs: Specs, problems: _Problems) -> None:
+    """Refuse a speed or an acceleration whose amplitude, at one of the frequencies, is beyond its range."""
+    spec, frequency = specs.get("amplitude"), specs.get("frequency")
+    if spec is None or frequency is None or not problems.slots.isdisjoint(("amplitude", "frequency")):
+        return
+    name, size = spec.quantity.name, QUANTITIES["amplitude"]
+    ends = amplitude_ends({name: spec, "frequency": frequency}) if name in RATES else ()
+    for i, end in enumerate(ends):
+        if not size.allows(size.to_si(end)):
+            at = f"{_text(spec, spec.values[-i])} at {frequency.quantity.text(frequency.values[i - 1])}"
+            allowed = size.allowed.text(size.unit)
+            problems.add(f"{at}: its amplitude, {size.text(end)}, must be {allowed}", field="amplitude")
+            return
 
 
 def _check_clamped(drive: tuple[str, ...], specs: Specs, caller: Caller, problems: _Problems) -> None:

@@ -15,7 +15,7 @@ from vibro.core.codes import Regime, Status
 from vibro.errors import FileError, InputError, how_to_install
 from vibro.plots.style import INK, REGIME_COLOURS, visible
 from vibro.plots.view import value_of
-from vibro.quantities import BY_COLUMN
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -161,8 +161,9 @@ class Xlsx:
         yield "command", shlex.join(map(str, record.get("argv", ())))
         yield "vibro", record.get("version", "")
         yield ("Scene",)
+        meanings = {quantity.column: quantity.meaning for quantity in QUANTITIES.values()}
         for column, value in record["scene"].items():
-            yield column, value, "", BY_COLUMN[column].meaning
+            yield column, value, "", meanings[column]
         for key, value in {**record.get("motion", {}), **record.get("part", {})}.items():
             yield key, json.dumps(value)
         yield ("Axes",)
