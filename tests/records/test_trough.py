@@ -16,6 +16,7 @@ from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Estimate, Observation, align
 from vibro.records.comparison import compare
 from vibro.records.reading import Record
+from vibro.records.sensors import Placement
 from vibro.records.trough import MeasuredDrive, MeasuredMotion, Sensor, motion_of, spelled
 
 TRUE = {"amplitude": 1.02e-3, "frequency": 15.003, "drive_angle": math.radians(20.5)}
@@ -277,6 +278,8 @@ def moved(*sizes: complex, errors: tuple[float, ...], frequency_error: float = 0
         p_values=np.zeros(1),
         significant=1,
         drive_angle=None,
+        drive_angle_error=0.0,
+        placement=Placement(np.eye(2), {}, 0.0, 0.0),
         clock=0.0,
         span=2.0,
         rows=1000,

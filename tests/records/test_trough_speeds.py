@@ -1,4 +1,4 @@
-"""What noise, calibration and the last harmonic make of the speed, against scenes made by hand."""
+"""What noise, sensors and the last harmonic make of the speed, against scenes made by hand."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from helpers.feeders import QUIET, feeder
 from helpers.made_records import trough_record
 
 import vibro
+from vibro.records.sensors import Mounting, SensorErrors
 from vibro.records.trough import Motions, change_by_harmonics, hop_onset, motion_of, speeds_of
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -43,36 +44,49 @@ def test_the_last_harmonic_is_left_out_alone() -> None:
     assert math.isnan(speeds_of(one, FRICTION, draws=2).last_harmonic)
 
 
-def test_errors_of_calibration_are_those_of_scenes_made_by_hand() -> None:
-    measured = motion_of(feeder(8).record(8))
+def test_errors_of_sensors_are_those_of_scenes_made_by_hand() -> None:
+    errors = SensorErrors(tilt=0.01, gain=0.02, cross=0.005, delay=2e-5)
+    measured = motion_of(feeder(8).record(8), Mounting(errors))
     x, y, rate = measured.along, measured.normal, math.tau * measured.frequency
-    one = math.radians(1.0)
 
-    def changed(along: Any, normal: Any) -> float:
-        motion = Motions(np.array(measured.frequency), along, normal)
-        return abs(speed(motion.drive()) - speed(measured.drive()))
+    def half(one: Any, other: Any) -> float:
+        more, less = (speed(Motions(np.array(measured.frequency), *way).drive()) for way in (one, other))
+        return 0.5 * (more - less)
 
-    late = np.exp(1j * np.arange(1, 4) * rate * 50e-6)
-    found = speeds_of(measured, FRICTION, draws=2).calibrations
-    assert found["gain"] == pytest.approx(max(changed(s * x, y) for s in (0.98, 1.02)), rel=1e-9) or found[
-        "gain"
-    ] == pytest.approx(max(changed(x, s * y) for s in (0.98, 1.02)), rel=1e-9)
-    turned = [
-        changed(math.cos(a) * x - math.sin(a) * y, math.sin(a) * x + math.cos(a) * y) for a in (one, -one)
-    ]
-    assert found["tilt"] == pytest.approx(max(turned), rel=1e-6)
-    assert found["delay"] == pytest.approx(max(changed(x, y * late), changed(x, y / late)), rel=1e-6)
+    late = np.exp(1j * np.arange(1, 4) * rate * 2e-5)
+    by_hand = {
+        "gain": [half((1.02 * x, y), (0.98 * x, y)), half((x, 1.02 * y), (x, 0.98 * y))],
+        "cross": [
+            half((x + 0.005 * y, y), (x - 0.005 * y, y)),
+            half((x, y + 0.005 * x), (x, y - 0.005 * x)),
+        ],
+        "tilt": [half((x - 0.01 * y, y + 0.01 * x), (x + 0.01 * y, y - 0.01 * x))],
+        "delay": [half((x, y * late), (x, y / late))],
+    }
+    found = speeds_of(measured, FRICTION, draws=200)
+    for kind, parts in by_hand.items():
+        assert found.parts[kind] == pytest.approx(float(np.linalg.norm(parts)), rel=0.03), kind
+    assert [*found.parts.values()] == sorted(found.parts.values(), reverse=True)
+    # All together are the error of the speed, as draws give it.
+    assert found.speed.error == pytest.approx(float(np.linalg.norm([*found.parts.values()])), rel=0.15)
 
 
-def test_one_sensor_has_one_gain_and_no_delay() -> None:
-    record = feeder(8).record(8, sensors=1)
-    measured = motion_of(record, drive_angle=0.4)
-    found = speeds_of(measured, FRICTION, draws=2).calibrations
-    assert found.keys() == {"gain", "tilt"}
-    more, less = (
-        speed(measured.motion.scaled(gain, gain).drive()) - speed(measured.drive()) for gain in (1.02, 0.98)
-    )
-    assert found["gain"] == pytest.approx(max(abs(more), abs(less)))
+def test_one_sensor_has_one_gain_and_the_error_of_its_line() -> None:
+    errors = SensorErrors(tilt=0.0, gain=0.02, cross=0.0, angle=0.01)
+    measured = motion_of(feeder(8).record(8, sensors=1), Mounting(errors), drive_angle=0.4)
+    found = speeds_of(measured, FRICTION, draws=2).parts
+    assert found.keys() == {"noise", "gain", "angle"}
+
+    def scaled(along: float, angle: float = 0.4) -> float:
+        x = along * measured.along
+        return speed(Motions(np.array(measured.frequency), x, math.tan(angle) * x).drive())
+
+    assert found["gain"] == pytest.approx(0.5 * abs(scaled(1.02) - scaled(0.98)), rel=1e-3)
+    assert found["angle"] == pytest.approx(0.5 * abs(scaled(1.0, 0.41) - scaled(1.0, 0.39)), rel=1e-9)
+    sizes = measured.drawn(2000)
+    slopes = abs(sizes.normal[0] / sizes.along[0])
+    assert np.std(np.arctan(slopes)) == pytest.approx(0.01, rel=0.06)
+    assert np.std(abs(sizes.along[0])) / abs(measured.along[0]) == pytest.approx(0.02, rel=0.06)
 
 
 def test_draws_in_two_regimes_are_shared_out() -> None:
@@ -125,7 +139,8 @@ def test_parts_begin_to_hop_at_the_amplitude_that_is_told() -> None:
     three = motion_of(feeder(8).record(8))
     onset = hop_onset(three, {})
     for factor, regime in ((1.001, vibro.Regime.HOPPING), (0.999, vibro.Regime.FORWARD_SLIP)):
-        grown = three.motion.scaled(*[factor * onset.growth.value] * 2)
+        size = factor * onset.growth.value
+        grown = replace(three.motion, along=size * three.along, normal=size * three.normal)
         hops = vibro.solve(vibro.Scene(**grown.drive(), **FRICTION)).regime == vibro.Regime.HOPPING
         assert hops == (regime is vibro.Regime.HOPPING)
     along = motion_of(trough_record(columns=("trough_along",), noise=0.05), drive_angle=0.0)
